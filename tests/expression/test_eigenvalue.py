@@ -20,7 +20,7 @@ from duhem.expression.parse import parse_expression
 from duhem.law.domain import POSITIVE
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import NEGATIVE
 from duhem.proof.kernel.term import parse
 
@@ -113,9 +113,9 @@ KERNEL = {
 @pytest.mark.parametrize("text", KERNEL)
 def test_the_kernel_knows_it_convex_in_its_entries(text: str) -> None:
     law = Criterion(name="x", g="a + b + c", forces=("a", "b", "c"), pressure=None)
-    found = facts(parse(text), over(stated(law_as_text(law))))
+    found = over(stated(law_as_text(law))).facts(parse(text))
     assert (found.defined, found.convex, found.concave) == KERNEL[text]
-    assert facts(parse("eigmax(-1, -2, -3, 0, 0, 0)"), over(stated(law_as_text(law)))).sign == NEGATIVE
+    assert over(stated(law_as_text(law))).facts(parse("eigmax(-1, -2, -3, 0, 0, 0)")).sign == NEGATIVE
 
 
 def _verdicts(g: str, **parameters: Domain) -> dict[str, tuple[str, str | None]]:

@@ -16,7 +16,7 @@ from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import NEGATIVE, ZERO, Bounds
 from duhem.proof.kernel.bounds import POSITIVE as ABOVE
 from duhem.proof.kernel.certificate import digest, recheck, stated
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.long import mostly_long
 
@@ -71,7 +71,7 @@ def test_the_kernel_reads_them() -> None:
     read = stated(law_as_text(law))
     domain = over(read)
     signs = {"sigma_n + 5": NEGATIVE | ZERO, "sigma_n + 100": ABOVE | ZERO, "sigma_n": NEGATIVE, "b + 1": NEGATIVE | ZERO | ABOVE}
-    assert {text: facts(parse(text), domain).sign for text in signs} == signs
+    assert {text: domain.facts(parse(text)).sign for text in signs} == signs
     assert dict(read.ranges) == {"sigma_n": Bounds(Fraction(-100), Fraction(-5)), "b": Bounds(Fraction(-1), Fraction(2))}
 
 

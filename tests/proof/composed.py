@@ -5,7 +5,7 @@ from __future__ import annotations
 from duhem import Criterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.shape import Facts
 from tests.oracles.prover.curvature import curvature
@@ -16,7 +16,7 @@ __all__ = ["by_kernel", "by_prover"]
 def by_kernel(criterion: Criterion) -> Facts:
     """The facts that the kernel shows of g as written."""
     stated = StatedLaw.read(law_as_text(criterion))
-    return facts(stated.g, over(stated))
+    return over(stated).facts(stated.g)
 
 
 def by_prover(criterion: Criterion) -> bool:

@@ -14,7 +14,7 @@ import pytest
 from duhem import Criterion
 from duhem.law.domain import POSITIVE, REAL, Domain
 from duhem.proof.certificate import law_as_text
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
 from tests.oracles import drawn_formulas
 from tests.proof.composed import by_kernel, by_prover
@@ -104,7 +104,7 @@ def test_chords_do_not_contradict_what_is_shown_of_drawn_laws(seed: int) -> None
     rng, shown = Random(seed), 0
     for _ in range(25):
         stated = StatedLaw.read(law_as_text(law(f"{drawn(rng)} - 1".replace("h", "0.8").replace("p*t", "1.3*t"))))
-        found = facts(stated.g, over(stated))
+        found = over(stated).facts(stated.g)
         shown += found.defined and found.quasiconvex
         assert not (found.defined and found.quasiconvex) or _chord(stated.g, rng, 40) is None, stated.g
     assert shown > 4

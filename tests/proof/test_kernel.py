@@ -13,8 +13,9 @@ from duhem import Criterion, verify
 from duhem.proof.kernel import claims as kernel_claims
 from duhem.proof.kernel import curvature
 from duhem.proof.kernel.certificate import CLAIMS, recheck
-from duhem.proof.kernel.curvature import Facts, facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedLaw
+from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import mostly_long
 from tests.oracles import drawn_formulas
@@ -127,7 +128,7 @@ def drawn(seed: int, count: int, tries: int = 30, most: int = 10) -> tuple[int, 
             break
         try:
             stated = StatedLaw.read(drawn_formulas.law(g))
-            found = facts(stated.g, over(stated))
+            found = over(stated).facts(stated.g)
         except NotWritten:
             continue
         if found.defined:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel.boundary import is_steep, rises_outward, shown, with_convex_sums
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import parse
 from tests.proof.small_laws import confirmed, domain, law
@@ -153,14 +153,14 @@ def test_faces_of_their_own() -> None:
 def test_convex_sums_are_taken_as_such() -> None:
     stated = law("a**4 + 6*a**2*b**2 + b**4 - 1")
     bend = identity(["the goal"], [([], ["a*v", "b*w"], [["12", "12"], ["12", "12"]]), ([], ["a*w", "b*v"], [["12", "12"], ["12", "12"]])])
-    assert not facts(stated.g, over(stated)).convex
-    assert facts(stated.g, with_convex_sums(stated, ["v", "w"], [bend])).convex
+    assert not over(stated).facts(stated.g).convex
+    assert with_convex_sums(stated, ["v", "w"], [bend]).facts(stated.g).convex
     for wrong in (law("a**4 + 7*a**2*b**2 + b**4 - 1"), law("a**4 + 6*a**2*b**2 + b**4 - 1 + 0/e")):
-        known = facts(wrong.g, with_convex_sums(wrong, ["v", "w"], [bend]))
+        known = with_convex_sums(wrong, ["v", "w"], [bend]).facts(wrong.g)
         assert not (known.convex and known.defined)
     square = law("a**4 - 2*a**2*b**2 + b**4")
     above = identity(["the goal"], [([], ["a**2", "b**2"], [["1", "-1"], ["-1", "1"]])])
-    assert not facts(square.g, over(square)).nonnegative and facts(square.g, with_convex_sums(square, ["v", "w"], [above])).nonnegative
+    assert not over(square).facts(square.g).nonnegative and with_convex_sums(square, ["v", "w"], [above]).facts(square.g).nonnegative
 
 
 def test_what_is_shown_by_an_identity() -> None:

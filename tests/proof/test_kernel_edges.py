@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.plane_function import PlaneFunction
 from duhem.proof.kernel.plane_gauge import arcs
@@ -32,8 +32,8 @@ def domain(*constraints: str, **parameters: Mapping[str, Any]) -> StatedDomain:
 
 @pytest.mark.parametrize("text", ["a**b", "pos(a)**b", "abs(a)**a", "norm(a, b)**b", "neg(a)**(b**2)", "(a*b)**a"])
 def test_a_power_that_varies_needs_a_base_above_zero(text: str) -> None:
-    assert not facts(parse(text), domain()).defined
-    assert facts(parse(f"(1 + abs({text.split('**')[0]}))**b"), domain()).defined
+    assert not domain().facts(parse(text)).defined
+    assert domain().facts(parse(f"(1 + abs({text.split('**')[0]}))**b")).defined
 
 
 @pytest.mark.parametrize(
@@ -44,13 +44,13 @@ def test_a_power_that_varies_needs_a_base_above_zero(text: str) -> None:
     ],
 )  # fmt: skip
 def test_what_is_no_norm_of_convex_sizes_is_not_convex(text: str) -> None:
-    assert not facts(parse(text), domain()).convex
+    assert not domain().facts(parse(text)).convex
 
 
 @pytest.mark.parametrize("text", ["abs(a)**q", "norm(a, b)**q", "norm(a, b)**(3/2)", "exp(norm(a, b))**q", "(pos(a) + neg(b))**(q + 1)"])
 def test_a_power_of_one_or_more_keeps_what_is_convex(text: str) -> None:
-    assert facts(parse(text), domain(q={"min": "1", "max": "3"})).convex
-    assert "q" not in text or "+ 1" in text or not facts(parse(text), domain(q={"min": "999/1000", "max": "3"})).convex
+    assert domain(q={"min": "1", "max": "3"}).facts(parse(text)).convex
+    assert "q" not in text or "+ 1" in text or not domain(q={"min": "999/1000", "max": "3"}).facts(parse(text)).convex
 
 
 # -- constants -----------------------------------------------------------------------------------------------------------

@@ -82,7 +82,7 @@ def test_constants(text: str, value: object) -> None:
     "text",
     [
         "log(0)", "log(-1)", "asin(1.01)", "acos(-1.01)", "sqrt(-1)", "(-1)**(1/3)", "1/0", "0**-0.5", "0**(1 - 1)", "atan2(0, 0)",
-        "log(-3)", "exp(2000)", "sin(5000)", "2**2000", "tan(x)", "log(x)", "asin(2*x)", "1/x", "sqrt(x)", "atan2(x, x)", "x**(1/3)",
+        "log(-3)", "exp(2000)", "sin(10**40)", "2**2000", "tan(x)", "log(x)", "asin(2*x)", "1/x", "sqrt(x)", "atan2(x, x)", "x**(1/3)",
     ],
 )  # fmt: skip
 def test_what_may_be_undefined_or_is_too_large_is_not_enclosed(text: str) -> None:

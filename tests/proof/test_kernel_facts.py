@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import mpmath
 import pytest
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import parse
@@ -190,7 +190,7 @@ EVERYWHERE = [*CONSTANTS, *FORMULAS, *POWERS]
 
 @pytest.mark.parametrize(("text", "expected"), mostly_slow(EVERYWHERE, *EVERYWHERE[::5]))
 def test_what_is_shown_everywhere(text: str, expected: str) -> None:
-    assert said(facts(parse(text), domain())) == expected
+    assert said(domain().facts(parse(text))) == expected
 
 
 @pytest.mark.parametrize("word", ["sin", "cos", "tan", "sinh", "tanh", "atan", "exp", "log", "asin", "acos"])
@@ -200,7 +200,7 @@ def test_the_sign_of_a_word_of_a_number_is_its_own(word: str) -> None:
     for n in (-1, 1):
         for tenth in range(1, 80, 3):
             x = f"({n * tenth}/10)"
-            known = facts(parse(f"{word}({x})"), domain())
+            known = domain().facts(parse(f"{word}({x})"))
             value = mpmath.mpmathify(getattr(mpmath, word)(mpmath.mpf(n * tenth) / 10))
             if mpmath.im(value):
                 assert not known.defined
@@ -215,7 +215,7 @@ def test_the_sign_of_a_word_of_a_number_is_its_own(word: str) -> None:
 )
 def test_a_tangent_beyond_a_right_angle(text: str) -> None:
     """e is in [0, 1/2]."""
-    known = facts(parse(text), domain())
+    known = domain().facts(parse(text))
     wrong = {"tan(-2 - e)": 1, "-where(tan(2) > 0, 1, -1)": 1}.get(text, 4)
     assert known.defined and known.sign & ~(wrong | 2)
     assert not known.convex or "a" not in text.replace("tan", "")
@@ -297,4 +297,4 @@ ASIDE = [(sides, *row) for sides, rows in REGIONS for row in rows]
 
 @pytest.mark.parametrize(("sides", "text", "expected"), mostly_slow(ASIDE, *ASIDE[::5]))
 def test_what_is_shown_where_loads_are_not_negative(sides: dict[str, bool], text: str, expected: str) -> None:
-    assert said(facts(parse(text), domain(sides))) == expected
+    assert said(domain(sides).facts(parse(text))) == expected

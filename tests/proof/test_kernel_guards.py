@@ -9,7 +9,7 @@ import pytest
 
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import BITS, Enclosure, enclosed
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.forms import at_end_of
@@ -59,7 +59,7 @@ def test_of_what_is_too_long_nothing_is_shown(text: str) -> None:
     for sides in ({}, {parse("a"): False}):
         here = domain()
         here.sides |= sides
-        found = facts(parse(text), here)
+        found = here.facts(parse(text))
         assert found.defined and not (found.convex or found.concave or found.quasiconvex)
 
 
@@ -161,22 +161,22 @@ def test_names_that_stand_for_parts_are_not_given_twice() -> None:
     spread, rooted = parse("max(a, b, c) - min(a, b, c)"), parse("exp(norm(a, b)) + exp(-norm(a, b))")
     most, least = "max(a, b, c)", "min(a, b, c)"
     cubes = parse(f"abs({most})**3 + abs({least})**3 + abs(a + b + c - {most} - {least})**3")
-    assert quasiconvex_with_parts_freed(cubes, over(stated), facts, over) is not None
+    assert quasiconvex_with_parts_freed(cubes, over(stated)) is not None
     for taken in ("greatest of matrix 0", "least of matrix 0"):
         again = over(stated._replace(forces=(*stated.forces, taken)))
-        assert quasiconvex_with_parts_freed(cubes, again, facts, over) is None
+        assert quasiconvex_with_parts_freed(cubes, again) is None
     again = over(stated._replace(forces=(*stated.forces, "root 0")))
     for here, name in ((over(stated), "root 0"), (again, "root 0 inside")):
-        assert {z.name for freed in freed_of_roots(rooted, here, facts, over) for z in freed.parts} == {name}
-        assert all(freed.domain.law.forces == (*here.law.forces, name) for freed in freed_of_roots(rooted, here, facts, over))
-    known = convex_in_deviator(spread, over(stated), facts, over)
+        assert {z.name for freed in freed_of_roots(rooted, here) for z in freed.parts} == {name}
+        assert all(freed.domain.law.forces == (*here.law.forces, name) for freed in freed_of_roots(rooted, here))
+    known = convex_in_deviator(spread, over(stated))
     assert known is not None and known.convex
     again = over(stated._replace(forces=(*stated.forces, "greatest deviator")))
-    assert convex_in_deviator(spread, again, facts, over) is None
+    assert convex_in_deviator(spread, again) is None
 
 
 def test_no_more_than_eight_roots_are_freed() -> None:
     stated = law("a", ["a", "b"])
     for count, freed in ((8, 2), (9, 0)):
         term = parse(" + ".join(f"norm(a, b, {i + 1})**3" for i in range(count)))
-        assert len([*freed_of_roots(term, over(stated), facts, over)]) == freed
+        assert len([*freed_of_roots(term, over(stated))]) == freed

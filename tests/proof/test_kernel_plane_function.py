@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base_of
@@ -35,7 +35,7 @@ def along_rays() -> PlaneVariable:
 
 def in_sector() -> PlaneVariable:
     law = stated(f"max(a, b, c) - (a + b + c)/3 + {J2} - 1", "a", "b", "c")
-    return deviatoric_readers(law.g, over(law), facts, over)[0]
+    return deviatoric_readers(law.g, over(law))[0]
 
 
 def in_rays(f: Callable[[float], float], angle: float) -> float:

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel.claims import objection, rules_of
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import divides_by_zero_force
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.plane_gauge import StarGauge
@@ -275,7 +275,7 @@ def test_three_forces_of_which_only_differences_count(g: str, star: bool) -> Non
     ],
 )
 def test_zero_force_belongs_to_k_by_closure_only_where_nothing_else_is_said(g: str, closed: bool) -> None:
-    assert divides_by_zero_force(law(g).g, over(law(g)), facts) is closed
+    assert divides_by_zero_force(law(g).g, over(law(g))) is closed
 
 
 def test_a_value_at_zero_force_counts() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
 from tests.proof.test_kernel_facts import said
 
@@ -26,7 +26,7 @@ def law(g: str, *constraints: str, flow: tuple[str, ...] | None = None) -> State
 
 def shown(g: str, *constraints: str) -> str:
     stated = law(g, *constraints)
-    return said(facts(stated.g, over(stated)))
+    return said(over(stated).facts(stated.g))
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.regularity import smooth_but_where_zero, tips
 from duhem.proof.kernel.term import parse
 from tests.proof.small_laws import confirmed, domain, law
@@ -80,7 +79,7 @@ def test_where_a_set_ends_between_loads(g: str, forces: str, round_there: bool) 
 def test_what_is_smooth_but_where_it_is_zero(text: str, there: bool) -> None:
     here = domain(g=text)
     assert smooth_but_where_zero(parse(text), here) is there
-    assert facts(parse(text), here).defined
+    assert here.facts(parse(text)).defined
 
 
 def test_where_a_formula_may_be_singular() -> None:

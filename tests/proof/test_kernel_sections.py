@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.deviatoric import convex_in_deviator, deviatoric_readers
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, StatedDomain, StatedLaw
@@ -97,7 +97,7 @@ SHOWN = [
 @pytest.mark.parametrize(("text", "expected"), SHOWN)
 def test_what_is_shown_of_sections(text: str, expected: str) -> None:
     stated = law(text)
-    found = convex_in_deviator(stated.g, over(stated), facts, over)
+    found = convex_in_deviator(stated.g, over(stated))
     assert (said(found) if found else "") == expected
 
 
@@ -193,7 +193,7 @@ def drawn(rng: Random, degree: int) -> Polynomial:
 def test_the_bend_of_products_of_powers() -> None:
     """With whole exponents the function is a polynomial f, and D^2 ((3 + v^2) f'' - 2 v f' + 2 f) is the bend times W."""
     rng, stated = Random(2), law("J2 + 0")
-    (reader,) = deviatoric_readers(stated.g, over(stated), facts, over)
+    (reader,) = deviatoric_readers(stated.g, over(stated))
     for _ in range(12):
         poly, bases = drawn(rng, 3), [drawn(rng, rng.randint(1, 2)) for _ in range(rng.randint(0, 3))]
         exponents = [rng.randint(1, 3) for _ in bases]
@@ -261,5 +261,5 @@ def test_other_roots_stay(text: str) -> None:
 def test_beside_the_axis_what_is_compared_may_have_another_sign() -> None:
     for text, sign in (("sqrt(J2)*(1 + C3/8) - 1", NEGATIVE), ("exp(J2)*(1 + sqrt(J2)*C3)", POSITIVE), ("where(J2 > 0, 5, -1) + J3", ANY)):
         stated = law(text)
-        assert sign_on_axis(stated.g, law("J2").g, over(stated), facts, over) == sign
-        assert sign_on_axis(stated.g, law("J3").g, over(stated), facts, over) == ANY
+        assert sign_on_axis(stated.g, law("J2").g, over(stated)) == sign
+        assert sign_on_axis(stated.g, law("J3").g, over(stated)) == ANY

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.deviatoric import convex_in_deviator, deviatoric_readers
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.plane_function import PlaneFunction
@@ -41,7 +41,7 @@ def law(text: str, *forces: str) -> StatedLaw:
 
 
 def readers(stated: StatedLaw) -> list[Any]:
-    return [r for r in deviatoric_readers(stated.g, over(stated), facts, over) if r.tensor.entries]
+    return [r for r in deviatoric_readers(stated.g, over(stated)) if r.tensor.entries]
 
 
 VALUES: list[tuple[str, int | F, bool]] = [  # a formula, its degree, and whether it is 0 by continuity where the deviator is
@@ -119,7 +119,7 @@ def test_six_components_are_read_by_their_eigenvalues() -> None:
 def shown(text: str) -> Facts | None:
     stated = law(text)
     domain = over(stated)
-    return convex_in_deviator(stated.g, domain, facts, over)
+    return convex_in_deviator(stated.g, domain)
 
 
 @pytest.mark.parametrize(

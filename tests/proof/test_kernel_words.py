@@ -7,8 +7,9 @@ from random import Random
 
 import pytest
 
-from duhem.proof.kernel.curvature import Facts, facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedLaw
+from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import mostly_long
 from tests.oracles import drawn_formulas
@@ -17,7 +18,7 @@ from tests.proof.test_kernel import violation
 
 def shown(text: str) -> Facts:
     stated = StatedLaw.read(drawn_formulas.law(f"a*0 + {text}"))
-    return facts(stated.g.args[1], over(stated))
+    return over(stated).facts(stated.g.args[1])
 
 
 # -- reading -----------------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import pytest
 from duhem.proof.kernel import claims, obligations
 from duhem.proof.kernel.certificate import CLAIMS, SCHEMA, digest, recheck, stated
 from duhem.proof.kernel.constant_value import exact_value
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader, continued, rarely_zero, undecided_beside
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import NotWritten, parse
@@ -245,7 +245,7 @@ def test_who_reads_a_law_along_rays_is_told_of_its_constants_alone() -> None:
 )  # fmt: skip
 def test_what_has_a_value_wherever_it_is_read(g: str, defined: bool) -> None:
     known = small_law(g)
-    assert (Reader(over(known), facts, over).undecided(known.g) is None) is defined
+    assert (Reader(over(known)).undecided(known.g) is None) is defined
 
 
 def test_a_choice_of_constants_is_proved_on_either_side() -> None:
@@ -268,7 +268,7 @@ def test_a_choice_of_constants_is_proved_on_either_side() -> None:
 )  # fmt: skip
 def test_where_j2_is_zero_a_formula_has_a_limit_or_none(g: str, there: bool) -> None:
     known = StatedLaw.read(law(g, "a b c"))
-    assert bool([*continued(known.g, over(known), facts, over)]) is there
+    assert bool([*continued(known.g, over(known))]) is there
 
 
 @pytest.mark.parametrize(
@@ -280,7 +280,7 @@ def test_where_j2_is_zero_a_formula_has_a_limit_or_none(g: str, there: bool) -> 
 )  # fmt: skip
 def test_a_tip_is_zero_on_no_open_set_for_any_value_of_the_parameters(tip: str, thin: bool) -> None:
     known = small_law(f"a + 0*({tip})")
-    assert rarely_zero(parse(tip), over(known), facts) is thin
+    assert rarely_zero(parse(tip), over(known)) is thin
 
 
 @pytest.mark.parametrize(
@@ -294,7 +294,7 @@ def test_a_tip_is_zero_on_no_open_set_for_any_value_of_the_parameters(tip: str, 
 )  # fmt: skip
 def test_a_slip_has_a_value_but_where_a_tip_is_zero(slip: str, tips: list[str], settled: bool) -> None:
     domain = over(small_law("norm(a, b) - m"))
-    assert (undecided_beside([parse(slip)], map(parse, tips), domain, facts, over) is None) is settled
+    assert (undecided_beside([parse(slip)], map(parse, tips), domain) is None) is settled
 
 
 def test_loads_have_a_value_everywhere_and_the_rest_where_they_allow_k() -> None:

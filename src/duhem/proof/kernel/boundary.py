@@ -19,7 +19,7 @@ from itertools import combinations
 from math import lcm
 from typing import Any
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedFace, StatedLaw, exact
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
 from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total, written
@@ -64,11 +64,11 @@ def falls_from_zero(law: StatedLaw) -> bool:
     """Whether g is a polynomial with g(0) <= 0 and grad g(0) != 0, so that it is negative somewhere near."""
     domain = over(law)
     g = domain.polynomial(law.g)
-    if not facts(law.g, domain).defined or any(not domain.constant(x) and (x.op != "name" or n < 0) for m in g for x, n in m):
+    if not domain.facts(law.g).defined or any(not domain.constant(x) and (x.op != "name" or n < 0) for m in g for x, n in m):
         return False
 
     def at_zero(f: Polynomial) -> Sign:
-        return facts(written({m: c for m, c in f.items() if all(domain.constant(x) for x, _ in m)}), domain).sign
+        return domain.facts(written({m: c for m, c in f.items() if all(domain.constant(x) for x, _ in m)})).sign
 
     return not at_zero(g) & POSITIVE and any(not at_zero(slope(g, Term("name", name=x))) & ZERO for x in law.forces)
 
@@ -94,7 +94,7 @@ def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[
     power = sum_of(*map(product_of, (Term("name", name=x) for x in forces), face.flow))
     return (
         domain.nonnegative(power)
-        or facts(power, domain).nonnegative
+        or domain.facts(power).nonnegative
         or all(shown(domain.polynomial(smooth), ">=", given, identities, domain) for (_, smooth), given in _on_face(face, (power,), domain))
     )
 
@@ -134,13 +134,13 @@ def with_convex_sums(law: StatedLaw, directions: Sequence[str], identities: Sequ
     """The domain of the law, knowing which sums f in g are >= 0, and which are convex: v . Hess f v >= 0 for all v."""
     domain, wider = over(law), _wider(law, directions)
     for f in (part for part in law.g.parts() if part.op == "+"):
-        known = facts(f, domain)
+        known = domain.facts(f)
         with suppress(NotWritten):  # a sum with a kink, a root or a word
             if known.defined and not known.nonnegative and shown(wider.polynomial(f), ">=", {}, identities, wider):
                 known = replace(known, sign=known.sign & ~NEGATIVE)
             if known.defined and not known.convex and shown(_bend(directions, f, wider), ">=", {}, identities, wider):
                 known = replace(known, convex=True, quasiconvex=True)
-        domain.shown[f] = known
+        domain.known[f] = known
     return domain
 
 
@@ -243,7 +243,7 @@ def _quadratic_form(squares: Sequence[Polynomial], gram: Sequence[Sequence[Fract
 
 def _read(text: str, domain: StatedDomain) -> tuple[Polynomial, Sign]:
     """A formula that is defined everywhere, and the signs it may have."""
-    known = facts(term := parse(text), domain)
+    known = domain.facts(term := parse(text))
     if not known.defined:
         raise NotWritten(f"{text} is not defined everywhere")
     return domain.polynomial(term), known.sign

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import AGAINST
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain, StatedLaw
 from duhem.proof.kernel.steps import pay
@@ -27,7 +27,7 @@ def cases(law: StatedLaw) -> tuple[StatedLaw, ...]:
     domain = over(law)
     for term in (*written, *([] if law.potential is None else [law.potential])):
         choice = _choice(term, domain)
-        if choice is not None and facts(choice.args[0], domain).defined:
+        if choice is not None and domain.facts(choice.args[0]).defined:
             condition, *values = choice.args
             against = Term(AGAINST[condition.op], condition.args)
             return tuple(_with(law, choice, value, holds) for value, holds in zip(values, (condition, against), strict=True))
@@ -66,7 +66,7 @@ def without_outer_map(law: StatedLaw) -> StatedLaw:
 
 
 def _without_positive_factors(g: Term, domain: StatedDomain) -> Term | None:
-    known = [(f, facts(f, domain)) for f in factors(g)]
+    known = [(f, domain.facts(f)) for f in factors(g)]
     left = [f for f, shown in known if not (shown.defined and shown.sign == POSITIVE)]
     return left[0] if len(left) == 1 < len(known) else None
 
@@ -76,7 +76,7 @@ def _keeps_sign(g: Term, f: Term, domain: StatedDomain) -> bool:
     ways = ((number(0), ZERO), (_SIZE, POSITIVE), (minus(_SIZE), NEGATIVE))
     if domain.constant(f) or not _alone(g, f, domain):
         return False
-    return all(facts(g.put({f: x}), domain).defined and facts(g.put({f: x}), domain).sign == sign for x, sign in ways)
+    return all(domain.facts(g.put({f: x})).defined and domain.facts(g.put({f: x})).sign == sign for x, sign in ways)
 
 
 def _alone(g: Term, f: Term, domain: StatedDomain) -> bool:

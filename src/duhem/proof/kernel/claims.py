@@ -17,7 +17,7 @@ from duhem.proof.kernel.boundary import (
 )
 from duhem.proof.kernel.cases import cases, without_outer_map
 from duhem.proof.kernel.cones import Fan
-from duhem.proof.kernel.curvature import Facts, facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import divides_by_zero_force
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
@@ -28,6 +28,7 @@ from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
+from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, parse
 
@@ -136,15 +137,15 @@ def _over(law: StatedLaw, evidence: Evidence) -> StatedDomain:
 
 def _shape(law: StatedLaw, evidence: Evidence) -> Facts:
     """Of g."""
-    return facts(law.g, _over(law, evidence))
+    return _over(law, evidence).facts(law.g)
 
 
 def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
     """g at a point, given by constants; a force that is not named is 0."""
     domain, place = over(law), {f: parse(point.get(f, "0")) for f in law.forces}
-    if not all(domain.constant(value) and facts(value, domain).defined for value in place.values()):
+    if not all(domain.constant(value) and domain.facts(value).defined for value in place.values()):
         raise NotWritten("the point is none")
-    return facts(law.g.put({Term("name", name=f): value for f, value in place.items()}), domain)
+    return domain.facts(law.g.put({Term("name", name=f): value for f, value in place.items()}))
 
 
 def _at_zero(law: StatedLaw) -> Iterator[Facts]:
@@ -180,7 +181,7 @@ def curved(law: StatedLaw, evidence: Evidence) -> bool:
 def polyhedral(law: StatedLaw, _: Evidence) -> bool:
     """g is defined everywhere and piecewise affine; {g <= 0}, a union of polyhedra, is one."""
     domain = over(law)
-    return facts(law.g, domain).defined and union_is_convex(polyhedra(law.g, law.forces, domain)[0], len(law.forces))
+    return domain.facts(law.g).defined and union_is_convex(polyhedra(law.g, law.forces, domain)[0], len(law.forces))
 
 
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
@@ -201,7 +202,7 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and d g(r sigma)/dr > 0 there, as its degrees in the forces show."""
     domain = _over(law, evidence)
-    return facts(law.g, domain).defined and grows_along_rays(law.g, domain) and smooth_near_the_boundary(law.g, domain)
+    return domain.facts(law.g).defined and grows_along_rays(law.g, domain) and smooth_near_the_boundary(law.g, domain)
 
 
 def one_force(law: StatedLaw, evidence: Evidence) -> bool:
@@ -216,7 +217,7 @@ def parallel(law: StatedLaw, evidence: Evidence) -> bool:
 
 def star_shaped(law: StatedLaw, _: Evidence) -> bool:
     """K is star-shaped about 0, and closed where the formula divides by 0."""
-    return divides_by_zero_force(law.g, over(law), facts) and bool(StarGauge(law))
+    return divides_by_zero_force(law.g, over(law)) and bool(StarGauge(law))
 
 
 def euler(law: StatedLaw, _: Evidence) -> bool:
@@ -227,7 +228,7 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
     """d g(r sigma)/dr > 0 at r = 1 wherever g = 0: so sigma . n > 0 for every limit n of grad g there; or K is a cone: it is 0."""
     domain = over(law)
-    return law.associated and facts(law.g, domain).defined and (is_cone(law.g, domain) or grows_along_rays(law.g, domain))
+    return law.associated and domain.facts(law.g).defined and (is_cone(law.g, domain) or grows_along_rays(law.g, domain))
 
 
 def power(law: StatedLaw, evidence: Evidence) -> bool:

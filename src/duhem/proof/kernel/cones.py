@@ -12,7 +12,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw
 from duhem.proof.kernel.forms import affine
 from duhem.proof.kernel.gradient import gradient
@@ -55,7 +55,7 @@ class Fan:
             else:
                 thin += [(f, ray) for ray in rays]
             parts = by_degree(f, self._domain)
-            if {*parts} != {0, 1} or facts(parts[Fraction(0)], self._domain).sign != NEGATIVE:
+            if {*parts} != {0, 1} or self._domain.facts(parts[Fraction(0)]).sign != NEGATIVE:
                 raise NotWritten("a part of g is not of degree 1 less a constant")
             constants.append(self._domain.polynomial(parts[Fraction(0)]))
         if not self._cones or any(c != d for c, d in pairwise(constants)) or not all(map(self._defined, self._cones)):
@@ -68,7 +68,7 @@ class Fan:
 
     def convex(self) -> bool:
         """Within each cone, and from one to the next."""
-        return all(facts(s.f, self._inside(s)).convex for s in self._cones) and not any(jump & NEGATIVE for jump in self._jumps())
+        return all(self._inside(s).facts(s.f).convex for s in self._cones) and not any(jump & NEGATIVE for jump in self._jumps())
 
     def smooth(self) -> bool:
         """Within each cone, and from one to the next."""
@@ -78,10 +78,10 @@ class Fan:
         """By how much the slope across each ray rises from one cone to the next; a formula may have a kink there that it does not name."""
         for before, after, ray, way in self._seams:
             here, beyond = ([self._at(slope, ray) for slope in self._slopes(cone)] for cone in (before, after))
-            if not all(facts(slope, self._domain).defined for slope in (*here, *beyond)):
+            if not all(self._domain.facts(slope).defined for slope in (*here, *beyond)):
                 raise NotWritten("a slope may be undefined on a ray")
             rise = sum_of(*(product_of(w, sum_of(b, minus(a))) for w, a, b in zip(way, here, beyond, strict=True)))
-            yield ZERO if before.f == after.f else facts(rise, self._domain).sign
+            yield ZERO if before.f == after.f else self._domain.facts(rise).sign
 
     def _found_seams(self) -> Iterator[tuple[_FanPart, _FanPart, Ray, Ray]]:
         """Two cones to each ray, the ray, and a way across it from the first to the second."""
@@ -96,7 +96,7 @@ class Fan:
     def _meet(self, one: Term, two: Term, ray: Ray) -> bool:
         """Whether two formulas have one value on a ray."""
         both = self._at(sum_of(one, minus(two)), ray)
-        return facts(both, self._domain).defined and facts(both, self._domain).sign == ZERO
+        return self._domain.facts(both).defined and self._domain.facts(both).sign == ZERO
 
     def _leads(self, before: _FanPart, ray: Ray, way: Ray) -> bool:
         """Whether the way leads out of a cone across a ray of its own."""
@@ -106,17 +106,15 @@ class Fan:
         return gradient(cone.f, [x.name for x in self._forces])
 
     def _differentiable(self, cone: _FanPart) -> bool:
-        return all(facts(slope, self._inside(cone)).defined for slope in self._slopes(cone))
+        return all(self._inside(cone).facts(slope).defined for slope in self._slopes(cone))
 
     def _defined(self, cone: _FanPart) -> bool:
         """Inside the cone and on its rays, where it then is continuous."""
-        on_rays = (facts(self._at(cone.f, ray), self._domain).defined for ray in cone.rays)
-        return facts(cone.f, self._inside(cone)).defined and all(on_rays)
+        on_rays = (self._domain.facts(self._at(cone.f, ray)).defined for ray in cone.rays)
+        return self._inside(cone).facts(cone.f).defined and all(on_rays)
 
     def _inside(self, cone: _FanPart) -> StatedDomain:
-        domain = over(self._domain.law)
-        domain.sides |= dict.fromkeys(cone.sides, True)
-        return domain
+        return self._domain.where(dict.fromkeys(cone.sides, True))
 
     def _rays(self, sides: Sequence[Term]) -> tuple[tuple[Ray, ...], bool]:
         """The rays that bound what the sides leave, and whether that is wider than these."""
@@ -137,17 +135,17 @@ class Fan:
     def _normal(self, side: Term) -> Ray:
         """a and b of a x + b y."""
         (a, b), rest = affine(side, [x.name for x in self._forces], self._domain)
-        if self._domain.polynomial(rest) or all(facts(x, self._domain).sign == ZERO for x in (a, b)):
+        if self._domain.polynomial(rest) or all(self._domain.facts(x).sign == ZERO for x in (a, b)):
             raise NotWritten("what bounds a cone is not linear, or 0")
         return a, b
 
     def _alike(self, one: Ray, two: Ray) -> bool:
         turn = sum_of(product_of(one[0], two[1]), minus(product_of(one[1], two[0])))
         along = sum_of(product_of(one[0], two[0]), product_of(one[1], two[1]))
-        return facts(turn, self._domain).sign == ZERO and facts(along, self._domain).sign == POSITIVE
+        return self._domain.facts(turn).sign == ZERO and self._domain.facts(along).sign == POSITIVE
 
     def _at(self, term: Term, ray: Ray) -> Term:
         return term.put(dict(zip(self._forces, ray, strict=True)))
 
     def _sign_at(self, term: Term, ray: Ray) -> Sign:
-        return facts(self._at(term, ray), self._domain).sign
+        return self._domain.facts(self._at(term, ray)).sign

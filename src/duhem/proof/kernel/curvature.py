@@ -11,17 +11,17 @@ from fractions import Fraction
 
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw, signs_of_product
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.forms import multiple, sign_within
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.shape import Facts
+from duhem.proof.kernel.shape import Facts, signs_of_product
 from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.sums import by_its_matrix, collected, convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.term import Term, factors, minus, number
 
-__all__ = ["Facts", "facts", "over"]
+__all__ = ["over"]
 
 _HALF, _ONE, _TWO = number(Fraction(1, 2)), number(1), number(2)
 _RISING = (  # words that rise, and have the sign of what they are of
@@ -32,50 +32,47 @@ _NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
 
 
 def over(law: StatedLaw) -> StatedDomain:
-    """The domain of a law, its constants' signs by the rules below."""
-    return StatedDomain(law, lambda term, domain: facts(term, domain).sign)
+    """The domain of a law, in which the rules below say what is shown of a term."""
+    return StatedDomain(law, _shown)
 
 
-def facts(term: Term, domain: StatedDomain) -> Facts:
-    """What is shown of ``term`` over ``domain``."""
-    if term not in domain.shown:
-        pay(_PRICE)
-        known, plain = _facts(term, domain), domain.plain(term)
-        if plain is not term:  # its value is simpler; what must be defined is what was written
-            known = replace(facts(plain, domain), defined=known.defined)
-        if domain.constant(term):
-            known = Facts(known.defined, sign_of_constant(term, known.sign, domain, facts), True, True, True)
-        elif not (known.defined and known.convex):
-            known = _of_parts_together(term, known, domain)
-        if domain.sides and not domain.constant(term):
-            known = replace(known, sign=known.sign & sign_within(term, known, domain, facts))
-        domain.shown[term] = known
-    found: Facts = domain.shown[term]
-    return found
+def _shown(term: Term, domain: StatedDomain) -> Facts:
+    pay(_PRICE)
+    known, plain = _by_its_word(term, domain), domain.plain(term)
+    if plain is not term:  # its value is simpler; what must be defined is what was written
+        known = replace(domain.facts(plain), defined=known.defined)
+    if domain.constant(term):
+        known = Facts(known.defined, sign_of_constant(term, known.sign, domain), True, True, True)
+    elif not (known.defined and known.convex):
+        known = _of_parts_together(term, known, domain)
+    if domain.sides and not domain.constant(term):
+        known = replace(known, sign=known.sign & sign_within(term, known, domain))
+    return known
 
 
 def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
     """What is shown of a term by rules that look at more than its parts one by one."""
-    if term.op in ("+", "*", "**", "where") and (found := convex_in_deviator(term, domain, facts, over)) is not None:
+    if term.op in ("+", "*", "**", "where") and (found := convex_in_deviator(term, domain)) is not None:
         return replace(found, defined=found.defined or known.defined)
-    if term.op == "+" and known.defined and (like := collected(term, domain)) != term and (found := facts(like, domain)).convex:
+    if term.op == "+" and known.defined and (like := collected(term, domain)) != term and (found := domain.facts(like)).convex:
         return replace(found, sign=found.sign & known.sign)
-    if term.op == "+" and known.defined and (squared := by_its_matrix(term, known, domain, facts)) != known:
+    if term.op == "+" and known.defined and (squared := by_its_matrix(term, known, domain)) != known:
         return squared
-    if known.defined and (found := quasiconvex_with_parts_freed(term, domain, facts, over)) is not None:
+    if known.defined and (found := quasiconvex_with_parts_freed(term, domain)) is not None:
         return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
     return known
 
 
-def _facts(term: Term, domain: StatedDomain) -> Facts:
+def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
+    """What the word of a term says, by what is shown of its arguments."""
     if term.op == "number":
         return Facts(True, POSITIVE if term.value > 0 else NEGATIVE if term.value else ZERO, True, True, True)
     if term.op == "name":
         return Facts(True, domain.of(term), True, True, True)
     if term.op == "**":
         return _power(term, domain)
-    parts = [facts(a, domain) for a in term.args]
-    x, defined = parts[0], all(p.defined for p in parts) and has_value(term, lambda a: facts(a, domain).sign, domain)
+    parts = [domain.facts(a) for a in term.args]
+    x, defined = parts[0], all(p.defined for p in parts) and has_value(term, lambda a: domain.facts(a).sign, domain)
     match term.op:
         case "+":
             return _total(term, parts, domain)
@@ -103,11 +100,11 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
         case "exp":
             return Facts(x.defined, POSITIVE, x.convex, False, x.quasiconvex)
         case "log":
-            above_one = facts(Term("+", (term.args[0], number(-1))), domain).sign
+            above_one = domain.facts(Term("+", (term.args[0], number(-1)))).sign
             return Facts(defined, above_one, False, x.concave, x.quasiconvex)
         case "asin" | "acos":
             shape = _risen(x if term.op == "asin" else x.negated())  # acos x = pi/2 + asin(-x)
-            below = facts(Term("+", (_ONE, minus(term.args[0]))), domain)
+            below = domain.facts(Term("+", (_ONE, minus(term.args[0]))))
             return replace(shape, defined=defined, sign=x.sign if term.op == "asin" else below.sign & (ZERO | POSITIVE))
         case "sinh":
             return _risen(x)
@@ -135,7 +132,7 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
 
 def _below_right(angle: Term, domain: StatedDomain) -> bool:
     """Whether an angle is less than a right one in size."""
-    return all(facts(Term("+", (_NEAR_RIGHT, side)), domain).nonnegative for side in (angle, minus(angle)))
+    return all(domain.facts(Term("+", (_NEAR_RIGHT, side))).nonnegative for side in (angle, minus(angle)))
 
 
 def _risen(x: Facts) -> Facts:
@@ -153,8 +150,8 @@ def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
     elif signs and any(not s & ZERO for s in signs):
         together &= ~ZERO
     moving = [p for a, p in zip(term.args, parts, strict=True) if not domain.constant(a)]
-    convex, concave = all(p.convex for p in parts) or convex_when_bent(term, domain, facts), all(p.concave for p in parts)
-    if together & NEGATIVE and nonnegative_when_bent(term, domain, facts):
+    convex, concave = all(p.convex for p in parts) or convex_when_bent(term, domain), all(p.concave for p in parts)
+    if together & NEGATIVE and nonnegative_when_bent(term, domain):
         together &= ~NEGATIVE
     quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
     return Facts(all(p.defined for p in parts), together, convex, concave, quasi)
@@ -179,11 +176,11 @@ def _size_by_its_logarithm(term: Term, domain: StatedDomain) -> bool:
     """x log(c x) with x affine and > 0, c > 0."""
     moving = [f for f in term.args if not domain.constant(f)]
     logarithm = next((f for f in moving if f.op == "log"), None)
-    if logarithm is None or not (size := facts(logarithm.args[0], domain)).affine or size.sign != POSITIVE:
+    if logarithm is None or not (size := domain.facts(logarithm.args[0])).affine or size.sign != POSITIVE:
         return False
     (x,) = [f for f in moving if f is not logarithm] or [logarithm]
     share = multiple(domain.polynomial(x), domain.polynomial(logarithm.args[0]), domain)
-    return bool(share) and share is not None and not facts(written(share), domain).sign & NEGATIVE
+    return bool(share) and share is not None and not domain.facts(written(share)).sign & NEGATIVE
 
 
 def _square_over_load(term: Term, domain: StatedDomain) -> bool:
@@ -192,7 +189,7 @@ def _square_over_load(term: Term, domain: StatedDomain) -> bool:
     square, under = moving if moving[1].op == "**" and moving[1].args[1] == number(-1) else moving[::-1]
     if under.op != "**" or under.args[1] != number(-1) or not _minkowski(Term("**", (square, _HALF)), domain):
         return False
-    load = facts(under.args[0], domain)
+    load = domain.facts(under.args[0])
     return load.concave and load.sign == POSITIVE
 
 
@@ -209,10 +206,10 @@ def _greatest(parts: list[Facts]) -> Facts:
 
 
 def _power(term: Term, domain: StatedDomain) -> Facts:
-    base, exponent = (facts(a, domain) for a in term.args)
+    base, exponent = (domain.facts(a) for a in term.args)
     p = term.args[1].value if term.args[1].op == "number" else None
     whole = p is not None and p.denominator == 1
-    defined = base.defined and exponent.defined and has_value(term, lambda a: facts(a, domain).sign, domain)
+    defined = base.defined and exponent.defined and has_value(term, lambda a: domain.facts(a).sign, domain)
     if p == 0:
         return Facts(base.defined, POSITIVE, True, True, True)  # x**0 is 1, as in polynomials
     if p == 1:
@@ -226,11 +223,11 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
         rising = bool(whole and p and p > 0)
         return Facts(defined, base.sign if whole and p else ANY, False, False, rising and base.quasiconvex)
     sign = base.sign if exponent.sign == POSITIVE else POSITIVE | (base.sign if exponent.sign & POSITIVE else 0)
-    if not facts(Term("+", (term.args[1], number(-1))), domain).sign & NEGATIVE:
+    if not domain.facts(Term("+", (term.args[1], number(-1)))).sign & NEGATIVE:
         return Facts(defined, sign, base.convex, False, base.quasiconvex)
     if exponent.sign == POSITIVE:
         mean = _geometric_mean(term, domain)
-        below_one = not facts(Term("+", (_ONE, minus(term.args[1]))), domain).sign & NEGATIVE
+        below_one = not domain.facts(Term("+", (_ONE, minus(term.args[1])))).sign & NEGATIVE
         convex = _minkowski(term, domain) or _root_of_quadratic(term, domain)
         return Facts(defined, sign, convex, (base.concave and below_one) or mean, base.quasiconvex or convex)
     return Facts(defined, sign)
@@ -239,18 +236,18 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
 def _geometric_mean(term: Term, domain: StatedDomain) -> bool:
     """(x y ...)^p, n factors that are concave and >= 0 and n p <= 1."""
     base, exponent = term.args
-    if base.op == "pos" and facts(base.args[0], domain).nonnegative:
+    if base.op == "pos" and domain.facts(base.args[0]).nonnegative:
         base = base.args[0]
     parts = factors(base) if base.op == "*" else []
-    moving = [facts(f, domain) for f in parts if not domain.constant(f)]
-    scale = facts(Term("*", (_ONE, *(f for f in parts if domain.constant(f)))), domain)
-    enough = facts(Term("+", (_ONE, minus(Term("*", (number(len(moving)), exponent))))), domain)
+    moving = [domain.facts(f) for f in parts if not domain.constant(f)]
+    scale = domain.facts(Term("*", (_ONE, *(f for f in parts if domain.constant(f)))))
+    enough = domain.facts(Term("+", (_ONE, minus(Term("*", (number(len(moving)), exponent))))))
     return len(moving) > 1 and all(x.concave and x.nonnegative for x in moving) and scale.nonnegative and enough.nonnegative
 
 
 def _root_of_quadratic(term: Term, domain: StatedDomain) -> bool:
     """sqrt(x . A x + b . x + c), what is under the root being >= 0 for all x, in no region alone: a seminorm of (x, 1)."""
-    if domain.sides and not facts(term.args[0], over(domain.law)).nonnegative:
+    if domain.sides and not domain.over(domain.law).facts(term.args[0]).nonnegative:
         return False
     degrees = [[n if x.op == "name" else 3 for x, n in m if not domain.constant(x)] for m in domain.polynomial(term.args[0])]
     return domain.polynomial(term.args[1]) == {(): Fraction(1, 2)} and all(min(d, default=0) >= 0 and sum(d) <= 2 for d in degrees)
@@ -263,7 +260,7 @@ def _minkowski(term: Term, domain: StatedDomain) -> bool:
     for part in base.args if base.op == "+" else (base,):
         factors = part.args if part.op == "*" else (part,)
         moving = [f for f in factors if not domain.constant(f)]
-        scale = facts(Term("*", (_ONE, *(f for f in factors if domain.constant(f)))), domain)
+        scale = domain.facts(Term("*", (_ONE, *(f for f in factors if domain.constant(f)))))
         if not (scale.defined and scale.nonnegative):
             return False
         if not moving and out == _HALF:
@@ -271,7 +268,7 @@ def _minkowski(term: Term, domain: StatedDomain) -> bool:
         if len(moving) != 1 or moving[0].op != "**" or (shared is not None and moving[0].args[1] != shared):
             return False
         inner, shared = moving[0].args
-        size, above = facts(inner, domain), facts(Term("+", (shared, number(-1))), domain).sign
+        size, above = domain.facts(inner), domain.facts(Term("+", (shared, number(-1)))).sign
         even = shared.op == "number" and shared.value % 2 == 0
         if above & NEGATIVE or not ((size.convex and size.nonnegative) or (even and size.convex_in_size)):
             return False

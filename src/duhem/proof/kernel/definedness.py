@@ -31,7 +31,6 @@ from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, State
 from duhem.proof.kernel.forms import by_forces
 from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.shape import Over, Shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
@@ -70,11 +69,9 @@ def _raised(base: Term, exponent: Term, sign: Callable[[Term], Sign], domain: St
 
 
 class Reader(NamedTuple):
-    """Reads formulas over a ``domain``; ``more`` are signs that hold there beside those that are ``shown``."""
+    """Reads formulas over a ``domain``; ``more`` are signs that hold there beside those that it shows."""
 
     domain: StatedDomain
-    shown: Shown
-    over: Over
     more: Callable[[Term], Sign] = lambda _: ANY
 
     def undecided(self, term: Term) -> Term | None:
@@ -100,7 +97,7 @@ class Reader(NamedTuple):
 
     def sign(self, term: Term) -> Sign:
         """The signs that a formula may have, all of whose parts have values."""
-        known = self.shown(term, self.domain).sign
+        known = self.domain.facts(term).sign
         return known if known in (NEGATIVE, ZERO, POSITIVE) else known & self.more(term)
 
     def _under(self, condition: Term, holds: bool, term: Term) -> Term | None:
@@ -113,20 +110,16 @@ class Reader(NamedTuple):
         return guarded[condition, holds].undecided(term)
 
     def _guarded(self, condition: Term, holds: bool) -> Reader:
-        law, sides = self.domain.law, dict(self.domain.sides)
-        if self.domain.constant(condition):
-            own = condition if holds else Term(AGAINST[condition.op], condition.args)
-            law = law._replace(constraints=(*law.constraints, own))
-        else:
-            against = Term(AGAINST[condition.op], condition.args)
-            own, other = (condition, against) if holds else (against, condition)
-            own_sides = (gap(own), *map(minus, below(gap(other))))
-            sides |= dict.fromkeys((*own_sides, *map(self._without_what_is_below_zero, own_sides)), len(own.op) == 1)
-        try:
-            inner = self.over(law)
-        except NotWritten:  # it never holds, or is too long: more is asked than need be
-            inner = self.over(self.domain.law)
-        inner.sides |= sides
+        against = Term(AGAINST[condition.op], condition.args)
+        own, other = (condition, against) if holds else (against, condition)
+        if not self.domain.constant(condition):
+            sides = (gap(own), *map(minus, below(gap(other))))
+            sides = (*sides, *map(self._without_what_is_below_zero, sides))
+            return self._replace(domain=self.domain.where(dict.fromkeys(sides, len(own.op) == 1)))
+        law, inner = self.domain.law, self.domain.where({})
+        with suppress(NotWritten):  # it never holds, or is too long: more is asked than need be
+            inner = self.domain.over(law._replace(constraints=(*law.constraints, own)))
+            inner.sides |= self.domain.sides
         return self._replace(domain=inner)
 
     def _without_what_is_below_zero(self, side: Term) -> Term:
@@ -146,61 +139,51 @@ def asks(term: Term) -> bool:
 # -- limits --------------------------------------------------------------------------------------------------------------
 
 
-def continued(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Iterator[Term]:
+def continued(term: Term, domain: StatedDomain) -> Iterator[Term]:
     """What a formula is where J2 = 0, as its parts may be read, by continuity, if it has a value everywhere else where it is read."""
-    for reader in deviatoric_readers(term, domain, shown, over):
+    for reader in deviatoric_readers(term, domain):
         with suppress(NotWritten):
             tip, there = written(reader.second), reader.emptied(term)
-            decided = rarely_zero(tip, domain, shown) and (
-                Reader(_where(domain, [tip], over), shown, over, reader.sign).undecided(term) is None
-                and Reader(_where(domain, [], over), shown, over).undecided(there) is None
-            )
-            if decided:
+            beside = Reader(domain.where({tip: True}), reader.sign)
+            if rarely_zero(tip, domain) and beside.undecided(term) is None and Reader(domain).undecided(there) is None:
                 yield there
 
 
-def undecided_beside(terms: Iterable[Term], tips: Iterable[Term], domain: StatedDomain, shown: Shown, over: Over) -> Term | None:
+def undecided_beside(terms: Iterable[Term], tips: Iterable[Term], domain: StatedDomain) -> Term | None:
     """A part of formulas that is not shown to have a value where no tip is 0."""
-    tips = (tip for tip in tips if shown(tip, domain).nonnegative and rarely_zero(tip, domain, shown))
-    reader = Reader(_where(domain, tips, over), shown, over)
+    tips = (tip for tip in tips if domain.facts(tip).nonnegative and rarely_zero(tip, domain))
+    reader = Reader(domain.where(dict.fromkeys(tips, True)))
     return next((x for term in terms if (x := reader.undecided(term)) is not None), None)
 
 
-def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown, over: Over) -> Sign:
+def sign_on_axis(g: Term, tip: Term, domain: StatedDomain) -> Sign:
     """Where ``tip`` is 0 only where J2 = 0, and g, by continuity, is a constant there: its sign; else any."""
-    for reader in deviatoric_readers(g, domain, shown, over):
+    for reader in deviatoric_readers(g, domain):
         size, there = reader.value(tip), reader.emptied(g)
         if size is None or not domain.constant(there) or not reader.above(size.poly, strict=True):
             continue
-        value = shown(there, domain)
+        value = domain.facts(there)
         if value.defined:
             return value.sign
     return ANY
 
 
-def divides_by_zero_force(g: Term, domain: StatedDomain, shown: Shown) -> bool:
+def divides_by_zero_force(g: Term, domain: StatedDomain) -> bool:
     """Whether a formula divides by 0 at zero force, wherever it stands."""
 
     def divides(term: Term) -> bool:
-        if term.op == "**" and shown(term.args[1], domain).sign == NEGATIVE and shown(term.args[0], domain).sign == ZERO:
+        if term.op == "**" and domain.facts(term.args[1]).sign == NEGATIVE and domain.facts(term.args[0]).sign == ZERO:
             return True
         return term.op != "where" and any(map(divides, term.args))
 
     return divides(g.put({Term("name", name=f): number(0) for f in domain.law.forces}))
 
 
-def rarely_zero(tip: Term, domain: StatedDomain, shown: Shown) -> bool:
+def rarely_zero(tip: Term, domain: StatedDomain) -> bool:
     """Whether it is 0 on no open set: a polynomial in the forces with a coefficient that is never 0, or a norm with such a part."""
     if tip.op == "norm":
-        return any(rarely_zero(part, domain, shown) for part in tip.args)
+        return any(rarely_zero(part, domain) for part in tip.args)
     parts = by_forces(domain.polynomial(tip), domain)
     if any(x.op != "name" for moving in parts for x, _ in moving):
         return False
-    return any(not shown(written(c), domain).sign & ZERO for c in parts.values())
-
-
-def _where(domain: StatedDomain, tips: Iterable[Term], over: Over) -> StatedDomain:
-    """The domain where also every tip is > 0."""
-    inside = over(domain.law)
-    inside.sides |= domain.sides | dict.fromkeys(tips, True)
-    return inside
+    return any(not domain.facts(written(c)).sign & ZERO for c in parts.values())

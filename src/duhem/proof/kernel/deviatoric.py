@@ -30,7 +30,7 @@ from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.invariants import Invariants, invariants, of_tensor
 from duhem.proof.kernel.plane_function import Base, PlaneFunction, PlaneVariable, base_of, derivatives, multiplied, power_of
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total, written
-from duhem.proof.kernel.shape import Facts, Over, Shown, of_settled_parts, of_sum
+from duhem.proof.kernel.shape import Facts, of_sum
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.spectrum import entries_of, extremes
 from duhem.proof.kernel.square_roots import Signs, inner, plain, roots_in, slope_along
@@ -51,9 +51,9 @@ _PER_CUBE: dict[Base, Polynomial] = {base_of(_NORM): {(): Fraction(-3)}}
 _MOST_TENSORS = 6
 
 
-def convex_in_deviator(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Facts | None:
+def convex_in_deviator(term: Term, domain: StatedDomain) -> Facts | None:
     """What is shown of a sum, product, power or choice that is quasiconvex, its functions of a deviator taken together by their degree."""
-    for reader in deviatoric_readers(term, domain, shown, over):
+    for reader in deviatoric_readers(term, domain):
         with suppress(NotWritten):
             if (known := reader.facts(term)) is not None and known.quasiconvex:
                 return known
@@ -77,7 +77,7 @@ class _Tensor(NamedTuple):
         return None
 
 
-def deviatoric_readers(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> list[DeviatoricReader]:
+def deviatoric_readers(term: Term, domain: StatedDomain) -> list[DeviatoricReader]:
     """One for each tensor that the forces may be, and for each of which a greatest or least principal value stands in the term.
 
     None for a formula of which a constant may have no value.
@@ -90,19 +90,33 @@ def deviatoric_readers(term: Term, domain: StatedDomain, shown: Shown, over: Ove
             told.setdefault(_key(entries_of(part, domain)), part)
     kept: dict[object, list[DeviatoricReader]] = domain.kept.setdefault("deviators", {})
     if () not in kept:
-        kept[()] = _of_the_forces(domain, shown, over)
+        kept[()] = _of_the_forces(domain)
     for key in told.keys() - kept.keys():
-        kept[key] = [DeviatoricReader(domain, shown, over, _told_by(told[key], domain))]
+        kept[key] = [DeviatoricReader(domain, _told_by(told[key], domain))]
     found = [reader for key in (*told, ()) for reader in kept[key]]
-    return found if found and of_settled_parts(term, domain, shown) else []
+    return found if found and _of_settled_parts(term, domain) else []
 
 
-def _of_the_forces(domain: StatedDomain, shown: Shown, over: Over) -> list[DeviatoricReader]:
+def _of_settled_parts(term: Term, domain: StatedDomain) -> bool:
+    """Whether every constant in a formula, and all of which a greatest is taken, has a value, which does not jump with the parameters.
+
+    Who multiplies out, or goes to the end of a parameter's range, would lose sight of that.
+    """
+    if domain.constant(term):
+        return all(part.op != "atan2" for part in term.parts()) and domain.facts(term).defined
+    if term.op == "where" and domain.constant(term.args[0]) and domain.decided(term.args[0]) is None:
+        return False
+    if term.op in ("max", "min", "eigmax") and not all(domain.facts(a).defined for a in term.args):
+        return False
+    return all(_of_settled_parts(a, domain) for a in term.args)
+
+
+def _of_the_forces(domain: StatedDomain) -> list[DeviatoricReader]:
     """One for each meaning of the forces in which some sum of the law is J2, and some sum J3 if there is such a meaning."""
     sums = [part for part in domain.law.g.parts() if part.op == "+"]
     second, third = ([x for x in sums if degree_at_most(x, domain) == k] for k in (2, 3))
     meanings = invariants(domain.law.forces) if second else ()
-    tried = (DeviatoricReader(domain, shown, over, _Tensor(meaning, number(0))) for meaning in meanings)
+    tried = (DeviatoricReader(domain, _Tensor(meaning, number(0))) for meaning in meanings)
     found = [reader for reader in tried if any(reader.value(x) is not None for x in second)]
     return [reader for reader in found if any(reader.value(x) is not None for x in third)] or found[:2]
 
@@ -133,10 +147,10 @@ class DeviatoricReader(PlaneVariable):
 
     far, rooted = 3, True
 
-    def __init__(self, domain: StatedDomain, shown: Shown, over: Over, tensor: _Tensor) -> None:
-        self.domain, self.shown, self.tensor, self._over = domain, shown, tensor, over
+    def __init__(self, domain: StatedDomain, tensor: _Tensor) -> None:
+        self.domain, self.tensor = domain, tensor
         told = tensor.entries is not None
-        self.within = over(domain.law._replace(forces=(*domain.law.forces, _FIRST.name, _GAP.name))) if told else domain
+        self.within = domain.over(domain.law._replace(forces=(*domain.law.forces, _FIRST.name, _GAP.name))) if told else domain
         self.by_continuity = not told  # whether what has a degree above 0 counts as 0 where the deviator is 0, whatever its formula
         self.signs = Signs(domain, _WALLS)
         self.known: dict[Term, PlaneFunction | None] = {}  # what was read
@@ -165,7 +179,7 @@ class DeviatoricReader(PlaneVariable):
         groups, whole, moving, constants = dict[Fraction, list[PlaneFunction]](), True, list[Facts](), list[Facts]()
         for part in term.args if term.op == "+" else (term,):
             if self.domain.constant(part):
-                constants.append(self.shown(part, self.domain))
+                constants.append(self.domain.facts(part))
             elif (value := self.value(part)) is not None and value.degree > 0:
                 groups.setdefault(value.degree, []).append(value)
                 whole &= self.vanishes(value)
@@ -174,7 +188,7 @@ class DeviatoricReader(PlaneVariable):
             elif term.op != "+":
                 return None
             else:
-                moving.append(self.shown(part, self.domain))
+                moving.append(self.domain.facts(part))
         known = of_sum([*moving, *map(self.together, groups.values())], constants)
         return replace(known, defined=known.defined and whole)
 
@@ -199,10 +213,10 @@ class DeviatoricReader(PlaneVariable):
             scale = rest.poly
             if rest.degree != 1 or rest.powers != {base_of(self.distance): ONE} or any(RAY.name in x.names() for m in scale for x, _ in m):
                 return None
-            known, offset = self.shown(written(scale), self.domain), written(self.phase(waves[0].args[0])[0])
+            known, offset = self.domain.facts(written(scale)), written(self.phase(waves[0].args[0])[0])
             ends = (offset, sum_of(product_of(number(Fraction(1, 3)), _PI), minus(offset)))
-            inside = all(not self.shown(x, self.domain).sign & NEGATIVE for x in ends)
-            if inside and known.nonnegative and self.shown(offset, self.domain).defined:
+            inside = all(not self.domain.facts(x).sign & NEGATIVE for x in ends)
+            if inside and known.nonnegative and self.domain.facts(offset).defined:
                 return Facts(known.defined, ZERO | POSITIVE, True, False, True)
         return None
 
@@ -269,7 +283,7 @@ class DeviatoricReader(PlaneVariable):
             name: own._replace(open=True, open_high=True) if own.low is None or own.low != own.high else own
             for name, own in law.parameters.items()
         }
-        return Signs(self._over(law._replace(parameters=ends)), _WALLS)
+        return Signs(self.domain.over(law._replace(parameters=ends)), _WALLS)
 
     def vanishes(self, value: PlaneFunction) -> bool:
         """Whether a function counts as 0 where the deviator is 0."""
@@ -311,7 +325,7 @@ class DeviatoricReader(PlaneVariable):
 
     def _read(self, term: Term) -> PlaneFunction:
         if self.within.constant(term):
-            if not self.shown(term, self.domain).defined:
+            if not self.domain.facts(term).defined:
                 raise NotWritten("a constant may be undefined")
             return PlaneFunction(Fraction(0), self.domain.polynomial(term), {})
         if self._is_polynomial(term):
@@ -326,7 +340,7 @@ class DeviatoricReader(PlaneVariable):
                 return multiplied(map(self.read, parts))
             case "**":
                 exponent = term.args[1]
-                if not (self.within.constant(exponent) and self.shown(exponent, self.domain).defined):
+                if not (self.within.constant(exponent) and self.domain.facts(exponent).defined):
                     raise NotWritten("an exponent varies")
                 return self.power(self.read(term.args[0]), self.domain.polynomial(exponent))
             case "cos":
@@ -370,7 +384,7 @@ class DeviatoricReader(PlaneVariable):
         if not (self.vanishes(size) and self.above(size.poly, strict=True)):
             raise NotWritten("a choice is by something else")
         value = self.read(away)
-        nothing = not self.within.polynomial(here) and self.shown(here, self.within).defined
+        nothing = not self.within.polynomial(here) and self.within.facts(here).defined
         if value.degree <= 0 or not (nothing or self.vanishes(self.read(here))):
             raise NotWritten("a choice leaves a jump")
         return value._replace(whole=True)

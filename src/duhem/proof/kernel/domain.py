@@ -17,6 +17,7 @@ from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sig
 from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
+from duhem.proof.kernel.shape import Facts, signs_of_product
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse, product_of, sum_of
 
@@ -202,11 +203,11 @@ class StatedDomain:
     A range of the pressure bounds it; forces are any numbers, for what holds of all holds within a range too.
     """
 
-    def __init__(self, law: StatedLaw, sign: Callable[[Term, StatedDomain], Sign]) -> None:
-        """``sign`` gives that of a constant which is no sum, product or whole power."""
-        self.law, self._sign, self._steps = law, sign, 0
+    def __init__(self, law: StatedLaw, rules: Callable[[Term, StatedDomain], Facts]) -> None:
+        """``rules`` say what is shown of a term over a domain."""
+        self.law, self._rules, self._steps = law, rules, 0
         self._named: dict[Term, str] = {}
-        self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
+        self.known: dict[Term, Facts] = {}  # what was shown of terms
         self._polynomials: dict[Term, Polynomial] = {}  # as they were multiplied out once; nobody changes one
         self.kept: dict[str, Any] = {}  # what a rule looks up once a law
         self.sides: dict[Term, bool] = {}  # loads that are >= 0 where it is asked, or > 0
@@ -215,8 +216,24 @@ class StatedDomain:
         self._gaps = [(self.polynomial(gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
         self._compared: dict[Term, Sign] = {}
         self.bounds = sharpened(self.bounds, self._gaps)
-        self.shown.clear()
+        self.known.clear()
         self._polynomials.clear()
+
+    def over(self, law: StatedLaw) -> StatedDomain:
+        """The domain of another law, by the same rules."""
+        return StatedDomain(law, self._rules)
+
+    def where(self, sides: Mapping[Term, bool]) -> StatedDomain:
+        """The domain of this law where these loads too are >= 0, or > 0."""
+        inside = self.over(self.law)
+        inside.sides = self.sides | dict(sides)
+        return inside
+
+    def facts(self, term: Term) -> Facts:
+        """What is shown of a term, once."""
+        if term not in self.known:
+            self.known[term] = self._rules(term, self)
+        return self.known[term]
 
     def constant(self, term: Term) -> bool:
         """Whether no force enters."""
@@ -226,9 +243,7 @@ class StatedDomain:
         """The sign of what polynomials are written in."""
         if atom.op != "name":
             return (
-                self._of_compared(atom)
-                if any(x == atom for known, _ in self._gaps for m in known for x, _ in m)
-                else self._sign(atom, self)
+                self._of_compared(atom) if any(x == atom for known, _ in self._gaps for m in known for x, _ in m) else self.facts(atom).sign
             )
         if atom.name in ("pi", self.law.pressure):
             return POSITIVE if atom.name == "pi" else NEGATIVE
@@ -240,7 +255,7 @@ class StatedDomain:
             others = (
                 c for c, (known, _) in zip(self.law.constraints, self._gaps, strict=True) if all(x != atom for m in known for x, _ in m)
             )
-            self._compared[atom] = self._sign(atom, StatedDomain(self.law._replace(constraints=tuple(others)), self._sign))
+            self._compared[atom] = self.over(self.law._replace(constraints=tuple(others))).facts(atom).sign
         return self._compared[atom]
 
     def nonnegative(self, term: Term, strict: bool = False) -> bool:
@@ -251,7 +266,7 @@ class StatedDomain:
     def _in_ranges(self, poly: Polynomial) -> Polynomial:
         """The polynomial with a name for each exponential of a constant of known sign: it lies on one side of 1."""
         for x in {x for m in poly for x, _ in m if x.op == "exp" and self.constant(x)}:
-            sign, name = self._sign(x.args[0], self), self._named.setdefault(x, f"exponential {len(self._named)}")  # no name of a law
+            sign, name = self.facts(x.args[0]).sign, self._named.setdefault(x, f"exponential {len(self._named)}")  # no name of a law
             if not sign & POSITIVE:
                 self.bounds[name] = Bounds(Fraction(0), Fraction(1), True, not sign & ZERO)
             elif not sign & NEGATIVE:
@@ -318,7 +333,7 @@ class StatedDomain:
         """Whether a comparison of constants holds, where their signs tell."""
         if not self.constant(comparison):
             return None
-        sign, holds = self._sign(gap(comparison), self), POSITIVE | (ZERO if len(comparison.op) == 2 else 0)
+        sign, holds = self.facts(gap(comparison)).sign, POSITIVE | (ZERO if len(comparison.op) == 2 else 0)
         return True if not sign & ~holds else False if not sign & holds else None
 
     def polynomial(self, term: Term) -> Polynomial:
@@ -379,11 +394,11 @@ class StatedDomain:
         if term.op not in ("norm", "abs", "pos", "neg", *_AT_ZERO) or not self.constant(term):
             return term
         if term.op in _AT_ZERO:
-            return number(_AT_ZERO[term.op]) if self._sign(term.args[0], self) == ZERO else term
-        left = [a for a in term.args if self._sign(a, self) != ZERO] or [number(0)]
+            return number(_AT_ZERO[term.op]) if self.facts(term.args[0]).sign == ZERO else term
+        left = [a for a in term.args if self.facts(a).sign != ZERO] or [number(0)]
         if len(left) > 1:
             return term
-        (x,), sign = left, self._sign(left[0], self)
+        (x,), sign = left, self.facts(left[0]).sign
         if not sign & NEGATIVE:
             return number(0) if term.op == "neg" else x
         if not sign & POSITIVE:
@@ -409,20 +424,6 @@ def inhabited(parameters: Mapping[str, Bounds], constraints: tuple[Term, ...], p
         return inside and all(holds(c.put(here)) for c in constraints)
     except NotWritten:  # something in a constraint has no value there, or is no fraction
         return False
-
-
-def signs_of_product(a: Sign, b: Sign) -> Sign:
-    """The signs that a product of one of ``a`` and one of ``b`` may have."""
-    return _PRODUCTS[a][b]
-
-
-def _sign_of_products(a: Sign, b: Sign) -> Sign:
-    parts = {NEGATIVE: -1, ZERO: 0, POSITIVE: 1}
-    found = {s * t for i, s in parts.items() for j, t in parts.items() if a & i and b & j}
-    return sum(i for i, s in parts.items() if s in found)
-
-
-_PRODUCTS = [[_sign_of_products(a, b) for b in range(ANY + 1)] for a in range(ANY + 1)]  # of every two sets of signs
 
 
 def gap(comparison: Term) -> Term:

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, negated, times, total, written
-from duhem.proof.kernel.shape import Facts, Shown
+from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
 __all__ = [
@@ -101,16 +101,16 @@ def by_forces(poly: Polynomial, domain: StatedDomain) -> dict[Monomial, Polynomi
     return found
 
 
-def sign_within(term: Term, known: Facts, domain: StatedDomain, shown: Shown) -> Sign:
+def sign_within(term: Term, known: Facts, domain: StatedDomain) -> Sign:
     """The signs that what is >= 0 in the domain leaves: of a multiple of that and a constant; of a concave term that depends on one load
     alone and is >= 0 at both of its ends, no sign < 0.
     """
     try:
-        found = _of_multiple(term, domain, shown)
+        found = _of_multiple(term, domain)
         if (
             found & known.sign & NEGATIVE
             and known.concave
-            and any(_above_at_both_ends(term, x, y, domain, shown) for x in domain.sides for y in domain.sides)
+            and any(_above_at_both_ends(term, x, y, domain) for x in domain.sides for y in domain.sides)
         ):
             found &= ZERO | POSITIVE
         return found
@@ -118,12 +118,12 @@ def sign_within(term: Term, known: Facts, domain: StatedDomain, shown: Shown) ->
         return ANY
 
 
-def _of_multiple(term: Term, domain: StatedDomain, shown: Shown) -> Sign:
+def _of_multiple(term: Term, domain: StatedDomain) -> Sign:
     found, poly = ANY, domain.polynomial(term)
     for side, strict in domain.sides.items():
         if (split := share_and_rest(poly, domain.polynomial(side), domain)) is None:
             continue
-        way, left = (shown(written(part), domain).sign for part in split)
+        way, left = (domain.facts(written(part)).sign for part in split)
         if not way & NEGATIVE and not left & NEGATIVE:
             found &= POSITIVE if left == POSITIVE or (strict and way == POSITIVE) else ZERO | POSITIVE
         if not way & POSITIVE and not left & POSITIVE:
@@ -147,7 +147,7 @@ def at_end_of(load: Term, term: Term, domain: StatedDomain) -> Term:
     return term.put(_zero(known, domain))
 
 
-def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomain, shown: Shown) -> bool:
+def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomain) -> bool:
     """Whether a term that depends on the load ``side`` alone is >= 0 where that is 0, and at its other end, where ``other`` is.
 
     It is concave where all loads are >= 0 and perhaps nowhere else: so they are asked for at both ends, and hold between them.
@@ -156,10 +156,10 @@ def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomai
         return False
     load, end = domain.polynomial(side), domain.polynomial(other)
     split = share_and_rest(end, load, domain)
-    if split is None or shown(written(split[0]), domain).sign != NEGATIVE or not _of_load(term, load, domain):
+    if split is None or domain.facts(written(split[0])).sign != NEGATIVE or not _of_load(term, load, domain):
         return False
     ends = [_zero(x, domain) for x in (load, end)]
-    values = [shown(part.put(place), domain) for part in (*domain.sides, term) for place in ends]
+    values = [domain.facts(part.put(place)) for part in (*domain.sides, term) for place in ends]
     return all(here.defined and here.nonnegative for here in values)
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import undecided_beside
 from duhem.proof.kernel.domain import POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.identity import in_order, value, vanishes
@@ -32,7 +32,7 @@ def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
     """Whether d g(r sigma)/dr > 0 at r = 1 wherever g = 0, g being defined everywhere."""
     parts = by_degree(g, domain)
     sums = (sum_of(*(product_of(number(k - m), part) for k, part in parts.items() if k != m)) for m in parts)
-    return any(facts(power, domain).sign == POSITIVE for power in sums)
+    return any(domain.facts(power).sign == POSITIVE for power in sums)
 
 
 def is_cone(g: Term, domain: StatedDomain) -> bool:
@@ -50,7 +50,7 @@ def potential_flows_outward(potential: Term, g: Term, share: Term, domain: State
 
     What has a degree is continuous, so that the boundary of K lies on g = 0 and the sum is a limit of itself.
     """
-    if not all(facts(part, domain).defined for part in (potential, g, share)) or not domain.constant(share) or not by_degree(g, domain):
+    if not all(domain.facts(part).defined for part in (potential, g, share)) or not domain.constant(share) or not by_degree(g, domain):
         return False
     power = sum_of(*(product_of(number(k), part) for k, part in by_degree(potential, domain).items()))
     return domain.nonnegative(sum_of(power, minus(product_of(share, g))))
@@ -59,13 +59,13 @@ def potential_flows_outward(potential: Term, g: Term, share: Term, domain: State
 def flows_with_a_share_of_g(law: StatedLaw, share: Term, rest: Term) -> bool:
     """Whether sigma . d = ``share`` g + ``rest`` with a constant share and rest >= 0, d having a value but where a tip of g is 0."""
     domain = over(law)
-    if law.flow is None or not (domain.constant(share) and facts(rest, domain).nonnegative):
+    if law.flow is None or not (domain.constant(share) and domain.facts(rest).nonnegative):
         return False
-    if undecided_beside(law.flow, tips(law.g, domain), domain, facts, over) is not None or chooses(law.g, domain):
+    if undecided_beside(law.flow, tips(law.g, domain), domain) is not None or chooses(law.g, domain):
         return False
     power = sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, law.flow, strict=True)))
     gap = sum_of(power, minus(product_of(share, law.g)), minus(rest))
-    return all(facts(part, domain).defined for part in (law.g, share, rest)) and vanishes(in_order(gap, domain), domain)
+    return all(domain.facts(part).defined for part in (law.g, share, rest)) and vanishes(in_order(gap, domain), domain)
 
 
 def by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_beside
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedLaw
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import Term, minus, number, parse, sum_of
@@ -37,7 +37,7 @@ def numbers(text: str, law: StatedLaw | StatedCurve) -> str:
     """Each part of a formula of the law that is a number, read or not: it has a value, and one of an ordinary size."""
     term = parse(text)
     others = tuple(sorted(term.names() - {"pi", law.pressure, *law.parameters}))
-    reader = _reader(over(StatedLaw(others, law.pressure, term, None, law.parameters, ())))
+    reader = Reader(over(StatedLaw(others, law.pressure, term, None, law.parameters, ())))
     for part in term.parts():
         if _is_number(part) and reader.undecided(part) is part:
             return _said("a number in the law", part)
@@ -68,7 +68,7 @@ def constraints(law: StatedLaw | StatedCurve) -> str:
     left = [c for c in law.constraints if asks(c)]
     settled = tuple(c for c in law.constraints if c not in left)
     while left:
-        reader = _reader(over(StatedLaw(law.forces, law.pressure, number(0), None, law.parameters, settled)))
+        reader = Reader(over(StatedLaw(law.forces, law.pressure, number(0), None, law.parameters, settled)))
         ready = {c: reader.undecided(c) for c in left}
         if not (new := tuple(c for c, undecided in ready.items() if undecided is None)):
             return _said("a constraint of the parameters", next(iter(ready.values())))
@@ -83,7 +83,7 @@ def formula(law: StatedLaw) -> str:
 
 def limits(law: StatedLaw) -> tuple[Term, ...]:
     """What g is at a tip, as its parts may be read, by continuity; none where it may have no value elsewhere."""
-    return tuple(continued(law.g, over(law), facts, over))
+    return tuple(continued(law.g, over(law)))
 
 
 def formula_but_at_tips(law: StatedLaw) -> str:
@@ -99,8 +99,8 @@ def formula_where_loads_allow(law: StatedLaw) -> str:
     loads, others, inside = where_loads_allow(law)
     if _everywhere("a load", loads, law):
         return found
-    reader = _reader(inside)
-    settled = (reader.undecided(part) is None or any(True for _ in continued(part, inside, facts, over)) for part in others)
+    reader = Reader(inside)
+    settled = (reader.undecided(part) is None or any(True for _ in continued(part, inside)) for part in others)
     return "" if all(settled) else found
 
 
@@ -113,7 +113,7 @@ def formula_at_zero(law: StatedLaw) -> str:
 def numbers_in_formula(law: StatedLaw) -> str:
     """What no force enters in g: the rest is read along every ray from zero force by who asks for this."""
     domain = over(law)
-    reader = Reader(domain, facts, over, lambda term: ANY if domain.constant(term) else 0)  # 0: no sign speaks against a value
+    reader = Reader(domain, lambda term: ANY if domain.constant(term) else 0)  # 0: no sign speaks against a value
     return _said("g", reader.undecided(law.g))
 
 
@@ -134,16 +134,12 @@ def formula_and_potential(law: StatedLaw) -> str:
         return law.once(formula)
     domain = over(law)
     found = law.once(formula) or _everywhere("the potential", (law.potential,), law)
-    return found or _said("the gradient", undecided_beside(law.flow or (), tips(law.potential, domain), domain, facts, over))
+    return found or _said("the gradient", undecided_beside(law.flow or (), tips(law.potential, domain), domain))
 
 
 def _everywhere(what: str, terms: Iterable[Term], law: StatedLaw) -> str:
-    reader = _reader(over(law))
+    reader = Reader(over(law))
     return next((said for term in terms if (said := _said(what, reader.undecided(term)))), "")
-
-
-def _reader(domain: StatedDomain) -> Reader:
-    return Reader(domain, facts, over)
 
 
 def _said(what: str, undecided: Term | None) -> str:

@@ -18,7 +18,7 @@ from fractions import Fraction
 from itertools import pairwise, product
 from math import lcm
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.plane_function import MOST_POWER, PlaneFunction, PlaneVariable, added, derivatives, multiplied
 from duhem.proof.kernel.polynomial import Polynomial, negated, number_in, replaced, times, total
@@ -92,7 +92,7 @@ class DirectionArc(PlaneVariable):
     def read(self, term: Term) -> Graded:
         """The term at the forces of these rays."""
         if self.domain.constant(term):
-            if not facts(term, self.domain).defined:
+            if not self.domain.facts(term).defined:
                 raise NotWritten("a constant may be undefined")
             return _graded([PlaneFunction(Fraction(0), self.domain.polynomial(term), {})])
         if term.op == "name":
@@ -117,7 +117,7 @@ class DirectionArc(PlaneVariable):
 
     def _power(self, base: Graded, exponent: Term) -> Graded:
         n = number_in(self.domain.polynomial(exponent))
-        if n is None or not facts(exponent, self.domain).defined:
+        if n is None or not self.domain.facts(exponent).defined:
             raise NotWritten("an exponent is no number")
         return _graded([self.power(_alone([base])[0], {(): n})])
 
@@ -271,7 +271,7 @@ def _in_the_plane(law: StatedLaw, domain: StatedDomain) -> tuple[Term, tuple[str
     moved = {x: Term("+", (x, RAY)) for x in names}
 
     def fixed(term: Term) -> bool:
-        same = facts(term, domain).defined and domain.polynomial(term.put(moved)) == domain.polynomial(term)
+        same = domain.facts(term).defined and domain.polynomial(term.put(moved)) == domain.polynomial(term)
         return same or (bool(term.args) and all(map(fixed, term.args)))
 
     if len(names) != 3 or not fixed(law.g):

@@ -15,7 +15,6 @@ from fractions import Fraction
 from itertools import combinations, product
 from math import comb, prod
 
-from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import affine
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
@@ -65,7 +64,7 @@ def least_of_greatest(term: Term, domain: StatedDomain) -> list[list[Term]]:
             return [cell for a in term.args for cell in least_of_greatest(a, domain)]
         case "*":
             moving, still = ([f for f in factors(term) if domain.constant(f) is c] for c in (False, True))
-            if len(moving) == 1 and not facts(scale := product_of(*still), domain).sign & NEGATIVE:
+            if len(moving) == 1 and not domain.facts(scale := product_of(*still)).sign & NEGATIVE:
                 return [[product_of(scale, arm) for arm in cell] for cell in least_of_greatest(moving[0], domain)]
         case "max" | "+":
             parts = [least_of_greatest(a, domain) for a in term.args]
@@ -81,7 +80,7 @@ def least_of_greatest(term: Term, domain: StatedDomain) -> list[list[Term]]:
 def _unit(terms: Sequence[Term], domain: StatedDomain) -> Term:
     """The size of the first that is not 0."""
     first = next((t for t in terms if domain.polynomial(t)), number(0))
-    sign = facts(first, domain).sign
+    sign = domain.facts(first).sign
     if sign not in (NEGATIVE, POSITIVE):
         raise NotWritten("a unit has no one sign")
     return first if sign == POSITIVE else minus(first)

@@ -12,7 +12,6 @@ from itertools import pairwise
 
 from duhem.proof.kernel.domain import POSITIVE, StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replaced, slope, times, total, written
-from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.signs import RAY, Line, nonnegative_on_the_line, on_the_line, parts, roots, sign_at, without_content
 from duhem.proof.kernel.term import NotWritten, Term
 
@@ -21,20 +20,20 @@ __all__ = ["convex_by_its_profile"]
 _Place = tuple[Fraction, Fraction]  # a root exactly, or between two numbers that are none
 
 
-def convex_by_its_profile(f: Term, loads: Collection[Term], domain: StatedDomain, shown: Shown) -> bool:
+def convex_by_its_profile(f: Term, loads: Collection[Term], domain: StatedDomain) -> bool:
     """Whether f is defined and {f <= 0} is convex where the ``loads`` of the law are >= 0."""
     try:
         poly, sides = domain.polynomial(f), [domain.polynomial(load) for load in loads]
-        return shown(f, domain).defined and any(_by_load(poly, t, sides, domain, shown) for t in (*sides, *_leading(poly, domain)))
+        return domain.facts(f).defined and any(_by_load(poly, t, sides, domain) for t in (*sides, *_leading(poly, domain)))
     except NotWritten:
         return False
 
 
-def _by_load(poly: Polynomial, load: Polynomial, sides: Collection[Polynomial], domain: StatedDomain, shown: Shown) -> bool:
+def _by_load(poly: Polynomial, load: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> bool:
     """Whether the body has a profile along this load, and one that makes it convex."""
     try:
         x, place = _solved(load, domain)
-        profile = _profile(replaced(poly, x, place), domain, shown)
+        profile = _profile(replaced(poly, x, place), domain)
         along = [side for side in (replaced(side, x, place) for side in sides) if not _moving(side, domain)]
         return any(_concave_root(h, rest) for h, rest in _in_numbers(profile, along, domain))
     except NotWritten:
@@ -86,14 +85,14 @@ def _solved(load: Polynomial, domain: StatedDomain) -> tuple[Term, Polynomial]:
     raise NotWritten("the load has no force to be solved for")
 
 
-def _profile(poly: Polynomial, domain: StatedDomain, shown: Shown) -> Polynomial:
+def _profile(poly: Polynomial, domain: StatedDomain) -> Polynomial:
     """H: with f = a y^2 + b y + c, a > 0, b affine, 4 a f = (2 a y + b)^2 + 4 a c - b^2; so one force after the other is removed."""
     while forces := _moving(poly, domain):
         y = forces[0]
         free, once, *twice = in_powers(poly, y)
         if len(twice) != 1 or _moving(twice[0], domain) or any(RAY in dict(m) for m in twice[0]):
             raise NotWritten("a force does not enter by its square alone")
-        if any(_degree(m, (*forces, RAY)) > 1 for m in once) or shown(written(twice[0]), domain).sign != POSITIVE:
+        if any(_degree(m, (*forces, RAY)) > 1 for m in once) or domain.facts(written(twice[0])).sign != POSITIVE:
             raise NotWritten("no square of an affine function is left")
         poly = total(times({(): Fraction(4)}, times(twice[0], free)), negated(times(once, once)))
     return negated(poly)

@@ -24,7 +24,7 @@ from fractions import Fraction
 from itertools import permutations
 from math import prod
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.forms import at_end_of
 from duhem.proof.kernel.profile import convex_by_its_profile
@@ -39,31 +39,29 @@ _ONE = Fraction(1)
 def convex_in_its_region(law: StatedLaw) -> bool:
     """Whether every part of g is quasiconvex, or of a convex set, where all of its loads allow it to be <= 0; g has a value there."""
     _, others, inside = where_loads_allow(law)
-    found = [(part, facts(part, inside)) for part in others]
+    found = [(part, inside.facts(part)) for part in others]
     return all(
         (known.defined and known.quasiconvex)
         or _convex_below_a_product(part, inside)
-        or convex_by_its_profile(part, [*inside.sides], inside, facts)
+        or convex_by_its_profile(part, [*inside.sides], inside)
         for part, known in found
     )
 
 
 def where_loads_allow(law: StatedLaw) -> tuple[list[Term], list[Term], StatedDomain]:
     """The loads and the other parts of g, and the domain where the loads allow K."""
-    inside = over(law)
-    loads, others = _loads_and_others(law.g, inside)
+    domain = over(law)
+    loads, others = _loads_and_others(law.g, domain)
     sides = dict.fromkeys(map(minus, loads), False)
     for part in others:
-        sides |= dict.fromkeys((x for x in _under_logarithms(part, inside) if not inside.constant(x) and facts(x, inside).affine), True)
-    inside = over(law)
-    inside.sides |= sides
-    return loads, others, inside
+        sides |= dict.fromkeys((x for x in _under_logarithms(part, domain) if not domain.constant(x) and domain.facts(x).affine), True)
+    return loads, others, domain.where(sides)
 
 
 def _loads_and_others(g: Term, domain: StatedDomain) -> tuple[list[Term], list[Term]]:
     """What a maximum is taken of: loads, which are affine and defined everywhere, and the rest."""
     parts = [*_greatest(g)]
-    loads = [part for part in parts if not domain.constant(part) and facts(part, domain).affine and facts(part, domain).defined]
+    loads = [part for part in parts if not domain.constant(part) and domain.facts(part).affine and domain.facts(part).defined]
     return loads, [part for part in parts if part not in loads]
 
 
@@ -96,9 +94,9 @@ def _below(power: Term, rest: Term, domain: StatedDomain) -> bool:
     n = power.args[1].value if power.op == "**" and power.args[1].op == "number" else None
     if n is None or n.denominator > 1 or n <= 0:
         return False
-    u, parts = facts(power.args[0], domain), factors(rest)
-    c = facts(minus(product_of(*(f for f in parts if domain.constant(f)))), domain)
-    concave = [facts(f, domain) for f in parts if not domain.constant(f)]
+    u, parts = domain.facts(power.args[0]), factors(rest)
+    c = domain.facts(minus(product_of(*(f for f in parts if domain.constant(f)))))
+    concave = [domain.facts(f) for f in parts if not domain.constant(f)]
     convex = u.defined and (u.convex_in_size if n % 2 == 0 else u.convex)
     return (
         convex and c.defined and c.nonnegative and 0 < len(concave) <= n and all(v.defined and v.concave and v.nonnegative for v in concave)
@@ -107,17 +105,17 @@ def _below(power: Term, rest: Term, domain: StatedDomain) -> bool:
 
 def round_at_its_ends(law: StatedLaw) -> bool:
     """Whether g is the greatest of loads and such an f = A - S, g being < 0 somewhere."""
-    domain, inside = over(law), over(law)
+    domain = over(law)
     loads, others = _loads_and_others(law.g, domain)
     if not loads or len(others) != 1:
         return False
-    inside.sides |= dict.fromkeys(map(minus, loads), False)
-    shape, (gauge, parts) = facts(others[0], inside), _gauge_and_parts(others[0], domain)
-    size = facts(gauge, domain)
+    inside = domain.where(dict.fromkeys(map(minus, loads), False))
+    shape, (gauge, parts) = inside.facts(others[0]), _gauge_and_parts(others[0], domain)
+    size = domain.facts(gauge)
     return (
         (shape.defined and shape.convex)
         and (size.defined and size.convex and size.nonnegative and smooth_but_where_zero(gauge, domain))
-        and all(facts(h, inside).concave and facts(h, inside).nonnegative and smooth_but_where_zero(h, domain) for h in parts)
+        and all(inside.facts(h).concave and inside.facts(h).nonnegative and smooth_but_where_zero(h, domain) for h in parts)
         and all(_ends_round(load, loads, parts, domain) for load in loads)
     )
 
@@ -126,12 +124,12 @@ def _gauge_and_parts(f: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
     """A and the h of f = A - c (h_1 ... h_k)^e; NotWritten where f is not of that form."""
     for root in f.args if f.op == "+" else ():
         scales, moving = _apart(factors(root), domain)
-        if len(moving) != 1 or moving[0].op != "**" or facts(product_of(*scales), domain).sign != NEGATIVE:
+        if len(moving) != 1 or moving[0].op != "**" or domain.facts(product_of(*scales)).sign != NEGATIVE:
             continue
         base, e = moving[0].args
         scales, parts = _apart(factors(base.args[0] if base.op == "pos" else base), domain)
-        below_one = facts(sum_of(number(1), minus(e)), domain).sign
-        if domain.constant(e) and facts(e, domain).sign == below_one == facts(product_of(*scales), domain).sign == POSITIVE:
+        below_one = domain.facts(sum_of(number(1), minus(e))).sign
+        if domain.constant(e) and domain.facts(e).sign == below_one == domain.facts(product_of(*scales)).sign == POSITIVE:
             rest = [term for term in f.args if term is not root]
             return rest[0] if len(rest) == 1 else sum_of(*rest), parts
     raise NotWritten("no root is subtracted")
@@ -145,8 +143,8 @@ def _apart(parts: list[Term], domain: StatedDomain) -> tuple[list[Term], list[Te
 
 def _ends_round(load: Term, loads: list[Term], parts: list[Term], domain: StatedDomain) -> bool:
     """Whether the other loads are < 0 where this one is 0, and of the h one is 0 there and the others > 0."""
-    others = [facts(at_end_of(load, other, domain), domain) for other in loads if other is not load]
-    ends = [facts(at_end_of(load, h, domain), domain) for h in parts]
+    others = [domain.facts(at_end_of(load, other, domain)) for other in loads if other is not load]
+    ends = [domain.facts(at_end_of(load, h, domain)) for h in parts]
     signs = sorted(h.sign for h in ends)
     return (
         all(known.defined for known in (*others, *ends))

@@ -12,7 +12,6 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass
 
-from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial
@@ -56,13 +55,13 @@ def tips(term: Term, domain: StatedDomain) -> frozenset[Term]:
 
 def _signs_at(tip: Term, term: Term, domain: StatedDomain) -> tuple[Sign, Sign]:
     """The sign of a term where a tip is 0, read in two ways."""
-    return _sign_without(term, tip, domain), sign_on_axis(term, tip, domain, facts, over)
+    return _sign_without(term, tip, domain), sign_on_axis(term, tip, domain)
 
 
 def _sign_without(term: Term, tip: Term, domain: StatedDomain) -> Sign:
     """That of the term with the tip put to 0, where that is a constant: so it is wherever the tip is 0."""
     put = term.put({tip: number(0)})
-    rest = facts(put, domain)
+    rest = domain.facts(put)
     return rest.sign if rest.defined and domain.constant(put) else ANY
 
 
@@ -83,9 +82,9 @@ def _regularity(term: Term, domain: StatedDomain) -> Kinks | None:
 
 def _even_in_roots(term: Term, domain: StatedDomain) -> Kinks | None:
     """Of a sum that is C^1 and even in its roots; what is singular but for the roots themselves stays a tip."""
-    for freed in freed_of_roots(term, domain, facts, over):
+    for freed in freed_of_roots(term, domain):
         found = _regularity(freed.term, freed.domain)
-        if found is None or found.kinks or not facts(freed.term, freed.domain).defined or not freed.unchanged():
+        if found is None or found.kinks or not freed.domain.facts(freed.term).defined or not freed.unchanged():
             continue
         inner = [_regularity(y, domain) for root in freed.parts.values() for y in (root.args if root.op == "norm" else root.args[:1])]
         known = [y for y in inner if y is not None and y.kinks <= y.zeros]
@@ -123,8 +122,8 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
     if term.op == "**" and domain.constant(term.args[1]):
         base, exponent = known[0], term.args[1].value if term.args[1].op == "number" else None
         whole = exponent is not None and exponent.denominator == 1 and exponent >= 0
-        steep = exponent > 1 if whole and exponent is not None else facts(Term("+", (term.args[1], number(-1))), domain).sign == POSITIVE
-        zeros = base.zeros if facts(term.args[1], domain).sign == POSITIVE else frozenset()
+        steep = exponent > 1 if whole and exponent is not None else domain.facts(Term("+", (term.args[1], number(-1)))).sign == POSITIVE
+        zeros = base.zeros if domain.facts(term.args[1]).sign == POSITIVE else frozenset()
         bent = frozenset() if steep and base.kinks <= base.zeros else base.kinks
         return Kinks(bent, zeros, tips if whole or steep else tips | _zeros_of(term.args[0], domain))
     return None
@@ -132,4 +131,4 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
 
 def _zeros_of(tip: Term, domain: StatedDomain) -> frozenset[Term]:
     """A tip; none where it is never 0."""
-    return frozenset({tip} if facts(tip, domain).sign & ZERO else ())
+    return frozenset({tip} if domain.facts(tip).sign & ZERO else ())

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, Sign, StatedDomain, StatedLaw, signs_of_product
-from duhem.proof.kernel.term import Term
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Sign
 
-__all__ = ["Facts", "Over", "Shown", "of_settled_parts", "of_sum"]
+__all__ = ["Facts", "of_sum", "signs_of_product"]
 
 
 @dataclass(frozen=True)
@@ -51,19 +50,15 @@ def of_sum(moving: Sequence[Facts], constants: Sequence[Facts] = ()) -> Facts:
     return Facts(all(known.defined for known in parts), ANY if signs & NEGATIVE and signs & POSITIVE else signs, convex, False, quasi)
 
 
-Shown = Callable[[Term, StatedDomain], Facts]  # what is shown of a term over a domain, for the rules that ask about parts
-Over = Callable[[StatedLaw], StatedDomain]  # the domain of a law, for those that ask about another law
+def signs_of_product(a: Sign, b: Sign) -> Sign:
+    """The signs that a product of one of ``a`` and one of ``b`` may have."""
+    return _PRODUCTS[a][b]
 
 
-def of_settled_parts(term: Term, domain: StatedDomain, shown: Shown) -> bool:
-    """Whether every constant in a formula, and all of which a greatest is taken, has a value, which does not jump with the parameters.
+def _sign_of_products(a: Sign, b: Sign) -> Sign:
+    parts = {NEGATIVE: -1, ZERO: 0, POSITIVE: 1}
+    found = {s * t for i, s in parts.items() for j, t in parts.items() if a & i and b & j}
+    return sum(i for i, s in parts.items() if s in found)
 
-    Who multiplies out, or goes to the end of a parameter's range, would lose sight of that.
-    """
-    if domain.constant(term):
-        return all(part.op != "atan2" for part in term.parts()) and shown(term, domain).defined
-    if term.op == "where" and domain.constant(term.args[0]) and domain.decided(term.args[0]) is None:
-        return False
-    if term.op in ("max", "min", "eigmax") and not all(shown(a, domain).defined for a in term.args):
-        return False
-    return all(of_settled_parts(a, domain, shown) for a in term.args)
+
+_PRODUCTS = [[_sign_of_products(a, b) for b in range(ANY + 1)] for a in range(ANY + 1)]  # of every two sets of signs

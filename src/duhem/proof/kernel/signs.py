@@ -31,7 +31,6 @@ from duhem.proof.kernel.constant_value import sign_of_radicals, sign_over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, times, total, written
-from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, sum_of
 
 __all__ = [
@@ -54,7 +53,7 @@ _WAVES = ("sin", "cos", "tan")
 # -- of a constant -----------------------------------------------------------------------------------------------------
 
 
-def sign_of_constant(term: Term, known: Sign, domain: StatedDomain, shown: Shown) -> Sign:
+def sign_of_constant(term: Term, known: Sign, domain: StatedDomain) -> Sign:
     """What is left of the ``known`` signs, which its parts leave to a constant."""
     if known in _ONE_SIGN:
         return known
@@ -62,7 +61,7 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain, shown: Shown
         return known & sign
     if term.op not in ("+", "*", "name"):
         return known
-    if (sign := _of_sum_with_a_size(term, domain, shown)) != ANY:
+    if (sign := _of_sum_with_a_size(term, domain)) != ANY:
         return known & sign
     left = ANY
     for form in _of_one_sign(term, domain):
@@ -75,20 +74,20 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain, shown: Shown
     return known & (left if left in _ONE_SIGN or term.names() else left & sign_of_radicals(term))
 
 
-def _of_sum_with_a_size(term: Term, domain: StatedDomain, shown: Shown) -> Sign:
+def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
     """The sign of a sum that is < 0, or <= 0, although |x|, a norm or a root is one of its terms."""
     for i, part in enumerate(map(domain.plain, term.args) if term.op == "+" else ()):
         rest = sum_of(*term.args[:i], *term.args[i + 1 :])
         if part.op == "abs":  # |x| + y < 0 where x + y < 0 and -x + y < 0
             (x,) = part.args
-            signs = [shown(Term("+", (*term.args[:i], side, *term.args[i + 1 :])), domain).sign for side in (x, minus(x))]
+            signs = [domain.facts(Term("+", (*term.args[:i], side, *term.args[i + 1 :]))).sign for side in (x, minus(x))]
             if not (signs[0] | signs[1]) & POSITIVE:
                 return signs[0] | signs[1]
         rooted = part.op == "**" and part.args[1] == number(Fraction(1, 2))
         if part.op == "norm" or rooted:  # |x| + y <= 0 where y <= 0 and x . x <= y^2; so is sqrt(x) + y where x <= y^2
             squares = part.args[:1] if rooted else [Term("*", (a, a)) for a in part.args]
             gap = Term("+", (Term("*", (rest, rest)), *map(minus, squares)))
-            if not shown(rest, domain).sign & POSITIVE and domain.nonnegative(gap):
+            if not domain.facts(rest).sign & POSITIVE and domain.nonnegative(gap):
                 return NEGATIVE if domain.nonnegative(gap, strict=True) else NEGATIVE | ZERO
     return ANY
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.identity import alike
 from duhem.proof.kernel.polynomial import Polynomial, negated, total, written
-from duhem.proof.kernel.shape import Facts, Over, Shown
+from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["Freed", "entries_of", "extremes", "freed_of_roots", "quasiconvex_with_parts_freed"]
@@ -42,54 +42,54 @@ class Freed(NamedTuple):
         return all(alike(self.term.put(swap), self.term, self.domain) for swap in self.swaps)
 
 
-def quasiconvex_with_parts_freed(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Facts | None:
+def quasiconvex_with_parts_freed(term: Term, domain: StatedDomain) -> Facts | None:
     """What is shown of the term with further forces in the place of roots, or of eigenvalues; None where that is not quasiconvex, or
     changes with their signs or order.
     """
     for freed_of in (freed_of_roots, _freed_of_eigenvalues):
         with suppress(NotWritten):
-            for freed in freed_of(term, domain, shown, over):
-                known = shown(freed.term, freed.domain)
+            for freed in freed_of(term, domain):
+                known = freed.domain.facts(freed.term)
                 if known.defined and known.quasiconvex and freed.unchanged():
                     return known
     return None
 
 
-def _wider(domain: StatedDomain, names: Sequence[str], over: Over) -> StatedDomain:
-    return over(domain.law._replace(forces=(*domain.law.forces, *names)))
+def _wider(domain: StatedDomain, names: Sequence[str]) -> StatedDomain:
+    return domain.over(domain.law._replace(forces=(*domain.law.forces, *names)))
 
 
 # -- roots -------------------------------------------------------------------------------------------------------------
 
 
-def freed_of_roots(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Iterator[Freed]:
+def freed_of_roots(term: Term, domain: StatedDomain) -> Iterator[Freed]:
     """The term with a force z for each of its outermost roots; then with |z| where no affine part is added."""
-    roots = list(dict.fromkeys(root for part in term.args for root in _roots(part, domain, shown)))
+    roots = list(dict.fromkeys(root for part in term.args for root in _roots(part, domain)))
     if not 0 < len(roots) <= _MOST_ROOTS:
         return
     names = [f"root {i}" for i in range(len(roots))]  # no name of a law has blanks
     while {*names} & {*domain.law.forces}:
         names = [f"{name} inside" for name in names]
-    wider = _wider(domain, names, over)
+    wider = _wider(domain, names)
     free = {root: Term("name", name=name) for root, name in zip(roots, names, strict=True)}
     for sized in (False, True):
         swaps = [{z: minus(z)} for z in free.values()]
-        yield Freed(_freed(term, free, sized, domain, shown), wider, {z: root for root, z in free.items()}, swaps)
+        yield Freed(_freed(term, free, sized, domain), wider, {z: root for root, z in free.items()}, swaps)
 
 
-def _roots(term: Term, domain: StatedDomain, shown: Shown) -> Iterator[Term]:
+def _roots(term: Term, domain: StatedDomain) -> Iterator[Term]:
     """The outermost roots and norms that are convex, and >= 0."""
     rooted = term.op == "**" and term.args[1].op == "number" and 0 < term.args[1].value < 1
     if (rooted or term.op == "norm") and not domain.constant(term):
-        known = shown(term, domain)
+        known = domain.facts(term)
         if known.defined and known.convex and known.nonnegative and not known.affine:
             yield term
             return
     for a in term.args:
-        yield from _roots(a, domain, shown)
+        yield from _roots(a, domain)
 
 
-def _freed(term: Term, names: dict[Term, Term], sized: bool, domain: StatedDomain, shown: Shown) -> Term:
+def _freed(term: Term, names: dict[Term, Term], sized: bool, domain: StatedDomain) -> Term:
     """The term with z for its roots r = y^e, ``sized`` |z| where no affine part is added; for other powers y^k, y >= 0, |z|^(k/e)."""
     if term in names:
         return Term("abs", (names[term],)) if sized else names[term]
@@ -101,9 +101,9 @@ def _freed(term: Term, names: dict[Term, Term], sized: bool, domain: StatedDomai
                 return Term("**", (Term("abs", (name,)), power))
     if sized and (sizes := _sizes(term, names, domain)) is not None:
         return sizes
-    if sized and term.op == "+" and any(shown(a, domain).affine and not domain.constant(a) for a in term.args):
-        return Term("+", tuple(_multiple(a, names, domain) or _freed(a, names, sized, domain, shown) for a in term.args))
-    return term._replace(args=tuple(_freed(a, names, sized, domain, shown) for a in term.args))
+    if sized and term.op == "+" and any(domain.facts(a).affine and not domain.constant(a) for a in term.args):
+        return Term("+", tuple(_multiple(a, names, domain) or _freed(a, names, sized, domain) for a in term.args))
+    return term._replace(args=tuple(_freed(a, names, sized, domain) for a in term.args))
 
 
 def _sizes(term: Term, names: dict[Term, Term], domain: StatedDomain) -> Term | None:
@@ -142,12 +142,12 @@ class _Matrix(NamedTuple):
         return sum_of(written(total(*self.entries[:3])), minus(self.greatest), minus(self.least))
 
 
-def _freed_of_eigenvalues(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Iterator[Freed]:
+def _freed_of_eigenvalues(term: Term, domain: StatedDomain) -> Iterator[Freed]:
     """The term with forces for the greatest and the least eigenvalue of each matrix in it."""
-    matrices, free = _read(term, domain, shown)
+    matrices, free = _read(term, domain)
     names = [x.name for matrix in matrices for x in (matrix.greatest, matrix.least)]
     if 0 < len(matrices) <= _MOST_MATRICES and not {*names} & {*domain.law.forces}:
-        wider = _wider(domain, names, over)
+        wider = _wider(domain, names)
         yield Freed(term.put(free), wider, {z: part for part, z in free.items()}, [swap for m in matrices for swap in _swaps(m)])
 
 
@@ -156,11 +156,11 @@ def _swaps(matrix: _Matrix) -> Iterator[dict[Term, Term]]:
     yield {matrix.greatest: matrix.middle}
 
 
-def _read(term: Term, domain: StatedDomain, shown: Shown) -> tuple[list[_Matrix], dict[Term, Term]]:
+def _read(term: Term, domain: StatedDomain) -> tuple[list[_Matrix], dict[Term, Term]]:
     """The matrices of which the term has the greatest or the least eigenvalue, and the name that takes the place of each."""
     matrices, free = list[_Matrix](), dict[Term, Term]()
     for part in dict.fromkeys(extremes(term)):
-        if domain.constant(part) or not all(shown(a, domain).affine and shown(a, domain).defined for a in part.args):
+        if domain.constant(part) or not all(domain.facts(a).affine and domain.facts(a).defined for a in part.args):
             continue
         entries, opposite = (entries_of(part, domain, turned) for turned in (False, True))
         matrix = next((m for m in matrices if m.entries in (entries, opposite)), None)

@@ -20,7 +20,7 @@ from itertools import combinations
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
 from duhem.proof.kernel.forms import Matrix, degree_at_most, determinant, multiple, quadratic
 from duhem.proof.kernel.polynomial import Monomial, written
-from duhem.proof.kernel.shape import Facts, Shown
+from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["by_its_matrix", "collected", "convex_when_bent", "nonnegative_when_bent"]
@@ -54,31 +54,31 @@ def _summed(term: Term, domain: StatedDomain) -> dict[Term, list[Term]]:
     return found
 
 
-def convex_when_bent(term: Term, domain: StatedDomain, shown: Shown) -> bool:
+def convex_when_bent(term: Term, domain: StatedDomain) -> bool:
     """Whether a sum is convex, the kinks of one x taken together and with the multiples of x."""
     with suppress(NotWritten):
         bends, rest = _bends(term, domain)
-        return bool(bends) and all(shown(part, domain).convex for part in rest) and all(_convex(*bend, domain, shown) for bend in bends)
+        return bool(bends) and all(domain.facts(part).convex for part in rest) and all(_convex(*bend, domain) for bend in bends)
     return False
 
 
-def nonnegative_when_bent(term: Term, domain: StatedDomain, shown: Shown) -> bool:
+def nonnegative_when_bent(term: Term, domain: StatedDomain) -> bool:
     """Whether a sum is made of phi >= 0 and what is >= 0 itself."""
     with suppress(NotWritten):
         bends, rest = _bends(term, domain)
         return (
             bool(bends)
-            and all(shown(part, domain).nonnegative for part in rest)
-            and all(not shown(right, domain).sign & NEGATIVE and not shown(left, domain).sign & POSITIVE for _, right, left in bends)
+            and all(domain.facts(part).nonnegative for part in rest)
+            and all(not domain.facts(right).sign & NEGATIVE and not domain.facts(left).sign & POSITIVE for _, right, left in bends)
         )
     return False
 
 
-def _convex(x: Term, right: Term, left: Term, domain: StatedDomain, shown: Shown) -> bool:
-    inner = shown(x, domain)
-    if shown(sum_of(right, minus(left)), domain).sign & NEGATIVE:
+def _convex(x: Term, right: Term, left: Term, domain: StatedDomain) -> bool:
+    inner = domain.facts(x)
+    if domain.facts(sum_of(right, minus(left))).sign & NEGATIVE:
         return False
-    rises, falls = not shown(left, domain).sign & NEGATIVE, not shown(right, domain).sign & POSITIVE
+    rises, falls = not domain.facts(left).sign & NEGATIVE, not domain.facts(right).sign & POSITIVE
     return inner.affine or (inner.convex and rises) or (inner.concave and falls)
 
 
@@ -110,43 +110,43 @@ def _bends(term: Term, domain: StatedDomain) -> tuple[list[_Bend], list[Term]]:
     return bends, rest
 
 
-def by_its_matrix(term: Term, known: Facts, domain: StatedDomain, shown: Shown) -> Facts:
+def by_its_matrix(term: Term, known: Facts, domain: StatedDomain) -> Facts:
     """What is ``known`` of a sum, and what the matrix of its quadratic part shows if what is added to that is convex, or >= 0, too."""
     parts = [product_of(scale, part) for part, scales in _summed(term, domain).items() for scale in scales]
     degrees = [degree_at_most(part, domain) for part in parts]
     square = sum_of(*(part for part, k in zip(parts, degrees, strict=True) if k in (0, 1, 2)))
-    others = [shown(part, domain) for part, k in zip(parts, degrees, strict=True) if k not in (0, 1, 2)]
+    others = [domain.facts(part) for part, k in zip(parts, degrees, strict=True) if k not in (0, 1, 2)]
     names = sorted(square.names() & set(domain.law.forces))
     with suppress(NotWritten):
         if 2 in degrees:
             matrix, row, constant = quadratic(square, names, domain)
-            if all(part.convex for part in others) and _semidefinite(matrix, domain, shown):
+            if all(part.convex for part in others) and _semidefinite(matrix, domain):
                 known = replace(known, convex=True, quasiconvex=True)
             halves = [product_of(_HALF, b) for b in row]
             wider = [*([*line, b] for line, b in zip(matrix, halves, strict=True)), [*halves, constant]]
-            if all(part.nonnegative for part in others) and _semidefinite(wider, domain, shown):
-                above = shown(constant, domain).sign == POSITIVE and all(shown(b, domain).sign == ZERO for b in row)
+            if all(part.nonnegative for part in others) and _semidefinite(wider, domain):
+                above = domain.facts(constant).sign == POSITIVE and all(domain.facts(b).sign == ZERO for b in row)
                 known = replace(known, sign=known.sign & (POSITIVE if above else ZERO | POSITIVE))
     return known
 
 
-def _semidefinite(matrix: Matrix, domain: StatedDomain, shown: Shown) -> bool:
+def _semidefinite(matrix: Matrix, domain: StatedDomain) -> bool:
     """Whether no principal minor of a block of the symmetric matrix is < 0."""
     return all(
-        not shown(determinant([[matrix[i][j] for j in some] for i in some]), domain).sign & NEGATIVE
-        for block in _blocks(matrix, domain, shown)
+        not domain.facts(determinant([[matrix[i][j] for j in some] for i in some])).sign & NEGATIVE
+        for block in _blocks(matrix, domain)
         for size in range(1, len(block) + 1)
         for some in combinations(block, size)
     )
 
 
-def _blocks(matrix: Matrix, domain: StatedDomain, shown: Shown) -> list[Sequence[int]]:
+def _blocks(matrix: Matrix, domain: StatedDomain) -> list[Sequence[int]]:
     """Rows that no entry but 0 joins to those of another block; NotWritten where one is too large."""
     left, found = list(range(len(matrix))), list[Sequence[int]]()
     while left:
         block = [left.pop(0)]
         for i in block:
-            joined = [j for j in left if shown(matrix[i][j], domain).sign != ZERO]
+            joined = [j for j in left if domain.facts(matrix[i][j]).sign != ZERO]
             left = [j for j in left if j not in joined]
             block += joined
         if len(block) > _LARGEST_BLOCK:

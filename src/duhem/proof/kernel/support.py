@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.forms import Row, affine, at, degree_at_most, determinant, quadratic
 from duhem.proof.kernel.homogeneity import by_degree
@@ -43,7 +43,7 @@ def is_support_function(potential: Term, dual: Mapping[str, str], flat: Sequence
     if not all(term.names() <= {*slips, *law.parameters, law.pressure, "pi"} for term in (potential, *flat)):
         return False
     domain = over(law._replace(forces=(*law.forces, *slips)))  # in which the slips are no constants either
-    if not all(facts(term, domain).defined for term in (law.g, potential, *flat)):
+    if not all(domain.facts(term).defined for term in (law.g, potential, *flat)):
         return False
     for shape in (_supports_separable, _supports_quadric, supports_polytope):
         try:
@@ -66,7 +66,7 @@ def _supports_separable(g: Term, potential: Term, forces: _Names, slips: _Names,
     for x, row in rows.items():
         products = {y: sum_of(*map(product_of, row, column)) for y, column in columns.items()}
         (y,) = (y for y, scale in products.items() if not vanishes(scale, domain))  # ValueError unless there is one
-        if facts(products[y], domain).sign not in (NEGATIVE, POSITIVE):
+        if domain.facts(products[y]).sign not in (NEGATIVE, POSITIVE):
             return False
         other = at(other, [y], [product_of(products[y], Term("name", name=y))])
         dual[x] = y
@@ -82,7 +82,7 @@ def _about_its_centre(
     centre, offset = affine(straight, slips, domain)
     still, gauge = _parted(at(g, forces, [sum_of(Term("name", name=f), c) for f, c in zip(forces, centre, strict=True)]), domain.constant)
     radius = minus(still)
-    if not set(forces) <= gauge.names() or facts(radius, domain).sign != POSITIVE or not vanishes(offset, domain):
+    if not set(forces) <= gauge.names() or domain.facts(radius).sign != POSITIVE or not vanishes(offset, domain):
         raise NotWritten("g is no gauge and radius")
     gauge, radius = _with_root(gauge, radius, domain)
     return gauge, other, radius
@@ -118,7 +118,7 @@ def _with_root(gauge: Term, radius: Term, domain: StatedDomain) -> tuple[Term, T
     if gauge.op != "+" or any([f.op for f in moving] != ["**"] for moving, _ in split):
         return gauge, radius
     p = split[0][0][0].args[1]
-    if facts(p, domain).sign != POSITIVE or not all(vanishes(sum_of(x.args[1], minus(p)), domain) for (x,), _ in split):
+    if domain.facts(p).sign != POSITIVE or not all(vanishes(sum_of(x.args[1], minus(p)), domain) for (x,), _ in split):
         return gauge, radius
     out = Term("**", (p, number(-1)))
     parts = (product_of(_raised(product_of(*still), out, domain), x.args[0]) for (x,), still in split)
@@ -129,7 +129,7 @@ def _raised(term: Term, power: Term, domain: StatedDomain) -> Term:
     """A constant > 0 to a power, factor by factor where each is > 0."""
     poly = domain.polynomial(term)
     parts = [number(c) for c in poly.values() if c != 1] + [Term("**", (x, number(n))) for m in poly for x, n in m]
-    if len(poly) != 1 or not all(facts(part, domain).sign == POSITIVE for part in parts):
+    if len(poly) != 1 or not all(domain.facts(part).sign == POSITIVE for part in parts):
         parts = [term]
     return product_of(*(Term("**", (part, power)) for part in parts))
 
@@ -153,7 +153,7 @@ def _polar(gauge: Term, other: Term, radius: Term, dual: Mapping[str, str], doma
             left = product_of(radius, Term("**", (scale, number(-1))))
             return _polar(*((inner, two) if one is gauge else (two, inner)), left, dual, domain)
     (p, parts), (q, others) = _norm(gauge, domain), _norm(other, domain)
-    if any(facts(x, domain).sign & NEGATIVE for x in (p, q)) or not vanishes(sum_of(p, q, number(-1)), domain):
+    if any(domain.facts(x).sign & NEGATIVE for x in (p, q)) or not vanishes(sum_of(p, q, number(-1)), domain):
         return False
     sets = [part.names() & set(dual) for part in parts]
     if len(parts) != len(others) or sum(map(len, sets)) != len(forces):
@@ -166,7 +166,7 @@ def _polar_of_one(gauge: Term, other: Term, radius: Term, force: str, slip: str,
         return False
     for way in (number(1), number(-1)):
         weight, width = at(gauge, [force], [way]), at(other, [slip], [way])
-        if facts(weight, domain).sign != POSITIVE or not vanishes(sum_of(product_of(weight, width), minus(radius)), domain):
+        if domain.facts(weight).sign != POSITIVE or not vanishes(sum_of(product_of(weight, width), minus(radius)), domain):
             return False
     return True
 
@@ -195,13 +195,13 @@ def _norm(term: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
 
 
 def _size(term: Term, domain: StatedDomain) -> Term:
-    return term if facts(term, domain).nonnegative else Term("abs", (term,))
+    return term if domain.facts(term).nonnegative else Term("abs", (term,))
 
 
 def _unscaled(term: Term, domain: StatedDomain) -> tuple[Term, Term]:
     """The one factor that is no constant, and the product of the others, > 0."""
     moving, still = ([f for f in factors(term) if domain.constant(f) is c] for c in (False, True))
-    if len(moving) != 1 or facts(product_of(*still), domain).sign != POSITIVE:
+    if len(moving) != 1 or domain.facts(product_of(*still)).sign != POSITIVE:
         raise NotWritten("a product is no multiple of a gauge")
     return moving[0], product_of(*still)
 
@@ -219,7 +219,7 @@ def _supports_quadric(g: Term, potential: Term, forces: _Names, slips: _Names, f
     roots = [square for _, square in squares if square is not None]
     straight = sum_of(*(t for t, square in squares if square is None))
     centre, offset = affine(straight, slips, domain)
-    if len(roots) != 1 or not facts(straight, domain).defined:
+    if len(roots) != 1 or not domain.facts(straight).defined:
         return False
     inverse, slant, level = quadratic(roots[0], slips, domain)
     size = multiplied_out(minus(at(q, forces, centre)), domain)
@@ -233,14 +233,14 @@ def _supports_quadric(g: Term, potential: Term, forces: _Names, slips: _Names, f
     zeros += [constant for _, constant in rows]
     zeros += [sum_of(*map(product_of, a[i], row)) for row, _ in rows for i in n]
     gram = determinant([[sum_of(*map(product_of, one, two)) for two, _ in rows] for one, _ in rows])
-    return all(vanishes(zero, domain) for zero in zeros) and _positive(size, domain) and _positive(gram, domain) and facts(q, domain).convex
+    return all(vanishes(zero, domain) for zero in zeros) and _positive(size, domain) and _positive(gram, domain) and domain.facts(q).convex
 
 
 def _without_root(g: Term, domain: StatedDomain) -> Term:
     """A formula that is <= 0 where g is, without the root of g = root - radius."""
     moving, still = ([t for t in (g.args if g.op == "+" else (g,)) if domain.constant(t) is c] for c in (False, True))
     square, radius = _square(moving[0], domain) if len(moving) == 1 else None, minus(sum_of(*still))
-    if square is None or facts(radius, domain).sign & NEGATIVE:
+    if square is None or domain.facts(radius).sign & NEGATIVE:
         return g
     return sum_of(square, minus(Term("**", (radius, _TWO))))
 
@@ -249,7 +249,7 @@ def _square(term: Term, domain: StatedDomain) -> Term | None:
     """The square of a norm or root times constants, where that is >= 0."""
     moving, still = ([f for f in factors(term) if domain.constant(f) is c] for c in (False, True))
     scale = product_of(*still)
-    known = facts(scale, domain)
+    known = domain.facts(scale)
     if len(moving) != 1 or not known.defined or known.sign & NEGATIVE:
         return None
     (x,) = moving
@@ -259,10 +259,10 @@ def _square(term: Term, domain: StatedDomain) -> Term | None:
         inner = [x.args[0]]
     else:
         return None
-    if not all(facts(part, domain).defined for part in inner):
+    if not all(domain.facts(part).defined for part in inner):
         return None
     return sum_of(*(product_of(Term("**", (scale, _TWO)), part) for part in inner))
 
 
 def _positive(term: Term, domain: StatedDomain) -> bool:
-    return facts(term, domain).defined and facts(term, domain).sign == POSITIVE
+    return domain.facts(term).defined and domain.facts(term).sign == POSITIVE
