@@ -14,7 +14,7 @@ from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.forms import multiple, sign_within
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.shape import Facts, signs_of_product
+from duhem.proof.kernel.shape import Facts, of_sum, signs_of_product
 from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.steps import pay
@@ -141,20 +141,11 @@ def _risen(x: Facts) -> Facts:
 
 
 def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
-    signs = [p.sign for p in parts if p.sign != ZERO]
-    together = 0
-    for s in signs or [ZERO]:
-        together |= s
-    if together & NEGATIVE and together & POSITIVE:
-        together = ANY
-    elif signs and any(not s & ZERO for s in signs):
-        together &= ~ZERO
-    moving = [p for a, p in zip(term.args, parts, strict=True) if not domain.constant(a)]
-    convex, concave = all(p.convex for p in parts) or convex_when_bent(term, domain), all(p.concave for p in parts)
-    if together & NEGATIVE and nonnegative_when_bent(term, domain):
-        together &= ~NEGATIVE
-    quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
-    return Facts(all(p.defined for p in parts), together, convex, concave, quasi)
+    moving, still = ([p for a, p in zip(term.args, parts, strict=True) if domain.constant(a) is c] for c in (False, True))
+    known = of_sum(moving, still)
+    if known.sign & NEGATIVE and nonnegative_when_bent(term, domain):
+        known = replace(known, sign=known.sign & ~NEGATIVE)
+    return known if known.convex or not convex_when_bent(term, domain) else replace(known, convex=True, quasiconvex=True)
 
 
 def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:

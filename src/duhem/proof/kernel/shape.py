@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Sign
 
@@ -42,12 +44,16 @@ class Facts:
 
 def of_sum(moving: Sequence[Facts], constants: Sequence[Facts] = ()) -> Facts:
     """Of a sum of parts, ``constants`` among them that depend on no force."""
-    parts, signs = (*moving, *constants), 0
-    for known in parts:
-        signs |= known.sign
-    convex = all(known.convex for known in moving)
+    parts = (*moving, *constants)
+    signs = [known.sign for known in parts if known.sign != ZERO]
+    together = reduce(or_, signs or [ZERO])
+    if together & NEGATIVE and together & POSITIVE:
+        together = ANY
+    elif any(not sign & ZERO for sign in signs):
+        together &= ~ZERO
+    convex, concave = all(known.convex for known in moving), all(known.concave for known in moving)
     quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
-    return Facts(all(known.defined for known in parts), ANY if signs & NEGATIVE and signs & POSITIVE else signs, convex, False, quasi)
+    return Facts(all(known.defined for known in parts), together, convex, concave, quasi)
 
 
 def signs_of_product(a: Sign, b: Sign) -> Sign:
