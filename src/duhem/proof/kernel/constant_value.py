@@ -181,7 +181,9 @@ def sign_over(term: Term, bounds: Mapping[str, Bounds]) -> Sign:
             found = sign
             continue
         i = max(range(len(box)), key=lambda i: box[i].high - box[i].low, default=None)
-        if i is None or sign in (NEGATIVE, POSITIVE):
+        if i is None:
+            return sign
+        if sign in (NEGATIVE, POSITIVE):
             return ANY
         middle = (box[i].low + box[i].high) // 2
         boxes += [[*box[:i], part, *box[i + 1 :]] for part in (Enclosure(box[i].low, middle), Enclosure(middle, box[i].high))]
@@ -366,7 +368,8 @@ def _angle(y: Enclosure, x: Enclosure) -> Enclosure:
 
 
 def _tanh_at(x: Enclosure) -> Enclosure:
-    return _shifted(_times_whole(_shifted(_exp_at(_times_whole(x, 2)), 1).inverse(), 2).minus(), 1)
+    found = _shifted(_times_whole(_shifted(_exp_at(_times_whole(x, 2)), 1).inverse(), 2).minus(), 1)
+    return Enclosure(max(found.low, -_ONE), min(found.high, _ONE))
 
 
 def _tan(x: Enclosure) -> Enclosure:

@@ -30,7 +30,7 @@ from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import by_forces
 from duhem.proof.kernel.pieces import below
-from duhem.proof.kernel.polynomial import written
+from duhem.proof.kernel.polynomial import number_in, written
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
@@ -60,8 +60,9 @@ def has_value(term: Term, sign: Callable[[Term], Sign], domain: StatedDomain) ->
 
 def _raised(base: Term, exponent: Term, sign: Callable[[Term], Sign], domain: StatedDomain) -> bool:
     """Whether a power has a value; what is raised to 0 is 1."""
-    poly = domain.polynomial(exponent)
-    p = None if set(poly) - {()} else poly.get((), 0)
+    p = number_in(domain.polynomial(exponent))
+    if p is None and sign(exponent) == ZERO:
+        p = Fraction(0)
     if p is not None and p.denominator == 1:
         return p >= 0 or not sign(base) & ZERO
     known = sign(base)
