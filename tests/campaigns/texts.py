@@ -73,7 +73,7 @@ def texts(count: int, seed: int) -> Texts:
 
 def ask(text: str, known: Mapping[str, sp.Symbol], signs: Mapping[str, int], found: Texts, rng: Random) -> None:
     """One text."""
-    term, expr = by_kernel(text, signs), by_product(text, known)
+    term, expr = by_kernel(text), by_product(text, known)
     if term is None and expr is not None:
         found.note("read by the product alone", text)
     elif term is not None and expr is None and has_value(term, signs):
@@ -116,25 +116,20 @@ def by_product(text: str, known: Mapping[str, sp.Symbol]) -> Any:
         return sp.Ge(0, 1, evaluate=False) if "contradictory" in fault.what else None
 
 
-def by_kernel(text: str, signs: Mapping[str, int]) -> Term | None:
+def by_kernel(text: str) -> Term | None:
     """The kernel's tree over the names that are known; None for none, and where it has a number without a value."""
     try:
         term = parse(text)
     except NotWritten:
         return None
-    return term if term.names() <= {*NAMES, "pi"} and not numbers(text, law_of(term, signs)) else None
+    return term if term.names() <= {*NAMES, "pi"} and not numbers(text) else None
 
 
 def has_value(term: Term, signs: Mapping[str, int]) -> bool:
     """Whether the kernel shows that the formula, or both sides of the comparison, have a value, for names of these signs (others: all)."""
-    return not formula(law_of(term, signs))
-
-
-def law_of(term: Term, signs: Mapping[str, int]) -> StatedLaw:
-    """A law of the formula in the forces a and b; its other names are parameters of these signs."""
     domains = {NEGATIVE | ZERO: Bounds(None, Fraction(0)), POSITIVE: Bounds(Fraction(0), None, True)}
     parameters = {x: domains.get(signs.get(x, 0), Bounds(None, None)) for x in NAMES if x not in ("a", "b")}
-    return StatedLaw(("a", "b"), None, term, None, parameters, ())
+    return not formula(StatedLaw(("a", "b"), None, term, None, parameters, ()))
 
 
 def about_a_law(text: str, expr: sp.Expr, known: Mapping[str, sp.Symbol], found: Texts) -> None:

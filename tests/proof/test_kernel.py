@@ -249,7 +249,7 @@ WRONG_RULES = {
     "every sum is convex": ("_total", lambda term, parts, domain: Facts(True, ANY, True, True, True)),
     "every power is convex": ("_power", lambda term, domain: Facts(True, ZERO | POSITIVE, True, False, True)),
     "every root of a sum of powers is a norm": ("_minkowski", lambda term, domain: True),
-    "every constant is negative": ("sign_of_constant", lambda term, known, domain, shown: known if known in (ZERO, POSITIVE) else NEGATIVE),
+    "every constant is negative": ("sign_of_constant", lambda term, known, domain: known if known in (ZERO, POSITIVE) else NEGATIVE),
 }
 
 

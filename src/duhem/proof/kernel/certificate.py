@@ -108,7 +108,7 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
         law = stated(as_object(document["law"]))
         if not isinstance(document["law"].get("name", ""), str):
             raise NotWritten("the name of the law is no text")
-        if refused := next(filter(None, (numbers(text, law) for text in _texts(document["law"]))), ""):
+        if refused := next(filter(None, map(numbers, _texts(document["law"]))), ""):
             raise NotWritten(refused)
         if not inhabited(law.parameters, law.constraints, {name: exact(value) for name, value in document["inhabited"].items()}):
             raise NotWritten("no point of the parameters' domain is given")

@@ -11,8 +11,8 @@ from fractions import Fraction
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.definedness import Reader, asks, continued, has_value, undecided_beside
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedLaw
+from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_beside
+from duhem.proof.kernel.domain import ANY, NEGATIVE, StatedLaw
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import Term, minus, number, parse, sum_of
@@ -33,17 +33,12 @@ def nothing(_: StatedLaw) -> str:
     return ""
 
 
-def numbers(text: str, law: StatedLaw | StatedCurve) -> str:
-    """Each part of a formula of the law, read or not: if it is a number it has a value, of an ordinary size, else it may have one."""
-    term = parse(text)
-    others = tuple(sorted(term.names() - {"pi", law.pressure, *law.parameters}))
-    reader = Reader(over(StatedLaw(others, law.pressure, term, None, law.parameters, ())))
-    for part in term.parts():
+def numbers(text: str) -> str:
+    """Each part of a formula that is a number, read or not: it has a value, and one of an ordinary size."""
+    reader = Reader(over(StatedLaw(("x",), None, number(0), None, {}, ())))
+    for part in parse(text).parts():
         if _is_number(part) and reader.undecided(part) is part:
             return _said("a number in the law", part)
-        settled = part.op != "**" or _is_number(part.args[1])  # of a power that varies some value may be one
-        if settled and not has_value(part, lambda x: _at_best(reader.sign(x)), reader.domain):
-            return f"{_KIND[part.op]} in the law never has a value"
         if part.op == "atan2" and any(x.op == "atan2" and not _is_number(x) for a in part.args for x in a.parts()):
             return "an angle in the law is of an angle"
         if any(_is_number(x) and reader.sign(x) & NEGATIVE for x in _below_its_limit(part)):
@@ -53,11 +48,6 @@ def numbers(text: str, law: StatedLaw | StatedCurve) -> str:
 
 def _is_number(term: Term) -> bool:
     return not term.names() - {"pi"}
-
-
-def _at_best(sign: Sign) -> Sign:
-    """The one sign of several with which most has a value."""
-    return next((one for one in (POSITIVE, NEGATIVE) if sign & one), ZERO)
 
 
 def _below_its_limit(part: Term) -> Iterator[Term]:
