@@ -14,7 +14,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
-from duhem.proof.methods import boundary, curves, evidence, refuters
+from duhem.proof.methods import curves, evidence, refuters
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = ["CHEAP", "CLAIMS", "DEAR", "Claim", "Consequence", "Finder", "Kernel", "ProofMethod", "Rules", "words"]
@@ -172,8 +172,8 @@ balls, or T . d > 0, so that T turns as often as the flow d does.""",
 The claim is about the set, not about the function: sqrt(|s|) - 1 is not convex and its set is.  Proved by composition (g is
 quasiconvex by the rules of disciplined convex programming, polynomials in it by sums of squares), by polyhedra (K is the polyhedron
 of its faces), by the gauge gamma of a star-shaped K in two forces (gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams
-included), by fans (one formula in each cone between rays), by the boundary, which rises and curves inward everywhere, or branch
-by branch by second derivatives.
+included), by fans (one formula in each cone between rays), by the boundary, which rises and curves inward everywhere, or by
+second derivatives branch by branch.
 Refuted only by two points of K whose midpoint is outside, in exact arithmetic.  They are looked for across dents and kinks, from where
 a ball lies farthest along a load, and between exact points of faces, edges and whiskers or beside them.
 A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
@@ -191,8 +191,7 @@ boundary points that the curve does not wind around.""",
             ProofMethod(FormulaSubject, refuters.convexity_at_dents),
             ProofMethod(FormulaSubject, refuters.convexity_at_seams),
             Finder(FormulaSubject, evidence.convexity_on_boundary),
-            ProofMethod(FormulaSubject, boundary.convexity),
-            ProofMethod(FormulaSubject, boundary.hessian),
+            ProofMethod(FormulaSubject, evidence.convexity_by_branches),
             ProofMethod(FormulaSubject, refuters.convexity_at_narrow_dents),
             ProofMethod(FormulaSubject, refuters.convexity_by_thorough_scouting),
             ProofMethod(FormulaSubject, refuters.convexity_by_sampling),

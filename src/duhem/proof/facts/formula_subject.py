@@ -23,7 +23,7 @@ from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.facts.definedness import met_at_zero, open_obligations
 from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.facts.subject import Subject
-from duhem.proof.statement.problem import Face, Problem, Star, star_form, state
+from duhem.proof.statement.problem import Face, Problem, state
 
 __all__ = ["FormulaSubject"]
 
@@ -91,11 +91,6 @@ class FormulaSubject(Subject):
                 if not all(rational(at + step) in span for step in {-beside, beside}):
                     return False
         return True
-
-    @cached_property
-    def star(self) -> Star | None:
-        """The two-degree form of the simple problem, if it has one."""
-        return star_form(self.simple)
 
     @cached_property
     def support(self) -> SupportFunction | None:
