@@ -173,8 +173,8 @@ balls, or T . d > 0, so that T turns as often as the flow d does.""",
 The claim is about the set, not about the function: sqrt(|s|) - 1 is not convex and its set is.  Proved by composition (g is
 quasiconvex by the rules of disciplined convex programming, polynomials in it by sums of squares), by polyhedra (K is the polyhedron
 of its faces), by the gauge gamma of a star-shaped K in two forces (gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams
-included), by fans (one formula in each cone between rays), by the boundary, which rises and curves inward everywhere, or by
-second derivatives branch by branch.
+included), by fans (one formula in each cone between rays), by the boundary, which rises and curves inward everywhere, kinks
+outward included.
 Refuted only by two points of K whose midpoint is outside, in exact arithmetic.  They are looked for across dents and kinks, from where
 a ball lies farthest along a load, and between exact points of faces, edges and whiskers or beside them.
 A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of

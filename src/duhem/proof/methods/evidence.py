@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, permutations
 
 import sympy as sp
 
-from duhem.expression.branches import seams
+from duhem.expression.branches import seam, seams
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.expression.weights import degree
@@ -81,21 +81,34 @@ def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
 
 
 def convexity_by_branches(subject: FormulaSubject) -> Evidence | None:
-    """g is convex: second derivatives >= 0 inside every branch, no downward jump of the gradient across a seam."""
-    pieces, forces = subject.pieces, subject.simple.forces
-    if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
+    """In two forces the boundary rises outward and curves inward on every branch of g, and kinks outward on every seam.
+
+    Run through with K on its left it turns left where it passes from one branch to another: the tangent (-g_y, g_x) of either then
+    points into the other, which is assumed, and T/E with E = sigma . grad g > 0 and T = x g_y - y g_x does not fall.
+    """
+    pieces, forces, origin = subject.pieces, subject.simple.forces, subject.at_origin
+    if pieces is None or len(pieces) > _MOST_PIECES or len(forces) != 2 or origin is None or not subject.continuous:
         return None
-    v = [sp.Dummy(f"v{i}", real=True) for i in range(len(forces))]
-    bends = (_dot(v, [_dot(v, _gradient(d, forces)) for d in _gradient(p.expr, forces)]) for p in pieces)
-    asked: list[Asked] = [(bend, Sense.NONNEGATIVE, p.conditions(strict=True)) for bend, p in zip(bends, pieces, strict=True)]
-    for between in seams(pieces):
-        where = (*between.within(), *between.on())
-        rise = _gradient(between.after.expr - between.before.expr, forces)
-        for switch in between.crossed:
-            normal = _gradient(switch, forces)  # that of the seam where it is not 0
-            jump = between.after.signs[switch] * _dot(rise, normal)
-            asked += [(_square(normal), Sense.POSITIVE, where), (jump, Sense.NONNEGATIVE, where)]
-    return _by_signs(subject, asked, "hessian", "g is convex: second derivatives >= 0 on each branch, gradient never jumps down")
+    x, y = forces
+    asked: list[Asked] = [(-origin, Sense.POSITIVE, ())]
+    for piece in pieces:
+        there, (gx, gy) = (*piece.conditions(), sp.Eq(piece.expr, 0)), _gradient(piece.expr, forces)
+        tangent = (-gy, gx)
+        bend = _dot(tangent, [_dot(tangent, _gradient(d, forces)) for d in (gx, gy)])
+        asked += [(x * gx + y * gy, Sense.POSITIVE, there), (bend, Sense.NONNEGATIVE, there)]
+    for before, after in permutations(pieces, 2):
+        if before.expr == after.expr:
+            continue
+        if (found := seam(before, after)) is None:
+            return None
+        (bx, by), (ax, ay) = (_gradient(branch.expr, forces) for branch in (before, after))
+        on_seam = [sp.Eq(before.expr, 0), *found.on(), *found.within()]
+        for switch in found.crossed:
+            sx, sy = _gradient(after.signs[switch] * switch, forces)
+            on_seam += [sp.GreaterThan(sy * ax - sx * ay, 0), sp.GreaterThan(sy * bx - sx * by, 0)]
+        turn = (x * ay - y * ax) * (x * bx + y * by) - (x * by - y * bx) * (x * ax + y * ay)
+        asked.append((turn, Sense.NONNEGATIVE, tuple(on_seam)))
+    return _by_signs(subject, asked, "implicit-curvature", "K is star-shaped about 0, its boundary curves inward, and kinks are outward")
 
 
 def smoothness_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:

@@ -217,30 +217,10 @@ def with_algebraic_angles(tree: sp.Basic) -> sp.Basic:
 
 
 def without_outer_map(g: sp.Expr) -> sp.Expr:
-    """g without positive factors and strictly increasing maps that keep 0, so that {g <= 0} stays the same set."""
-    while True:
-        core = g
-        if g.is_Mul:
-            core = sp.Mul(*(f for f in g.args if not f.is_positive))
-        elif g.is_Pow and g.exp.is_Integer and g.exp > 0 and g.exp % 2 == 1:
-            core = g.base
-        elif isinstance(g, sp.sinh | sp.tanh | sp.atan):
-            core = g.args[0]
-        elif isinstance(g, sp.log) and g.args[0].is_extended_nonnegative:
-            core = g.args[0] - 1
-        elif g.is_Add and len(g.args) == 2:
-            core = _undone(*g.args)
-            for term, rest in (g.args, g.args[::-1]):
-                if isinstance(term, sp.log) and term.args[0].is_extended_positive and not rest.free_symbols & term.free_symbols:
-                    core = term.args[0] - sp.exp(-rest)
-        if core == g or not core.free_symbols:
-            return g
-        g = core
-
-
-def _undone(one: sp.Expr, two: sp.Expr) -> sp.Expr:
-    """exp(a) - exp(b) or exp(a) - c with c > 0, brought back under the exponential; any other sum as it is."""
-    for plus, minus in ((one, -two), (two, -one)):
-        if isinstance(plus, sp.exp) and minus.is_positive:
-            return plus.args[0] - sp.log(minus)
-    return one + two
+    """g without positive factors and odd powers, whose gradient is 0 with them, so that {g <= 0} stays the same set."""
+    core = g
+    if g.is_Mul:
+        core = sp.Mul(*(f for f in g.args if not f.is_positive))
+    elif g.is_Pow and g.exp.is_Integer and g.exp > 0 and g.exp % 2 == 1:
+        core = g.base
+    return g if core == g or not core.free_symbols else without_outer_map(core)
