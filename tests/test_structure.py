@@ -59,7 +59,6 @@ HALVED = {
     "projection.newton_start.crossed": "the same in a loop that a compiler reads, one point at a time",
     "proof.witness.points._narrowed": "the boundary between two rational points, signs enclosed",
     "benchmark.reference.search.run": "the angle at which the boundary faces the target",
-    "proof.decide.enclosure.by_enclosure": "boxes of a question's variables",
     "proof.facts.numeric_curve.greatest": "arcs of a boundary curve",
     "proof.kernel.curve.turns": "boxes that cover the circle",
     "proof.methods.curves._place": "the angle of the greatest deviation",

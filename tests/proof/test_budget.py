@@ -16,7 +16,6 @@ from duhem.cli.verify import verify as command
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense, decide
 from duhem.proof.decide.budget import SpentError
-from duhem.proof.decide.enclosure import by_enclosure
 from duhem.proof.facts import subject as subject_module
 from duhem.proof.facts.formula_subject import FormulaSubject
 
@@ -35,16 +34,6 @@ def test_a_part_draws_on_the_whole() -> None:
     with pytest.raises(SpentError):
         part.spend(2)
     assert Budget(3).part(5).left == 3
-
-
-@pytest.mark.parametrize(("expr", "most"), [(sp.tan(x), 1), (sp.sin(x) * sp.cos(y), 1), (1 - sp.exp(-x), sp.Rational(3, 2))])
-def test_a_zero_margin_does_not_use_up_the_budget_of_an_enclosure(expr: sp.Expr, most: sp.Expr) -> None:
-    budget = Budget(10**7)
-    answer = by_enclosure(Question(expr, Sense.NONNEGATIVE, (x >= 0, x <= most, y >= 0, y <= most)), budget)
-    assert answer.holds is None and "precision" in answer.reason
-    assert budget.left > 0.99 * 10**7
-    margin = Question(expr + sp.Rational(1, 10**6), Sense.NONNEGATIVE, (x >= 0, x <= most, y >= 0, y <= most))
-    assert by_enclosure(margin, Budget(10**7)).holds is True
 
 
 def _clocks(path: Path) -> Iterator[str]:

@@ -11,9 +11,9 @@ from duhem import Criterion, Domain, Verdict, verify
 from duhem.expression.branches import Branch
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import boundary as implicit
 from duhem.proof.methods import evidence
 from duhem.proof.verdict import Evidence
+from tests.oracles.prover import boundary as implicit
 from tests.oracles.prover import polyhedral
 
 CASSINI = "(a**2 + b**2)**2 - 2*(a**2 - b**2)"  # less e**2 - 1: convex for e >= 2

@@ -17,10 +17,10 @@ import sympy as sp
 
 import duhem.proof.decide.deciders as deciders_module
 import duhem.proof.facts.subject as subject_module
-import duhem.proof.methods.boundary as implicit
 import duhem.proof.methods.refuters as refuters_module
 import duhem.proof.statement.problem as problem_module
 import duhem.proof.witness.points as witness_module
+import tests.oracles.prover.boundary as implicit
 import tests.oracles.prover.curvature as curvature_module
 import tests.oracles.prover.polar as polar
 from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify

@@ -13,10 +13,10 @@ import pytest
 from duhem import Criterion, Domain
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import boundary as implicit
 from duhem.proof.methods import evidence
 from duhem.proof.verdict import Evidence, Verdict
 from tests.long import mostly_slow
+from tests.oracles.prover import boundary as implicit
 from tests.oracles.prover import degrees, parallel, polar
 from tests.oracles.prover import evaluation as evaluated
 

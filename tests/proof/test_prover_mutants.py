@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 import sympy as sp
 
-import duhem.proof.methods.boundary as implicit
 import duhem.proof.statement.problem as problem
+import tests.oracles.prover.boundary as implicit
 import tests.oracles.prover.composition as composition
 import tests.oracles.prover.curvature as curvature_facts
 import tests.oracles.prover.polar as polar

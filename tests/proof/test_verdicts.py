@@ -18,13 +18,13 @@ from duhem.law.builtin.lobes import lobe_law
 from duhem.proof.claims import CLAIMS as REGISTERED
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.methods import boundary as implicit
 from duhem.proof.methods import evidence, refuters
 from duhem.proof.verdict import Evidence
 from tests.campaigns.certificates import rechecked
 from tests.campaigns.tampering import tampering
 from tests.long import mostly_long, mostly_slow
 from tests.oracles.literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
+from tests.oracles.prover import boundary as implicit
 from tests.oracles.prover import composition, parallel, polar, polyhedral
 from tests.oracles.prover import evaluation as evaluated
 from tests.oracles.reevaluation import confirmed

@@ -14,7 +14,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
-from duhem.proof.methods import boundary, curves, evidence, refuters
+from duhem.proof.methods import curves, evidence, refuters
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = ["CHEAP", "CLAIMS", "DEAR", "Claim", "Consequence", "Finder", "Kernel", "ProofMethod", "Rules", "words"]
@@ -44,10 +44,14 @@ class Rules:
 
 @dataclass(frozen=True)
 class ProofMethod(Generic[S]):
-    """A method of proof or refutation: ``run`` answers, or passes with None, for the kind of law it ``takes``."""
+    """A method of proof or refutation: ``run`` answers, or passes with None, for the kind of law it ``takes``.
+
+    A cheap refuter looks ``again`` after a proof that nobody else has confirmed.
+    """
 
     takes: type[S]
     run: Callable[[S], Evidence | None]
+    again: bool = False
 
 
 @dataclass(frozen=True)
@@ -74,7 +78,7 @@ def words(method: Method, claim: str) -> str:
     """What a method is called while it is tried for the claim: its place in the code, in words."""
     if isinstance(method, Rules):
         return "kernel"
-    function: Any = method.run.func if isinstance(method.run, partial) else method.run
+    function: Any = method.run
     own, part = function.__module__.rpartition(".")[2], function.__name__.removeprefix(claim)
     return " ".join(f"{own} {part}".removeprefix(claim).replace("_", " ").split()) or claim.replace("_", " ")
 
@@ -84,7 +88,6 @@ class Claim:
     """``methods`` try in order, each on the kind of law it takes; ``needs`` names the claims to be settled before.
 
     ``steps`` is what its methods may cost, whatever other claims cost; what is then still open stays undecided.
-    ``refuters`` are the cheap ones among its methods; they look after a proof too where nobody else has confirmed it.
     """
 
     name: str
@@ -93,7 +96,6 @@ class Claim:
     methods: tuple[Method, ...]
     needs: tuple[str, ...] = ()
     steps: int = 16_000_000
-    refuters: tuple[ProofMethod[Any], ...] = ()
 
     def examine(
         self,
@@ -133,8 +135,8 @@ class Claim:
     def contradiction(self, subject: Subject, settled: Settled) -> Evidence | None:
         """What is left of a proof that a refuter disagrees with: one of the two is wrong, and who reads it is told so."""
         subject.allow(self.steps)
-        for method in self.refuters:
-            found = method.run(subject) if isinstance(subject, method.takes) else None
+        again = (m for m in self.methods if isinstance(m, ProofMethod) and m.again and isinstance(subject, m.takes))
+        for found in (method.run(subject) for method in again):
             if found is not None and found.witness is not None and subject.may_refute(self.name, found.witness.points.values()):
                 where = {**found.witness.parameters, **{role: dict(point) for role, point in found.witness.points.items()}}
                 detail = (
@@ -157,13 +159,12 @@ For a law given by a boundary curve T, K holds the points the curve winds around
 balls, or T . d > 0, so that T turns as often as the flow d does.""",
         methods=(
             CHEAP,
-            ProofMethod(FormulaSubject, refuters.origin_at_parameters),
+            ProofMethod(FormulaSubject, refuters.origin_at_parameters, again=True),
             DEAR,
             ProofMethod(FormulaSubject, refuters.origin_undefined),
             ProofMethod(CurveSubject, curves.origin),
             ProofMethod(CurveSubject, curves.origin_refuted),
         ),
-        refuters=(ProofMethod(FormulaSubject, refuters.origin_at_parameters),),
     ),
     Claim(
         name="convexity",
@@ -172,8 +173,8 @@ balls, or T . d > 0, so that T turns as often as the flow d does.""",
 The claim is about the set, not about the function: sqrt(|s|) - 1 is not convex and its set is.  Proved by composition (g is
 quasiconvex by the rules of disciplined convex programming, polynomials in it by sums of squares), by polyhedra (K is the polyhedron
 of its faces), by the gauge gamma of a star-shaped K in two forces (gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams
-included), by fans (one formula in each cone between rays), by the boundary, which rises and curves inward everywhere, or branch
-by branch by second derivatives.
+included), by fans (one formula in each cone between rays), by the boundary, which rises and curves inward everywhere, kinks
+outward included.
 Refuted only by two points of K whose midpoint is outside, in exact arithmetic.  They are looked for across dents and kinks, from where
 a ball lies farthest along a load, and between exact points of faces, edges and whiskers or beside them.
 A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
@@ -184,24 +185,19 @@ boundary points that the curve does not wind around.""",
             Finder(FormulaSubject, evidence.convexity_by_sums),
             ProofMethod(FormulaSubject, refuters.convexity_at_deepest_dents),
             ProofMethod(FormulaSubject, refuters.convexity_at_far_points),
-            ProofMethod(FormulaSubject, refuters.convexity_by_scouting),
+            ProofMethod(FormulaSubject, refuters.convexity_by_scouting, again=True),
             ProofMethod(FormulaSubject, refuters.convexity_between_exact_rays),
             ProofMethod(FormulaSubject, refuters.convexity_beside_edges),
             DEAR,
             ProofMethod(FormulaSubject, refuters.convexity_at_dents),
-            ProofMethod(FormulaSubject, refuters.convexity_at_seams),
+            ProofMethod(FormulaSubject, refuters.convexity_at_seams, again=True),
             Finder(FormulaSubject, evidence.convexity_on_boundary),
-            ProofMethod(FormulaSubject, boundary.convexity),
-            ProofMethod(FormulaSubject, boundary.hessian),
+            ProofMethod(FormulaSubject, evidence.convexity_by_branches),
             ProofMethod(FormulaSubject, refuters.convexity_at_narrow_dents),
             ProofMethod(FormulaSubject, refuters.convexity_by_thorough_scouting),
             ProofMethod(FormulaSubject, refuters.convexity_by_sampling),
             ProofMethod(CurveSubject, curves.convexity),
             ProofMethod(CurveSubject, curves.convexity_refuted),
-        ),
-        refuters=(
-            ProofMethod(FormulaSubject, refuters.convexity_by_scouting),
-            ProofMethod(FormulaSubject, refuters.convexity_at_seams),
         ),
     ),
     Claim(
@@ -218,16 +214,12 @@ A boundary curve is C^1 where it is simple (convex, or T x T' > 0), analytic in 
         methods=(
             CHEAP,
             Finder(FormulaSubject, evidence.smoothness_by_sums),
-            ProofMethod(FormulaSubject, refuters.smoothness_at_sharp_points),
-            ProofMethod(FormulaSubject, refuters.smoothness_at_corners),
+            ProofMethod(FormulaSubject, refuters.smoothness_at_sharp_points, again=True),
+            ProofMethod(FormulaSubject, refuters.smoothness_at_corners, again=True),
             DEAR,
             Finder(FormulaSubject, evidence.smoothness_by_identities),
             ProofMethod(FormulaSubject, evidence.smoothness_on_boundary),
             ProofMethod(CurveSubject, curves.smoothness),
-        ),
-        refuters=(
-            ProofMethod(FormulaSubject, refuters.smoothness_at_sharp_points),
-            ProofMethod(FormulaSubject, refuters.smoothness_at_corners),
         ),
     ),
     Claim(
@@ -248,14 +240,13 @@ boundary points at exact angles show the violation.""",
             CHEAP,
             Consequence(FormulaSubject, refuters.normality_at_chord),
             Consequence(FormulaSubject, evidence.normality_parallel),
-            ProofMethod(FormulaSubject, refuters.normality_at_points),
+            ProofMethod(FormulaSubject, refuters.normality_at_points, again=True),
             ProofMethod(FormulaSubject, refuters.normality_by_sampling),
             ProofMethod(CurveSubject, curves.normality),
             ProofMethod(CurveSubject, curves.normality_by_deviation),
             ProofMethod(CurveSubject, curves.normality_refuted),
         ),
         needs=("convexity",),
-        refuters=(ProofMethod(FormulaSubject, partial(refuters.normality_at_points, choices=2, near=False)),),
     ),
     Claim(
         name="dissipation",
@@ -273,7 +264,7 @@ For a boundary curve T with flow d it is the sign of T . d all around, in balls 
             CHEAP,
             Finder(FormulaSubject, evidence.dissipation_of_potential),
             Finder(FormulaSubject, evidence.dissipation_by_shares),
-            ProofMethod(FormulaSubject, refuters.dissipation_at_points),
+            ProofMethod(FormulaSubject, refuters.dissipation_at_points, again=True),
             DEAR,
             Finder(FormulaSubject, evidence.dissipation_by_identities),
             ProofMethod(FormulaSubject, evidence.dissipation_on_boundary),
@@ -282,7 +273,6 @@ For a boundary curve T with flow d it is the sign of T . d all around, in balls 
             ProofMethod(CurveSubject, curves.dissipation_refuted),
         ),
         needs=("origin", "normality"),
-        refuters=(ProofMethod(FormulaSubject, partial(refuters.dissipation_at_points, choices=2)),),
     ),
     Claim(
         name="duality",

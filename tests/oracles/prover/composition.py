@@ -15,6 +15,7 @@ from duhem.proof.verdict import Evidence, Proof, Verdict
 from tests.oracles.prover.curvature import convex_in_its_region, curvature
 from tests.oracles.prover.deviator import on_axis
 from tests.oracles.prover.regularity import regularity
+from tests.oracles.prover.star import star_form
 
 __all__ = ["convexity", "smoothness"]
 
@@ -98,7 +99,7 @@ def _regular(subject: FormulaSubject) -> tuple[str, Proof | None] | None:
     if shape.convex and subject.positive(-origin):
         proof = Proof("composition", composed_of_sums(subject) if shape.by_a_matrix else {})
         return "because g is convex and negative at the origin", proof
-    star = subject.star
+    star = star_form(subject)
     if star is not None and not star.lower.free_symbols & set(subject.simple.forces) and subject.positive(star.lower):
         rooted = any(p.base.is_Add and not p.exp.is_Integer for p in subject.law.g.atoms(sp.Pow))
         return "by Euler's relation", Proof("euler", composed_of_sums(subject) if rooted else {})

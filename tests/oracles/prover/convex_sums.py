@@ -10,6 +10,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums
 from duhem.proof.verdict import Evidence, Proof, Verdict
 from tests.oracles.prover.curvature import curvature
+from tests.oracles.prover.star import star_form
 
 __all__ = ["convexity"]
 
@@ -21,7 +22,7 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     along them g does not change, so that K is convex if its slices are.
     """
     law = subject.law
-    if (len(subject.simple.forces) == 2 and subject.star is not None) or not (sums := convex_sums(subject)):
+    if (len(subject.simple.forces) == 2 and star_form(subject) is not None) or not (sums := convex_sums(subject)):
         return None
     shape = curvature(law.g.subs(law.settled()), subject, {f: len(why) > 1 for f, why in sums.items()})
     if not shape.quasiconvex:

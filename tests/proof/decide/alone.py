@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 
 from duhem.proof.decide import Answer, Budget, Question, decide
 from duhem.proof.decide.deciders import by_rules
-from duhem.proof.decide.enclosure import by_enclosure
 from duhem.proof.decide.polynomials import System
 from duhem.proof.decide.smt import by_smt
 
@@ -20,5 +19,4 @@ OF_SYSTEMS: Mapping[str, Callable[[System], Answer]] = {
 OF_QUESTIONS: Mapping[str, Callable[[Question], Answer]] = {
     "all": lambda question: decide(question, Budget(_STEPS)),
     "rules": by_rules,
-    "enclosure": lambda question: by_enclosure(question, Budget(_STEPS // 5)),
 }

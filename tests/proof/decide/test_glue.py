@@ -21,7 +21,7 @@ from duhem.proof import decide
 from duhem.proof.decide import Answer, Question, Sense, deciders
 from duhem.proof.decide.polynomials import System
 from tests.proof.decide.questions import GOALS, Violated, violated_ones
-from tests.proof.decide.truth import Point, UndefinedError, UnsuitedError, system_violated, value, violated
+from tests.proof.decide.truth import Point, UndefinedError, UnsuitedError, system_violated, value
 
 
 @cache
@@ -69,11 +69,7 @@ def world(monkeypatch: pytest.MonkeyPatch) -> Callable[[Question, Point], bool |
             here = {**at, **{x: value(words[x], at) for x in system.variables if x in words}}
             return Answer(not system_violated(system, _with_roots(system, here)), "evaluation")
 
-        def of_question(question: Question, _: object) -> Answer:
-            return Answer(not violated(question, at), "evaluation")
-
         monkeypatch.setattr(deciders, "POLYNOMIAL_DECIDERS", (of_system,))
-        monkeypatch.setattr(deciders, "_enclosed", of_question)
         monkeypatch.setattr(deciders, "_name", named)
         return deciders.decide(question).holds
 

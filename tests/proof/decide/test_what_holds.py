@@ -48,14 +48,8 @@ HOLDS: list[tuple[sp.Expr, Sense, tuple[sp.Basic, ...]]] = [
     (sp.exp(x) * (x**2 - 2 * x + 2), P, ()),  # by its factors
     (sp.exp(x) * (y - 1) ** 2 * sp.Abs(y), N, ()),
     (sp.exp(x) * (x**2 - x + 1) * y, P, (sp.Gt(y, 1),)),
-    (sp.exp(x) - x - THIRD, P, BOX),  # in a box
-    (sp.tanh(x) + 2 * y, P, (*BOX, sp.Ge(y, 1), sp.Le(y, 3))),
+    (sp.sqrt(2) + sp.pi - 3 * sp.exp(x / 5), P, BOX),  # each word lies between two numbers
     (sp.log(x) + 1, P, (sp.Ge(x, 1), sp.Le(x, 2))),
-    (sp.exp(x) - 2, N, (*BOX, sp.Ge(x**3, THIRD))),  # a hypothesis that cuts
-    (sp.exp(x) - 2, N, (*BOX, sp.Gt(x - THIRD, sp.S.Half))),
-    (2 - sp.exp(x), N, (*BOX, sp.Le(2 * x, 1))),
-    (2 - sp.exp(x), N, (*BOX, sp.Lt(x**3, THIRD / 2))),
-    (sp.exp(x) - 2, N, (*BOX, sp.Eq(x**3, sp.S.Half))),
 ]
 ROUND: list[tuple[sp.Expr, Sense, tuple[sp.Basic, ...]]] = [
     (2 - x - y, P, ()),

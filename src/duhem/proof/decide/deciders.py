@@ -1,4 +1,4 @@
-"""The deciders in the order they are asked: sign rules, z3 on polynomials, words by their signs, enclosures."""
+"""The deciders in the order they are asked: sign rules, z3 on polynomials, words by their signs."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import UNDEFINED, Atan2, Norm
+from duhem.expression.balls import ball, enclose
 from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.expression.inert_number import MOST_ROOT
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.decide.budget import Budget, SpentError
-from duhem.proof.decide.needs import Sense, obligations
+from duhem.proof.decide.needs import NEAR_RIGHT, Sense, obligations
 from duhem.proof.decide.polynomials import NotAlgebraicError, System, polynomial_system
-from duhem.proof.decide.question import Answer, Question
+from duhem.proof.decide.question import Answer, Question, bounds
 from duhem.proof.decide.smt import by_smt
 
 __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
@@ -24,7 +25,6 @@ __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 # left: no answer was ever seen to take half of that.
 POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_smt,)
 _STEPS = 8_000_000  # for a question that belongs to no claim
-_NEAR_RIGHT = sp.Rational(3, 2)  # an angle below pi/2
 _AT_SIGHT = {Sense.NONNEGATIVE: "is_nonnegative", Sense.POSITIVE: "is_positive", Sense.ZERO: "is_zero"}
 # A word less a number has the sign of that number, and of what else.
 _SIGNS: Mapping[type, tuple[int, Callable[[sp.Expr], sp.Expr]]] = {
@@ -57,8 +57,7 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
         named = _named(question, budget.part(budget.left // 2))
         if named is not None and (answer := decide(named, budget.part(budget.left // 2))).holds:
             return answer  # else it says more than was asked
-        answer = _enclosed(question, budget)
-        return answer if answer.holds is not None else Answer(None, answer.method, reason=f"{fault}; {answer.reason}")
+        return Answer(None, reason=str(fault))
 
 
 def _by_branches(question: Question, budget: Budget) -> Answer:
@@ -69,9 +68,13 @@ def _by_branches(question: Question, budget: Budget) -> Answer:
     except TooManyBranchesError as fault:
         return Answer(None, "branches", reason=str(fault))
     method = ""
-    for hidden in question.hidden(piece.expr[0] for piece in pieces):
-        if (answer := decide(hidden, budget)).holds is not True:
-            return Answer(None, answer.method, reason=f"it is open whether {hidden.expr} {hidden.sense.value} 0")
+
+    def shown(expr: sp.Expr, sense: Sense, given: tuple[sp.Basic, ...]) -> bool:
+        return decide(Question(expr, sense, (*question.given, *given), question.circle), budget).holds is True
+
+    for need in question.hidden(piece.expr[0] for piece in pieces):
+        if not need.met(shown):
+            return Answer(None, reason=f"it is open whether {need.asked[0]} {need.asked[1].value} 0")
     for piece in pieces:
         expr, *sides = piece.expr
         given = tuple(type(r)(*pair) for r, pair in zip(question.given, sides, strict=True)) + piece.conditions()
@@ -106,6 +109,7 @@ def _named(question: Question, budget: Budget) -> Question | None:
         if type(word) in _SIGNS and _monotone(word, shown):
             at, of = _SIGNS[type(word)]
             sides += _sides(names[word] - at, of(word.args[0]), shown)
+        sides += _bounds(names[word], word, plain)
     if not names:
         return None
     return Question(question.expr.xreplace(names), question.sense, (*(r.xreplace(names) for r in given), *sides), question.circle)
@@ -121,6 +125,15 @@ def _words(expr: sp.Basic) -> Iterator[sp.Expr]:
         yield expr
 
 
+def _bounds(name: sp.Expr, word: sp.Expr, given: tuple[sp.Basic, ...]) -> Iterator[sp.Basic]:
+    """What a word is at least and at most over the ranges of its symbols, as relations."""
+    ranges = ((x, *bounds(x, given)) for x in word.free_symbols)
+    within = {x: ball(low, high) for x, low, high in ranges if low is not None and high is not None}
+    if within.keys() == word.free_symbols and (value := enclose(word, within)).is_finite():
+        low, high = (sp.Rational(int(end.p), int(end.q)) for end in (value.lower().fmpq(), value.upper().fmpq()))
+        yield from (name >= low, name <= high)
+
+
 def _name(word: sp.Expr) -> sp.Symbol:
     """A symbol with the sign that SymPy sees."""
     signs = {"positive": True} if word.is_positive else {"nonnegative": word.is_nonnegative, "nonzero": word.is_nonzero}
@@ -129,7 +142,7 @@ def _name(word: sp.Expr) -> sp.Symbol:
 
 def _monotone(word: sp.Expr, shown: Callable[..., bool]) -> bool:
     """Whether it has a known sign: a tangent as long as it has no pole."""
-    return not isinstance(word, sp.tan) or all(shown(_NEAR_RIGHT + s * word.args[0], Sense.POSITIVE) for s in (1, -1))
+    return not isinstance(word, sp.tan) or all(shown(NEAR_RIGHT + s * word.args[0], Sense.POSITIVE) for s in (1, -1))
 
 
 def _sides(name: sp.Expr, like: sp.Expr, shown: Callable[..., bool]) -> Iterator[sp.Basic]:
@@ -138,12 +151,6 @@ def _sides(name: sp.Expr, like: sp.Expr, shown: Callable[..., bool]) -> Iterator
         if shown(sign * like, Sense.NONNEGATIVE):
             relation = sp.StrictGreaterThan if shown(sign * like, Sense.POSITIVE) else sp.GreaterThan
             yield relation(sign * name, 0)
-
-
-def _enclosed(question: Question, budget: Budget) -> Answer:
-    from duhem.proof.decide.enclosure import by_enclosure
-
-    return by_enclosure(question, budget.part(budget.left // 2))
 
 
 def by_rules(question: Question) -> Answer:

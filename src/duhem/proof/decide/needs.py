@@ -15,7 +15,9 @@ import sympy as sp
 from duhem.expression import UNDEFINED, Atan2, Where, holds_at
 from duhem.expression.inert_number import InertNumber
 
-__all__ = ["Obligation", "Sense", "evaluated", "obligations"]
+__all__ = ["NEAR_RIGHT", "Obligation", "Sense", "evaluated", "obligations"]
+
+NEAR_RIGHT = sp.Rational(157, 100)  # an angle below pi/2
 
 
 class Sense(StrEnum):
@@ -120,11 +122,16 @@ def _of_angle(y: sp.Expr, x: sp.Expr) -> Iterator[Obligation]:
         yield Obligation(sp.Add(y**2, x**2), Sense.POSITIVE, "takes the angle of a point at the squared distance")
 
 
+def _of_tangent(x: sp.Expr) -> Iterator[Obligation]:
+    near = tuple(Obligation(NEAR_RIGHT + sign * x, Sense.POSITIVE, "takes the tangent of") for sign in (-1, 1))
+    yield Obligation(sp.cos(x), Sense.ZERO, "divides by", instead=near)
+
+
 _NEEDS: Mapping[type[sp.Basic], Callable[..., Iterator[Obligation]]] = {
     sp.Pow: _of_power,
     sp.log: lambda x: iter([Obligation(x, Sense.POSITIVE, "takes the logarithm of")]),
     sp.asin: _of_arc("arc sine"),
     sp.acos: _of_arc("arc cosine"),
     Atan2: _of_angle,
-    sp.tan: lambda x: iter([Obligation(sp.cos(x), Sense.ZERO, "divides by")]),
+    sp.tan: _of_tangent,
 }

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import sympy as sp
 
-from duhem.proof.decide.needs import Sense, obligations
+from duhem.expression.number import fraction
+from duhem.proof.decide.needs import Obligation, Sense, obligations
 
-__all__ = ["Answer", "Question"]
+__all__ = ["Answer", "Question", "bounds"]
 
 
 @dataclass(frozen=True)
@@ -29,17 +31,18 @@ class Question:
         """That circle as a relation."""
         return () if self.circle is None else (sp.Eq(self.circle[0] ** 2 + self.circle[1] ** 2, 1),)
 
-    def hidden(self, shown: Iterable[sp.Expr]) -> tuple[Question, ...]:
+    def hidden(self, shown: Iterable[sp.Expr]) -> tuple[Obligation, ...]:
         """What its formula needs to be defined and some other form of it no longer shows, as abs(x)/x does not when it is 1."""
-        needs = dict.fromkeys(_needs(self.expr))
-        common = set(needs).intersection(*map(_needs, shown))
-        lost = (need for need in needs if need not in common)
-        return tuple(Question(need.expr, need.sense, (*self.given, *need.given), self.circle) for need in lost)
+        needs = dict.fromkeys(obligations(self.expr))
+        common = set(needs).intersection(*map(obligations, shown))
+        return tuple(need for need in needs if need not in common)
 
 
-def _needs(expr: sp.Basic) -> list[Question]:
-    """What must hold for an expression to be defined."""
-    return [Question(*need.asked, need.given) for need in obligations(expr)]
+def bounds(x: sp.Symbol, given: Iterable[sp.Basic]) -> tuple[Fraction | None, Fraction | None]:
+    """The least and the greatest value of a symbol, by the relations that speak of it alone; None where there is none."""
+    low = [fraction(r.lts) for r in given if getattr(r, "gts", None) == x and r.lts.is_Rational]
+    high = [fraction(r.gts) for r in given if getattr(r, "lts", None) == x and r.gts.is_Rational]
+    return max(low, default=None), min(high, default=None)
 
 
 @dataclass(frozen=True)

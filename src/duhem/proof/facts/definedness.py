@@ -7,8 +7,9 @@ some forces does not have those points in K: of such a law, and of one for which
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from itertools import islice
+from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
@@ -48,33 +49,41 @@ def open_obligations(
 
 def _everywhere(subject: Subject, problem: Problem, obligation: Obligation, of: str) -> bool:
     """Whether it is shown for all forces but zero; InputError where parameters alone break it."""
+    if met_for_all(subject, problem, obligation):
+        return True
     symbols = obligation.symbols()
-    alone = symbols <= {x for x in problem.parameters if x is not problem.magnitude}
-    if alone and not _plain(obligation):
-        own = _bearing_on(symbols, problem.given)
-        points = _plain_points(problem, symbols, own)
-        _check(problem, obligation, own, points, of)
-        _check_between(problem, obligation, points, of)
-        answer = subject.decided(_question(problem, *obligation.asked, obligation.given))
-        if answer.holds is False and answer.point is not None:
-            _check(problem, obligation, problem.given, [dict(answer.point)], of)
-    return met_for_all(subject, problem, obligation)
+    if symbols <= {x for x in problem.parameters if x is not problem.magnitude}:
+        answer, told = subject.decided(_question(problem, *obligation.asked, obligation.given)), ""
+        if (point := broken_at(problem, obligation, answer.point or {})) is not None:
+            told = f"{'0' if obligation.expr.subs(point).is_zero else 'negative'} {f'at {_told(point)}' if point else 'always'}"
+        elif ends := _on_either_side(problem, obligation):
+            told = f"0 somewhere between {' and '.join(map(_told, ends))}"
+        if told:
+            what = f"{of} {obligation.does} {formula(obligation.expr)}, which is {told}"
+            raise InputError(what, where=problem.law.name, remedy=_remedy(obligation))
+    return False
 
 
-def _plain_points(problem: Problem, symbols: set[sp.Symbol], own: tuple[sp.Basic, ...]) -> list[Point]:
-    """Admitted values of the symbols, which may be the parameters and the size of the pressure, and of what the relations tie to them."""
-    names = tuple(x for x in problem.parameters if x in symbols.union(*(r.free_symbols for r in own)))
-    tried = map(rationals, islice(plain_choices(names, own), _MOST_POINTS))
-    return [point for point in tried if point.get(problem.magnitude, 1) > 0 and all(holds_at(r, point) for r in own)]
+def _told(point: Point) -> str:
+    return ", ".join(f"{x} = {value}" for x, value in point.items())
 
 
-def broken_at(problem: Problem, obligation: Obligation) -> Point | None:
+def broken_at(problem: Problem, obligation: Obligation, hint: Mapping[sp.Symbol, Any] = MappingProxyType({})) -> Point | None:
     """Admitted parameters and a size of the pressure at which it certainly fails, whatever the forces; None where none were found."""
     symbols = obligation.symbols()
     if not symbols <= set(problem.parameters):
         return None
-    points = _plain_points(problem, symbols, _bearing_on(symbols, problem.given))
-    return next(({x: point[x] for x in problem.parameters if x in symbols} for point in points if obligation.broken(point)), None)
+    points = [*_plain_points(problem, symbols), *([dict(hint)] if all(holds_at(r, hint) for r in problem.given) else [])]
+    point = next((point for point in points if symbols <= point.keys() and obligation.broken(point)), None)
+    return None if point is None else {x: point[x] for x in problem.parameters if x in symbols}
+
+
+def _plain_points(problem: Problem, symbols: set[sp.Symbol]) -> list[Point]:
+    """Admitted values of the symbols, which may be the parameters and the size of the pressure, and of what the relations tie to them."""
+    own = _bearing_on(symbols, problem.given)
+    names = tuple(x for x in problem.parameters if x in symbols.union(*(r.free_symbols for r in own)))
+    tried = map(rationals, islice(plain_choices(names, own), _MOST_POINTS))
+    return [point for point in tried if point.get(problem.magnitude, 1) > 0 and all(holds_at(r, point) for r in own)]
 
 
 def _bearing_on(symbols: set[sp.Symbol], given: tuple[sp.Basic, ...]) -> tuple[sp.Basic, ...]:
@@ -82,22 +91,6 @@ def _bearing_on(symbols: set[sp.Symbol], given: tuple[sp.Basic, ...]) -> tuple[s
     own = tuple(r for r in given if r.free_symbols & symbols)
     wider = symbols.union(*(r.free_symbols for r in own))
     return own if wider == symbols else _bearing_on(wider, given)
-
-
-def _plain(obligation: Obligation) -> bool:
-    """Whether the signs of its symbols show it."""
-    expr, sense = obligation.expr, obligation.sense
-    return bool(expr.is_positive or (sense is Sense.NONNEGATIVE and expr.is_nonnegative) or (sense is Sense.ZERO and expr.is_negative))
-
-
-def _check(problem: Problem, obligation: Obligation, given: tuple[sp.Basic, ...], points: Iterable[Point], of: str) -> None:
-    for point in points:
-        whole = obligation.symbols().union(*(r.free_symbols for r in given)) <= set(point)
-        if whole and all(holds_at(r, point) for r in given) and obligation.broken(point):
-            at = ", ".join(f"{x} = {point[x]}" for x in problem.parameters if x in obligation.symbols())
-            fault = "0" if obligation.expr.subs(point).is_zero else "negative"
-            what = f"{of} {obligation.does} {formula(obligation.expr)}, which is {fault} {f'at {at}' if at else 'always'}"
-            raise InputError(what, where=problem.law.name, remedy=_remedy(obligation))
 
 
 def _remedy(obligation: Obligation) -> str:
@@ -115,21 +108,15 @@ def _remedy(obligation: Obligation) -> str:
     return f"admit only values with {x} {sign} {formula(bound)}" + (" (positive = true, or a least value above 0)" if above_0 else "")
 
 
-def _check_between(problem: Problem, obligation: Obligation, points: Iterable[Point], of: str) -> None:
-    """A divisor of both signs over a product of intervals is 0 in between, if it does not jump."""
-    symbols = obligation.symbols()
-    jumps = obligation.expr.has(Where, Atan2)
-    if obligation.sense is not Sense.ZERO or jumps or obligation.given or any(c.free_symbols & symbols for c in problem.law.constraints):
-        return
-    above: Point | None = None
-    below: Point | None = None
-    for point in points:
-        value = obligation.expr.subs(point)
-        above, below = point if value.is_positive else above, point if value.is_negative else below
-        if above is not None and below is not None:
-            ends = " and ".join(", ".join(f"{x} = {end[x]}" for x in problem.parameters if x in symbols) for end in (above, below))
-            what = f"{of} {obligation.does} {formula(obligation.expr)}, which is 0 somewhere between {ends}"
-            raise InputError(what, where=problem.law.name, remedy=_remedy(obligation))
+def _on_either_side(problem: Problem, obligation: Obligation) -> tuple[Point, Point] | None:
+    """Points at which a divisor is above and below 0: over a product of intervals it is 0 in between, if it does not jump."""
+    symbols, expr = obligation.symbols(), obligation.expr
+    tied = expr.has(Where, Atan2) or obligation.given or any(c.free_symbols & symbols for c in problem.law.constraints)
+    if obligation.sense is not Sense.ZERO or tied:
+        return None
+    points = _plain_points(problem, symbols)
+    above, below = ([p for p in points if (side * expr.subs(p)).is_positive] for side in (1, -1))
+    return (above[0], below[0]) if above and below else None
 
 
 def met_for_all(subject: Subject, problem: Problem, obligation: Obligation) -> bool:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from itertools import chain, combinations, count, islice
+from itertools import chain, combinations, islice, tee
 from typing import Any
 
 import sympy as sp
 
 from duhem.derivation.potential import SupportFunction
 from duhem.derivation.support_function import support_function
-from duhem.expression import UNDEFINED, Where, defined_at, holds_at
+from duhem.expression import Where, defined_at, holds_at
 from duhem.expression.below import smooth_below
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.expression.number import fraction, rational
@@ -23,7 +23,7 @@ from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.facts.definedness import met_at_zero, open_obligations
 from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.facts.subject import Subject
-from duhem.proof.statement.problem import Face, Problem, Star, star_form, state
+from duhem.proof.statement.problem import Face, Problem, state
 
 __all__ = ["FormulaSubject"]
 
@@ -40,6 +40,7 @@ class FormulaSubject(Subject):
     def __init__(self, law: Criterion, effort: Fraction = EFFORTS["normal"]) -> None:
         super().__init__(_QUESTION_STEPS, effort)
         self.law = law
+        self._choices = self._sought()
 
     @cached_property
     def problem(self) -> Problem:
@@ -93,11 +94,6 @@ class FormulaSubject(Subject):
         return True
 
     @cached_property
-    def star(self) -> Star | None:
-        """The two-degree form of the simple problem, if it has one."""
-        return star_form(self.simple)
-
-    @cached_property
     def support(self) -> SupportFunction | None:
         """The support function of K in closed form, if there is one; what it requires is not decided."""
         return support_function(self.law)
@@ -105,29 +101,18 @@ class FormulaSubject(Subject):
     @cached_property
     def pieces(self) -> tuple[Branch, ...] | None:
         """Smooth branches of the simple problem's g with an inside; None if there are too many."""
-        try:
-            return plain_switches(thick(branches(self.simple.g)))
-        except TooManyBranchesError:
-            return None
+        return _pieces(self.simple.g)
 
     def on_boundary(self, face: Face) -> tuple[tuple[sp.Expr, tuple[sp.Basic, ...]], ...] | None:
         """Where a face of the simple problem is the boundary of K: its g on smooth closed branches, each with what holds there.
 
         None where there are too many of them, or the boundary may lie elsewhere than on g = 0.
         """
-        if not face.others:
-            if not self.continuous or self.pieces is None:
-                return None
-            return tuple((piece.expr, (*piece.conditions(), sp.Eq(piece.expr, 0))) for piece in self.pieces)
-        if self.doubtful or not (self.joined(self.simple.g) and self.joined(face.g)):
-            return None
-        try:
-            pieces = plain_switches(thick(branches(face.g)))
-        except TooManyBranchesError:
-            return None
         within = [sp.LessThan(smooth, 0) for other in face.others for smooth in smooth_below(other)]
-        if sp.false in within:
-            return ()
+        apart = not self.doubtful and self.joined(self.simple.g) and self.joined(face.g) if face.others else self.continuous
+        pieces = (self.pieces if face.g == self.simple.g else _pieces(face.g)) if apart else None
+        if pieces is None or sp.false in within:
+            return None if pieces is None else ()
         return tuple((p.expr, (*p.conditions(), *(r for r in within if r != sp.true), sp.Eq(p.expr, 0))) for p in pieces)
 
     @cached_property
@@ -144,20 +129,18 @@ class FormulaSubject(Subject):
             return None
         return defined_at(self.simple.g, dict.fromkeys(self.simple.forces, sp.S.Zero))
 
-    def joined(self, *exprs: sp.Expr, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> bool:
-        """Whether the expressions never jump: built in without ``where``, else shown for every two branches where they meet."""
-        together = sp.Tuple(*exprs)
-        if not together.has(Where):
+    def joined(self, expr: sp.Expr) -> bool:
+        """Whether an expression never jumps: built in without ``where``, else shown for every two branches where they meet."""
+        if not expr.has(Where):
             return True
         try:
-            pieces = branches(together)
+            pieces = branches(expr)
         except TooManyBranchesError:
             return False
         return all(
-            self.ask(p - q, Sense.ZERO, *one.conditions(), *two.conditions(), circle=circle).holds is True
+            self.ask(one.expr - two.expr, Sense.ZERO, *one.conditions(), *two.conditions()).holds is True
             for one, two in combinations(pieces, 2)
-            for p, q in zip(one.expr, two.expr, strict=True)
-            if p != q
+            if one.expr != two.expr
         )
 
     def values_at(self, parameters: Values, point: Sequence[Fraction]) -> dict[sp.Symbol, Fraction]:
@@ -184,29 +167,16 @@ class FormulaSubject(Subject):
         hinted = [{x: fraction(hint[x]) for x in free} for hint in hints if all(x in hint for x in free)]
         told = [values for values in hinted if self._admits_choice(values)]
         yield from told
-        yield from (values for values in islice(self._admitted(), most) if values not in told)
-
-    def _admitted(self) -> Iterator[Values]:
-        """Those without hints, each looked for once."""
-        known, rest = self._choices
-        for i in count():
-            if i == len(known):
-                if (found := next(rest, None)) is None:
-                    return
-                known.append(found)
-            yield known[i]
-
-    @cached_property
-    def _choices(self) -> tuple[list[Values], Iterator[Values]]:
-        return [], self._sought()
+        self._choices, known = tee(self._choices)  # each is looked for once
+        yield from (values for values in islice(known, most) if values not in told)
 
     def _sought(self) -> Iterator[Values]:
-        free, seen = self.simple.parameters, set[tuple[Fraction, ...]]()
+        """Those without hints."""
+        free, seen = self.simple.parameters, list[Values]()
         for values in chain(plain_choices(free, self.simple.given), self._in_constraints()):
-            if (key := tuple(values[x] for x in free)) not in seen:
-                seen.add(key)
-                if self._admits_choice(values):
-                    yield values
+            if values not in seen and self._admits_choice(values):
+                seen.append(values)
+                yield values
 
     def _in_constraints(self) -> Iterator[Values]:
         """Solutions of the constraints with each parameter high or low in its range, and what lies around them."""
@@ -222,16 +192,11 @@ class FormulaSubject(Subject):
             values = {x: fraction(point[x]) if x in point else plain[x] for x in free}
             if self._admits_choice(values) and values not in starts:
                 starts.append(values)
-        if starts:
-            yield from walk(starts, self._admits_choice)
+        yield from walk(starts, self._admits_choice)
 
     def _admits_choice(self, values: Values) -> bool:
-        if not self.admits(self.values_at(values, (Fraction(0),) * len(self.simple.forces))):
-            return False
-        try:
-            return not self.formula_at(values).has(*UNDEFINED)
-        except (ValueError, TypeError):  # SymPy compares something with nan
-            return False
+        inside = self.admits(self.values_at(values, (Fraction(0),) * len(self.simple.forces)))
+        return inside and defined_at(self.simple.g, rationals(values)) is not None
 
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""
@@ -248,3 +213,10 @@ class FormulaSubject(Subject):
     def positive(self, constant: sp.Expr) -> bool:
         """Whether an expression in the parameters is > 0 on the whole domain (False also when undecided)."""
         return bool(constant > 0) if constant.is_Rational else self.asked(constant, strict=True)
+
+
+def _pieces(g: sp.Expr) -> tuple[Branch, ...] | None:
+    try:
+        return plain_switches(thick(branches(g)))
+    except TooManyBranchesError:
+        return None

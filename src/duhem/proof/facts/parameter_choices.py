@@ -10,7 +10,8 @@ from math import prod
 
 import sympy as sp
 
-from duhem.expression.number import fraction, rational
+from duhem.expression.number import rational
+from duhem.proof.decide.question import bounds
 
 __all__ = ["Values", "middle_of", "plain_choices", "rationals", "walk"]
 
@@ -65,22 +66,12 @@ def walk(starts: Sequence[Values], admits: Callable[[Values], bool], most: int =
 
 def middle_of(x: sp.Symbol, given: Sequence[sp.Basic]) -> Fraction:
     """A value well inside the range of a symbol, by the relations that speak of it alone."""
-    low, high = _range(x, given)
+    low, high = bounds(x, given)
     return _grid(x, given)[2] if low is not None and high is not None else _grid(x, given)[0]
 
 
-def _range(x: sp.Symbol, given: Sequence[sp.Basic]) -> tuple[Fraction | None, Fraction | None]:
-    low = high = None
-    for relation in given:
-        if getattr(relation, "gts", None) == x and relation.lts.is_Rational:
-            low = fraction(relation.lts) if low is None else max(low, fraction(relation.lts))
-        if getattr(relation, "lts", None) == x and relation.gts.is_Rational:
-            high = fraction(relation.gts) if high is None else min(high, fraction(relation.gts))
-    return low, high
-
-
 def _grid(x: sp.Symbol, given: Sequence[sp.Basic]) -> list[Fraction]:
-    low, high = _range(x, given)
+    low, high = bounds(x, given)
     if low is not None and high is not None:
         return [low + s * (high - low) for s in _SHARES]
     if low is None and high is None:

@@ -10,22 +10,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, permutations
 
 import sympy as sp
 
-from duhem.expression.branches import seams
+from duhem.expression.branches import seam, seams
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
+from duhem.expression.weights import degree
 from duhem.proof.decide import Question, Sense
 from duhem.proof.decide.needs import obligations
 from duhem.proof.facts.definedness import met_for_all
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums, directions, inward, outward, parallel, steep
-from duhem.proof.statement.problem import Face, by_degree
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = [
+    "convexity_by_branches",
     "convexity_by_sums",
     "convexity_on_boundary",
     "dissipation_by_identities",
@@ -39,16 +40,14 @@ __all__ = [
     "smoothness_on_boundary",
 ]
 
-Terms = Mapping[tuple[int, ...], sp.Expr]
+Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
+Asked = tuple[sp.Expr, Sense, tuple[sp.Basic, ...]]  # a sign, and where it is asked
 _MOST_PIECES, _MOST_ROOTS, _MOST_SHARES = 8, 4, 6
 
 
 def convexity_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
-    """K is convex if g is quasiconvex by composition, polynomials in it being convex by sums of squares.
-
-    Where the law has a gauge in the plane that says more, dents included.
-    """
-    if (len(subject.simple.forces) == 2 and subject.star is not None) or not convex_sums(subject):
+    """K is convex if g is quasiconvex by composition, polynomials in it being convex by sums of squares."""
+    if not convex_sums(subject):
         return
     detail = f"g is quasiconvex by composition, in it by sums of squares: {', '.join(map(formula, convex_sums(subject)))}"
     yield Evidence(Verdict.PROVED, "sos-convexity", detail, proof=Proof("composition", composed_of_sums(subject)))
@@ -81,6 +80,37 @@ def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
         yield Evidence(Verdict.PROVED, "implicit-curvature", detail, proof=proof)
 
 
+def convexity_by_branches(subject: FormulaSubject) -> Evidence | None:
+    """In two forces the boundary rises outward and curves inward on every branch of g, and kinks outward on every seam.
+
+    Run through with K on its left it turns left where it passes from one branch to another: the tangent (-g_y, g_x) of either then
+    points into the other, which is assumed, and T/E with E = sigma . grad g > 0 and T = x g_y - y g_x does not fall.
+    """
+    pieces, forces, origin = subject.pieces, subject.simple.forces, subject.at_origin
+    if pieces is None or len(pieces) > _MOST_PIECES or len(forces) != 2 or origin is None or not subject.continuous:
+        return None
+    x, y = forces
+    asked: list[Asked] = [(-origin, Sense.POSITIVE, ())]
+    for piece in pieces:
+        there, (gx, gy) = (*piece.conditions(), sp.Eq(piece.expr, 0)), _gradient(piece.expr, forces)
+        tangent = (-gy, gx)
+        bend = _dot(tangent, [_dot(tangent, _gradient(d, forces)) for d in (gx, gy)])
+        asked += [(x * gx + y * gy, Sense.POSITIVE, there), (bend, Sense.NONNEGATIVE, there)]
+    for before, after in permutations(pieces, 2):
+        if before.expr == after.expr:
+            continue
+        if (found := seam(before, after)) is None:
+            return None
+        (bx, by), (ax, ay) = (_gradient(branch.expr, forces) for branch in (before, after))
+        on_seam = [sp.Eq(before.expr, 0), *found.on(), *found.within()]
+        for switch in found.crossed:
+            sx, sy = _gradient(after.signs[switch] * switch, forces)
+            on_seam += [sp.GreaterThan(sy * ax - sx * ay, 0), sp.GreaterThan(sy * bx - sx * by, 0)]
+        turn = (x * ay - y * ax) * (x * bx + y * by) - (x * by - y * bx) * (x * ax + y * ay)
+        asked.append((turn, Sense.NONNEGATIVE, tuple(on_seam)))
+    return _by_signs(subject, asked, "implicit-curvature", "K is star-shaped about 0, its boundary curves inward, and kinks are outward")
+
+
 def smoothness_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
     """grad g != 0 where a piece of g that is a polynomial is 0: g rises outward there, or the square of grad g is > 0."""
     for name, found in (("outward", outward), ("steep", steep)):
@@ -94,22 +124,15 @@ def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
     pieces, forces = subject.pieces, subject.simple.forces
     if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
         return None
-    used: set[str] = set()
-    for piece in pieces:
-        answer = subject.ask(_square(_gradient(piece.expr, forces)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
-        if answer.holds is not True:
-            return None
-        used.add(answer.method)
+    asked: list[Asked] = [(_square(_gradient(p.expr, forces)), Sense.POSITIVE, (*p.conditions(), sp.Eq(p.expr, 0))) for p in pieces]
     for between in seams(pieces):
-        before, after = between.before, between.after
-        one, two = _gradient(before.expr, forces), _gradient(after.expr, forces)
-        on_seam = (*between.within(), *between.on(), sp.Eq(before.expr, 0))
-        if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *_minors(one, two))):
-            return None
-        if subject.ask(_dot(one, two), Sense.POSITIVE, *on_seam).holds is not True:
-            return None
+        before, after = between.before.expr, between.after.expr
+        one, two = _gradient(before, forces), _gradient(after, forces)
+        on_seam = (*between.within(), *between.on(), sp.Eq(before, 0))
+        asked += [(minor, Sense.ZERO, on_seam) for minor in (after, *_minors(one, two))]
+        asked.append((_dot(one, two), Sense.POSITIVE, on_seam))
     told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
-    return Evidence(Verdict.PROVED, f"regular-value ({', '.join(sorted(used))})", f"grad g != 0 wherever g = 0{told}")
+    return _by_signs(subject, asked, "regular-value", f"grad g != 0 wherever g = 0{told}")
 
 
 def dissipation_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
@@ -121,19 +144,16 @@ def dissipation_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
 
 def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:
     """force . flow >= 0 on the boundary, face by face and branch by branch; the flow is grad g where there is none of its own."""
-    forces, used = subject.simple.forces, set[str]()
+    forces, asked = subject.simple.forces, list[Asked]()
     for face in subject.simple.faces:
         if (pieces := subject.on_boundary(face)) is None:
             return None
         for g, there in pieces:
             flow = face.flow or _gradient(g, forces)
-            if not face.flow and subject.ask(_square(flow), Sense.POSITIVE, *there).holds is not True:
-                return None  # where grad g = 0 it says nothing of the normal
-            answer = subject.ask(sp.factor_terms(sp.expand(_dot(forces, flow))), Sense.NONNEGATIVE, *there)
-            if answer.holds is not True:
-                return None
-            used.add(answer.method)
-    return Evidence(Verdict.PROVED, f"boundary-power ({', '.join(sorted(used))})", "force . flow >= 0 wherever g = 0")
+            if not face.flow:  # where grad g = 0 it says nothing of the normal
+                asked.append((_square(flow), Sense.POSITIVE, there))
+            asked.append((sp.factor_terms(sp.expand(_dot(forces, flow))), Sense.NONNEGATIVE, there))
+    return _by_signs(subject, asked, "boundary-power", "force . flow >= 0 wherever g = 0")
 
 
 def normality_parallel(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
@@ -142,29 +162,34 @@ def normality_parallel(subject: FormulaSubject, settled: Mapping[str, Evidence])
     K lies in {g <= 0}, so g does not rise from the boundary point towards any point of K.
     """
     own = [face for face in subject.simple.faces if face.flow is not None]
-    if settled["convexity"].verdict is not Verdict.PROVED or not own or not all(_parallel(subject, face) for face in own):
+    if settled["convexity"].verdict is not Verdict.PROVED or not own:
         return None
-    proof = Proof("parallel", parallel(subject)) if parallel(subject) else None
-    detail = "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex"
-    return Evidence(Verdict.PROVED, "parallel", detail, proof=proof)
+    forces, asked = subject.simple.forces, list[Asked]()
+    for face in own:
+        if (pieces := subject.on_boundary(face)) is None:
+            return None
+        for g, there in pieces:
+            flow, gradient = face.flow or (), _gradient(g, forces)
+            asked += [
+                (_square(gradient), Sense.POSITIVE, there),  # where grad g = 0 every flow would look parallel to it
+                (_square(flow), Sense.POSITIVE, there),  # where the flow is 0 it has no direction
+                *((minor, Sense.ZERO, there) for minor in _minors(flow, gradient)),
+                (_dot(flow, gradient), Sense.NONNEGATIVE, there),
+            ]
+    found = _by_signs(subject, asked, "parallel", "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex")
+    known = parallel(subject) if found is not None else {}
+    return replace(found, method="parallel", proof=Proof("parallel", known)) if found is not None and known else found
 
 
-def _parallel(subject: FormulaSubject, face: Face) -> bool:
-    """Whether the flow of a face is a positive multiple of grad g wherever the face is the boundary."""
-    pieces, flow, forces = subject.on_boundary(face), face.flow or (), subject.simple.forces
-    if pieces is None:
-        return False
-    for g, there in pieces:
-        gradient = _gradient(g, forces)
-        asked = [
-            (_square(gradient), Sense.POSITIVE),  # where grad g = 0 every flow would look parallel to it
-            (_square(flow), Sense.POSITIVE),  # where the flow is 0 it has no direction
-            *((minor, Sense.ZERO) for minor in _minors(flow, gradient)),
-            (_dot(flow, gradient), Sense.NONNEGATIVE),
-        ]
-        if not all(subject.ask(expr, sense, *there).holds is True for expr, sense in asked):
-            return False
-    return True
+def _by_signs(subject: FormulaSubject, asked: Sequence[Asked], name: str, detail: str) -> Evidence | None:
+    """Proved if the deciders show every sign that is asked; the name of the proof says by which methods."""
+    used = set[str]()
+    for expr, sense, there in asked:
+        answer = subject.ask(expr, sense, *there)
+        if answer.holds is not True:
+            return None
+        used.add(answer.method)
+    return Evidence(Verdict.PROVED, f"{name} ({', '.join(sorted(used))})", detail)
 
 
 def _gradient(g: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
@@ -200,11 +225,9 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
     if len(roots) > _MOST_ROOTS or (of_power := _terms(power, forces, roots)) is None or (of_g := _terms(g, forces, roots)) is None:
         return
     back = {r: sp.sqrt(y) for y, r in roots.items()}
-    variables = (*forces, *roots.values())
-    ratios = (sp.cancel(of_power.get(m, sp.S.Zero) / c) for m, c in of_g.items() if any(m))
-    for share in [*dict.fromkeys([sp.S.Zero, *ratios])][:_MOST_SHARES]:
-        coefficients = {m: sp.factor(of_power.get(m, sp.S.Zero) - share * of_g.get(m, sp.S.Zero)) for m in {**of_power, **of_g}}
-        rest = sp.Add(*(c * sp.Mul(*(x**n for x, n in zip(variables, m, strict=True))) for m, c in coefficients.items())).xreplace(back)
+    for share in _shares(of_power, of_g)[:_MOST_SHARES]:
+        coefficients = {part: sp.factor(of_power.get(part, sp.S.Zero) - share * of_g.get(part, sp.S.Zero)) for part in {**of_power, **of_g}}
+        rest = sp.Add(*(c * part for part, c in coefficients.items())).xreplace(back)
         detail = f"force . flow = {formula(share)}*g + {formula(rest)}, which is >= 0 wherever g = 0; at an apex so are the flow's limits"
         proof = Proof("power-share", {"share": formula(share), "rest": formula(rest)})
         yield Evidence(Verdict.PROVED, "power-share", detail, proof=proof)
@@ -227,7 +250,7 @@ def _terms(expr: sp.Expr, forces: tuple[sp.Symbol, ...], roots: Mapping[sp.Expr,
     whole = sp.cancel(over / under)
     if not whole.is_polynomial(*forces, *roots.values()):
         return None
-    return dict(sp.Poly(whole, *forces, *roots.values()).terms())
+    return _by_forces(whole, (*forces, *roots.values()))
 
 
 def dissipation_of_potential(subject: FormulaSubject) -> Iterator[Evidence]:
@@ -239,17 +262,24 @@ def dissipation_of_potential(subject: FormulaSubject) -> Iterator[Evidence]:
     if law.potential is None:
         return
     potential = parse_expression(law.potential, law.symbols()).subs({**law.settled(), **problem.compressed})
-    if (parts := by_degree(replace(problem, g=potential))) is None:
+    parts, g = _by_forces(potential, problem.forces), _by_forces(problem.g, problem.forces)
+    degrees = {part: k for part in parts if (k := degree(part, problem.forces)) is not None}
+    if len(degrees) < len(parts):
         return
-    power, g = (_by_forces(expr, problem.forces) for expr in (sp.Add(*(k * part for k, part in parts.items())), problem.g))
-    degrees = ", ".join(map(str, sorted(parts)))
-    detail = f"the potential has parts of degree {degrees} in the forces, so force . flow >= 0 wherever g = 0"
-    for share in dict.fromkeys([sp.S.Zero, *(sp.cancel(power[part] / c) for part, c in g.items() if part in power and part != 1)]):
+    power = {part: degrees[part] * c for part, c in parts.items()}
+    told = ", ".join(map(str, sorted({*degrees.values()})))
+    detail = f"the potential has parts of degree {told} in the forces, so force . flow >= 0 wherever g = 0"
+    for share in _shares(power, g):
         yield Evidence(Verdict.PROVED, "potential", detail, proof=Proof("potential", {"share": formula(_in_pressure(subject, share))}))
 
 
-def _by_forces(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> Mapping[sp.Expr, sp.Expr]:
-    """The terms of a sum: what depends on the forces, and its coefficient."""
+def _shares(power: Terms, g: Terms) -> list[sp.Expr]:
+    """Constants c with which power - c g has no term of some part; first 0."""
+    return [*dict.fromkeys([sp.S.Zero, *(sp.cancel(power.get(part, sp.S.Zero) / c) for part, c in g.items() if part != 1)])]
+
+
+def _by_forces(expr: sp.Expr, forces: Sequence[sp.Symbol]) -> Terms:
+    """The terms of a sum."""
     found: dict[sp.Expr, sp.Expr] = {}
     for term in sp.Add.make_args(sp.expand(expr, deep=False)):
         scale, part = term.as_independent(*forces, as_Add=False)

@@ -21,14 +21,14 @@ from duhem.expression.isotropy import shears_of_isotropic
 from duhem.expression.lineality import invariant_directions
 from duhem.expression.parse import parse_as_written
 from duhem.expression.text import faithful
-from duhem.expression.weights import degree, removable
+from duhem.expression.weights import removable
 from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.yield_surface import YieldSurface
 from duhem.proof.decide.needs import evaluated, obligations
 
-__all__ = ["Face", "Problem", "Star", "as_written", "by_degree", "faces", "star_form", "state", "texts", "with_algebraic_angles"]
+__all__ = ["Face", "Problem", "as_written", "faces", "state", "texts", "with_algebraic_angles"]
 
 
 class Face(NamedTuple):
@@ -217,75 +217,10 @@ def with_algebraic_angles(tree: sp.Basic) -> sp.Basic:
 
 
 def without_outer_map(g: sp.Expr) -> sp.Expr:
-    """g without positive factors and strictly increasing maps that keep 0, so that {g <= 0} stays the same set."""
-    while True:
-        core = g
-        if g.is_Mul:
-            core = sp.Mul(*(f for f in g.args if not f.is_positive))
-        elif g.is_Pow and g.exp.is_Integer and g.exp > 0 and g.exp % 2 == 1:
-            core = g.base
-        elif isinstance(g, sp.sinh | sp.tanh | sp.atan):
-            core = g.args[0]
-        elif isinstance(g, sp.log) and g.args[0].is_extended_nonnegative:
-            core = g.args[0] - 1
-        elif g.is_Add and len(g.args) == 2:
-            core = _undone(*g.args)
-            for term, rest in (g.args, g.args[::-1]):
-                if isinstance(term, sp.log) and term.args[0].is_extended_positive and not rest.free_symbols & term.free_symbols:
-                    core = term.args[0] - sp.exp(-rest)
-        if core == g or not core.free_symbols:
-            return g
-        g = core
-
-
-def _undone(one: sp.Expr, two: sp.Expr) -> sp.Expr:
-    """exp(a) - exp(b) or exp(a) - c with c > 0, brought back under the exponential; any other sum as it is."""
-    for plus, minus in ((one, -two), (two, -one)):
-        if isinstance(plus, sp.exp) and minus.is_positive:
-            return plus.args[0] - sp.log(minus)
-    return one + two
-
-
-@dataclass(frozen=True)
-class Star:
-    """A law whose set is star-shaped by its form: g = A - B with A, B homogeneous in the forces, of degrees a > b, B > 0.
-
-    ``upper`` = A, ``lower`` = B, ``order`` = a - b; B > 0 and A > 0 remain to be shown.  Then K = {0} with
-    {r : r^(a-b) A/B <= 1 along each direction}, the gauge is (A/B)^(1/(a-b)), and on the boundary sigma . grad g = (a - b) A > 0
-    (Euler): the boundary is regular and seen from the origin.
-    """
-
-    upper: sp.Expr
-    lower: sp.Expr
-    order: sp.Rational
-
-    def factors(self) -> tuple[tuple[sp.Expr, sp.Rational], ...]:
-        """The gauge as a product of powers: pairs (base, exponent)."""
-        raised = [(self.upper, 1 / self.order), (self.lower, -1 / self.order)]
-        found: dict[sp.Expr, sp.Rational] = {}
-        for expr, exponent in raised:
-            for factor in sp.Mul.make_args(sp.factor_terms(expr)):
-                base, power = (factor.base, factor.exp) if factor.is_Pow and factor.exp.is_Rational else (factor, sp.S.One)
-                found[base] = found.get(base, sp.S.Zero) + power * exponent
-        # A base that cancels between A and B stays, with exponent 0: that it is positive must still be shown.
-        return tuple((b, e) for b, e in found.items() if not (b.is_number and b.is_positive))
-
-
-def star_form(problem: Problem) -> Star | None:
-    """Split g by degree in the forces; None unless there are exactly two degrees."""
-    parts = by_degree(problem)
-    if parts is None or len(parts) != 2:
-        return None
-    low, high = sorted(parts)
-    return Star(parts[high], -parts[low], high - low)
-
-
-def by_degree(problem: Problem) -> dict[sp.Rational, sp.Expr] | None:
-    """The parts of g of each degree in the forces; None where something in it has none."""
-    found: dict[sp.Rational, list[sp.Expr]] = {}
-    for term in sp.Add.make_args(sp.expand(problem.g, deep=False)):
-        k = degree(term, problem.forces) if term.free_symbols & set(problem.forces) else sp.S.Zero
-        if k is None:
-            return None
-        found.setdefault(k, []).append(term)
-    return {k: sp.Add(*terms) for k, terms in found.items()}
+    """g without positive factors and odd powers, whose gradient is 0 with them, so that {g <= 0} stays the same set."""
+    core = g
+    if g.is_Mul:
+        core = sp.Mul(*(f for f in g.args if not f.is_positive))
+    elif g.is_Pow and g.exp.is_Integer and g.exp > 0 and g.exp % 2 == 1:
+        core = g.base
+    return g if core == g or not core.free_symbols else without_outer_map(core)
