@@ -8,7 +8,7 @@ Nothing here is trusted: what comes out is an identity of fractions.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product as pairs
@@ -133,11 +133,18 @@ class _System:
 
     def exact(self, values: Any) -> list[Fraction] | None:
         """Fractions near ``values`` that satisfy the equations, with positive semidefinite Gram matrices."""
-        nearest = self._projected()
-        if nearest is None:
+        rank, equations = self._independent()
+        if equations is None:
             return None
+        n = len(self.columns)
+        a = flint.fmpq_mat(rank, n, [equations[i, j] for i in range(rank) for j in range(n)])
+        b = flint.fmpq_mat(rank, 1, [equations[i, n] for i in range(rank)])
+        across = a.transpose()
+        normal = a * across
         for d in _DENOMINATORS:
-            exact = nearest([Fraction(round(float(x) * d), d) for x in values])
+            z = flint.fmpq_mat(n, 1, [flint.fmpq(round(float(x) * d), d) for x in values])
+            z = z + across * normal.solve(b - a * z)  # the nearest solution of the equations
+            exact = _fractions(z.entries())
             if all(_positive_semidefinite(gram) for gram in self.grams(exact)):
                 return exact
         return None
@@ -148,7 +155,7 @@ class _System:
         rank, equations = self._independent()
         if equations is None or self._price() > (_MOST_INSIDE if plain else _CHEAP_INSIDE):
             return None, None
-        n, table = len(self.columns), [[Fraction(int(x.p), int(x.q)) for x in row] for row in equations.tolist()[:rank]]
+        n, table = len(self.columns), [_fractions(row) for row in equations.tolist()[:rank]]
         pivots = [next(j for j in range(n) if row[j]) for row in table]
         chosen = [j for j in range(n) if j not in {*pivots}]
 
@@ -179,24 +186,6 @@ class _System:
         kept = [replace(b, squares=_complement(b.squares, gram, flat)) for b, gram in zip(self.blocks, grams, strict=True)]
         less = any(len(b.squares) < len(before.squares) for b, before in zip(kept, self.blocks, strict=True))
         return [b for b in kept if b.squares] if less else None
-
-    def _projected(self) -> Callable[[Sequence[Fraction]], list[Fraction]] | None:
-        """The way to the nearest solution of the equations; None where they contradict each other."""
-        rank, equations = self._independent()
-        if equations is None:
-            return None
-        n = len(self.columns)
-        a = flint.fmpq_mat(rank, n, [equations[i, j] for i in range(rank) for j in range(n)])
-        b = flint.fmpq_mat(rank, 1, [equations[i, n] for i in range(rank)])
-        across = a.transpose()
-        normal = a * across
-
-        def nearest(values: Sequence[Fraction]) -> list[Fraction]:
-            z = flint.fmpq_mat(n, 1, [_rational(x) for x in values])
-            z = z + across * normal.solve(b - a * z)
-            return [Fraction(int(z[i, 0].p), int(z[i, 0].q)) for i in range(n)]
-
-        return nearest
 
     def _independent(self) -> tuple[int, Any]:
         """The reduced equations with their right-hand sides; None where they contradict each other."""
@@ -257,7 +246,7 @@ def _complement(squares: tuple[Polynomial, ...], gram: Sequence[Sequence[Fractio
     if not kept or not gone:
         return squares if kept else ()
     inner, outer = (flint.fmpq_mat([[_rational(gram[i][j]) for j in places] for i in kept]) for places in (kept, gone))
-    shares = [[Fraction(int(x.p), int(x.q)) for x in row] for row in inner.solve(outer).tolist()]
+    shares = [_fractions(row) for row in inner.solve(outer).tolist()]
     plain = [[x.limit_denominator(_PLAIN) for x in row] for row in shares]
     if any(abs(x - y) > _NEAR for row, given in zip(plain, shares, strict=True) for x, y in zip(row, given, strict=True)):
         return squares
@@ -273,6 +262,10 @@ def _combined(terms: Sequence[tuple[Fraction, Polynomial]]) -> Polynomial:
         for m, c in p.items():
             total[m] = total.get(m, Fraction(0)) + share * c
     return {m: c for m, c in total.items() if c}
+
+
+def _fractions(numbers: Sequence[Any]) -> list[Fraction]:
+    return [Fraction(int(x.p), int(x.q)) for x in numbers]
 
 
 def _rational(x: Fraction) -> Any:
