@@ -68,7 +68,6 @@ HALVED = {
     "path.straight_step._exit": "no halving: a point between two seams",
     "path.straight_step._solved": "a scalar equation in time",
     "proof.search.long_chords._along_rays": "no halving: midpoints of chords",
-    "proof.search.long_chords._random_pairs": "no halving: midpoints of chords",
 }
 
 

@@ -36,7 +36,6 @@ __all__ = [
     "convexity_at_deepest_dents",
     "convexity_at_dents",
     "convexity_at_far_points",
-    "convexity_at_narrow_dents",
     "convexity_at_seams",
     "convexity_beside_edges",
     "convexity_between_exact_rays",
@@ -117,13 +116,6 @@ def convexity_between_exact_rays(subject: FormulaSubject) -> Evidence | None:
     from duhem.proof.search.long_chords import chords_between_exact_rays
 
     return _refuted(subject, chords_between_exact_rays(subject))
-
-
-def convexity_at_narrow_dents(subject: FormulaSubject) -> Evidence | None:
-    """Where a ray that is known exactly leaves K at a point without second derivatives, or with none inward."""
-    from duhem.proof.search.dents import dents_on_exact_rays
-
-    return _refuted(subject, dents_on_exact_rays(subject))
 
 
 def convexity_beside_edges(subject: FormulaSubject) -> Evidence | None:

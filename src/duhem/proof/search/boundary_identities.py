@@ -222,7 +222,6 @@ class _Forms:
         op: str,
         zero: Mapping[str, sp.Poly],
         sides: Sequence[sp.Poly | None] = (),
-        spheres: Sequence[Sequence[int]] = (),
         names: Sequence[str] = (),
     ) -> Mapping[str, Any] | None:
         """Why ``goal`` is never ``op`` 0 in the law's domain where ``zero`` is 0 and ``sides`` are >= 0; ``names`` for the generators."""
@@ -232,7 +231,7 @@ class _Forms:
         bounds = [*((side, ">=") for side in sides), *((self.form(gap), op) for gap, op in self._domain())]
         given = [Condition(name, _terms(poly), "==") for name, poly in zero.items()]
         given += [Condition(text(_terms(poly), names), _terms(poly), op) for poly, op in bounds if poly is not None]
-        return identity(names, Condition(_GOAL, _terms(goal), op), given, spheres)
+        return identity(names, Condition(_GOAL, _terms(goal), op), given)
 
     @property
     def names(self) -> list[str]:
@@ -261,14 +260,7 @@ class _Forms:
             if len(rows) < n and x in rows:
                 left = {tuple(int(y is z) for z in self.forces): c for y, c in rows[x].items() if c}
                 names[i], names[n + i] = (f"({text(left, part)})" for part in (self.names[:n], self.names[n : 2 * n]))
-        return self.refuted(-bend, ">", {}, spheres=self.spheres(bend), names=names)
-
-    def spheres(self, bend: sp.Poly) -> list[range]:
-        """The places of the forces and of the directions, if the second derivative is homogeneous in each; else none."""
-        n = len(self.forces)
-        both = [range(n), range(n, 2 * n)]
-        alike = all(len({sum(m[i] for i in places) for m in bend.monoms()}) == 1 for places in both)
-        return both if alike and not any(any(m[2 * n :]) for m in bend.monoms()) else []
+        return self.refuted(-bend, ">", {}, names=names)
 
     def _domain(self) -> Iterator[tuple[sp.Expr, str]]:
         """What is > 0 or >= 0 of the pressure and the free parameters."""

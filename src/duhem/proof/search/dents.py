@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from itertools import combinations, islice
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -21,11 +21,10 @@ from duhem.expression.jets import formula
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import crossing, first_exit
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.search.edges import exact_rays
 from duhem.proof.search.precise_chords import dent_chords
 from duhem.proof.search.suggestion import Chord
 
-__all__ = ["chords_across_dents", "dents_on_exact_rays", "round_coordinates"]
+__all__ = ["chords_across_dents", "chords_across_smooth_dents", "round_coordinates"]
 
 Array = NDArray[np.float64]
 _RADII = 10.0 ** np.linspace(-6, 6, 49)
@@ -38,8 +37,6 @@ _CLOSEST = 1e-5  # no quadratic is laid through closer values
 _LONG = 15  # times the shortest ray, over the number of forces, is a longest of a long K: of many rays in many forces few come near it
 _ROUNDS, _TURNS = 4, 20
 _PRICE = 2  # steps of a direction and a term, twice where K is long
-_RAYS, _TRIED, _PRECISE = 8, 6, 100_000  # exact rays that are followed in many digits, chords of each and its steps
-_FLAT = 1e-9  # a bend that may be 0
 
 
 def chords_across_dents(subject: FormulaSubject, most: int, thorough: bool) -> Iterator[Chord]:
@@ -87,23 +84,6 @@ def _terms(g: sp.Expr, forces: Sequence[sp.Symbol]) -> int:
     if not g.is_polynomial(*forces) or (poly := sp.Poly(g, *forces)).domain not in (sp.ZZ, sp.QQ) or poly.total_degree() < 3:
         return 0
     return len(poly.terms()) if poly.eval(dict.fromkeys(forces, 0)) < 0 else 0
-
-
-def dents_on_exact_rays(subject: FormulaSubject, most: int = 2) -> Iterator[Chord]:
-    """Chords across dents at the ends of rays from 0 that are known exactly, where the boundary is flat or has no second derivatives.
-
-    Those of |x|**m may be 0 or jump there, and a dent be so narrow that no sample meets it.
-    """
-    forces = subject.simple.forces
-    for parameters in subject.choices(most) if len(forces) > 1 else ():
-        g = subject.formula_at(parameters)
-        boundary, rays = BoundaryBends(g, forces), list(exact_rays(g, forces))
-        bends, distances = boundary.bends(np.array(rays, dtype=float))
-        unsettled = np.flatnonzero(np.isfinite(distances) & ~((bends > _FLAT) & (bends < np.inf)))
-        for k in islice(unsettled, _RAYS):
-            if not subject.budget.pays(_PRECISE):
-                return
-            yield from islice(dent_chords(subject, parameters, rays[k]), _TRIED)
 
 
 class BoundaryBends:

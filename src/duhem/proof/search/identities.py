@@ -46,14 +46,11 @@ class Condition:
         return Condition(self.name, {tuple(m[i] for i in places): c for m, c in self.poly.items()}, self.op)
 
 
-def identity(
-    names: Sequence[str], first: Condition, others: Sequence[Condition], spheres: Sequence[Sequence[int]] = ()
-) -> dict[str, Any] | None:
+def identity(names: Sequence[str], first: Condition, others: Sequence[Condition]) -> dict[str, Any] | None:
     """That ``first`` and ``others`` cannot hold together; None where no identity of low degree was found.
 
     ``names`` are the variables as the checker spells them.  Each identity has ``first`` in it: alone among the strict ones if
     it is strict, else multiplied by a square.  Only conditions in variables of its own and of the equations are used.
-    ``spheres`` are places of variables in each of which the first condition is homogeneous.
     """
     places = sorted(first.uses().union(*(c.uses() for c in others if c.op == "==")))
     stated = [c.over(places) for c in (first, *others) if c.uses() <= set(places)]
@@ -61,7 +58,6 @@ def identity(
         return None
     strict = [c for c in stated[1:] if c.op == ">" and len(c.poly) == 1]
     bounded = sum(c.op != "==" for c in stated[1:])
-    round_ = [[places.index(i) for i in sphere if i in places] for sphere in spheres]
     tried = list[Any]()
     both = dict.fromkeys(_Classes.of(stated, free) for free in (True, False))
     for degree, classes in product([max(c.degree for c in stated) + further for further in _FURTHER], both):
@@ -69,7 +65,7 @@ def identity(
             for width in range(min(bounded, 1), min(bounded, 2) + 1):
                 start, blocks, multiples = _posed(stated, chosen, degree + degree % 2, width, classes)
                 size = (chosen, classes, tuple(len(b.squares) for b in blocks), tuple(len(m.by) for m in multiples))
-                if size not in tried and (found := balanced(start, blocks, multiples, round_)) is not None:
+                if size not in tried and (found := balanced(start, blocks, multiples)) is not None:
                     return _as_text(chosen, found, [names[i] for i in places])
                 tried.append(size)
     return None

@@ -21,7 +21,7 @@ __all__ = ["Blocks", "inner_point"]
 
 Blocks = Sequence[Sequence[Sequence[Fraction]]]  # a symmetric matrix by the blocks on its diagonal
 _BITS, _STEPS = 256, 120
-_THINNEST = 1e-15  # s, of a matrix with entries up to 1, below which the slice is taken to have no inside
+_THINNEST = 1e-22  # s, of a matrix with entries up to 1, below which the slice is taken to have no inside
 _FASTER = 20.0  # how much more s counts after each step that came near the middle
 _SHORT = 0.9  # of the way to the edge of the cone
 _FINEST = 40  # digits of what is found
@@ -56,7 +56,7 @@ def _found(base: Blocks, ways: Sequence[Blocks], start: Sequence[Fraction]) -> l
             break
         if step.size < 1:
             if count / weight < _THINNEST * size:
-                return None
+                return _fractions(y)
             weight *= _FASTER
     else:
         return None
@@ -67,6 +67,10 @@ def _found(base: Blocks, ways: Sequence[Blocks], start: Sequence[Fraction]) -> l
         y = [a + b for a, b in zip(y, step.by, strict=True)]
         if step.size < 1:
             break
+    return _fractions(y)
+
+
+def _fractions(y: Sequence[Any]) -> list[Fraction]:
     return [Fraction(int(q.p), int(q.q)) for q in (x.mid().fmpq() for x in y)]
 
 

@@ -93,7 +93,6 @@ def _centre(value: Any, d: int) -> Array | None:
 def _suspects(value: Any, centre: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
     """Pairs of points of K whose midpoint seems outside, each with a point further inside to be pulled towards."""
     d = len(centre)
-    yield from _random_pairs(value, d)
     rng = np.random.default_rng(4)
     for section in range(_sections(d)):
         if d == 1:
@@ -108,19 +107,6 @@ def _suspects(value: Any, centre: Array, seen: list[int]) -> Iterator[tuple[Arra
 def _sections(d: int) -> int:
     """How many plane sections of d forces are looked at."""
     return 1 if d <= 2 else _SECTIONS
-
-
-def _random_pairs(value: Any, d: int) -> Iterator[tuple[Array, Array, Array, Array]]:
-    """Points of K of many sizes, each with its opposite and with another one: sees holes that rays step over."""
-    rng = np.random.default_rng(6)
-    points = rng.standard_normal((4000, d)) * 10.0 ** rng.uniform(-2, 2, (4000, 1))
-    inner = points[value(points) <= 0]
-    for others in (-inner, rng.permutation(inner)):
-        heights = value((inner + others) / 2)
-        score = np.where((value(others) <= 0) & np.isfinite(heights), heights, -np.inf)
-        for k in np.argsort(-score)[:2]:
-            if score[k] > 0:
-                yield inner[k], others[k], inner[k], others[k]
 
 
 def _along_rays(value: Any, centre: Array, directions: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:

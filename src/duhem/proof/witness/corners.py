@@ -205,10 +205,6 @@ class _Cone:
             return None
         if (plain := certain_sign(enclose(expr, self._box))) is not None:
             return plain
-        if expr.is_polynomial(_T):
-            powers = sp.Poly(expr, _T)
-            (least,) = min(powers.monoms())
-            return certain_sign(enclose(sp.Add(*(c * _T ** (k - least) for (k,), c in powers.terms())), self._box))
         terms = [_power_taken_out(term) for term in sp.Add.make_args(sp.expand_mul(expr))]
         lowest = min(power for _, power in terms)
         if lowest:
