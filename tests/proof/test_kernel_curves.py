@@ -226,7 +226,7 @@ def held(stated: StatedCurve, *constraints: str) -> StatedCurve:
 TWO, SIGN = ["cos(phi)**2 - sin(phi)**2", "2*cos(phi)*sin(phi)"], "e/sqrt(e**2)"
 ONCE_OR_TWICE = [f"(1 + {SIGN})/2*({one}) + (1 - {SIGN})/2*({two})" for one, two in zip(CIRCLE, TWO, strict=True)]
 OVAL = ["a*cos(phi)", "b*sin(phi)"]
-AXES = {"a": ABOVE_0, "b": ABOVE_0}
+AXES: dict[str, Any] = {"a": ABOVE_0, "b": ABOVE_0}
 
 
 @pytest.mark.slow
@@ -313,7 +313,7 @@ def test_wedges_for_all_parameters(changed: dict[str, Any], expected: set[str]) 
 
 
 def test_a_parameter_below_a_quotient_of_others_is_a_share_of_it() -> None:
-    parameters = {"p": ABOVE_0, "q": ABOVE_0, "r": between("1", "2")}
+    parameters: dict[str, Any] = {"p": ABOVE_0, "q": ABOVE_0, "r": between("1", "2")}
     plain = held(curve("p*cos(phi)", "q*sin(phi)", **parameters), "2*p*q*r < 3", "p > q").by_shares()
     assert sorted(plain.parameters) == ["q", "r", "share 0 of p"] and len(plain.constraints) == 1
     assert plain.parameters["share 0 of p"] == Bounds(Fraction(0), Fraction(1), True, True)
