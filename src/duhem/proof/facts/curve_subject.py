@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain, islice
@@ -48,20 +48,17 @@ class CurveSubject(Subject):
         """Raise InputError where the boundary or the flow has no value for admitted parameter values, whatever the angle."""
         for values in self.choices(_LOOKED_AT):
             at = {**self.fixed, **rationals(values)}
-            for what, pair in (("boundary", self.law.boundary), ("flow", self.law.flow or ())):
-                for component in pair:
-                    if defined_at(component, at) is None:
-                        named = ", ".join(f"{x} = {at[x]}" for x in sorted(component.free_symbols & set(at), key=str))
-                        raise InputError(
-                            f"the {what} has no value{f' at {named}' if named else ''}",
-                            where=self.law.name,
-                            remedy=_REMEDY,
-                        )
-            for text, need in ((text, need) for text, needs in self._stated for need in needs):
-                if need.symbols() <= set(at) and need.broken(at):
-                    named = ", ".join(f"{x} = {at[x]}" for x in sorted(need.symbols(), key=str))
-                    what = f"{text!r} {need.does} {formula(need.expr)}, which has no value{f' at {named}' if named else ''}"
-                    raise InputError(what, where=self.law.name, remedy=_REMEDY)
+            for what, symbols in self._without_value(at):
+                named = ", ".join(f"{x} = {at[x]}" for x in sorted(symbols, key=str))
+                raise InputError(f"{what} has no value{f' at {named}' if named else ''}", where=self.law.name, remedy=_REMEDY)
+
+    def _without_value(self, at: Mapping[sp.Symbol, sp.Rational]) -> Iterator[tuple[str, set[sp.Symbol]]]:
+        """Parts of the law that have no value at a choice of parameters, with those that enter them."""
+        for what, pair in (("boundary", self.law.boundary), ("flow", self.law.flow or ())):
+            yield from ((f"the {what}", x.free_symbols & set(at)) for x in pair if defined_at(x, at) is None)
+        for text, needs in self._stated:
+            lost = (need for need in needs if need.symbols() <= set(at) and need.broken(at))
+            yield from ((f"{text!r} {need.does} {formula(need.expr)}, which", need.symbols()) for need in lost)
 
     @cached_property
     def sense(self) -> int:

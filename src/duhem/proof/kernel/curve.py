@@ -314,7 +314,10 @@ class _Around:
 
     def __init__(self, law: StatedLaw) -> None:
         self._law, self._signs = law, dict[Term, Sign]()
-        self._domain = StatedDomain(law, self._sign_over)
+        self._domain = self._over(law)
+
+    def _over(self, law: StatedLaw) -> StatedDomain:
+        return StatedDomain(law, lambda term, _: self.sign(term))
 
     def defined(self, term: Term) -> bool:
         """Whether it has a value, as it is written."""
@@ -338,16 +341,13 @@ class _Around:
                     return sign
         return facts(term, self._domain).sign
 
-    def _sign_over(self, term: Term, _: StatedDomain) -> Sign:
-        return self.sign(term)
-
     def above(self, term: Term, strict: bool) -> bool:
         """Whether it is >= 0, or > 0, where it has a value."""
         term = self._with_plain_divisors(term)
         divisors = dict.fromkeys(part.args[0] for part in term.parts() if part.op == "**" and part.args[1].value < 0)
         known = (x for x in divisors if self.sign(x) == POSITIVE and not self._domain.nonnegative(x, strict=True))
         constraints = tuple(Term(">", (x, number(0))) for x in known)
-        domain = StatedDomain(self._law._replace(constraints=constraints), self._sign_over) if constraints else self._domain
+        domain = self._over(self._law._replace(constraints=constraints)) if constraints else self._domain
         return self._above(self._domain.polynomial(term), strict, domain)
 
     def _with_plain_divisors(self, term: Term) -> Term:

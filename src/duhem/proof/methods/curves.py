@@ -33,7 +33,7 @@ from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.curves import backward_flow, leaning_flow, leaning_normal, origin_outside, triangle
 
 if TYPE_CHECKING:
-    from duhem.proof.search.curve_angles import Dent
+    from duhem.proof.search.curve_angles import Rim
 
 __all__ = [
     "convexity_refuted",
@@ -66,7 +66,7 @@ def origin_refuted(subject: CurveSubject) -> Evidence | None:
 
 def convexity_refuted(subject: CurveSubject) -> Evidence | None:
     """A point between three points of K that the curve does not wind around."""
-    for _, witness in _dents(subject):
+    for *_, witness in _dents(subject):
         return Evidence(Verdict.REFUTED, "winding (interval)", "a triangle of boundary points holds a point outside K", witness)
     return None
 
@@ -85,19 +85,19 @@ def normality_refuted(subject: CurveSubject) -> Evidence | None:
     """Associated flow on a non-convex K: at the edge of a dent the normal points towards the other edge."""
     if subject.law.flow is not None:
         return None
-    for dent, _ in _dents(subject):
-        if (witness := leaning_normal(subject, dent.parameters, dent.rim[0], dent.rim[2])) is not None:
+    for values, (before, _, after), _ in _dents(subject):
+        if (witness := leaning_normal(subject, values, before, after)) is not None:
             return Evidence(Verdict.REFUTED, "witness-normal", "the normal is not in the normal cone at the edge of a dent", witness)
     return None
 
 
-def _dents(subject: CurveSubject) -> Iterator[tuple[Dent, Witness]]:
+def _dents(subject: CurveSubject) -> Iterator[tuple[Values, Rim, Witness]]:
     """Those that surely hold a point outside K, with such a point."""
     from duhem.proof.search.curve_angles import dents
 
-    for dent in dents(subject, 200):
-        if (witness := triangle(subject, dent.parameters, dent.rim)) is not None:
-            yield dent, witness
+    for values, rim in dents(subject, 200):
+        if (witness := triangle(subject, values, rim)) is not None:
+            yield values, rim, witness
 
 
 def normality_by_deviation(subject: CurveSubject) -> Evidence | None:
