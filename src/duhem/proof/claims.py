@@ -71,7 +71,7 @@ class Finder(Generic[S]):
 
 
 Method = Rules | ProofMethod[Any] | Consequence[Any] | Finder[Any]
-CHEAP, DEAR = Rules(500_000), Rules(10_000_000)
+CHEAP, DEAR = Rules(500_000), Rules(10_000_000, FormulaSubject)
 
 
 def words(method: Method, claim: str) -> str:
@@ -155,14 +155,13 @@ The indicator of K, taken as pseudo-potential Phi*, must be least (= 0) at zero 
 (Antoni et al. 2007, Eqs. 27, 34).  Then Phi* >= 0 = Phi*(0) and, with normality, the dissipation is never negative.
 Decided by evaluating g at the origin and deciding the sign over all parameters; a formula that reads 0/0 there is
 taken by closure when its set is star-shaped about 0; else the claim stays open, and it is said where g has no value.
-For a law given by a boundary curve T, K holds the points the curve winds around: the turns of T around 0 are counted in
-balls, or T . d > 0, so that T turns as often as the flow d does.""",
+For a law given by a boundary curve T, K holds the points the curve winds around: the turns of T around 0 are counted, or
+T x T' > 0, or T . d > 0, so that T turns as often as the flow d does.""",
         methods=(
             CHEAP,
             ProofMethod(FormulaSubject, refuters.origin_at_parameters, again=True),
             DEAR,
             ProofMethod(FormulaSubject, refuters.origin_undefined),
-            ProofMethod(CurveSubject, curves.origin),
             ProofMethod(CurveSubject, curves.origin_refuted),
         ),
     ),
@@ -195,7 +194,6 @@ boundary points that the curve does not wind around.""",
             ProofMethod(FormulaSubject, evidence.convexity_by_branches),
             ProofMethod(FormulaSubject, refuters.convexity_by_thorough_scouting),
             ProofMethod(FormulaSubject, refuters.convexity_by_sampling),
-            ProofMethod(CurveSubject, curves.convexity),
             ProofMethod(CurveSubject, curves.convexity_refuted),
         ),
     ),
@@ -218,7 +216,6 @@ A boundary curve is C^1 where it is simple (convex, or T x T' > 0), analytic in 
             DEAR,
             Finder(FormulaSubject, evidence.smoothness_by_identities),
             ProofMethod(FormulaSubject, evidence.smoothness_on_boundary),
-            ProofMethod(CurveSubject, curves.smoothness),
         ),
     ),
     Claim(
@@ -241,7 +238,6 @@ boundary points at exact angles show the violation.""",
             Consequence(FormulaSubject, evidence.normality_parallel),
             ProofMethod(FormulaSubject, refuters.normality_at_points, again=True),
             ProofMethod(FormulaSubject, refuters.normality_by_sampling),
-            ProofMethod(CurveSubject, curves.normality),
             ProofMethod(CurveSubject, curves.normality_by_deviation),
             ProofMethod(CurveSubject, curves.normality_refuted),
         ),
@@ -258,7 +254,7 @@ law may dissipate too.
 Where g has a tip, as at an apex, and the formula of the flow no value, the slip is any mean of limits of the flow there (Koiter 1953).
 Of several surfaces each flow is asked wherever its surface is 0 in K; then every non-negative combination dissipates too.
 Refuted by a boundary point, held between two rational ones, where force . flow < 0 over the whole box.
-For a boundary curve T with flow d it is the sign of T . d all around, in balls or by sign rules for all parameters.""",
+For a boundary curve T with flow d it is the sign of T . d all around.""",
         methods=(
             CHEAP,
             Finder(FormulaSubject, evidence.dissipation_of_potential),
@@ -268,7 +264,6 @@ For a boundary curve T with flow d it is the sign of T . d all around, in balls 
             Finder(FormulaSubject, evidence.dissipation_by_identities),
             ProofMethod(FormulaSubject, evidence.dissipation_on_boundary),
             ProofMethod(FormulaSubject, refuters.dissipation_by_sampling),
-            ProofMethod(CurveSubject, curves.dissipation),
             ProofMethod(CurveSubject, curves.dissipation_refuted),
         ),
         needs=("origin", "normality"),

@@ -66,7 +66,7 @@ class CurveJet:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A sign that decides a claim, as a function of a jet of this order; ``linear`` in the boundary or not.
+    """A sign that decides a claim, as a function of a jet of this order.
 
     With T the boundary, d the flow and ' the derivative by the angle (the curve runs counter-clockwise):
     power T . d, star T x T' (> 0: the curve runs around 0 in polar order), turning T' x T'' (> 0: it turns left throughout),
@@ -76,14 +76,13 @@ class Quantity:
     name: str
     order: int
     of: Callable[[CurveJet], Any]
-    linear: bool
 
 
-POWER = Quantity("T . d", 0, lambda j: dot(j.boundary[0], j.flow[0]), True)
-STAR = Quantity("T x T'", 1, lambda j: cross(j.boundary[0], j.boundary[1]), False)
-TURNING = Quantity("T' x T''", 2, lambda j: cross(j.boundary[1], j.boundary[2]), False)
-LEAD = Quantity("d x T'", 1, lambda j: cross(j.flow[0], j.boundary[1]), True)
-LEAN = Quantity("d . T'", 1, lambda j: dot(j.flow[0], j.boundary[1]), True)
+POWER = Quantity("T . d", 0, lambda j: dot(j.boundary[0], j.flow[0]))
+STAR = Quantity("T x T'", 1, lambda j: cross(j.boundary[0], j.boundary[1]))
+TURNING = Quantity("T' x T''", 2, lambda j: cross(j.boundary[1], j.boundary[2]))
+LEAD = Quantity("d x T'", 1, lambda j: cross(j.flow[0], j.boundary[1]))
+LEAN = Quantity("d . T'", 1, lambda j: dot(j.flow[0], j.boundary[1]))
 
 
 @dataclass(frozen=True)

@@ -373,9 +373,13 @@ CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {
         "the curve is simple, and T' is never 0 (do Carmo 1976, section 5-7)",
     ),
     ("normality", "normality-rule"): RuleRow(_CONVEXITY, lambda curve, _: curve.flow is None, obligations.nothing, _MOREAU),
+    ("normality", "parallel"): RuleRow(
+        _CONVEXITY, lambda curve, _: curve.parallel(), obligations.nothing,
+        "d . T' = 0 and d x T' > 0: the flow is the outward normal at every angle, and K is convex",
+    ),
     ("dissipation", "power"): RuleRow(
-        _NONE, lambda curve, _: curve.powered() if curve.flow else curve.star_shaped(), obligations.nothing,
-        "T . d > 0 at every angle, so force . flow > 0",
+        _NONE, lambda curve, _: curve.powered(), obligations.nothing,
+        "T . d >= 0 at every angle, so force . flow >= 0",
     ),
     ("state_laws", "symbolic"): RuleRow(_NONE, lambda law, _: True, obligations.nothing, _SQUARES),
 }  # fmt: skip

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 
 import numpy as np
@@ -16,21 +15,14 @@ from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.numeric_curve import LEAD, LEAN
 from duhem.proof.facts.parameter_choices import Values
 
-__all__ = ["Dent", "dents", "half_tangent", "least_powers", "targets"]
+__all__ = ["dents", "half_tangent", "least_powers", "targets"]
 
 _ANGLES = 720
 _STEPS = (40, 20, 10, 5, 2, 1)  # half the width of a dent, in samples
 _BITS = 256
 _CHOICE = 10_000  # steps of the samples at one choice of parameters and the exact looks at what they suggest
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Dent:
-    """Where a curve seems to turn inward: a point before, the place itself and a point after it."""
-
-    parameters: Values
-    rim: tuple[Fraction, Fraction, Fraction]
+Rim = tuple[Fraction, Fraction, Fraction]  # a point before, the place itself and a point after it
 
 
 def half_tangent(angle: float, digits: int = 9) -> Fraction:
@@ -38,19 +30,18 @@ def half_tangent(angle: float, digits: int = 9) -> Fraction:
     return Fraction(round(float(np.tan(angle / 2)) * 10**digits), 10**digits)
 
 
-def dents(subject: CurveSubject, most: int) -> Iterator[Dent]:
+def dents(subject: CurveSubject, most: int) -> Iterator[tuple[Values, Rim]]:
     """Where the curve turns right most sharply, at each choice of parameters at which it does, the widest rim first."""
     for values, samples in _sampled(subject, most):
         if (k := samples.dent()) is not None:
             for step in _STEPS:
                 p, m, q = (half_tangent(samples.angle(k + shift)) for shift in (-step, 0, step))
-                yield Dent(values, (p, m, q))
+                yield values, (p, m, q)
 
 
 def least_powers(subject: CurveSubject, most: int) -> Iterator[tuple[Values, Fraction]]:
     """Where boundary . flow is least, at each choice of parameters."""
-    for values, samples in _sampled(subject, most):
-        yield values, half_tangent(samples.angle(samples.least_power()))
+    yield from ((values, half_tangent(samples.angle(samples.least_power()))) for values, samples in _sampled(subject, most))
 
 
 def targets(subject: CurveSubject, values: Values, angle: float) -> Iterator[Fraction]:
@@ -59,35 +50,33 @@ def targets(subject: CurveSubject, values: Values, angle: float) -> Iterator[Fra
         jet = subject.at(values).at(half_tangent(angle), 2)
         point, slip = ([float(x) for x in v] for v in (jet.boundary[0], jet.flow[0]))
         turn = math.atan2(float(LEAN.of(jet)), float(LEAD.of(jet)))
-    for other in _Formulas(subject).at(values).ahead(slip, point):
+    for other in _samples(subject)(values).ahead(slip, point):
         yield half_tangent(other)
     for digits in range(8):
         yield half_tangent(angle + turn / 10**digits, 15)
 
 
 def _sampled(subject: CurveSubject, most: int) -> Iterator[tuple[Values, _Samples]]:
-    formulas = _Formulas(subject)
+    samples = _samples(subject)
     for values in subject.choices(most):
         if not subject.budget.pays(_CHOICE):
             return
-        yield values, formulas.at(values)
+        yield values, samples(values)
 
 
-class _Formulas:
-    """Boundary and flow of one law, compiled once."""
+def _samples(subject: CurveSubject) -> Callable[[Values], _Samples]:
+    """The samples at a choice of parameters, of formulas compiled once."""
+    names = (subject.cosine, subject.sine, *subject.free)
+    programs = [compiled(x, names) for x in (*subject.boundary, *(subject.flow or ()))]
+    angles = 2 * np.pi * (np.arange(_ANGLES) + 0.5) / _ANGLES - np.pi
 
-    def __init__(self, subject: CurveSubject) -> None:
-        self._free = subject.free
-        names = (subject.cosine, subject.sine, *subject.free)
-        self._programs = [compiled(x, names) for x in (*subject.boundary, *(subject.flow or ()))]
-
-    def at(self, values: Values) -> _Samples:
-        """The samples at one choice of parameters."""
-        angles = 2 * np.pi * (np.arange(_ANGLES) + 0.5) / _ANGLES - np.pi
-        names: list[Array] = [np.cos(angles), np.sin(angles), *(np.asarray(float(values[x])) for x in self._free)]
+    def at(values: Values) -> _Samples:
+        here: list[Array] = [np.cos(angles), np.sin(angles), *(np.asarray(float(values[x])) for x in subject.free)]
         with np.errstate(all="ignore"):
-            columns = [np.broadcast_to(program(*names), _ANGLES) for program in self._programs]
+            columns = [np.broadcast_to(program(*here), _ANGLES) for program in programs]
         return _Samples(angles, np.stack(columns[:2], axis=1), np.stack(columns[2:], axis=1) if len(columns) > 2 else None)
+
+    return at
 
 
 class _Samples:
