@@ -21,7 +21,7 @@ from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.sums import by_its_matrix, collected, convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.term import Term, factors, minus, number
 
-__all__ = ["over"]
+__all__ = ["over", "shown"]
 
 _HALF, _ONE, _TWO = number(Fraction(1, 2)), number(1), number(2)
 _RISING = (  # words that rise, and have the sign of what they are of
@@ -33,10 +33,10 @@ _NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
 
 def over(law: StatedLaw) -> StatedDomain:
     """The domain of a law, in which the rules below say what is shown of a term."""
-    return StatedDomain(law, _shown)
+    return StatedDomain(law, shown)
 
 
-def _shown(term: Term, domain: StatedDomain) -> Facts:
+def shown(term: Term, domain: StatedDomain) -> Facts:
     pay(_PRICE)
     known, plain = _by_its_word(term, domain), domain.plain(term)
     if plain is not term:  # its value is simpler; what must be defined is what was written

@@ -19,14 +19,13 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds, Sign
 from duhem.proof.kernel.constant_value import Enclosure, enclosed
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over, shown
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw, as_list, declared, gap
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.plane_function import power_of
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, negated, times, total, written
-from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.signs import RAY, nonnegative
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
@@ -304,7 +303,7 @@ def _circle(half: int, low: Fraction, high: Fraction) -> dict[str, Enclosure]:
 # -- all parameters together -------------------------------------------------------------------------------------------
 
 
-class _Around:
+class _Around(StatedDomain):
     """Signs of formulas in cosine and sine, all around the circle and wherever the parameters lie.
 
     A formula is multiplied out, and through with what it divides by.  It is >= 0, or > 0, where its terms show it, what is > 0 and divided
@@ -312,59 +311,56 @@ class _Around:
     |t| <= 1; or where it is A + w B with a root w, A >= 0, and B or A^2 - w^2 B^2 is so.
     """
 
-    def __init__(self, law: StatedLaw) -> None:
-        self._law, self._signs = law, dict[Term, Sign]()
-        self._domain = self._over(law)
-
-    def _over(self, law: StatedLaw) -> StatedDomain:
-        return StatedDomain(law, lambda term, _: self.sign(term))
+    def __init__(self, law: StatedLaw, signs: dict[Term, Sign] | None = None) -> None:
+        """``signs`` are known already."""
+        self._signs = dict[Term, Sign]() if signs is None else signs
+        super().__init__(law, shown)
 
     def defined(self, term: Term) -> bool:
         """Whether it has a value, as it is written."""
-        return Reader(self._domain, lambda part, _: Facts(sign=self.sign(part)), over).undecided(term) is None
+        return Reader(self).undecided(term) is None
 
     def vanishes(self, term: Term) -> bool:
         """Whether it is 0 wherever it has a value."""
-        return not _without_squares(multiplied_through(self._domain.polynomial(term), self._domain))
+        return not _without_squares(multiplied_through(self.polynomial(term), self))
 
     def sign(self, term: Term) -> Sign:
-        """The signs that it may have, where it has a value."""
         if term not in self._signs:
             self._signs[term] = ANY  # for who asks while it is found
-            self._signs[term] = self._sign(term)
+            self._signs[term] = self._found_sign(term)
         return self._signs[term]
 
-    def _sign(self, term: Term) -> Sign:
+    def _found_sign(self, term: Term) -> Sign:
         for way, sign in ((term, POSITIVE), (minus(term), NEGATIVE)):
             with suppress(NotWritten):
                 if self.above(way, strict=True):
                     return sign
-        return facts(term, self._domain).sign
+        return self.facts(term).sign
 
     def above(self, term: Term, strict: bool) -> bool:
         """Whether it is >= 0, or > 0, where it has a value."""
         term = self._with_plain_divisors(term)
         divisors = dict.fromkeys(part.args[0] for part in term.parts() if part.op == "**" and part.args[1].value < 0)
-        known = (x for x in divisors if self.sign(x) == POSITIVE and not self._domain.nonnegative(x, strict=True))
+        known = (x for x in divisors if self.sign(x) == POSITIVE and not self.nonnegative(x, strict=True))
         constraints = tuple(Term(">", (x, number(0))) for x in known)
-        domain = self._over(self._law._replace(constraints=constraints)) if constraints else self._domain
-        return self._above(self._domain.polynomial(term), strict, domain)
+        domain = _Around(self.law._replace(constraints=constraints), self._signs) if constraints else self
+        return self._above(self.polynomial(term), strict, domain)
 
     def _with_plain_divisors(self, term: Term) -> Term:
         """The same, what is divided by being multiplied out and through with what it divides by itself."""
         term = term._replace(args=tuple(map(self._with_plain_divisors, term.args)))
         if term.op != "**" or term.args[1].value != -1:
             return term
-        poly = self._domain.polynomial(term.args[0])
+        poly = self.polynomial(term.args[0])
         below = {x: -min(dict(m).get(x, 0) for m in poly) for m in poly for x, n in m if n < 0}
         lift = tuple(sorted(below.items()))
         base = written(dict(sorted((joined(m, lift), c) for m, c in poly.items())))
         return product_of(written({lift: Fraction(1)}), Term("**", (base, number(-1))))
 
     def _above(self, poly: Polynomial, strict: bool, domain: StatedDomain) -> bool:
-        poly = _without_squares(multiplied_through(poly, self._domain, signed=True))
+        poly = _without_squares(multiplied_through(poly, self, signed=True))
         words = sorted({x for m in poly for x, _ in m if x.op != "name"})
-        if not words and all(nonnegative(_along_half(poly, side), (Fraction(-1), Fraction(1)), self._domain, strict) for side in (1, -1)):
+        if not words and all(nonnegative(_along_half(poly, side), (Fraction(-1), Fraction(1)), self, strict) for side in (1, -1)):
             return True
         return domain.nonnegative(written(poly), strict) or any(self._above_with_root(root, poly, strict, domain) for root in words)
 
@@ -373,7 +369,7 @@ class _Around:
             return False
         if {dict(m).get(root, 0) for m in poly} - {0, 1}:
             return False
-        (rest, share), square = in_powers(poly, root), self._domain.polynomial(Term("**", (root, number(2))))
+        (rest, share), square = in_powers(poly, root), self.polynomial(Term("**", (root, number(2))))
         if not self._above(rest, False, domain):
             return False
         if self._above(share, strict, domain) and (not strict or self._above(square, True, domain)):

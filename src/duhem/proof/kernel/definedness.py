@@ -98,7 +98,7 @@ class Reader(NamedTuple):
 
     def sign(self, term: Term) -> Sign:
         """The signs that a formula may have, all of whose parts have values."""
-        known = self.domain.facts(term).sign
+        known = self.domain.sign(term)
         return known if known in (NEGATIVE, ZERO, POSITIVE) else known & self.more(term)
 
     def _under(self, condition: Term, holds: bool, term: Term) -> Term | None:

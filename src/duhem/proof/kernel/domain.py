@@ -235,6 +235,10 @@ class StatedDomain:
             self.known[term] = self._rules(term, self)
         return self.known[term]
 
+    def sign(self, term: Term) -> Sign:
+        """The signs that a term may have, where it has a value."""
+        return self.facts(term).sign
+
     def constant(self, term: Term) -> bool:
         """Whether no force enters."""
         return not term.names() & set(self.law.forces)
@@ -242,9 +246,7 @@ class StatedDomain:
     def of(self, atom: Term) -> Sign:
         """The sign of what polynomials are written in."""
         if atom.op != "name":
-            return (
-                self._of_compared(atom) if any(x == atom for known, _ in self._gaps for m in known for x, _ in m) else self.facts(atom).sign
-            )
+            return self._of_compared(atom) if any(x == atom for known, _ in self._gaps for m in known for x, _ in m) else self.sign(atom)
         if atom.name in ("pi", self.law.pressure):
             return POSITIVE if atom.name == "pi" else NEGATIVE
         return ANY if atom.name in self.law.forces else self.bounds[atom.name].sign()
@@ -255,7 +257,7 @@ class StatedDomain:
             others = (
                 c for c, (known, _) in zip(self.law.constraints, self._gaps, strict=True) if all(x != atom for m in known for x, _ in m)
             )
-            self._compared[atom] = self.over(self.law._replace(constraints=tuple(others))).facts(atom).sign
+            self._compared[atom] = self.over(self.law._replace(constraints=tuple(others))).sign(atom)
         return self._compared[atom]
 
     def nonnegative(self, term: Term, strict: bool = False) -> bool:
@@ -266,7 +268,7 @@ class StatedDomain:
     def _in_ranges(self, poly: Polynomial) -> Polynomial:
         """The polynomial with a name for each exponential of a constant of known sign: it lies on one side of 1."""
         for x in {x for m in poly for x, _ in m if x.op == "exp" and self.constant(x)}:
-            sign, name = self.facts(x.args[0]).sign, self._named.setdefault(x, f"exponential {len(self._named)}")  # no name of a law
+            sign, name = self.sign(x.args[0]), self._named.setdefault(x, f"exponential {len(self._named)}")  # no name of a law
             if not sign & POSITIVE:
                 self.bounds[name] = Bounds(Fraction(0), Fraction(1), True, not sign & ZERO)
             elif not sign & NEGATIVE:
@@ -333,7 +335,7 @@ class StatedDomain:
         """Whether a comparison of constants holds, where their signs tell."""
         if not self.constant(comparison):
             return None
-        sign, holds = self.facts(gap(comparison)).sign, POSITIVE | (ZERO if len(comparison.op) == 2 else 0)
+        sign, holds = self.sign(gap(comparison)), POSITIVE | (ZERO if len(comparison.op) == 2 else 0)
         return True if not sign & ~holds else False if not sign & holds else None
 
     def polynomial(self, term: Term) -> Polynomial:
@@ -394,11 +396,11 @@ class StatedDomain:
         if term.op not in ("norm", "abs", "pos", "neg", *_AT_ZERO) or not self.constant(term):
             return term
         if term.op in _AT_ZERO:
-            return number(_AT_ZERO[term.op]) if self.facts(term.args[0]).sign == ZERO else term
-        left = [a for a in term.args if self.facts(a).sign != ZERO] or [number(0)]
+            return number(_AT_ZERO[term.op]) if self.sign(term.args[0]) == ZERO else term
+        left = [a for a in term.args if self.sign(a) != ZERO] or [number(0)]
         if len(left) > 1:
             return term
-        (x,), sign = left, self.facts(left[0]).sign
+        (x,), sign = left, self.sign(left[0])
         if not sign & NEGATIVE:
             return number(0) if term.op == "neg" else x
         if not sign & POSITIVE:
