@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from duhem import Criterion, Domain, Verdict
+from duhem import Criterion, Domain, Verdict, verify
 from duhem.law.criterion_file import reads
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import evidence, refuters
@@ -17,6 +17,7 @@ from duhem.proof.search.boundary_points import BoundaryScout, scouts
 from duhem.proof.verdict import Evidence, Proof, Witness
 from duhem.proof.witness.points import EnclosedPoint
 from tests.oracles.prover import parallel
+from tests.oracles.reevaluation import confirmed
 
 A_B, DISC = ("a", "b"), "a**2 + b**2 - 1"
 STAR = "min(a**2 + 4*b**2, 4*a**2 + b**2) - 1"
@@ -293,3 +294,18 @@ def test_zero_force_is_a_target_by_itself(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(BoundaryScout, "far_targets", lambda scout: iter(()))
     found = refuters.normality_at_points(subject(DISC, ("-a", "-b")), 1, near=False)
     assert found is not None and found.witness is not None and found.witness.points["tau"] == {"a": "0", "b": "0"}
+
+
+@pytest.mark.parametrize(
+    "g",
+    [
+        "a**3 + b**2 - c",
+        "a**2*(a**2 - 4)*(a**2 - 9) + b**2 - c",
+        pytest.param("a**3 + b**2 + abs(b) - c*(1 + a**2/100)", marks=pytest.mark.long),
+    ],
+)
+def test_where_a_ray_comes_back_into_k_an_associated_slip_does_work_on_it(g: str) -> None:
+    """g falls along the ray there: K is not star-shaped about zero force."""
+    law = Criterion("again", g, {"c": Domain(low=1, high=2)}, ("a", "b"), None)
+    found = verify(law, claims=["dissipation"])["dissipation"]
+    assert found.verdict is Verdict.REFUTED and found.witness is not None and confirmed(law, "dissipation", found.witness)

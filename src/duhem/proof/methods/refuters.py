@@ -308,7 +308,7 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
         return None if flow is None else sp.Add(*(x * d for x, d in zip(subject.simple.forces, flow, strict=True)))
 
     for scout in scouts(subject, choices):
-        for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5)):
+        for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5), scout.entered_again(3)):
             if witness := violation(subject, exit.parameters, exit.inside, exit.outside, power, "force . flow", _DISSIPATION):
                 return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
     return None
