@@ -285,3 +285,40 @@ def test_a_pole_that_cancels_in_the_power_proves_nothing(e: Domain) -> None:
 def test_a_constraint_on_what_the_curve_does_not_hold_keeps_no_claim_open() -> None:
     law = ParametricCriterion("law", (C, S), {"b": Domain.between(1)}, constraints=("b > 4/b",))  # type: ignore[arg-type]
     assert {r.verdict for r in verify(law).results} == {Verdict.PROVED, Verdict.NOT_APPLICABLE}
+
+
+def by_support(e: str, k: int) -> tuple[str, str]:
+    """Its support function is 1 + e cos(k phi): h + h'' = 1 - (k^2 - 1) e cos(k phi), so that it is convex for e <= 1/(k^2 - 1)."""
+    h, slope = {
+        2: (f"(1 + {e}*(2*{C}**2 - 1))", f"(-2*{e}*2*{S}*{C})"),
+        3: (f"(1 + {e}*(4*{C}**3 - 3*{C}))", f"(-3*{e}*(3*{S} - 4*{S}**3))"),
+    }[k]
+    return f"{h}*{C} - {slope}*{S}", f"{h}*{S} + {slope}*{C}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("k", "limit"), [(2, Fraction(1, 3)), (3, Fraction(1, 8))])
+def test_a_fixed_parameter_is_no_weaker_than_its_range_however_near_the_limit(k: int, limit: Fraction) -> None:
+    for gap in (Fraction(1, 10**4), Fraction(1, 10**9)):
+        law = ParametricCriterion("near", by_support("e", k), {"e": Domain(low=0, high=limit - gap)})
+        for found in (verify(law), verify(law, {"e": limit - gap})):
+            assert {r.claim: str(r.trust) for r in found if r.claim != "duality"} == dict.fromkeys(
+                ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws"), "checked"
+            )
+    beyond = ParametricCriterion("beyond", by_support("e", k), {"e": Domain(low=0, high=limit + Fraction(1, 10**4))})
+    assert verify(beyond, claims=["convexity"])["convexity"].verdict is not Verdict.PROVED
+
+
+@pytest.mark.parametrize("share", ["1 - 2*cos(phi)", "cos(phi) + 1/2", "(cos(phi) - 1)**3"])
+def test_a_flow_that_points_into_k_is_not_in_the_normal_cone(share: str) -> None:
+    """T . d < 0 at some angle, and zero force is in K."""
+    law = ParametricCriterion("inward", (C, S), flow=(f"{C}*({share})", f"{S}*({share})"))
+    found = {r.claim: r.verdict for r in verify(law)}
+    assert found["normality"] is found["dissipation"] is Verdict.REFUTED
+
+
+@pytest.mark.parametrize("share", ["atan2(sin(phi), cos(phi))", "asin(2*cos(phi))", "log(sin(phi)**2)"])
+def test_a_flow_without_a_value_somewhere_ends_in_no_crash(share: str) -> None:
+    law = ParametricCriterion("parted", (C, S), flow=(f"{C}*{share}", f"{S}*{share}"))
+    found = {r.claim: r.verdict for r in verify(law)}
+    assert found["normality"] is not Verdict.PROVED is not found["dissipation"]

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from duhem import Criterion, Domain
+from duhem import Criterion, Domain, Verdict, verify
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import evidence
@@ -75,3 +75,8 @@ def test_no_answer_may_be_missing(method: Method, g: str, slip: Sequence[str] | 
             told.clear()
             proved()
         assert still == spare, asked
+
+
+def test_a_branch_on_which_nothing_has_a_value_ends_in_no_crash() -> None:
+    found = verify(Criterion("nested", "log(neg(log(neg(a)))) + a**2 + b**2", {}, ("a", "b"), None))
+    assert [r.claim for r in found] and not any(r.verdict is Verdict.PROVED for r in found if r.claim != "state_laws")

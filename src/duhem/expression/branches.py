@@ -172,8 +172,8 @@ def _with(where: Branch, more: Iterable[tuple[sp.Expr, int]], expr: sp.Expr, thi
         core, flip = oriented(switch)
         wanted = sign * flip
         if core.is_number:
-            if (core > 0 and wanted < 0) or (core < 0 and wanted > 0):
-                return None
+            if core.has(sp.zoo, sp.nan) or (core > 0 and wanted < 0) or (core < 0 and wanted > 0):
+                return None  # nothing has a value there, or it contradicts
             continue
         if (wanted > 0 and core.is_extended_nonpositive) or (wanted < 0 and core.is_extended_nonnegative):
             if not thin or core.is_nonzero:

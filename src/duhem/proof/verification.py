@@ -60,6 +60,9 @@ class Verification(Shown):
     def __repr__(self) -> str:
         return f"<Verification of {self.criterion.name}: {', '.join(f'{r.claim} {r.verdict}' for r in self.results) or 'no claim'}>"
 
+    def __iter__(self) -> Iterator[ClaimResult]:
+        return iter(self.results)
+
     def __getitem__(self, claim: str) -> ClaimResult:
         for result in self.results:
             if result.claim == claim:

@@ -4,9 +4,10 @@ With T the boundary and ' the derivative by the angle, part by part, enclosed ov
 with c = (1 - t^2)/(1 + t^2), s = 2 t/(1 + t^2), |t| <= 1.  Where parameters have no ends, or enclosures show too little, signs are
 those of polynomials in t and the parameters.  Theorems: a closed curve whose tangent turns once and to the
 left throughout is simple and bounds a convex set; one that runs around 0 in polar order once is simple and bounds a set
-star-shaped about 0 (M. P. do Carmo 1976, section 5-7).  A curve run clockwise is turned round first: T(-phi) with the
-flow d(-phi) has the same points, each with the same slip, and winds around the same set.  A vector that moves continuously with the
-parameters, and is never 0, turns equally often at parameters that can be joined; two that are nowhere opposite turn equally often.
+star-shaped about 0; the tangent of a simple closed curve turns once (Hopf 1935, Compositio Math. 2, 50; M. P. do Carmo 1976, section
+5-7).  A curve run clockwise is turned round first: T(-phi) with the flow d(-phi) has the same points, each with the same slip, and winds
+around the same set.  A vector that moves continuously with the parameters, and is never 0, turns equally often at parameters that can be
+joined; two that are nowhere opposite turn equally often.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, prod
 
 __all__ = ["StatedCurve"]
 
-_MOST_BOXES, _NARROWEST = 4096, Fraction(1, 2**24)  # in t; what is not shown there hardly ever is in narrower boxes
+_FEW_BOXES, _MOST_BOXES = 256, 4096  # before polynomials are asked, and after
+_NARROWEST = Fraction(1, 2**24)  # in t; what is not shown there hardly ever is in narrower boxes
 _LONGEST = 4000  # parts of a formula; what is longer is too dear to multiply out
 _COSINE, _SINE = (Term("name", name=f"{word} of the angle") for word in ("cosine", "sine"))  # no name of a law has blanks
 _CONTINUOUS = (  # wherever they have a value; a derivative of what has a kink has a choice in it
@@ -76,8 +78,8 @@ class StatedCurve(NamedTuple):
         return curve.bends_left(0) or reverse.bends_left(0)
 
     def convex(self) -> bool:
-        """T' x T'' > 0 and T' turns once, run one way or the other."""
-        return any(curve.turns_once(1) for curve in self.both_ways())
+        """T' x T'' > 0 and T' turns once, run one way or the other; so does T' of every simple curve."""
+        return any((curve.turns_once(0) and curve.bends_left(1)) or curve.turns_once(1) for curve in self.both_ways())
 
     def star_shaped(self) -> bool:
         """T x T' > 0 and T turns once, run one way or the other."""
@@ -182,22 +184,26 @@ class StatedCurve(NamedTuple):
         As it is never 0 where it bends to the left, it turns as often for all parameters, of which no constraint parts the domain.
         """
         vector, bend = self.derivative(order), self.bend(order)
-        if self.turns(vector, bend) == 1:
+        if self.turns(vector, bend, _FEW_BOXES) == 1:
             return True
-        if self.constraints:
-            return False
-        point = {Term("name", name=name): number(value) for name, value in self.point().items()}
-        one, two = (x.put(point) for x in vector)
-        return self.turns((one, two), number(1)) == 1 and self.bends_left(order)
+        if not self.constraints:
+            point = {Term("name", name=name): number(value) for name, value in self.point().items()}
+            one, two = (x.put(point) for x in vector)
+            if self.turns((one, two), number(1)) == 1 and self.bends_left(order):
+                return True
+        return self.turns(vector, bend) == 1
 
     def positive(self, term: Term, strict: bool = True) -> bool:
         """Whether it has a value and is > 0, or >= 0, at every angle."""
         if NEGATIVE in self.some_signs(term):
             return False
-        if self.turns((number(1), number(0)), term) is not None:
+        ahead, around = (number(1), number(0)), self.around()
+        if self.turns(ahead, term, _FEW_BOXES) is not None:
             return True
-        around = self.around()
-        return term.size() <= _LONGEST and around.defined(term) and around.above(term, strict)
+        with suppress(NotWritten):
+            if term.size() <= _LONGEST and around.defined(term) and around.above(term, strict):
+                return True
+        return self.turns(ahead, term) is not None
 
     def point(self) -> dict[str, Fraction]:
         """Values well inside the ranges of the parameters, perhaps against a constraint."""
@@ -216,7 +222,7 @@ class StatedCurve(NamedTuple):
         """Signs at every angle."""
         return _Around(self.on_forces(self.constraints))
 
-    def turns(self, vector: Vector, positive: Term) -> int | None:
+    def turns(self, vector: Vector, positive: Term, most: int = _MOST_BOXES) -> int | None:
         """How often a vector turns (0 for none), where ``positive`` is > 0 and the vector is not 0 all around; None if not shown."""
         ranges = ((name, own.low, own.high) for name, own in self.parameters.items())
         known = {name: Enclosure.between(low, high) for name, low, high in ranges if low is not None and high is not None}
@@ -232,7 +238,7 @@ class StatedCurve(NamedTuple):
             if found is not None:
                 quadrants.append(found)
                 continue
-            if high - low < _NARROWEST or len(quadrants) > _MOST_BOXES:
+            if high - low < _NARROWEST or len(quadrants) > most:
                 return None
             middle = (low + high) / 2
             boxes += [(half, middle, high), (half, low, middle)]

@@ -39,8 +39,6 @@ def numbers(text: str) -> str:
     for part in parse(text).parts():
         if _is_number(part) and reader.undecided(part) is part:
             return _said("a number in the law", part)
-        if part.op == "atan2" and any(x.op == "atan2" and not _is_number(x) for a in part.args for x in a.parts()):
-            return "an angle in the law is of an angle"
         if any(_is_number(x) and reader.sign(x) & NEGATIVE for x in _below_its_limit(part)):
             return f"a number in the law is too large: {part.op} in it"
     return ""

@@ -30,7 +30,7 @@ from duhem.proof.facts.numeric_curve import (
 )
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.curves import backward_flow, leaning_flow, leaning_normal, origin_outside, triangle
+from duhem.proof.witness.curves import backward_flow, inward_flow, leaning_flow, leaning_normal, origin_outside, triangle
 
 if TYPE_CHECKING:
     from duhem.proof.search.curve_angles import Rim
@@ -82,8 +82,13 @@ def dissipation_refuted(subject: CurveSubject) -> Evidence | None:
 
 
 def normality_refuted(subject: CurveSubject) -> Evidence | None:
-    """Associated flow on a non-convex K: at the edge of a dent the normal points towards the other edge."""
+    """At the edge of a dent of K the normal points towards the other edge; a flow of the law's own towards zero force in K."""
     if subject.law.flow is not None:
+        from duhem.proof.search.curve_angles import least_powers
+
+        for values, t in least_powers(subject, 12):
+            if (witness := inward_flow(subject, values, t)) is not None:
+                return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
         return None
     for values, (before, _, after), _ in _dents(subject):
         if (witness := leaning_normal(subject, values, before, after)) is not None:

@@ -50,6 +50,8 @@ def targets(subject: CurveSubject, values: Values, angle: float) -> Iterator[Fra
         jet = subject.at(values).at(half_tangent(angle), 2)
         point, slip = ([float(x) for x in v] for v in (jet.boundary[0], jet.flow[0]))
         turn = math.atan2(float(LEAN.of(jet)), float(LEAD.of(jet)))
+    if not all(map(math.isfinite, (*point, *slip, turn))):
+        return
     for other in _samples(subject)(values).ahead(slip, point):
         yield half_tangent(other)
     for digits in range(8):

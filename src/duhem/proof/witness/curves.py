@@ -15,7 +15,7 @@ from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.points import decimal_pair
 
-__all__ = ["backward_flow", "leaning_flow", "leaning_normal", "origin_outside", "triangle"]
+__all__ = ["backward_flow", "inward_flow", "leaning_flow", "leaning_normal", "origin_outside", "triangle"]
 
 _BITS = 256
 Place = tuple[Fraction, Fraction]
@@ -60,6 +60,18 @@ def backward_flow(subject: CurveSubject, values: Values, t: Fraction) -> Witness
             return None
         shown = {**_coordinates(subject, "sigma", curve.point(t)), "force . flow": decimal_pair(power)}
     return _witness(subject, values, {"sigma": t}, shown, "force . flow < 0 at sigma")
+
+
+def inward_flow(subject: CurveSubject, values: Values, t: Fraction) -> Witness | None:
+    """The flow at a point of the boundary leans towards zero force, around which the curve winds."""
+    curve = subject.at(values)
+    with precision(_BITS):
+        lean = -POWER.of(curve.at(t, POWER.order))
+        if certain_sign(lean) != 1 or not subject.simple_at(values) or not subject.turns_at(values, 0):
+            return None
+        shown = {**_coordinates(subject, "sigma", curve.point(t)), "flow . (tau - sigma)": decimal_pair(lean)}
+    statement = "the flow at sigma points towards tau, zero force, which is in K: it is not in the normal cone"
+    return _witness(subject, values, {"sigma": t, "tau": (Fraction(0), Fraction(0))}, shown, statement)
 
 
 def leaning_normal(subject: CurveSubject, values: Values, p: Fraction, q: Fraction) -> Witness | None:
