@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from duhem import Criterion, Domain, Verdict, verify
+from duhem import Criterion, Domain, verify
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import evidence
