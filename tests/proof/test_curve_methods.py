@@ -297,9 +297,9 @@ def by_support(e: str, k: int) -> tuple[str, str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("k", "limit"), [(2, Fraction(1, 3)), (3, Fraction(1, 8))])
+@pytest.mark.parametrize(("k", "limit"), [pytest.param(2, Fraction(1, 3), marks=pytest.mark.long), (3, Fraction(1, 8))])
 def test_a_fixed_parameter_is_no_weaker_than_its_range_however_near_the_limit(k: int, limit: Fraction) -> None:
-    for gap in (Fraction(1, 10**4), Fraction(1, 10**9)):
+    for gap in (Fraction(1, 10**9),):
         law = ParametricCriterion("near", by_support("e", k), {"e": Domain(low=0, high=limit - gap)})
         for found in (verify(law), verify(law, {"e": limit - gap})):
             assert {r.claim: str(r.trust) for r in found if r.claim != "duality"} == dict.fromkeys(
