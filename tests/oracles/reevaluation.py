@@ -208,8 +208,9 @@ def _jet(node: Any, values: Mapping[sp.Basic, _Jet], jets: bool) -> _Jet:
         up, down = _IV.exp(parts[0].value), _IV.exp(-parts[0].value)
         even, odd = (up + down) / 2, (up - down) / 2
         return parts[0].through(even, odd) if isinstance(node, sp.cosh) else parts[0].through(odd, even)
-    if isinstance(node, sp.cos | sp.sin) and not jets:
-        return parts[0].through(_IV.cos(parts[0].value) if isinstance(node, sp.cos) else _IV.sin(parts[0].value), _IV.mpf(0))
+    if isinstance(node, sp.cos | sp.sin):
+        c, s = _IV.cos(parts[0].value), _IV.sin(parts[0].value)
+        return parts[0].through(c, -s) if isinstance(node, sp.cos) else parts[0].through(s, c)
     if isinstance(node, sp.tanh):
         twice = _IV.exp(2 * parts[0].value)
         t = 1 - 2 / (twice + 1)

@@ -301,6 +301,7 @@ def test_zero_force_is_a_target_by_itself(monkeypatch: pytest.MonkeyPatch) -> No
     [
         "a**3 + b**2 - c",
         "a**2*(a**2 - 4)*(a**2 - 9) + b**2 - c",
+        "2*sin(a) + b**2 - c",
         pytest.param("a**3 + b**2 + abs(b) - c*(1 + a**2/100)", marks=pytest.mark.long),
     ],
 )

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds, Sign
@@ -211,9 +211,9 @@ class StatedCurve(NamedTuple):
 
     def some_signs(self, term: Term) -> set[Sign]:
         """Its signs at a few angles and one choice of parameters, where it has any."""
-        found, near, far = set[Sign](), Fraction(3, 5), Fraction(4, 5)
-        for c, s in ((near, far), (-far, near), (-near, -far), (far, -near)):
-            place = self.point() | {_COSINE.name: c, _SINE.name: s}
+        found = set[Sign]()
+        for side, t in product((1, -1), (Fraction(k, 7) for k in range(-6, 7))):
+            place = self.point() | {_COSINE.name: side * (1 - t**2) / (1 + t**2), _SINE.name: side * 2 * t / (1 + t**2)}
             with suppress(ValueError, ZeroDivisionError):
                 found.add(enclosed(term, {name: Enclosure.between(value, value) for name, value in place.items()}).sign)
         return found
