@@ -16,6 +16,7 @@ import json
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from random import Random
@@ -27,8 +28,12 @@ import duhem
 from duhem import InputError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import entries
+from duhem.proof.claims import CHEAP, DEAR
 from duhem.proof.kernel.certificate import CLAIMS, stated
 from duhem.proof.kernel.claims import objection, rules_of
+from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 
 KIN = (
@@ -95,9 +100,16 @@ def confirmed(law: Mapping[str, Any], recorded: Sequence[Mapping[str, Any]]) -> 
     for claim in CLAIMS:
         offers = [(row["rule"], row["evidence"]) for row in recorded if row["claim"] == claim and row["rule"] is not None]
         offers += [(rule, {}) for rule in rules_of(claim, known)]
-        if any(not objection(claim, rule, frozenset(settled), known, evidence) for rule, evidence in offers):
+        if any(_confirms(claim, rule, settled, known, evidence) for rule, evidence in offers):
             settled.add(claim)
     return settled
+
+
+def _confirms(claim: str, rule: str, settled: set[str], known: StatedLaw | StatedCurve, evidence: Mapping[str, Any]) -> bool:
+    """Whether a rule confirms a claim within the steps that ``verify`` allows it."""
+    with suppress(TooDearError), within((DEAR if isinstance(known, StatedLaw) else CHEAP).steps):
+        return not objection(claim, rule, frozenset(settled), known, evidence)
+    return False
 
 
 # -- texts ---------------------------------------------------------------------------------------------------------------

@@ -120,7 +120,7 @@ def test_the_whole_domain() -> None:
     assert found("wedge")["dissipation"].scope == "all parameters"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_dented_wedge() -> None:
     dented = verify("wedge", DENTED)
     assert verdicts(dented)["convexity"] is REFUTED
