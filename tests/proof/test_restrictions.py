@@ -84,6 +84,11 @@ def test_a_proof_over_other_domains_is_none(certificate: dict[str, Any], over: A
     assert not recheck(with_domains(certificate, over))["duality"].confirmed
 
 
+def test_a_proof_for_a_parameter_that_the_law_has_not_says_so(certificate: dict[str, Any]) -> None:
+    told = recheck(with_domains(certificate, {"p": {"min": "1", "max": None}, "q": {"positive": True}}))["duality"].reason
+    assert told.endswith("a proof is for parameters that are not all of the law's")
+
+
 def test_what_bounds_cover() -> None:
     unit, positive, real = Bounds.read({"min": "0", "max": "1"}), Bounds.read({"positive": True}), Bounds.read({})
     half, zero = Bounds.read({"value": "1/2"}), Bounds.read({"value": "0"})

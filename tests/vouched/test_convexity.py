@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import count
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -29,8 +30,9 @@ def oval(**changed: Any) -> Criterion:
 
 
 @pytest.fixture
-def laws(monkeypatch: pytest.MonkeyPatch) -> list[Criterion]:
-    """The laws that are put to verify."""
+def laws(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Criterion]:
+    """The laws that are put to verify, none of which an earlier run has left an answer for."""
+    monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
     found: list[Criterion] = []
     verify = verification.verify
 

@@ -84,7 +84,7 @@ def stated(law: Mapping[str, Any], over: Mapping[str, Any] | None = None) -> Sta
     """
     if over:
         own = law["parameters"]
-        if not set() <= set(own) or not all(Bounds.read(domain).covers(Bounds.read(own[name])) for name, domain in over.items()):
+        if not set(over) <= set(own) or not all(Bounds.read(domain).covers(Bounds.read(own[name])) for name, domain in over.items()):
             raise NotWritten("a proof is for parameters that are not all of the law's")
         law = {**law, "parameters": {**own, **over}}
     return StatedCurve.read(law) if "boundary" in law else StatedLaw.read(law)

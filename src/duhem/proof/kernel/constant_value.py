@@ -337,7 +337,6 @@ def _asin_at(x: Enclosure) -> Enclosure:
 
 
 @cache
-@cache
 def _pi() -> Enclosure:
     return _times_whole(_atan_at(Enclosure(_ONE, _ONE)), 4)
 

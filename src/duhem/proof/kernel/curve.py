@@ -223,7 +223,10 @@ class StatedCurve(NamedTuple):
         return _Around(self.on_forces(self.constraints))
 
     def turns(self, vector: Vector, positive: Term, most: int = _MOST_BOXES) -> int | None:
-        """How often a vector turns (0 for none), where ``positive`` is > 0 and the vector is not 0 all around; None if not shown."""
+        """How often a vector turns (0 for none), where ``positive`` is > 0 and the vector is not 0 all around.
+
+        None if that is not shown in about ``most`` boxes.
+        """
         ranges = ((name, own.low, own.high) for name, own in self.parameters.items())
         known = {name: Enclosure.between(low, high) for name, low, high in ranges if low is not None and high is not None}
         steps, quadrants = Steps(), list[int]()

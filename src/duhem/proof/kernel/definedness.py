@@ -77,10 +77,10 @@ class Reader(NamedTuple):
 
     def undecided(self, term: Term) -> Term | None:
         """An innermost part that is not shown to have a value; None where the whole formula has one."""
-        known: dict[Term, Term | None] = self.domain.kept.setdefault("undecided", {})
-        if term not in known:
-            known[term] = self._undecided(term) if asks(term) else None
-        return known[term]
+        known: dict[object, Term | None] = self.domain.kept.setdefault("undecided", {})
+        if (term, self.more) not in known:
+            known[term, self.more] = self._undecided(term) if asks(term) else None
+        return known[term, self.more]
 
     def _undecided(self, term: Term) -> Term | None:
         if term.op == "where":
@@ -105,10 +105,10 @@ class Reader(NamedTuple):
         """What is undecided of a formula that is read where a condition holds, or does not."""
         if (holding := self.domain.decided(condition)) is not None:
             return self.undecided(term) if holding is holds else None
-        guarded: dict[tuple[Term, bool], Reader] = self.domain.kept.setdefault("guarded", {})
-        if (condition, holds) not in guarded:
-            guarded[condition, holds] = self._guarded(condition, holds)
-        return guarded[condition, holds].undecided(term)
+        guarded: dict[object, Reader] = self.domain.kept.setdefault("guarded", {})
+        if (condition, holds, self.more) not in guarded:
+            guarded[condition, holds, self.more] = self._guarded(condition, holds)
+        return guarded[condition, holds, self.more].undecided(term)
 
     def _guarded(self, condition: Term, holds: bool) -> Reader:
         against = Term(AGAINST[condition.op], condition.args)

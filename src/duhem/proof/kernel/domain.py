@@ -236,7 +236,7 @@ class StatedDomain:
         return self.known[term]
 
     def sign(self, term: Term) -> Sign:
-        """The signs that a term may have, where it has a value."""
+        """The signs that a term may have, where it has a value: those of its facts, where a kind of domain knows no more."""
         return self.facts(term).sign
 
     def constant(self, term: Term) -> bool:

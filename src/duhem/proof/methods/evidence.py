@@ -83,8 +83,8 @@ def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
 def convexity_by_branches(subject: FormulaSubject) -> Evidence | None:
     """In two forces the boundary rises outward and curves inward on every branch of g, and kinks outward on every seam.
 
-    Run through with K on its left it turns left where it passes from one branch to another: the tangent (-g_y, g_x) of either then
-    points into the other, which is assumed, and T/E with E = sigma . grad g > 0 and T = x g_y - y g_x does not fall.
+    The boundary is run through with K on its left.  On a seam it passes from one branch to the next where the tangents (-g_y, g_x) of both
+    point into the next one; there it may not turn right.  It does not if T/E does not fall, E = sigma . grad g > 0, T = x g_y - y g_x.
     """
     pieces, forces, origin = subject.pieces, subject.simple.forces, subject.at_origin
     if pieces is None or len(pieces) > _MOST_PIECES or len(forces) != 2 or origin is None or not subject.continuous:
