@@ -35,7 +35,6 @@ __all__ = [
     "Vector",
     "cross",
     "dot",
-    "normals",
 ]
 
 Ball = Any

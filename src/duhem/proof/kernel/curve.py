@@ -211,11 +211,10 @@ class StatedCurve(NamedTuple):
 
     def some_signs(self, term: Term) -> set[Sign]:
         """Its signs at a few angles and one choice of parameters, where it has any."""
-        found = set[Sign]()
-        for side, t in product((1, -1), (Fraction(k, 7) for k in range(-6, 7))):
-            place = self.point() | {_COSINE.name: side * (1 - t**2) / (1 + t**2), _SINE.name: side * 2 * t / (1 + t**2)}
+        found, here = set[Sign](), {name: Enclosure.between(value, value) for name, value in self.point().items()}
+        for half, t in product((1, -1), (Fraction(k, 7) for k in range(-6, 7))):
             with suppress(ValueError, ZeroDivisionError):
-                found.add(enclosed(term, {name: Enclosure.between(value, value) for name, value in place.items()}).sign)
+                found.add(enclosed(term, here | _circle(half, t, t)).sign)
         return found
 
     def around(self) -> _Around:
