@@ -1,4 +1,4 @@
-"""The deciders in the order they are asked: sign rules, z3 on polynomials, words by their signs and by what they are at least and at most."""
+"""The deciders in the order they are asked: sign rules, z3 on polynomials, words by their signs and their least and greatest values."""
 
 from __future__ import annotations
 
