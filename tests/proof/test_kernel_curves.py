@@ -100,7 +100,7 @@ ALL = {"origin", "convexity", "smoothness", "dissipation", "state_laws"}
         (curve("cos(phi) + 1", "sin(phi)", flow=CIRCLE), {"convexity", "smoothness", "dissipation", "state_laws"}),  # 0 is on it
         (curve("(1 + 49/100*cos(phi))*cos(phi)", "(1 + 49/100*cos(phi))*sin(phi)"), ALL),  # limacons are convex up to 1/2
         (curve("(1 + 51/100*cos(phi))*cos(phi)", "(1 + 51/100*cos(phi))*sin(phi)"), ALL - {"convexity"}),
-        (curve("(1 + 2*cos(phi))*cos(phi)", "(1 + 2*cos(phi))*sin(phi)", flow=CIRCLE), {"state_laws"}),  # an inner loop
+        pytest.param(curve("(1 + 2*cos(phi))*cos(phi)", "(1 + 2*cos(phi))*sin(phi)"), {"state_laws"}, marks=pytest.mark.long),  # a loop
         (curve("cos(phi)**2 - sin(phi)**2", "2*cos(phi)*sin(phi)", flow=CIRCLE), {"origin", "state_laws"}),  # twice around
         (curve("cos(phi)**3", "sin(phi)**3", flow=CIRCLE), {"origin", "dissipation", "state_laws"}),  # cusps
         (curve("m*cos(phi)", "sin(phi)", m={"min": "1", "max": "9/8"}), ALL),  # for all m between
@@ -137,6 +137,7 @@ def test_star_shapes_of_random_harmonics_agree_with_their_own_curvature() -> Non
         assert abs(bend) < 1e-2 or found is (bend > 0), (n, e, bend)
 
 
+@pytest.mark.long
 def test_the_certificate_of_a_wedge_is_confirmed_and_that_of_another_wedge_is_not() -> None:
     values = {"tan_alpha": "1", "tan_beta": "1/4", "mu_alpha": "1/4", "mu_beta": "1/4"}
     made = duhem.verify("wedge", values).certificate()

@@ -314,7 +314,7 @@ def _faults(first: int = 0) -> Iterator[str]:
             yield fault
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_table_is_right() -> None:
     assert list(_faults()) == []
 

@@ -14,6 +14,7 @@ from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.verdict import Trust
 from tests.campaigns.restrictions import restrictions, weaker
+from tests.long import mostly_long
 
 QUICK = ("antoni2007", "box", "coulomb", "cohesive", "orthotropic", "quartic", "superellipse", "tresca", "von-mises")
 
@@ -26,7 +27,7 @@ def test_restrictions_of_quick_laws_are_not_weaker() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("claim", ["convexity", "smoothness", "normality", "dissipation"])
+@pytest.mark.parametrize("claim", mostly_long(["convexity", "smoothness", "normality", "dissipation"], "smoothness"))
 def test_one_claim_alone_keeps_its_trust(claim: str) -> None:
     """What its rule rests on is proved on the way, and is in the certificate."""
     found = verify("puck", claims=claim)

@@ -318,6 +318,6 @@ def test_a_law_of_lode_s_angle_with_such_a_part_is_not_confirmed(part: str) -> N
 
 @pytest.mark.parametrize("seed", mostly_long(range(1, 9), 1))
 def test_no_claim_about_a_text_without_a_value_is_confirmed(seed: int) -> None:
-    found = undefined_parts.undefined_parts(undefined_parts.made(undefined_parts.SMALL), 40, seed)
-    assert found.asked.total() == 40 and len(found.asked) == 4
+    found = undefined_parts.undefined_parts(undefined_parts.made(undefined_parts.SMALL), 12, seed)
+    assert found.asked.total() == 12 and len(found.asked) == 4
     assert not found.wrong

@@ -69,7 +69,7 @@ def proved(law: Law) -> set[str]:
 
 @pytest.mark.parametrize("make", mostly_long([from_python, from_a_file], from_a_file))
 @pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("part", mostly_long(PARTS, PARTS[1], PARTS[4]))
 def test_nothing_is_proved_of_what_may_have_no_value(make: Callable[..., Law], place: str, part: str) -> None:
     law = make(place, part, ANYWHERE)
     assert part in str(law_as_text(law)).replace("'", "")
@@ -95,7 +95,7 @@ def test_what_has_a_value_stays_proved(make: Callable[..., Law], place: str, par
         assert checked == proofs or "log" in part or "sqrt" in part  # of logarithms and of some roots in a curve the kernel knows nothing
 
 
-@pytest.mark.parametrize("constraint", ["e/e <= 1", "0*log(e) <= 1", "0 <= 0/e"])
+@pytest.mark.parametrize("constraint", mostly_long(["e/e <= 1", "0*log(e) <= 1", "0 <= 0/e"], "e/e <= 1"))
 def test_a_constraint_that_holds_of_itself_is_handed_on(constraint: str) -> None:
     law = Criterion("law", "norm(sigma_a, sigma_b) - 1", {"e": Domain.between(0, 1)}, pressure=None, constraints=(constraint,))  # type: ignore[arg-type]
     for each in (law, law.fix({"e": 0}), law.within({"e": Domain.between(0, "1/2")})):

@@ -25,7 +25,7 @@ SENSES = (Sense.NONNEGATIVE, Sense.POSITIVE, Sense.ZERO)
         (DENESTED, 0),
         (DENESTED + tiny, 1),
         (DENESTED - tiny, -1),
-        (root(2) + root(3) - root(5 + 2 * root(6) + tiny), -1),
+        pytest.param(root(2) + root(3) - root(5 + 2 * root(6) + tiny), -1, marks=pytest.mark.long),
         (1 / (root(2) - 1) - root(2) - 1, 0),
         (1 / (root(2) - 1) - root(2) - 1 - tiny, -1),
         (sp.cbrt(2 + root(5)) - sp.cbrt(root(5) - 2) - 1, 0),  # Cardano's formula
