@@ -92,6 +92,37 @@ def cancelling() -> Iterator[Question]:
         yield disk(spread, {}, -load, n, FAR[:4])
 
 
+SATURATING: tuple[tuple[str | Criterion, dict[str, Any], Callable[[Any], Any]], ...] = (
+    ("shaw", {"mu": 0.25, "k": 1.0}, lambda n: -mp.expm1(-n / 4)),
+    (Criterion("log", "norm(sigma_a, sigma_b) - log(1 + abs(sigma_n))"), {}, lambda n: mp.log1p(n)),
+    (Criterion("exp", "norm(sigma_a, sigma_b) - exp(abs(sigma_n)) + 1"), {}, lambda n: mp.expm1(n)),
+    (
+        Criterion("tanh", "norm(sigma_a, sigma_b) - tanh(1/2 + abs(sigma_n)) + tanh(1/2)"),
+        {},
+        lambda n: mp.tanh(mp.mpf(1) / 2 + n) - mp.tanh(mp.mpf(1) / 2),
+    ),
+    (Criterion("root", "norm(sigma_a, sigma_b) - (1 + abs(sigma_n))**(1/3) + 1"), {}, lambda n: mp.cbrt(1 + n) - 1),
+    (Criterion("square", "sigma_a**2 + sigma_b**2 - (1 - exp(-abs(sigma_n)))**2"), {}, lambda n: -mp.expm1(-n)),
+    (Criterion("soft", "norm(sigma_a, sigma_b) - (1 - exp(-abs(sigma_n)))/2 - 2"), {}, lambda n: 2 - mp.expm1(-n) / 2),
+)
+
+
+def saturating() -> Iterator[Question]:
+    """Radii that are a function of the load in which digits cancel, such as 1 - exp(-x), beside trials of any size."""
+    for load in (1e-2, 1e-6, 1e-10, 1e-14, 1e-15, 3e-16, 1e-17, 1e-25):
+        for law, parameters, radius in SATURATING:
+            yield disk(law, parameters, -load, radius(mp.mpf(load)), (*FAR, 1e6, 3e7))
+
+
+def grazing() -> Iterator[Question]:
+    """Ellipses that nearly touch no stress, and trials beside that end."""
+    for gap, load, ratio, sense in itertools.product((1e-3, 1e-6, 1e-9, 1e-12), (1.0, 0.7, 3e5), (1.0, 1e-4), (1.0, -1.0)):
+        near = [(d * np.cos(a), d * np.sin(a)) for d in (gap / 3, 2 * gap, 30 * gap, 1e-8, 1e-4, 0.3) for a in ANGLES[:3]]
+        trial = np.array(near) * load * np.array([-0.3 * sense, 0.1])
+        parameters = {"mu_a": 0.3, "mu_b": 0.1, "shift": 0.3 * sense * (1 - gap)}
+        yield Question("shifted-ellipse", parameters, trial, -load, np.array([1.0, ratio]))
+
+
 def powers() -> Iterator[Question]:
     """Formulas of a degree, at loads whose powers a double does not hold."""
     for load in LOADS:
@@ -197,6 +228,8 @@ def not_convex() -> Iterator[Question]:
 
 FAMILIES: dict[str, Callable[[], Iterator[Question]]] = {
     "cancelling": cancelling,
+    "saturating": saturating,
+    "grazing": grazing,
     "powers": powers,
     "ulps": ulps,
     "loads": loads,

@@ -282,3 +282,13 @@ def test_a_set_that_is_not_convex_is_said_to_be_none(waist: str, convex: bool) -
 def test_slip_that_begins_at_a_tip_has_no_direction() -> None:
     with pytest.raises(DuhemError, match="K has no normal at the stress"):
         simulate("sap", Path.linear([[0, 0, 0], [1, 0, 0]]), stiffness=1.0, parameters={"mu": 1}, method="exact")
+
+
+@pytest.mark.parametrize("load", [1.0, 1e-10, 1e-17])
+def test_a_friction_in_which_digits_cancel_keeps_them(load: float) -> None:
+    """1 - exp(-x) has no digit of its own at a small x; under one pressure Shaw's law is Coulomb's of the same radius."""
+    path = Path.circle(0.5 * load, points=9, pressure=-load)
+    found = simulate("shaw", path, stiffness=[1.0, 2.0], parameters={"mu": 0.25, "k": 1.0}, method="exact")
+    same = {"mu": -math.expm1(-load / 4) / load}
+    expected = simulate("coulomb", path, stiffness=[1.0, 2.0], parameters=same, method="exact")
+    np.testing.assert_allclose(found.stress, expected.stress, atol=1e-12 * load)

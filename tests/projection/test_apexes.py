@@ -169,3 +169,17 @@ def test_slips_of_a_round_apex_are_told_from_those_beside(formula: str, apex: fl
         assert ((residuals(asked, right, convex=True).worst() <= ACCURACY) == told).all()
         wrong = replace(right, multiplier=np.full(len(angle), 0.71))
         assert not (residuals(asked, wrong, convex=True).worst() <= ACCURACY).any()
+
+
+ANGLED = Criterion("angled", "norm(sigma_a, sigma_b)*(1 + cos(2*atan2(sigma_b, sigma_a))/10) + 3/10*sigma_n")
+
+
+@pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_a_law_that_takes_an_angle_has_its_limit_at_no_stress(compiled: bool) -> None:
+    done = duhem.project(ANGLED, [[0.0, 0.0], [1e-300, 0.0], [0.1, 0.0], [1.0, 0.3]], -1.0, method="newton", compiled=compiled)
+    assert done.status.tolist() == [duhem.Status.STICK] * 3 + [duhem.Status.SLIP]
+    assert done.stress[:3].tolist() == [[0.0, 0.0], [1e-300, 0.0], [0.1, 0.0]]
+    loop = duhem.Path.circle(0.5, points=9, pressure=-1.0)
+    end = duhem.simulate(ANGLED, loop, stiffness=1.0, compiled=compiled).stress[-1]
+    radius, angle = np.hypot(*end), np.arctan2(end[1], end[0])
+    assert radius * (1.0 + np.cos(2.0 * angle) / 10.0) == pytest.approx(0.3, rel=1e-14)

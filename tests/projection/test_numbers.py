@@ -17,6 +17,7 @@ from duhem.projection.result import ACCURACY, Solution, Status
 from duhem.projection.validation import increment
 from tests.campaigns.number_families import FAMILIES, Question, aspects, disk, mp
 from tests.campaigns.numbers import Count, tally
+from tests.long import mostly_long
 
 
 def family(name: str, every: int) -> list[Question]:
@@ -33,6 +34,8 @@ def total(counts: list[Count]) -> Count:
     [
         pytest.param("cancelling", 4, 60, marks=pytest.mark.long),
         ("cancelling", 16, 14),
+        pytest.param("saturating", 1, 1500, marks=pytest.mark.long),
+        ("saturating", 9, 170),
         pytest.param("powers", 7, 200, marks=pytest.mark.long),
         pytest.param("ulps", 15, 50, marks=pytest.mark.long),
     ],
@@ -42,6 +45,27 @@ def test_families_of_extremes(name: str, every: int, right: int) -> None:
     seen = total(list(tally(iter(family(name, every)), ["closed-form", "newton"]).values()))
     assert seen.right >= right
     assert (seen.wrong_stress, seen.wrong_slip, seen.right_flagged, seen.unvouched_flagged) == (0, 0, 0, 0)
+
+
+@pytest.mark.parametrize("every", mostly_long([1, 11], 11))
+def test_ellipses_that_nearly_touch_no_stress_are_right_or_flagged(every: int) -> None:
+    seen = total(list(tally(iter(family("grazing", every)), ["closed-form", "newton"]).values()))
+    assert seen.points >= 1500 / every and seen.right >= 0.85 * seen.points
+    assert (seen.wrong_stress, seen.wrong_slip) == (0, 0)
+
+
+@pytest.mark.parametrize("yield_stresses", [(1.5, 1.0), (1.001, 1.0), (33.0, 31.0), (70e6, 50e6)])
+@pytest.mark.parametrize("stiffness", [1.0, 3e11])
+def test_the_tip_of_a_paraboloid_is_seen_from_next_to_it(yield_stresses: tuple[float, float], stiffness: float) -> None:
+    """On the hydrostatic axis Raghava's paraboloid ends at I1 = C T/(C - T); what is beyond it by a share of 1e-15 slips."""
+    c, t = map(Fraction, yield_stresses)
+    tip = c * t / (c - t) / 3
+    trial = [[float(tip) * (1.0 + share)] * 3 for share in (1e-15, 1e-14, 2.5e-13, 1e-11, 1e-8, 1e-3, 1.0, 1e3)]
+    done = duhem.project("raghava", trial, None, stiffness, {"C": float(c), "T": float(t)})
+    beyond = [float((Fraction(x) - tip) / Fraction(stiffness)) for x, *_ in trial]
+    assert (done.status == [Status.SLIP if x > 0.0 else Status.STICK for x in beyond]).all()
+    np.testing.assert_allclose(done.slip, np.maximum(beyond, 0.0)[:, None] * np.ones(3), rtol=1e-6)
+    assert (done.slip > 0.0).any(axis=1).sum() >= 7
 
 
 @pytest.mark.long

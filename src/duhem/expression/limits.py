@@ -15,6 +15,7 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from duhem.expression.numpy_ import Program, compiled
+from duhem.expression.vocabulary import Atan2
 
 __all__ = ["Filled", "filled"]
 
@@ -28,10 +29,11 @@ _WEIGHTS = np.array([1.0, -6.0, 8.0])  # over 3
 
 
 def filled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Program:
-    """``expr`` as a function of ``symbols``, like :func:`duhem.expression.numpy_.compiled`, with limits if it divides by one of them."""
+    """``expr`` as a function of ``symbols``, like :func:`duhem.expression.numpy_.compiled`, with limits if it divides by one of them or takes an angle of them."""
     plain = compiled(expr, symbols)
     divides = any(power.exp.could_extract_minus_sign() and power.base.free_symbols for power in expr.atoms(sp.Pow))
-    return Filled(plain.symbols, plain.recording) if divides else plain
+    turns = any(angle.free_symbols for angle in expr.atoms(Atan2))
+    return Filled(plain.symbols, plain.recording) if divides or turns else plain
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ starts again where the formula has a kink (a seam between quadrants) and where s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from itertools import combinations
 from typing import Any
 
@@ -26,6 +26,7 @@ from duhem.path.straight_step import Move
 from duhem.projection.increment import Increment
 from duhem.projection.kept_code import interpreted_text
 from duhem.projection.result import Array
+from duhem.projection.scaled_formula import may_cancel, of_pressure_alone, scaled
 
 __all__ = ["Boundary", "Drive", "boundary", "corner", "moves"]
 
@@ -91,24 +92,44 @@ def boundary(increment: Increment) -> Boundary:
     order = (*forces, pressure)
     kinks = {node.args[0] for node in increment.g.atoms(Pos, Neg, sp.Abs) if node.free_symbols & set(forces)}
     kinks |= _of_the_load(increment.g, pressure)
+    g, parts = _apart(increment.g, forces, pressure)
+    opening = sum((_derivative(g, q) * _derivative(part, pressure) for q, part in parts.items()), _derivative(g, pressure))
     return Boundary(
-        g=_values([increment.g], order),
-        slopes=_values([_derivative(increment.g, x) for x in order], order),
+        g=_values([g], order, parts),
+        slopes=_values([*(_derivative(g, x) for x in forces), opening], order, parts),
         seams=tuple(_values([kink], order) for kink in sorted(kinks, key=str)),
         stiffness=increment.stiffness,
     )
 
 
-def _values(formulas: Sequence[sp.Expr], order: Sequence[sp.Symbol]) -> Values:
+Parts = Mapping[sp.Symbol, sp.Expr]
+
+
+def _apart(g: sp.Expr, forces: Sequence[sp.Symbol], pressure: sp.Symbol) -> tuple[sp.Expr, Parts]:
+    """g over the forces, the pressure and names for those parts of the pressure alone in which digits may cancel."""
+    formula = scaled(g, forces, pressure)
+    parts = {q: datum.expr for q, datum in formula.data.items() if may_cancel(datum.expr)}
+    if not parts:
+        return g, {}
+    return formula.expr.xreplace({q: datum.expr for q, datum in formula.data.items() if q not in parts}), parts
+
+
+def _values(formulas: Sequence[sp.Expr], order: Sequence[sp.Symbol], parts: Parts | None = None) -> Values:
     """Formulas as lines of Python over numbers: at one point arrays take ten times as long."""
-    text, constants = scalar_values("values", formulas, order)
+    parts = parts or {}
+    text, constants = scalar_values("values", formulas, [*order, *parts])
     run = interpreted_text(f"from numpy import {', '.join(FUNCTIONS)}\n{text}\n", "values")
     fixed = [np.float64(c) for c in constants]
+
+    @lru_cache(maxsize=64)
+    def told(pressure: float) -> list[np.float64]:
+        given = {order[-1]: np.array([pressure])}
+        return [np.float64(np.ravel(of_pressure_alone(part, given).value)[0]) for part in parts.values()]
 
     def at(stress: Array, pressure: float) -> list[Any]:
         found = [0.0] * len(formulas)
         with np.errstate(all="ignore"):
-            run([*stress, np.float64(pressure), *fixed], found)
+            run([*stress, np.float64(pressure), *(told(pressure) if parts else ()), *fixed], found)
         return found
 
     return at

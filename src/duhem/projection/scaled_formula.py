@@ -7,7 +7,7 @@ Where g has no such degree (exp(sigma_a/c), say), h(s; R, sigma_n) = g(R s, sigm
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -18,13 +18,15 @@ import sympy as sp
 from duhem.expression import Table, fold
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.expression.rounding import bounded
+from duhem.expression.rounding import Bounded, bounded
 from duhem.expression.weights import weighing
 from duhem.projection.result import Array
 
-__all__ = ["Datum", "ScaledFormula", "grown", "power_of_two", "scaled"]
+__all__ = ["Datum", "ScaledFormula", "grown", "may_cancel", "of_pressure_alone", "power_of_two", "scaled"]
 
 _DIGITS = 40  # of a root of a number
+_TELLING = 2.0**-40  # of a datum: a value whose rounding may be more than this share of it has lost digits
+_BITS = 1600  # of the balls that give them back
 _EXPONENT = np.int64(0x7FF << 52)  # of a double, in its bits
 
 
@@ -57,8 +59,9 @@ class ScaledFormula:
         given, found = self._known(pressure), {}
         with np.errstate(all="ignore"):
             for q, d in self.data.items():
-                value = _datum_value(d.expr, tuple(given))(*given.values()) / _unit(d, scale)
-                found[q] = _each(value, scale)
+                plain = _datum_value(d.expr, tuple(given))
+                value = of_pressure_alone(d.expr, given).value if plain is None else plain(*given.values())
+                found[q] = _each(value / _unit(d, scale), scale)
         return found
 
     def bounded(self, pressure: Array, scale: Array) -> dict[sp.Symbol, tuple[Array, Array | float]]:
@@ -66,7 +69,7 @@ class ScaledFormula:
         given, found = self._known(pressure), {}
         with np.errstate(all="ignore"):
             for q, d in self.data.items():
-                value, off = bounded(d.expr, tuple(given)).found(list(given.values()), [0.0] * len(given))
+                value, off = of_pressure_alone(d.expr, given)
                 unit = _unit(d, scale)
                 exact = isinstance(off, float) and off == 0.0
                 found[q] = _each(value / unit, scale), 0.0 if exact else _each(off / unit, scale)
@@ -85,8 +88,51 @@ def _unit(datum: Datum, scale: Array) -> Array | float:
 
 
 @lru_cache(maxsize=256)
-def _datum_value(expr: sp.Expr, known: tuple[sp.Symbol, ...]) -> Program:
-    return compiled(expr, known)
+def _datum_value(expr: sp.Expr, known: tuple[sp.Symbol, ...]) -> Program | None:
+    """The program of a datum in which nothing can cancel; None for one that is worked out with a bound of its rounding."""
+    return None if may_cancel(expr) else compiled(expr, known)
+
+
+def may_cancel(expr: sp.Basic) -> bool:
+    """Whether it has a sum whose terms are not known to be of one sign."""
+    return any(not (all(a.is_nonnegative for a in one.args) or all(a.is_nonpositive for a in one.args)) for one in expr.atoms(sp.Add))
+
+
+def of_pressure_alone(expr: sp.Expr, given: Mapping[sp.Symbol, Array]) -> Bounded:
+    """The value of a formula of the pressure, where there is one, and a bound of its rounding.
+
+    Digits that cancel, as in 1 - exp(-x) at a small x, are worked out in balls.
+    """
+    value, off = bounded(expr, tuple(given)).found(list(given.values()), [0.0] * len(given))
+    lost = np.logical_not(off <= _TELLING * np.abs(value))
+    if not np.any(lost):
+        return Bounded(value, off)
+    value, off, lost = (np.array(x) for x in np.broadcast_arrays(value, off, lost))
+    points = [*zip(*(x[lost].tolist() for x in given.values()), strict=True)] or [()]  # () of a datum without a pressure
+    known = {point: _enclosed(expr, tuple(given), point) for point in set(points)}
+    each = np.array([known[point] for point in points])
+    better = each[:, 1] < off[lost]
+    value[lost], off[lost] = np.where(better, each[:, 0], value[lost]), np.where(better, each[:, 1], off[lost])
+    return Bounded(value, off)
+
+
+def _enclosed(expr: sp.Expr, known: tuple[sp.Symbol, ...], point: tuple[float, ...]) -> tuple[float, float]:
+    """The double nearest to the value at a point, and how far it may be off; nan where nobody knows."""
+    import flint
+
+    with flint.ctx.workprec(_BITS):
+        found = _in_balls(expr, known)(*map(flint.arb, point))
+        if not found.is_finite():
+            return np.nan, np.nan
+        value = float(found.mid())
+        return value, float(found.rad()) + 2.0**-53 * abs(value) + 2.0**-1074
+
+
+@lru_cache(maxsize=256)
+def _in_balls(expr: sp.Expr, known: tuple[sp.Symbol, ...]) -> Callable[..., Any]:
+    from duhem.expression import balls
+
+    return balls.compiled(expr, known)
 
 
 def power_of_two(size: Array) -> Array:
