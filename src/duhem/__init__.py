@@ -40,6 +40,7 @@ __all__ = [
     "identify",
     "load",
     "plot",
+    "prepare",
     "project",
     "recheck",
     "simulate",
@@ -64,7 +65,7 @@ if TYPE_CHECKING:
     from duhem.proof.verification import Verification, verify
     from duhem.screening import campaign
     from duhem.vouched.histories import simulate
-    from duhem.vouched.increments import project
+    from duhem.vouched.increments import prepare, project
 
 _HOMES = {
     "derivation": ("Derivation", "derive"),
@@ -84,7 +85,7 @@ _HOMES = {
     "proof.verification": ("Verification", "verify"),
     "screening": ("campaign",),
     "vouched.histories": ("simulate",),
-    "vouched.increments": ("project",),
+    "vouched.increments": ("prepare", "project"),
 }
 
 

@@ -26,8 +26,5 @@ def as_text(monkeypatch: pytest.MonkeyPatch, question: Increment, solution: Solu
         return space[entry]
 
     monkeypatch.setattr(compiled_judge, "compiled_text", run)
-    compiled_judge._loop.cache_clear()
     with np.errstate(all="ignore"):
-        told = compiled_judge.told(question, solution, Judge.of(question, solution, convex), 1)
-    compiled_judge._loop.cache_clear()
-    return told
+        return compiled_judge.told(question, solution, Judge.of(question, solution, convex), 1)

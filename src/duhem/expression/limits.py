@@ -29,7 +29,10 @@ _WEIGHTS = np.array([1.0, -6.0, 8.0])  # over 3
 
 
 def filled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Program:
-    """``expr`` as a function of ``symbols``, like :func:`duhem.expression.numpy_.compiled`, with limits if it divides by one of them or takes an angle of them."""
+    """``expr`` as a function of ``symbols``, like :func:`duhem.expression.numpy_.compiled`.
+
+    It has limits if the formula divides by one of them or takes an angle of them.
+    """
     plain = compiled(expr, symbols)
     divides = any(power.exp.could_extract_minus_sign() and power.base.free_symbols for power in expr.atoms(sp.Pow))
     turns = any(angle.free_symbols for angle in expr.atoms(Atan2))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import reduce
+from functools import lru_cache, reduce
 from typing import Any
 
 import mpmath
@@ -285,4 +285,9 @@ KINKS: tuple[type, ...] = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 
 def symbol(name: str, **assumptions: bool) -> sp.Symbol:
     """A real symbol; all names of a criterion go through here so that equal names are equal symbols."""
-    return sp.Symbol(name, **({"real": True} | assumptions))
+    return _symbol(name, tuple(assumptions.items()))
+
+
+@lru_cache(maxsize=4096)
+def _symbol(name: str, assumptions: tuple[tuple[str, bool], ...]) -> sp.Symbol:
+    return sp.Symbol(name, **({"real": True} | dict(assumptions)))

@@ -1,13 +1,15 @@
-"""Dissipation, residuals and statuses by one loop that is made for a law and compiled by numba: once a law, then kept on disk.
+"""Dissipation, residuals and statuses by one loop that is made for a law: compiled by numba, once a law, or run on plain numbers.
 
-The loop (:mod:`duhem.projection.judge_kernel`) says that a point is plainly right, or leaves it to the judge.
+The loop (:mod:`duhem.projection.judge_kernel`) says that a point is plainly right, or leaves it to the judge.  Its text is one: many
+points take it compiled, where that is asked for, and few take it one by one as Python runs it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -26,13 +28,14 @@ from duhem.projection.level import Level
 from duhem.projection.module_text import module_text, over_unit
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
+from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, table
 from duhem.projection.residuals import Judge
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import unit
 from duhem.projection.scaled_formula import ScaledFormula
 from duhem.projection.told import Told
 
-__all__ = ["told"]
+__all__ = ["told", "told_one_by_one"]
 
 _BLOCK = 16_384  # fewer are judged before a second thread has begun: ten thousand points took twice as long in shares
 
@@ -41,32 +44,80 @@ Numbers = tuple[float, ...]
 
 @dataclass(frozen=True, eq=False)
 class _Loop:
-    """The compiled loop of a formula; the constants of its data and its own, each with what they are off by."""
+    """The loop of a formula as text; the constants of its data and its own, each with what they are off by."""
 
-    run: Callable[..., None]
+    text: str
     constants: tuple[Numbers, Numbers, Numbers, Numbers]
 
 
 def told(increment: Increment, solution: Solution, judge: Judge, threads: int | None = None) -> Told:
     """What the loop says; nothing for a word that it lacks and a K without the origin.  MissingExtraError without numba."""
-    loop = _loop(judge.level, increment.law.force_symbols())
+    n, loop = len(solution.multiplier), _text(judge.level, increment.law.force_symbols())
     if loop is None or not judge.known.around_origin:
-        return Told.nothing(len(solution.multiplier))
-    n, metric = len(solution.multiplier), judge.metric
+        return Told.nothing(n)
+    run, metric = compiled_text(loop.text, "judge", judge_kernel.INLINED), judge.metric
     keep_freed_memory(n)
     dissipation, status, residuals = np.empty(n), np.empty(n, dtype=np.int8), np.zeros((5, n))  # a page of zeros costs nothing till written
     matrices = [_read(m) for m in (increment.stiffness, metric.of_slip, metric.of_stress, metric.to_stress)]
     tips = _read(beside(len(metric.of_stress))), *_seen(judge.known.tips.tobytes(), metric.of_stress.tobytes(), len(metric.of_stress))
-    figures = metric.blur, metric.good, metric.certain, judge.level.scaled.degree, judge.known.convex
 
     def fill(block: slice) -> None:
         given = _read(increment.trial[block]), _read(increment.pressure[block]), judge.known.largest
         got = solution.stress[block], solution.slip[block], solution.multiplier[block]
-        loop.run(*given, *loop.constants, *matrices, *tips, *figures, *got, dissipation[block], status[block], residuals[:, block])
+        run(*given, *loop.constants, *matrices, *tips, *_figures(judge), *got, dissipation[block], status[block], residuals[:, block])
 
     in_blocks(n, _BLOCK, fill, threads)
     status[solution.failed] = UNJUDGED
     return Told(dissipation, status, Residuals(*residuals), np.flatnonzero(status == UNJUDGED))
+
+
+def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> Told:
+    """The same without a compiler, for few points."""
+    n, d = solution.stress.shape
+    found = _interpreted(judge.level, increment.law.force_symbols())
+    if found is None or not judge.known.around_origin:
+        return Told.nothing(n)
+    (run, constants), metric = found, judge.metric
+    matrices = [_table(m.tobytes(), d) for m in (increment.stiffness, metric.of_slip, metric.of_stress, metric.to_stress)]
+    tips = [_table(beside(d).tobytes(), d), *_seen_tables(judge.known.tips.tobytes(), metric.of_stress.tobytes(), d)]
+    known = (*constants, *matrices, *tips, *_figures(judge))
+    room = [PlainArray() for _ in range(5)]
+    said = Told.nothing(n)
+    residuals = [getattr(said.residuals, f.name) for f in fields(Residuals)]
+    for i in range(n):
+        point = slice(i, i + 1)
+        work, status, off = PlainArray(), PlainArray(), PlainArray()
+        given = table(increment.trial[point]), table(increment.pressure[point]), judge.known.largest
+        got = table(solution.stress[point]), table(solution.slip[point]), table(solution.multiplier[point])
+        try:
+            run(*given, *known, *got, work, status, off, *room)
+        except FAULTS:
+            status[0] = UNJUDGED
+        said.dissipation[i], said.status[i] = work[0], UNJUDGED if solution.failed[i] else status[0]
+        for k, values in enumerate(residuals):
+            values[i] = off[k, 0]
+    return replace(said, left=np.flatnonzero(said.status == UNJUDGED))
+
+
+def _figures(judge: Judge) -> tuple[float, float, float, float, bool]:
+    metric = judge.metric
+    return metric.blur, metric.good, metric.certain, judge.level.scaled.degree, judge.known.convex
+
+
+@lru_cache(maxsize=256)
+def _table(array: bytes, d: int) -> PlainArray:
+    return table(np.frombuffer(array).reshape(-1, d))
+
+
+@lru_cache(maxsize=256)
+def _seen_tables(tips: bytes, of_stress: bytes, d: int) -> tuple[PlainArray, ...]:
+    return tuple(table(x) for x in _seen(tips, of_stress, d))
+
+
+@lru_cache(maxsize=256)
+def _interpreted(level: Level, forces: tuple[sp.Symbol, ...]) -> tuple[Callable[..., Any], tuple[Numbers, ...]] | None:
+    found = _text(level, forces)
+    return None if found is None else (interpreted(found.text, "chunk"), found.constants)
 
 
 def _read(given: Array) -> Array:
@@ -86,7 +137,7 @@ def _seen(tips: bytes, of_stress: bytes, d: int) -> tuple[Array, Array, Array]:
 
 
 @lru_cache(maxsize=256)
-def _loop(level: Level, forces: tuple[sp.Symbol, ...]) -> _Loop | None:
+def _text(level: Level, forces: tuple[sp.Symbol, ...]) -> _Loop | None:
     formula, others = level.scaled, tuple(level.scaled.data)
     try:
         jets = scalar_jets(formula.expr, forces, others)
@@ -99,7 +150,7 @@ def _loop(level: Level, forces: tuple[sp.Symbol, ...]) -> _Loop | None:
     sources = (below, grown, length, eliminated, corner_kernel, known_points_kernel, judge_kernel)
     text = module_text(formula, len(forces), jets.kinks, (jets.level, jets.gradient, bounds.text, start.text, data[0]), sources)
     own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
-    return _Loop(compiled_text(text, "judge", judge_kernel.INLINED), (*data[1:], *own))
+    return _Loop(text, (*data[1:], *own))
 
 
 def _data(formula: ScaledFormula) -> tuple[str, Numbers, Numbers]:

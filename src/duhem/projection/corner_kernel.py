@@ -141,7 +141,7 @@ def solved(v: Any, a: Any, count: int, chosen: int, slip: bool) -> float:
                         a[row, column] += a[j, i] * a[k, i]
                     column += 1
             row += 1
-    if not eliminated(a[MOST:], size):
+    if not eliminated(from_row(a, MOST), size):
         return np.inf
     total = 0.0
     for i in range(D):
@@ -173,3 +173,8 @@ def left_over(v: Any, a: Any, count: int, chosen: int) -> tuple[float, float]:
                 row += 1
         rest += one * one
     return float(sqrt(rest)), total
+
+
+def from_row(a: Any, first: int) -> Any:
+    """The rows of ``a`` from the first one on."""
+    return a[first:]

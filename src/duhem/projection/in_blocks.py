@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-__all__ = ["BLOCK", "evenly", "in_blocks"]
+__all__ = ["BLOCK", "FEW", "evenly", "in_blocks"]
 
 BLOCK = 24_000
 """Points of a block of NumPy's passes.  The flagship's million points took 206 to 214 ns a point at least, with 16,384 251 to 260."""
 
+
+FEW = 4
+"""Points that are taken one by one, on plain numbers: to call NumPy takes longer than to compute them."""
 
 _SHARES = 8  # blocks, or a multiple of them: two, four and eight threads end together
 

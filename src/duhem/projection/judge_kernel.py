@@ -51,8 +51,8 @@ def gradient(v: Any, x: int, q: Any, slopes: int) -> None:
     raise NotImplementedError
 
 
-INLINED = ("below", "bounded", "gradient", "hypot", "known", "levels", "lengths", "looked", "seen_in_metric", "shares", "sized", "sorted_",
-           "taken", "tried", "unstressed")  # fmt: skip
+INLINED = ("below", "bounded", "chunk", "gradient", "hypot", "known", "levels", "lengths", "looked", "seen_in_metric", "shares", "sized",
+           "sorted_", "taken", "tried", "unstressed")  # fmt: skip
 """Functions that every point goes through, so that the compiler knows the rows they work on apart."""
 
 # -- compiled from here ----------------------------------------------------------------------------------------
@@ -97,38 +97,52 @@ def judge(
     at, seen, which = np.empty((D, 3 * CHUNK)).T, np.zeros((ROWS, CHUNK)), np.empty(CHUNK + 1, np.int64)
     for begin in range(0, trial.shape[0], CHUNK):
         here = slice(begin, min(begin + CHUNK, trial.shape[0]))
-        levels(pressure[here], pressed, pressed_off, constants, constants_off, stress[here], at, seen)
-        count = sorted_(trial[here], stress[here], slip[here], multiplier[here], seen, dissipation[here], status[here], which)
-        if count == 0:
+        chunk(
+            trial[here], pressure[here], largest, pressed, pressed_off, constants, constants_off, stiffness, of_slip, of_stress, to_stress,
+            beside, tips, ways, reaches, blur, good, certain, degree, convex, stress[here], slip[here], multiplier[here],
+            dissipation[here], status[here], found[:, here], v, a, at, seen, which,
+        )  # fmt: skip
+
+
+def chunk(
+    trial: Any, pressure: Any, largest: float, pressed: Any, pressed_off: Any, constants: Any, constants_off: Any, stiffness: Any,
+    of_slip: Any, of_stress: Any, to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float,
+    certain: float, degree: float, convex: bool, stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any,
+    v: Any, a: Any, at: Any, seen: Any, which: Any,
+) -> None:  # fmt: skip
+    """The same of a chunk of points, with room for what is worked out: few points go through it without a compiler."""
+    levels(pressure, pressed, pressed_off, constants, constants_off, stress, at, seen)
+    count = sorted_(trial, stress, slip, multiplier, seen, dissipation, status, which)
+    if count == 0:
+        return
+    taken(count, which, trial, pressure, stress, slip, multiplier, at, seen)
+    seen_in_metric(count, pressed, pressed_off, constants, of_slip, of_stress, at, seen)
+    if degree != 1.0:
+        regrown(count, degree, seen)
+    lengths(count, seen)
+    shares(count, blur, good, certain, of_slip, at, seen)
+    looked(count, stiffness, of_stress, seen)
+    tried(count, largest, ways, reaches, seen)
+    for j in range(count):
+        n, state = which[j], seen[STATE, j]
+        if state == LEFT:
             continue
-        taken(count, which, trial[here], pressure[here], stress[here], slip[here], multiplier[here], at, seen)
-        seen_in_metric(count, pressed, pressed_off, constants, of_slip, of_stress, at, seen)
-        if degree != 1.0:
-            regrown(count, degree, seen)
-        lengths(count, seen)
-        shares(count, blur, good, certain, of_slip, at, seen)
-        looked(count, stiffness, of_stress, seen)
-        tried(count, largest, ways, reaches, seen)
-        for j in range(count):
-            n, state = begin + which[j], seen[STATE, j]
-            if state == LEFT:
+        other = 0.0
+        if state == BENT or seen[OVER, j] > 0.0 or not convex:
+            fine, other = one_slip(
+                j, v, a, at, seen, largest, pressed, pressed_off, constants, of_slip, to_stress, beside, tips, ways, reaches, good,
+                certain, convex,
+            )  # fmt: skip
+            if not fine:
                 continue
-            other = 0.0
-            if state == BENT or seen[OVER, j] > 0.0 or not convex:
-                fine, other = one_slip(
-                    j, v, a, at, seen, largest, pressed, pressed_off, constants, of_slip, to_stress, beside, tips, ways, reaches, good,
-                    certain, convex,
-                )  # fmt: skip
-                if not fine:
-                    continue
-            off = max(seen[OFF, j], seen[BALANCE, j])
-            if off <= ACCURACY and seen[FEASIBLE, j] <= ACCURACY and seen[COMPLETE, j] <= ACCURACY and other <= ACCURACY:
-                status[n] = SLIP
-                found[2, n], found[3, n] = seen[COMPLETE, j], off
-                if seen[FEASIBLE, j] != 0.0:
-                    found[0, n] = seen[FEASIBLE, j]
-                if other != 0.0:
-                    found[4, n] = other
+        off = max(seen[OFF, j], seen[BALANCE, j])
+        if off <= ACCURACY and seen[FEASIBLE, j] <= ACCURACY and seen[COMPLETE, j] <= ACCURACY and other <= ACCURACY:
+            status[n] = SLIP
+            found[2, n], found[3, n] = seen[COMPLETE, j], off
+            if seen[FEASIBLE, j] != 0.0:
+                found[0, n] = seen[FEASIBLE, j]
+            if other != 0.0:
+                found[4, n] = other
 
 
 def levels(pressure: Any, pressed: Any, pressed_off: Any, constants: Any, constants_off: Any, stress: Any, at: Any, seen: Any) -> None:
@@ -155,9 +169,10 @@ def sorted_(trial: Any, stress: Any, slip: Any, multiplier: Any, seen: Any, diss
     """Dissipation of every point and status of those that stick for sure; how many moved, and which."""
     count = 0
     for x in range(multiplier.shape[0]):
-        work, moved = 0.0, multiplier[x] != 0.0
-        for i in range(D):
+        work, moved = stress[x, 0] * slip[x, 0], multiplier[x] != 0.0
+        for i in range(1, D):
             work += stress[x, i] * slip[x, i]
+        for i in range(D):
             moved = moved | (slip[x, i] != 0.0) | (stress[x, i] != trial[x, i])
         dissipation[x] = work
         value, hidden = seen[EVERY + 1, x], seen[EVERY + 2, x]

@@ -15,7 +15,7 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import beyond
-from duhem.projection.in_blocks import BLOCK, in_blocks
+from duhem.projection.in_blocks import BLOCK, FEW, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
@@ -138,13 +138,18 @@ def _named(name: object) -> Method[Any]:
 
 
 def _told(question: Increment, solution: Solution, judge: Judge, given: Options) -> Told:
-    """What compiled code says of the points; where nothing is compiled, nothing."""
-    many, ranged = len(solution.multiplier) >= _WORTH_COMPILING, set(question.law.forces) & set(question.law.domain)
-    if isinstance(given, Compiling) and given.compiled and many and not ranged:
-        from duhem.projection.compiled_judge import told
+    """What the judge's loop says of the points, compiled or one by one; of as many as are sooner judged by arrays, nothing."""
+    n = len(solution.multiplier)
+    if not set(question.law.forces) & set(question.law.domain):
+        if isinstance(given, Compiling) and given.compiled and n >= _WORTH_COMPILING:
+            from duhem.projection.compiled_judge import told
 
-        return told(question, solution, judge, given.threads)
-    return Told.nothing(len(solution.multiplier))
+            return told(question, solution, judge, given.threads)
+        if n <= FEW:
+            from duhem.projection.compiled_judge import told_one_by_one
+
+            return told_one_by_one(question, solution, judge)
+    return Told.nothing(n)
 
 
 def _settle(

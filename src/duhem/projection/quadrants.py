@@ -26,7 +26,7 @@ _DIGITS = 120
 _MANY = 1_024  # points of which quarters are worth a loop over them
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Quarters:
     """Constants of the quarters, indexed by 2 (sigma_b < 0) + (sigma_a < 0): computed exactly, rounded once.
 

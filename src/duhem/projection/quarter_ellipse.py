@@ -61,12 +61,16 @@ def _plain(function: Any) -> Any:
 
 
 def formulas(
-    compile: Compiler = _plain, where: Callable[..., Any] = np.where, exact: Callable[..., Any] | None = None, loose: Compiler | None = None
+    compile: Compiler = _plain,
+    where: Callable[..., Any] = np.where,
+    exact: Callable[..., Any] | None = None,
+    loose: Compiler | None = None,
+    sqrt: Callable[[Any], Any] = np.sqrt,
 ) -> Formulas:
     """The formulas, each passed through ``compile``; ``where(condition, a, b)`` chooses for what they are applied to.
 
     ``exact``: the product where there is a shorter way to it.  ``loose``: compiles what no error-free sum depends on,
-    where products and sums may be rounded together; ``compile`` if left out.
+    where products and sums may be rounded together; ``compile`` if left out.  ``sqrt``: the root of what they are applied to.
     """
     loose = compile if loose is None else loose
 
@@ -234,6 +238,6 @@ def formulas(
         u1, u2 = w1 * w1, w2 * w2
         u2 = r * u2
         g1, g2 = e * (u1 + u2), u1 + r * u2
-        return f / (g1 + np.sqrt(g1 * g1 + f * g2))
+        return f / (g1 + sqrt(g1 * g1 + f * g2))
 
     return Formulas(product, quotient, excess, close_excess, on_grid, direction, start, root, turned, multiplier)

@@ -63,6 +63,8 @@ def posed(setting: Increment, trial: ArrayLike, pressure: ArrayLike | None) -> I
     stresses = _trial(trial, d, setting.law)
     pressures = _pressure(pressure, setting.law)
     check_rows(trial, pressure, "pressure")
+    if stresses.shape[:1] == pressures.shape:
+        return replace(setting, trial=stresses, pressure=pressures)
     try:
         n = np.broadcast_shapes((stresses.shape[0],), pressures.shape)[0]
     except ValueError:

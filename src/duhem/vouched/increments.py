@@ -1,24 +1,79 @@
-"""Slip increments whose status says whether the point is the closest one, or stationary and no more."""
+"""Slip increments whose status says whether the point is the closest one, or stationary and no more; once, or prepared for many calls."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from duhem.law.convex import check_convex
 from duhem.law.formula_law import Criterion
 from duhem.projection.method import Method
 from duhem.projection.projector import Projector
-from duhem.projection.result import Projection
+from duhem.projection.result import Array, Projection, Status
 from duhem.projection.validation import posed
 from duhem.vouched.convexity import asked
 
-__all__ = ["project"]
+__all__ = ["Prepared", "SlipIncrement", "prepare", "project"]
+
+
+class SlipIncrement(NamedTuple):
+    """What a prepared law answers: of many points stress and slip (N, d), multiplier and status (N,); of one (d,) and numbers."""
+
+    stress: Array
+    slip: Array
+    multiplier: Array | float
+    status: NDArray[np.int8] | Status
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A law with its stiffness and parameters, checked once: call it with a trial stress and a pressure, as often as there are steps.
+
+    Stresses are in Pa and slips in m, where the stiffness is in Pa/m.  It can be pickled, and threads may share it.
+    """
+
+    projector: Projector
+    parameters: Mapping[str, Any] | None
+    convex: str
+
+    def __call__(self, trial: ArrayLike, pressure: ArrayLike | None = None) -> SlipIncrement:
+        """The slip increments to ``trial``, (d,) or (N, d), under ``pressure``, one number or (N,); errors as :func:`duhem.project`."""
+        found = self.project(trial, pressure)
+        if np.ndim(trial) == 1 and len(found.multiplier) == 1:
+            return SlipIncrement(found.stress[0], found.slip[0], float(found.multiplier[0]), Status(int(found.status[0])))
+        return SlipIncrement(found.stress, found.slip, found.multiplier, found.status)
+
+    def project(self, trial: ArrayLike, pressure: ArrayLike | None = None, tangent: bool = False, **options: Any) -> Projection:
+        """The same with residuals, dissipation and, where it is asked for, the ``tangent``: what :func:`duhem.project` returns."""
+        question = posed(self.projector.setting, trial, pressure)
+        if not self.projector.method.convex:
+            found = asked(question.law, self.parameters, self.convex, unloaded=bool(np.any(question.pressure == 0.0)))
+            question = replace(question, convexity=found)
+        return self.projector.at(question, tangent, **options)
+
+
+def prepare(
+    law: Criterion | str | Path,
+    stiffness: ArrayLike = 1.0,
+    parameters: Mapping[str, Any] | None = None,
+    method: str | Method[Any] = "auto",
+    convex: str = "ask",
+) -> Prepared:
+    """The slip increment of a law as a callable ``(trial, pressure) -> (stress, slip, multiplier, status)``, checked once.
+
+    Arguments, units and errors are those of :func:`duhem.project`, which stands on it.  Whether K is convex is asked here, where the
+    method does not show it, so that no increment waits for the answer but the first one at sigma_n = 0.
+    """
+    check_convex(convex)
+    prepared = Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex)
+    if not prepared.projector.method.convex:
+        asked(prepared.projector.setting.law, parameters, convex, unloaded=False)
+    return prepared
 
 
 def project(
@@ -57,9 +112,4 @@ def project(
     with a flow of its own, which the closest point does not integrate.
     """
     check_convex(convex)
-    prepared = Projector.of(law, stiffness, parameters, method)
-    question = posed(prepared.setting, trial, pressure)
-    if not prepared.method.convex:
-        found = asked(question.law, parameters, convex, unloaded=bool(np.any(question.pressure == 0.0)))
-        question = replace(question, convexity=found)
-    return prepared.at(question, tangent, **options)
+    return Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex).project(trial, pressure, tangent, **options)

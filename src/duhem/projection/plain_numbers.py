@@ -1,0 +1,75 @@
+"""Our own text as Python runs it, on plain numbers: for so few points that arrays take longer to call than to compute.
+
+What a compiler is given runs here unchanged.  Its arrays are tables of numbers by their places, its functions those of ``math``: an
+operation that has no value raises, where an array has nan, and who called takes the point another way.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["FAULTS", "PlainArray", "interpreted", "table"]
+
+FAULTS = ArithmeticError, ValueError
+"""What an operation without a value raises."""
+
+
+class PlainArray(dict[Any, Any]):
+    """Numbers by their places, with the ``shape`` of the array that they stand for; 0 where none was written."""
+
+    def __init__(self, shape: tuple[int, ...] = ()) -> None:
+        super().__init__()
+        self.shape = shape
+
+    def __missing__(self, place: Any) -> float:
+        return 0.0
+
+
+def table(array: NDArray[Any]) -> PlainArray:
+    """The numbers of an array of one or two axes."""
+    found = PlainArray(array.shape)
+    if array.ndim == 1:
+        found.update(enumerate(array.tolist()))
+    else:
+        found.update(((i, j), x) for i, row in enumerate(array.tolist()) for j, x in enumerate(row))
+    return found
+
+
+def interpreted(text: str, entry: str) -> Callable[..., Any]:
+    """The function ``entry`` of the text."""
+    space: dict[str, Any] = {}
+    exec(compile(text, "<generated>", "exec"), space)  # our own text: of the user's formula it has SymPy's numbers and our names
+    space.update(_FUNCTIONS)
+    run: Callable[..., Any] = space[entry]
+    return run
+
+
+class _FromRow:
+    """The rows of a table from the first one on."""
+
+    def __init__(self, rows: PlainArray, first: int) -> None:
+        self.rows, self.first = rows, first
+
+    def __getitem__(self, place: tuple[int, int]) -> float:
+        return float(self.rows[place[0] + self.first, place[1]])
+
+    def __setitem__(self, place: tuple[int, int], value: float) -> None:
+        self.rows[place[0] + self.first, place[1]] = value
+
+
+_SAME = ("cos", "cosh", "exp", "expm1", "hypot", "inf", "isnan", "log", "log10", "log1p", "nan", "sin", "sinh", "sqrt", "tan", "tanh")
+_INVERSE = ("cos", "cosh", "sin", "sinh", "tan", "tanh", "tan2")
+_FUNCTIONS = {
+    **{name: getattr(math, name) for name in _SAME},
+    **{f"arc{name}": getattr(math, f"a{name}") for name in _INVERSE},
+    "maximum": max,
+    "minimum": min,
+    "from_row": _FromRow,
+    "np": SimpleNamespace(inf=math.inf, nan=math.nan, empty=lambda shape: PlainArray(shape), int64=np.int64, float64=np.float64),
+}

@@ -1,0 +1,112 @@
+"""Few points are taken one by one, on plain numbers: the answers of arrays to the bit, the judge's statuses; arrays take what raises."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from duhem.projection import compiled_judge, quadrants
+from duhem.projection.closed_form import CLOSED_FORM
+from duhem.projection.compiled import project_one_by_one
+from duhem.projection.compiled_judge import told_one_by_one
+from duhem.projection.in_blocks import FEW
+from duhem.projection.judge_kernel import UNJUDGED
+from duhem.projection.plain_numbers import PlainArray, interpreted, table
+from duhem.projection.projector import Projector
+from duhem.projection.quadrants import Quarters
+from duhem.projection.residuals import Judge, residuals
+from duhem.projection.result import ACCURACY, Status
+from duhem.projection.validation import increment
+
+FLAGSHIP = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
+SHAPES: dict[str, tuple[tuple[float, ...], Any]] = {
+    "plain": ((0.2, 0.08, 0.12, 0.15), np.diag([1.0, 2.0])),
+    "oblique": ((0.2, 0.08, 0.12, 0.15), np.array([[2.0, 0.7], [0.7, 1.0]])),
+    "round": ((0.5,) * 4, np.diag([3.0, 3.0])),
+    "slender": ((1e-6, 1.0, 3.0, 2e5), np.diag([1e-6, 1e6])),
+    "one circle of four": ((0.5, 0.5, 0.5, 0.2), np.eye(2)),
+}
+
+
+def drawn(n: int, seed: int = 0) -> tuple[Any, Any]:
+    chance = np.random.default_rng(seed)
+    trial = chance.standard_normal((n, 2)) * 10.0 ** chance.uniform(-6, 6, (n, 2))
+    load = 10.0 ** chance.uniform(-6, 6, n)
+    extreme = [
+        ((1e308, 1e308), 1.0),
+        ((1e-310, 5e-324), 1e-300),
+        ((0.0, 0.0), 0.0),
+        ((1.0, -2.0), 0.0),
+        ((-0.0, 1.0), 1.0),
+        ((1e300, 0.0), 1e300),
+    ]
+    cusp = [((5.63009385e-167, -1.63816600e-175), 3.173766149506887e-169), ((1.0, 1e-9), 1.0), ((1.5, 1e-9), 1.0), ((0.3, 0.4), 1.0)]
+    extreme += cusp
+    return np.vstack([trial, [t for t, _ in extreme]]), np.append(load, [e for _, e in extreme])
+
+
+def answers(project: Any, trial: Any, load: Any, quarters: Quarters) -> list[bytes]:
+    out = np.empty(trial.shape), np.empty(trial.shape), np.empty(len(load))
+    project(trial, load, quarters, *out)
+    return [x.tobytes() for x in out]
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_answers_are_those_of_arrays_to_the_bit(shape: str) -> None:
+    coefficients, stiffness = SHAPES[shape]
+    quarters = Quarters.of(coefficients, stiffness)
+    for trial, load in zip(*drawn(400), strict=True):
+        for scaled in (trial, trial / max(1e-300, np.hypot(*trial)) * load * coefficients[0] * (1.0 + 1e-15)):  # next to the boundary too
+            asked = scaled[None], np.array([load])
+            assert answers(project_one_by_one, *asked, quarters) == answers(quadrants.project, *asked, quarters), (scaled, load)
+
+
+@pytest.mark.parametrize(("stress", "slip", "multiplier"), [(1e-6, 0.0, 0.0), (0.0, 1e-5, 0.0), (0.0, 0.0, 1e-5)])
+def test_a_spoilt_answer_does_not_pass(stress: float, slip: float, multiplier: float) -> None:
+    for trial in ([0.3, 0.1], [-0.5, 0.02], [0.0, -2.0]):
+        question = increment_of(trial)
+        right = CLOSED_FORM.solve(question, CLOSED_FORM.options_of({}))
+        assert told_one_by_one(question, right, Judge.of(question, right, True)).status.tolist() == [Status.SLIP]
+        wrong = replace(
+            right, stress=right.stress * (1.0 + stress), slip=right.slip * (1.0 + slip), multiplier=right.multiplier * (1.0 + multiplier)
+        )
+        assert residuals(question, wrong, True).worst()[0] > ACCURACY
+        assert told_one_by_one(question, wrong, Judge.of(question, wrong, True)).status.tolist() == [UNJUDGED]
+
+
+def increment_of(trial: list[float]) -> Any:
+    return increment(Projector.of("antoni2007", [1.0, 2.0], FLAGSHIP).setting.law, [trial], -1.0, [1.0, 2.0], FLAGSHIP)
+
+
+def test_statuses_do_not_depend_on_how_many_points_there_are() -> None:
+    trial, load = drawn(60, 3)
+    projector = Projector.of("antoni2007", [1.0, 2.0], FLAGSHIP)
+    whole = projector(trial, -load)
+    for size in range(1, FEW + 1):
+        parts = [projector(trial[i : i + size], -load[i : i + size]).status for i in range(0, len(load), size)]
+        assert np.concatenate(parts).tolist() == whole.status.tolist()
+
+
+def test_what_raises_is_left_to_arrays(monkeypatch: pytest.MonkeyPatch) -> None:
+    projector = Projector.of("antoni2007", [1.0, 2.0], FLAGSHIP)
+    expected = projector([0.3, 0.1], -1.0)
+
+    def fails(*_: Any) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(compiled_judge, "_interpreted", lambda *_: (fails, ((), (), (), ())))
+    found = projector([0.3, 0.1], -1.0)
+    assert found.status.tolist() == expected.status.tolist() == [Status.SLIP]
+    assert found.stress.tolist() == expected.stress.tolist()
+
+
+def test_text_runs_on_tables_of_numbers() -> None:
+    head = "from numpy import sqrt\nimport numpy as np\n"
+    text = f"{head}def f(v, n):\n    a = np.empty((n, n))\n    a[0, 1] = sqrt(v[0, 0])\n    return a[0, 1] + a[1, 1]\n"
+    assert interpreted(text, "f")(table(np.array([[4.0, 1.0]])), 2) == 2.0
+    assert table(np.array([1.0, 2.0])) == {0: 1.0, 1: 2.0} and PlainArray((3,)).shape == (3,)
+    with pytest.raises(ValueError, match="math domain error"):
+        interpreted(text, "f")(table(np.array([[-4.0]])), 1)
