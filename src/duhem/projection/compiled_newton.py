@@ -1,4 +1,4 @@
-"""The closest point by a loop that is made for one law and compiled by numba: once a law, then kept on disk.
+"""The closest point by a loop that is made for one law: compiled by numba, once a law, then kept on disk, or run on plain numbers.
 
 The functions of the law are its scaled formula and its jets as text (:mod:`duhem.expression.scalar_jets`); the loop is the source of
 :mod:`duhem.projection.newton_kernel` and of the step it takes.  Points that the loop leaves are the search's.
@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -17,17 +18,19 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import ScalarJets, scalar_jets
+from duhem.law.formula_law import Criterion
 from duhem.projection import newton_apex, newton_kernel, newton_start, newton_step
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.kept_code import compiled_text
 from duhem.projection.module_text import module_text
 from duhem.projection.newton_kernel import INLINED, LEFT
+from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, table
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
 from duhem.projection.whitened_body import whitening
 
-__all__ = ["Loop", "kernel_text", "solved"]
+__all__ = ["Loop", "kernel_text", "solved", "solved_one_by_one"]
 
 _BLOCK = 1_024, 4_096  # points, from and to: threads share batches of a few thousand
 
@@ -52,9 +55,7 @@ class Loop:
 
         MissingExtraError without numba.
         """
-        law = increment.law
-        symbol = law.symbols()[law.pressure] if law.pressure else None
-        if (made := _made(increment.g, law.force_symbols(), symbol, sources)) is None:
+        if (made := _made(increment.g, *_names(increment.law), sources)) is None:
             return None
         text, inlined, formula, constants = made
         mean, root = whitening(increment)
@@ -63,8 +64,7 @@ class Loop:
 
     def data(self, pressure: Array) -> Array:
         """What the formula holds besides the forces at each pressure (n, data)."""
-        values = self.formula.values(pressure, np.ones(len(pressure)))
-        return np.stack([values[q] for q in self.formula.data], axis=1) if values else np.zeros((len(pressure), 0))
+        return _data(self.formula, pressure)
 
 
 def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, NDArray[np.intp]]:
@@ -88,6 +88,48 @@ def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, 
         found.slip[:] /= loop.mean
         found.multiplier[:] /= loop.mean
     return found, every[state == LEFT]
+
+
+def solved_one_by_one(increment: Increment) -> tuple[Solution, NDArray[np.intp]]:
+    """The same without a compiler, for few points."""
+    n, d = increment.trial.shape
+    found = Solution(increment.trial.copy(), np.zeros((n, d)), np.zeros(n), np.zeros(n, dtype=bool))
+    if (made := _interpreted(increment.g, *_names(increment.law))) is None:
+        return found, np.arange(n)
+    run, formula, constants = made
+    mean, root = whitening(increment)
+    numbers = constants, table(root), table(np.linalg.inv(root)), formula.degree
+    data, left = _data(formula, increment.pressure), []
+    for i in range(n):
+        stress, slip, multiplier, state = PlainArray(), PlainArray(), PlainArray(), PlainArray()
+        try:
+            run(table(increment.trial[i : i + 1]), table(data[i : i + 1]), *numbers, stress, slip, multiplier, state)
+        except FAULTS:
+            state[0] = LEFT
+        if state[0] == LEFT:
+            left.append(i)
+            continue
+        for k in range(d):
+            found.stress[i, k], found.slip[i, k] = stress[0, k], slip[0, k] / mean
+        found.multiplier[i] = multiplier[0] / mean
+    return found, np.array(left, dtype=np.intp)
+
+
+def _names(law: Criterion) -> tuple[tuple[sp.Symbol, ...], sp.Symbol | None]:
+    return law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None
+
+
+def _data(formula: ScaledFormula, pressure: Array) -> Array:
+    values = formula.values(pressure, np.ones(len(pressure)))
+    return np.stack([values[q] for q in formula.data], axis=1) if values else np.zeros((len(pressure), 0))
+
+
+@lru_cache(maxsize=256)
+def _interpreted(
+    g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None
+) -> tuple[Callable[..., Any], ScaledFormula, tuple[float, ...]] | None:
+    made = _made(g, forces, pressure, ())
+    return None if made is None else (interpreted(made[0], "solve"), made[2], tuple(made[3].tolist()))
 
 
 @lru_cache(maxsize=256)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-__all__ = ["BLOCK", "FEW", "evenly", "in_blocks"]
+__all__ = ["BLOCK", "FEW", "FEW_SEARCHED", "evenly", "in_blocks"]
 
 BLOCK = 24_000
 """Points of a block of NumPy's passes.  The flagship's million points took 206 to 214 ns a point at least, with 16,384 251 to 260."""
@@ -13,6 +13,9 @@ BLOCK = 24_000
 
 FEW = 4
 """Points that are taken one by one, on plain numbers: to call NumPy takes longer than to compute them."""
+
+FEW_SEARCHED = 32
+"""The same of a search that takes steps: of a smooth law arrays are as fast from some 40 points on, of one with corners from 1,000."""
 
 _SHARES = 8  # blocks, or a multiple of them: two, four and eight threads end together
 

@@ -21,6 +21,7 @@ from duhem.projection.close_look import close_look
 from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.implicit_tangent import tangent
+from duhem.projection.in_blocks import FEW_SEARCHED
 from duhem.projection.increment import Increment
 from duhem.projection.inner_points import inner_points
 from duhem.projection.many_digits import closest
@@ -73,11 +74,16 @@ def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
 
     The law is taken as convex.  At corners the slip is a sum over the pieces that meet, and so is the multiplier.
     """
-    if not (isinstance(options, NewtonOptions) and options.compiled):
-        return _solve(increment)
-    from duhem.projection.compiled_newton import solved
+    if isinstance(options, NewtonOptions) and options.compiled:
+        from duhem.projection.compiled_newton import solved
 
-    solution, left = solved(increment, options.threads)
+        solution, left = solved(increment, options.threads)
+    elif len(increment.trial) <= FEW_SEARCHED and (increment.convexity is None or increment.shown_convex().all()):  # it rests on that
+        from duhem.projection.compiled_newton import solved_one_by_one
+
+        solution, left = solved_one_by_one(increment)
+    else:
+        return _solve(increment)
     if left.size:
         rest = _solve(replace(increment, trial=increment.trial[left], pressure=increment.pressure[left]))
         for field in fields(Solution):

@@ -71,5 +71,7 @@ _FUNCTIONS = {
     "maximum": max,
     "minimum": min,
     "from_row": _FromRow,
-    "np": SimpleNamespace(inf=math.inf, nan=math.nan, empty=lambda shape: PlainArray(shape), int64=np.int64, float64=np.float64),
+    "np": SimpleNamespace(
+        inf=math.inf, nan=math.nan, empty=lambda shape, *_: PlainArray(shape), int8=np.int8, int64=np.int64, float64=np.float64
+    ),
 }
