@@ -8,18 +8,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from duhem.projection import compiled_judge, quadrants
+from duhem.projection import compiled_judge, compiled_newton, newton, quadrants
 from duhem.projection.closed_form import CLOSED_FORM
 from duhem.projection.compiled import project_one_by_one
 from duhem.projection.compiled_judge import told_one_by_one
-from duhem.projection.in_blocks import FEW
+from duhem.projection.compiled_newton import solved_one_by_one
+from duhem.projection.in_blocks import FEW, FEW_SEARCHED
+from duhem.projection.increment import Convexity
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.plain_numbers import PlainArray, interpreted, table
 from duhem.projection.projector import Projector
 from duhem.projection.quadrants import Quarters
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Status
-from duhem.projection.validation import increment
+from duhem.projection.validation import increment, posed
+from tests.long import mostly_long
 
 FLAGSHIP = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 SHAPES: dict[str, tuple[tuple[float, ...], Any]] = {
@@ -101,6 +104,55 @@ def test_what_raises_is_left_to_arrays(monkeypatch: pytest.MonkeyPatch) -> None:
     found = projector([0.3, 0.1], -1.0)
     assert found.status.tolist() == expected.status.tolist() == [Status.SLIP]
     assert found.stress.tolist() == expected.stress.tolist()
+
+
+SEARCHED: list[tuple[str, dict[str, float], Any]] = [
+    ("superellipse", {"mu_a": 0.3, "mu_b": 0.2, "p": 4.0}, [1.0, 2.0]),
+    ("box", {"mu_a": 0.3, "mu_b": 0.2}, [[2.0, 0.5], [0.5, 1.0]]),
+    ("tresca", {"yield_stress": 1.0}, 1.0),
+    ("drucker1949", {"c": 2.0, "k": 0.7}, [1.0, 2.0, 5.0]),
+]
+
+
+@pytest.mark.parametrize(("law", "parameters", "stiffness"), mostly_long(SEARCHED, *SEARCHED[1:3]))
+def test_newtons_method_finds_what_arrays_find(law: str, parameters: dict[str, float], stiffness: Any) -> None:
+    projector = Projector.of(law, stiffness, parameters, "newton")
+    chance, known = np.random.default_rng(2), projector.setting.law
+    trial = chance.standard_normal((FEW_SEARCHED, len(known.forces))) * 10.0 ** chance.uniform(-1, 2, (FEW_SEARCHED, 1))
+    question = posed(projector.setting, trial, None if known.pressure is None else -1.0)
+    found, left = solved_one_by_one(question)
+    expected = newton._solve(question)
+    assert not left.size and not expected.failed.any()
+    size = np.abs(trial).max(axis=1, keepdims=True)
+    assert (np.abs(found.stress - expected.stress) <= 1e-13 * size).all()
+    assert (np.abs(found.slip - expected.slip) <= 1e-12 * np.abs(expected.slip).max(axis=1, keepdims=True)).all()
+    np.testing.assert_allclose(found.multiplier, expected.multiplier, rtol=1e-12)
+    assert (projector.at(question).status != Status.INACCURATE).all()
+
+
+def test_what_newtons_text_leaves_the_search_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    projector = Projector.of("tresca", 1.0, {"yield_stress": 1.0})
+    expected = projector([[2.0, 0.3, 0.1], [0.1, 0.0, 0.2]])
+
+    def fails(*_: Any) -> None:
+        raise OverflowError
+
+    monkeypatch.setattr(compiled_newton, "_interpreted", lambda *_: (fails, *_real(projector)))
+    found = projector([[2.0, 0.3, 0.1], [0.1, 0.0, 0.2]])
+    assert found.status.tolist() == expected.status.tolist() == [Status.SLIP, Status.STICK]
+    np.testing.assert_allclose(found.stress, expected.stress, rtol=1e-14)
+
+
+def _real(projector: Projector) -> tuple[Any, Any]:
+    law = projector.setting.law
+    formula, constants = compiled_newton._made(projector.setting.g, law.force_symbols(), None, ())[2:]  # type: ignore[index]
+    return formula, constants
+
+
+def test_of_a_k_that_is_not_shown_to_be_convex_the_search_takes_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiled_newton, "solved_one_by_one", lambda _: pytest.fail("Newton's text rests on convexity"))
+    question = replace(increment_of([0.3, 0.1]), convexity=Convexity(loaded=False, unloaded=False))
+    assert newton.solve(question).multiplier[0] > 0.0
 
 
 def test_text_runs_on_tables_of_numbers() -> None:
