@@ -138,11 +138,8 @@ def test_another_part_of_k_is_seen_at_every_pressure(load: str, stiffness: objec
 @pytest.mark.parametrize("width", [0.001, 0.01, 0.1, 0.4])
 def test_the_end_of_a_slot_is_not_closest_however_narrow(width: float) -> None:
     slot = law(f"max(norm(a, b) - 1, min({width} - abs(b), a - 1/2))")
-    done = project(slot, [[2.0, 0.0], [-2.0, 0.0], [2.0, 1.0]])
-    assert done.status[:2].tolist() == [Status.INACCURATE, Status.SLIP]
-    assert done.status[2] == (
-        Status.SLIP if np.linalg.norm(done.stress[2] - np.array([2.0, 1.0]) / np.sqrt(5.0)) < 1e-9 else Status.INACCURATE
-    )
+    done = project(slot, [[2.0, 0.0], [2.0, 1.0], [-2.0, 0.0]])
+    assert done.status.tolist() == [Status.INACCURATE, Status.SLIP, Status.SLIP]
 
 
 def test_three_forces() -> None:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from duhem.law.formula_law import Criterion
 from duhem.projection import compiled_judge, compiled_newton, newton, quadrants
 from duhem.projection.closed_form import CLOSED_FORM
 from duhem.projection.compiled import project_one_by_one
 from duhem.projection.compiled_judge import told_one_by_one
 from duhem.projection.compiled_newton import solved_one_by_one
 from duhem.projection.in_blocks import FEW, FEW_SEARCHED
-from duhem.projection.increment import Convexity
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.plain_numbers import PlainArray, interpreted, table
 from duhem.projection.projector import Projector
@@ -121,7 +121,7 @@ def test_newtons_method_finds_what_arrays_find(law: str, parameters: dict[str, f
     trial = chance.standard_normal((FEW_SEARCHED, len(known.forces))) * 10.0 ** chance.uniform(-1, 2, (FEW_SEARCHED, 1))
     question = posed(projector.setting, trial, None if known.pressure is None else -1.0)
     found, left = solved_one_by_one(question)
-    expected = newton._solve(question)
+    expected = newton.search(question)
     assert not left.size and not expected.failed.any()
     size = np.abs(trial).max(axis=1, keepdims=True)
     assert (np.abs(found.stress - expected.stress) <= 1e-13 * size).all()
@@ -149,10 +149,15 @@ def _real(projector: Projector) -> tuple[Any, Any]:
     return formula, constants
 
 
-def test_of_a_k_that_is_not_shown_to_be_convex_the_search_takes_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compiled_newton, "solved_one_by_one", lambda _: pytest.fail("Newton's text rests on convexity"))
-    question = replace(increment_of([0.3, 0.1]), convexity=Convexity(loaded=False, unloaded=False))
-    assert newton.solve(question).multiplier[0] > 0.0
+def test_what_the_judge_refuses_of_few_points_is_searched_for() -> None:
+    """Newton's loop goes from where the way to the trial leaves K to the end of a slot; the search finds the side beside it."""
+    slot = Criterion("slot", "max(norm(a, b) - 1, min(2/5 - abs(b), a - 1/2))", forces=("a", "b"), pressure=None)
+    projector = Projector.of(slot, 1.0, None)
+    alone = replace(projector, method=replace(projector.method, again=None))([2.0, 1.0])
+    found = projector([2.0, 1.0])
+    assert (alone.status[0], found.status[0]) == (Status.INACCURATE, Status.SLIP)
+    np.testing.assert_allclose(found.stress[0], np.array([2.0, 1.0]) / np.sqrt(5.0), rtol=1e-14)
+    assert found.residuals.worst()[0] <= ACCURACY
 
 
 def test_text_runs_on_tables_of_numbers() -> None:

@@ -55,7 +55,8 @@ class Method(Generic[Own]):
     ``solve(question, options)`` returns the solution as the method left it, unjudged; ``tangent(question, solution)``
     d sigma/d u (N, d, d) in Pa/m and d sigma/d sigma_n (N, d), None for a law without pressure; no tangent at all is None.
     ``options`` is the type of the options.  ``convex``: where the method can be used K is convex, by a declared shape or by rules
-    of composition; else the judge looks for points of K that speak against it.
+    of composition; else the judge looks for points of K that speak against it.  ``again`` is asked where the judge refuses what
+    ``solve`` found of few points.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Method(Generic[Own]):
     options: type[Own]
     tangent: Callable[[Increment, Solution], tuple[Array, Array | None]] | None = None
     convex: bool = False
+    again: Callable[[Increment, Own], Solution] | None = None
 
     def options_of(self, given: Mapping[str, Any]) -> Own:
         """Options by name; InputError for one that the method does not have, naming those it has."""

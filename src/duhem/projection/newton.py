@@ -34,7 +34,7 @@ from duhem.projection.stiffness_factors import too_far_apart
 from duhem.projection.whitened_body import Body, Index, body, whitening
 from duhem.projection.without_interior import shrunk
 
-__all__ = ["NEWTON", "NewtonOptions", "applies", "solve", "tangent"]
+__all__ = ["NEWTON", "NewtonOptions", "applies", "search", "solve", "tangent"]
 
 _TRIES = frozenset({0, 1, 2, 3, 4, 6, 8, 11, 15, 20, 26, 33, 41, 50, 60, 75, 90, 110, 130})
 _ROUNDS = 140
@@ -78,20 +78,21 @@ def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
         from duhem.projection.compiled_newton import solved
 
         solution, left = solved(increment, options.threads)
-    elif len(increment.trial) <= FEW_SEARCHED and (increment.convexity is None or increment.shown_convex().all()):  # it rests on that
+    elif len(increment.trial) <= FEW_SEARCHED:
         from duhem.projection.compiled_newton import solved_one_by_one
 
         solution, left = solved_one_by_one(increment)
     else:
-        return _solve(increment)
+        return search(increment)
     if left.size:
-        rest = _solve(replace(increment, trial=increment.trial[left], pressure=increment.pressure[left]))
+        rest = search(replace(increment, trial=increment.trial[left], pressure=increment.pressure[left]))
         for field in fields(Solution):
             getattr(solution, field.name)[left] = getattr(rest, field.name)
     return solution
 
 
-def _solve(increment: Increment) -> Solution:
+def search(increment: Increment, _: Options = _DEFAULTS) -> Solution:
+    """The same by half-spaces and arrays alone: it finds what the loop of one law leaves, and looks farther on a K that is not convex."""
     trial, n = increment.trial, len(increment.trial)
     stress, slip, multiplier, failed = trial.copy(), np.zeros_like(trial), np.zeros(n), np.zeros(n, dtype=bool)
     forces = increment.law.force_symbols()
@@ -106,7 +107,7 @@ def _solve(increment: Increment) -> Solution:
         return Solution(stress, slip, multiplier, failed)
     sized, centre, none = _measured(whole.of(who), trial[who], increment.pressure[who])
     if none.any():
-        bare = shrunk(increment, who[none], _solve)
+        bare = shrunk(increment, who[none], search)
         for kept, new in ((stress, bare.stress), (slip, bare.slip), (multiplier, bare.multiplier), (failed, bare.failed)):
             kept[who[none]] = new
     who, inner, centre = who[~none], sized.of(np.flatnonzero(~none)), centre[~none]
@@ -379,4 +380,4 @@ def _try_meets(found: _Found, k: Body, s: Array, at: Index, outer: HalfSpaces, c
         _accept(found, k, refine(k, s[who], times(outer.point[who], k.root.T), who, choices), who, outer, cuts)
 
 
-NEWTON = Method("newton", applies, solve, NewtonOptions, tangent)
+NEWTON = Method("newton", applies, solve, NewtonOptions, tangent, again=search)

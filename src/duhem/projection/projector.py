@@ -15,7 +15,7 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import beyond
-from duhem.projection.in_blocks import BLOCK, FEW, in_blocks
+from duhem.projection.in_blocks import BLOCK, FEW, FEW_SEARCHED, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
@@ -29,6 +29,7 @@ from duhem.projection.validation import posed, setting
 
 __all__ = ["ACCURACY", "Projector"]
 
+_REFUSED = Status.INACCURATE, Status.FAILED
 _WORTH_COMPILING = 4_096  # points; fewer are judged sooner than their loop is loaded
 
 
@@ -78,6 +79,8 @@ class Projector:
         if left.size:
             solution, found = recovered(question, solution, found, self._judged, seen)
             in_blocks(left.size, BLOCK, lambda part: settle(solution, found, left[part]), threads)
+        if len(vouched) <= FEW_SEARCHED:
+            self._asked_again(question, solution, found, told)
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(
             stress=solution.stress,
@@ -92,6 +95,20 @@ class Projector:
             tangent=slopes[0],
             tangent_pressure=slopes[1],
         )
+
+    def _asked_again(self, question: Increment, solution: Solution, found: Residuals, told: Told) -> None:
+        """Put in the place of what the judge refuses what the method finds another way, where it has one and that passes."""
+        at = np.flatnonzero(np.isin(told.status, _REFUSED))
+        if self.method.again is None or not at.size:
+            return
+        asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
+        other = replace(self, method=replace(self.method, solve=self.method.again, again=None)).at(asked)
+        better = np.flatnonzero(~np.isin(other.status, _REFUSED))
+        for mine, its in ((solution, other), (found, other.residuals), (told, other)):
+            for field in fields(mine):
+                if isinstance(into := getattr(mine, field.name), np.ndarray) and hasattr(its, field.name):
+                    into[at[better]] = getattr(its, field.name)[better]
+        solution.failed[at[better]] = False
 
     def _vouched(self, question: Increment) -> NDArray[np.bool_]:
         """Points (N,) at which a stationary point is the closest one, or nobody has asked whether it is."""

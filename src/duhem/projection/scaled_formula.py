@@ -94,8 +94,10 @@ def _datum_value(expr: sp.Expr, known: tuple[sp.Symbol, ...]) -> Program | None:
 
 
 def may_cancel(expr: sp.Basic) -> bool:
-    """Whether it has a sum whose terms are not known to be of one sign."""
-    return any(not (all(a.is_nonnegative for a in one.args) or all(a.is_nonpositive for a in one.args)) for one in expr.atoms(sp.Add))
+    """Whether it has a sum whose terms are not known to be of one sign, or one inside a function: log(1 + x) at a small x, say."""
+    inside = any(one.has(sp.Add) for one in expr.atoms(sp.Function) if not isinstance(one, sp.Abs))
+    sums = expr.atoms(sp.Add)
+    return inside or any(not (all(a.is_nonnegative for a in one.args) or all(a.is_nonpositive for a in one.args)) for one in sums)
 
 
 def of_pressure_alone(expr: sp.Expr, given: Mapping[sp.Symbol, Array]) -> Bounded:

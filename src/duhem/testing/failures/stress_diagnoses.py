@@ -246,4 +246,5 @@ def _roots(level: Levels, size: float) -> Iterator[float]:
     points = size * _SPREAD
     signs = np.sign(level(points))
     for i in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-        yield float(brentq(lambda x: level(np.array([x]))[0], points[i], points[i + 1], xtol=1e-300, rtol=1e-15))
+        sides = points[i], points[i + 1]  # where the level is flat a step only halves them
+        yield float(brentq(lambda x: level(np.array([x]))[0], *sides, xtol=1e-300, rtol=1e-15, maxiter=2_000))
