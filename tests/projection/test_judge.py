@@ -347,5 +347,5 @@ def test_a_wrong_point_at_no_pressure_is_inaccurate(monkeypatch: pytest.MonkeyPa
     def origin(q: Increment, _: Options) -> Solution:
         return Solution(np.zeros_like(q.trial), q.trial.copy(), np.linalg.norm(q.trial, axis=1), np.zeros(len(q.trial), dtype=bool))
 
-    monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, solve=origin))
+    monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, solve=origin, again=None))
     assert duhem.project(law, trial, 0.0, method="newton").status.tolist() == [Status.SLIP, Status.INACCURATE, Status.INACCURATE]

@@ -172,7 +172,7 @@ def test_a_slip_that_is_right_in_its_components_is_put_right_where_k_is_thin(off
     for way in ([0.0, 1.0], [1.0, 0.0], [1.0, 1.0]):
         slip = right.slip + off * right.slip[:, :1] * way
         given = Solution(right.stress, slip, right.multiplier, np.zeros(1, dtype=bool))
-        own = replace(newton.NEWTON, name="own", solve=lambda _, __, given=given: given)
+        own = replace(newton.NEWTON, name="own", again=None, solve=lambda _, __, given=given: given)
         done = duhem.project("orthotropic", trial, -1.0, [1.0, 1e6], parameters, method=own)
         assert done.status[0] == (Status.SLIP if off < 1e-6 else Status.INACCURATE)
         assert off > 1e-6 or done.slip[0] == pytest.approx(right.slip[0], rel=1e-12)
@@ -186,7 +186,9 @@ def test_the_soft_part_of_a_long_slip_adds_up_with_its_stress() -> None:
     right = duhem.project("antoni2007", trial, -1.0, 1.0, parameters, method="closed-form")
     for off, status in ((0.0, Status.SLIP), (1.4e-8 / 5.8e10, Status.SLIP), (2e-6, Status.INACCURATE), (1e-3, Status.INACCURATE)):
         given = replace(right, stress=np.array([[-0.08, 0.0]]), slip=right.slip + off * right.slip[:, :1] * [[0.0, 1.0]])
-        own = replace(newton.NEWTON, name="own", solve=lambda _, __, a=given: Solution(a.stress, a.slip, a.multiplier, a.status < 0))
+        own = replace(
+            newton.NEWTON, name="own", again=None, solve=lambda _, __, a=given: Solution(a.stress, a.slip, a.multiplier, a.status < 0)
+        )
         done = duhem.project("antoni2007", trial, -1.0, 1.0, parameters, method=own)
         assert done.status[0] == status
         assert status == Status.INACCURATE or done.slip[0] == pytest.approx(right.slip[0], rel=1e-14)

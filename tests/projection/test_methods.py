@@ -73,7 +73,7 @@ def test_a_type_error_of_a_method_stays_what_it_is() -> None:
         raise TypeError("unexpected keyword argument")
 
     with pytest.raises(TypeError, match="unexpected"):
-        duhem.project("antoni2007", [1.0, 1.0], -1.0, parameters=MU, method=replace(NEWTON, solve=solve))
+        duhem.project("antoni2007", [1.0, 1.0], -1.0, parameters=MU, method=replace(NEWTON, solve=solve, again=None))
 
 
 # -- one more --------------------------------------------------------------------------------------------------------

@@ -123,7 +123,7 @@ def test_a_method_of_ones_own_is_not_believed_at_an_apex(how: str) -> None:
     corner = CORNERS["apex"]
     question, right = corner.answers(STIFF["one"], np.random.default_rng(2))
     given = spoilt(right, how, 2e-6, np.random.default_rng(3))
-    own = replace(newton.NEWTON, name="own", solve=lambda q, _: given)
+    own = replace(newton.NEWTON, name="own", again=None, solve=lambda q, _: given)
     done = duhem.project(corner.loaded, question.trial, stiffness=1.0, method=own)
     assert set(done.status.tolist()) <= {Status.SLIP, Status.INACCURATE}
     off = np.abs(done.slip - right.slip).max(axis=1) / np.abs(right.slip).max(axis=1)

@@ -27,6 +27,7 @@ _STEP = -400  # of differences, as a power of two, in sizes of the stress
 _FINER = 2.0**-44  # what pairs are off by as a share of what doubles are: 2^-50 an operation, with room
 _TELLING = 2.0**-30  # of a value: it has digits enough
 _NOTHING = 2.0**-80  # of a stress: what is closer to the boundary than this is on it
+_LEAST = 2.0**-1074
 _SIZES = 2.0**-100, 2.0**100  # of stresses that pairs are tried for
 
 
@@ -58,8 +59,12 @@ class CloseLook:
     doubles: BoundedProgram | None
     balls: Callable[..., Any]
 
-    def level(self, points: Sequence[Pair], pressure: Array, size: Array) -> tuple[Array, Array]:
-        """g/R^degree at ``points`` times R = ``size`` (N,), and a bound of what it is off by; nan and inf where nobody knows."""
+    def level(self, points: Sequence[Pair], pressure: Array, size: Array, steep: Array | float = 1.0) -> tuple[Array, Array]:
+        """g/R^degree at ``points`` times R = ``size`` (N,), and a bound of what it is off by; nan and inf where nobody knows.
+
+        ``steep``: by how much g changes over the stress, where that may be little: then a small g is not next to the boundary.
+        """
+        nothing = np.broadcast_to(_NOTHING * np.fmin(steep, 1.0), len(size))
         value, bound = np.full(len(size), np.nan), np.full(len(size), np.inf)
         near = (size >= _SIZES[0]) & (size <= _SIZES[1])
         if self.pairs is not None and self.doubles is not None and near.any():
@@ -70,9 +75,17 @@ class CloseLook:
                 rounding = self.doubles([p.high for p in real], [0.0] * len(real))[1]
                 unit = size**-self.degree
                 value, bound = (np.where(near & sound, x * unit, y) for x, y in ((told.high, value), (_FINER * rounding, bound)))
-        for i in np.flatnonzero(~((bound <= _TELLING * np.abs(value)) | (bound <= _NOTHING))).tolist():
+        for i in np.flatnonzero(~((bound <= _TELLING * np.abs(value)) | (bound <= nothing))).tolist():
             value[i], bound[i] = self._enclosed([_ball(p, i) for p in points], float(pressure[i]), float(size[i]))
         return value, bound
+
+    def holds(self, stress: Array, pressure: float) -> bool:
+        """Whether one stress (d,) is shown to lie inside K."""
+        import flint
+
+        with _precision():
+            found = self.balls(*map(flint.arb, stress.tolist()), *([flint.arb(pressure)] if self.pressed else []))
+        return bool(found < 0)
 
     def slopes(self, points: Sequence[Pair], pressure: Array, size: Array) -> Array:
         """R^(1 - degree) dg/dsigma (N, d) there, by differences in many digits; nan where there are none."""
@@ -85,6 +98,8 @@ class CloseLook:
         with _precision():
             value = self.ball(s, pressure, size)
             middle, radius = float(value.mid()), float(value.rad())
+            if middle == 0.0 and not value.is_zero():  # below doubles it may have a sign
+                return (_LEAST, 0.0) if value > 0 else (-_LEAST, 0.0) if value < 0 else (0.0, max(radius, _LEAST))
             if np.isfinite(middle) and np.isfinite(radius):
                 return middle, radius
             return (np.inf, 0.0) if value > 0 else (-np.inf, 0.0) if value < 0 else (np.nan, np.inf)  # beyond doubles it has a sign

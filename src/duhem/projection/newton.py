@@ -93,6 +93,11 @@ def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
 
 def search(increment: Increment, _: Options = _DEFAULTS) -> Solution:
     """The same by half-spaces and arrays alone: it finds what the loop of one law leaves, and looks farther on a K that is not convex."""
+    with np.errstate(all="ignore"):  # what is out of range fails, and is said to
+        return _searched(increment)
+
+
+def _searched(increment: Increment) -> Solution:
     trial, n = increment.trial, len(increment.trial)
     stress, slip, multiplier, failed = trial.copy(), np.zeros_like(trial), np.zeros(n), np.zeros(n, dtype=bool)
     forces = increment.law.force_symbols()

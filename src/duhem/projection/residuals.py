@@ -43,6 +43,8 @@ _NOISE = 1e-13  # less than this, and the slope of g is as good as any
 _ENDS = 2.0**-1018, 2.0**1021  # of the range of doubles, less a few digits
 _SHORT = 10.0  # of a stress: of longer slips its digits are those of the trial
 _ENDLESS = 2.0**500  # times as far as the boundary: nobody knows
+_FLAT = 2.0**-30  # of what g changes by over the stress: of less rounding may be all
+_BESIDE = 2.0**-990  # a stress beside none
 _SLIP = 0.1  # what a relative error of a slip counts: it is vouched for to ten times the accuracy of stresses
 
 
@@ -106,23 +108,37 @@ class Judge:
     def _still(self, at: NDArray[np.intp], stress: Array, pressure: Array, out: Residuals) -> None:
         size = power_of_two(widest(stress))
         g, hidden = self.level.bounded(stress, pressure, size)
-        if (close := np.flatnonzero(~(np.abs(g) > hidden))).size:
+        close, unknown = np.flatnonzero(~(np.abs(g) > hidden)), np.zeros(at.size, dtype=np.bool_)
+        slope = np.full(stress.shape, np.nan)  # of those that are close, where it is little
+        if close.size:
             g = g.copy()
-            g[close] = self._looked_up(stress[close], pressure[close], size[close])
+            few = stress[close], pressure[close], size[close]
+            steep = dot(np.abs(self.level.gradient(*few)), np.abs(few[0]) / few[2][:, None])
+            flat = np.flatnonzero((steep < _FLAT) & (widest(few[0]) > 0.0))
+            if flat.size:  # a small g is far from the boundary there, if g changes less yet
+                points = as_pairs(few[0][flat], few[2][flat])
+                slope[close[flat]] = close_look(self.increment).slopes(points, few[1][flat], few[2][flat])
+                steep[flat] = dot(np.abs(slope[close[flat]]), np.abs(few[0][flat]) / few[2][flat][:, None])
+            g[close], off = self._looked_up(*few, np.nan_to_num(steep, nan=1.0))
+            unknown[close[flat]] = ~((g[close] != 0.0) | (off <= ACCURACY * steep))[flat]
         if (bare := np.flatnonzero(np.isnan(g))).size:
             g = g.copy()
             g[bare] = self.level.limit(stress[bare], pressure[bare], size[bare])
-        out.feasibility[at] = np.where(np.isnan(g), np.nan, 0.0)
+        out.feasibility[at] = np.where(np.isnan(g) | unknown, np.nan, 0.0)
         if (over := np.flatnonzero(g > 0.0)).size:  # a stick on the boundary, to rounding: a slip is lost
-            slope, point = self.level.gradient(stress[over], pressure[over], size[over]), stress[over] / size[over, None]
-            out.feasibility[at[over]] = share(g[over], dot(np.abs(slope), np.abs(point)))
-            depth = share(share(g[over], length(slope @ self.metric.of_slip)), length(point @ self.metric.of_stress))
+            plain = self.level.gradient(stress[over], pressure[over], size[over])
+            slopes, point = np.where(np.isnan(slope[over]), plain, slope[over]), stress[over] / size[over, None]
+            out.feasibility[at[over]] = share(g[over], dot(np.abs(slopes), np.abs(point)))
+            depth = share(share(g[over], length(slopes @ self.metric.of_slip)), length(point @ self.metric.of_stress))
             out.stationarity[at[over]] = _SLIP * np.minimum(depth / LEAST, 1.0)
 
-    def _looked_up(self, stress: Array, pressure: Array, size: Array) -> Array:
-        """g in units of the stress, as good as a double can tell, 0 where no digit of it shows."""
-        value, bound = close_look(self.increment).level(as_pairs(stress, size), pressure, size)
-        return np.where(np.abs(value) <= bound, 0.0, value)
+    def _looked_up(self, stress: Array, pressure: Array, size: Array, steep: Array | float = 1.0) -> tuple[Array, Array]:
+        """g in units of the stress, as good as a double can tell, 0 where no digit of it shows, and what it is off by.
+
+        ``steep`` is as of the close look.
+        """
+        value, bound = close_look(self.increment).level(as_pairs(stress, size), pressure, size, steep)
+        return np.where(np.abs(value) <= bound, 0.0, value), bound
 
     def _moved(self, at: NDArray[np.intp], trial: Array, pressure: Array, got: Solution, out: Residuals) -> dict[int, Closest]:
         """The residuals of points that move, and what was seen beside them."""
@@ -142,7 +158,7 @@ class Judge:
         looked = np.flatnonzero(~((hidden <= _NOISE) | (hidden * far <= _HIDDEN)))
         if looked.size:
             g, slope, steep = g.copy(), slope.copy(), steep.copy()
-            g[looked] = self._looked_up(stress[looked], pressure[looked], units[looked])
+            g[looked], _ = self._looked_up(stress[looked], pressure[looked], units[looked])
             points = as_pairs(stress[looked], units[looked])
             slope[looked] = close_look(self.increment).slopes(points, pressure[looked], units[looked])
             steep[looked], hidden[looked] = length(slope[looked] @ self.metric.of_slip), 0.0
@@ -196,12 +212,23 @@ class Judge:
             inside, astray = off_no_stress(
                 asked, self.level, self.metric, Solution(stress[none], slip[none], got.multiplier[at[none]], got.failed[at[none]])
             )
+            inside = np.where(self._nearer(trial[none], pressure[none]), 1.0, inside)
             out.complementarity[at[none]] = np.maximum(out.complementarity[at[none]], inside)
             out.stationarity[at[none]] = np.maximum(out.stationarity[at[none]], astray)
         out.variational[at] = self.known.excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
         if not self.known.convex:
             out.variational[at] = np.fmax(out.variational[at], self.known.beside(pressure, point, moved, size, whole, room)) + 0.0 * whole
         return seen
+
+    def _nearer(self, trial: Array, pressure: Array) -> NDArray[np.bool_]:
+        """Whether a point of K beside no stress, on the way to the trial (M, d), is shown to be nearer to it than no stress is."""
+        there = trial * (_BESIDE / widest(trial))[:, None]
+        size = power_of_two(widest(there))
+        g, hidden = self.level.bounded(there, pressure, size)
+        found = np.zeros(len(trial), dtype=np.bool_)
+        for i in np.flatnonzero(~(g > hidden)).tolist():
+            found[i] = close_look(self.increment).holds(there[i], float(pressure[i]))
+        return found
 
     def _multiplier(self, given: Array, slip: Array, steep: Array, units: Array) -> Array:
         """Multipliers of h for those of g, which at large and small stresses may be beyond doubles: there the slip's own."""

@@ -19,6 +19,7 @@ from duhem.expression import Table, fold
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.rounding import Bounded, bounded
+from duhem.expression.vocabulary import Neg, Norm, Pos
 from duhem.expression.weights import weighing
 from duhem.projection.result import Array
 
@@ -51,7 +52,7 @@ class ScaledFormula:
         """h where no force acts, over the data; nan where it is not defined."""
         try:
             return self.expr.xreplace(dict.fromkeys(forces, sp.S.Zero))
-        except ValueError:  # of a word that compares what is infinite
+        except (TypeError, ValueError):  # of a word that compares what is infinite, or none
             return sp.nan
 
     def values(self, pressure: Array, scale: Array) -> dict[sp.Symbol, Array]:
@@ -93,11 +94,16 @@ def _datum_value(expr: sp.Expr, known: tuple[sp.Symbol, ...]) -> Program | None:
     return None if may_cancel(expr) else compiled(expr, known)
 
 
+_SAFE = (sp.Symbol, sp.Number, sp.NumberSymbol, sp.Mul, sp.Pow, sp.Abs, sp.Max, sp.Min, Norm, Pos, Neg)
+
+
 def may_cancel(expr: sp.Basic) -> bool:
-    """Whether it has a sum whose terms are not known to be of one sign, or one inside a function: log(1 + x) at a small x, say."""
-    inside = any(one.has(sp.Add) for one in expr.atoms(sp.Function) if not isinstance(one, sp.Abs))
-    sums = expr.atoms(sp.Add)
-    return inside or any(not (all(a.is_nonnegative for a in one.args) or all(a.is_nonpositive for a in one.args)) for one in sums)
+    """Whether digits may be lost in it: in a sum whose terms are not known to be of one sign, in an exponent or in a function."""
+    if isinstance(expr, sp.Add):
+        kept = all(a.is_nonnegative for a in expr.args) or all(a.is_nonpositive for a in expr.args)
+    else:
+        kept = isinstance(expr, _SAFE) and not (isinstance(expr, sp.Pow) and expr.exp.free_symbols)
+    return not kept or any(may_cancel(a) for a in expr.args)
 
 
 def of_pressure_alone(expr: sp.Expr, given: Mapping[sp.Symbol, Array]) -> Bounded:
