@@ -68,7 +68,7 @@ def _taken(plan: Plan, ledger: Ledger, prepared: Projector, loop: Loop, anchor: 
 def _judged(plan: Plan, prepared: Projector, solution: Solution, trial: Array, pressure: Array) -> Projection:
     """The solution as any other answer of the method."""
     question = replace(prepared.setting, trial=trial, pressure=pressure, convexity=plan.increment.convexity)
-    given = replace(prepared.method, solve=lambda asked, options: solution)
+    given = replace(prepared.method, solve=lambda asked, options: solution, again=None)
     return replace(prepared, method=given).at(question, compiled=True, threads=1)
 
 

@@ -212,7 +212,8 @@ class Judge:
             inside, astray = off_no_stress(
                 asked, self.level, self.metric, Solution(stress[none], slip[none], got.multiplier[at[none]], got.failed[at[none]])
             )
-            inside = np.where(self._nearer(trial[none], pressure[none]), 1.0, inside)
+            zero = np.flatnonzero(~stress[none].any(axis=1))
+            inside[zero[self._nearer(trial[none[zero]], pressure[none[zero]])]] = 1.0
             out.complementarity[at[none]] = np.maximum(out.complementarity[at[none]], inside)
             out.stationarity[at[none]] = np.maximum(out.stationarity[at[none]], astray)
         out.variational[at] = self.known.excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
