@@ -97,7 +97,7 @@ def boundary(increment: Increment) -> Boundary:
     return Boundary(
         g=_values([g], order, parts),
         slopes=_values([*(_derivative(g, x) for x in forces), opening], order, parts),
-        seams=tuple(_values([kink], order) for kink in sorted(kinks, key=str)),
+        seams=tuple(_values([kink], order, {}) for kink in sorted(kinks, key=str)),
         stiffness=increment.stiffness,
     )
 
@@ -114,9 +114,8 @@ def _apart(g: sp.Expr, forces: Sequence[sp.Symbol], pressure: sp.Symbol) -> tupl
     return formula.expr.xreplace({q: datum.expr for q, datum in formula.data.items() if q not in parts}), parts
 
 
-def _values(formulas: Sequence[sp.Expr], order: Sequence[sp.Symbol], parts: Parts | None = None) -> Values:
+def _values(formulas: Sequence[sp.Expr], order: Sequence[sp.Symbol], parts: Parts) -> Values:
     """Formulas as lines of Python over numbers: at one point arrays take ten times as long."""
-    parts = parts or {}
     text, constants = scalar_values("values", formulas, [*order, *parts])
     run = interpreted_text(f"from numpy import {', '.join(FUNCTIONS)}\n{text}\n", "values")
     fixed = [np.float64(c) for c in constants]
@@ -129,7 +128,7 @@ def _values(formulas: Sequence[sp.Expr], order: Sequence[sp.Symbol], parts: Part
     def at(stress: Array, pressure: float) -> list[Any]:
         found = [0.0] * len(formulas)
         with np.errstate(all="ignore"):
-            run([*stress, np.float64(pressure), *(told(pressure) if parts else ()), *fixed], found)
+            run([*stress, np.float64(pressure), *told(pressure), *fixed], found)
         return found
 
     return at

@@ -6,10 +6,8 @@ points take it compiled, where that is asked for, and few take it one by one as 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -74,13 +72,13 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
 def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> Told:
     """The same without a compiler, for few points."""
     n, d = solution.stress.shape
-    found = _interpreted(judge.level, increment.law.force_symbols())
-    if found is None or not judge.known.around_origin:
+    loop = _text(judge.level, increment.law.force_symbols())
+    if loop is None or not judge.known.around_origin:
         return Told.nothing(n)
-    (run, constants), metric = found, judge.metric
+    run, metric = interpreted(loop.text, "chunk"), judge.metric
     matrices = [_table(m.tobytes(), d) for m in (increment.stiffness, metric.of_slip, metric.of_stress, metric.to_stress)]
     tips = [_table(beside(d).tobytes(), d), *_seen_tables(judge.known.tips.tobytes(), metric.of_stress.tobytes(), d)]
-    known = (*constants, *matrices, *tips, *_figures(judge))
+    known = (*loop.constants, *matrices, *tips, *_figures(judge))
     room = [PlainArray() for _ in range(5)]
     said = Told.nothing(n)
     residuals = [getattr(said.residuals, f.name) for f in fields(Residuals)]
@@ -112,12 +110,6 @@ def _table(array: bytes, d: int) -> PlainArray:
 @lru_cache(maxsize=256)
 def _seen_tables(tips: bytes, of_stress: bytes, d: int) -> tuple[PlainArray, ...]:
     return tuple(table(x) for x in _seen(tips, of_stress, d))
-
-
-@lru_cache(maxsize=256)
-def _interpreted(level: Level, forces: tuple[sp.Symbol, ...]) -> tuple[Callable[..., Any], tuple[Numbers, ...]] | None:
-    found = _text(level, forces)
-    return None if found is None else (interpreted(found.text, "chunk"), found.constants)
 
 
 def _read(given: Array) -> Array:

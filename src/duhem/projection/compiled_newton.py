@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -18,7 +17,6 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import ScalarJets, scalar_jets
-from duhem.law.formula_law import Criterion
 from duhem.projection import newton_apex, newton_kernel, newton_start, newton_step
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
@@ -37,7 +35,7 @@ _BLOCK = 1_024, 4_096  # points, from and to: threads share batches of a few tho
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """A compiled function and what it takes of the law: numbers of the ``formula``, the stiffness's ``root`` and its inverse.
+    """A function and what it takes of the law: numbers of the ``formula``, the stiffness's ``root`` and its inverse.
 
     What it finds of slips and multipliers is for a stiffness of mean 1, and is divided by ``mean``.
     """
@@ -50,21 +48,25 @@ class Loop:
     mean: float
 
     @classmethod
-    def of(cls, increment: Increment, entry: str = "solve", *sources: ModuleType) -> Loop | None:
+    def of(cls, increment: Increment, entry: str = "solve", *sources: ModuleType, plain: bool = False) -> Loop | None:
         """``entry`` of the kernel or of further ``sources``; None for a law with a word that has no derivatives as text.
 
-        MissingExtraError without numba.
+        ``plain``: as Python runs it, on plain numbers; else MissingExtraError without numba.
         """
-        if (made := _made(increment.g, *_names(increment.law), sources)) is None:
+        law = increment.law
+        symbol = law.symbols()[law.pressure] if law.pressure else None
+        if (made := _made(increment.g, law.force_symbols(), symbol, sources)) is None:
             return None
         text, inlined, formula, constants = made
         mean, root = whitening(increment)
         inverse = np.ascontiguousarray(np.linalg.inv(root))
-        return cls(compiled_text(text, entry, inlined), formula, constants, np.ascontiguousarray(root), inverse, mean)
+        run = interpreted(text, entry) if plain else compiled_text(text, entry, inlined)
+        return cls(run, formula, constants, np.ascontiguousarray(root), inverse, mean)
 
     def data(self, pressure: Array) -> Array:
         """What the formula holds besides the forces at each pressure (n, data)."""
-        return _data(self.formula, pressure)
+        values = self.formula.values(pressure, np.ones(len(pressure)))
+        return np.stack([values[q] for q in self.formula.data], axis=1) if values else np.zeros((len(pressure), 0))
 
 
 def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, NDArray[np.intp]]:
@@ -94,42 +96,23 @@ def solved_one_by_one(increment: Increment) -> tuple[Solution, NDArray[np.intp]]
     """The same without a compiler, for few points."""
     n, d = increment.trial.shape
     found = Solution(increment.trial.copy(), np.zeros((n, d)), np.zeros(n), np.zeros(n, dtype=bool))
-    if (made := _interpreted(increment.g, *_names(increment.law))) is None:
+    if (loop := Loop.of(increment, plain=True)) is None:
         return found, np.arange(n)
-    run, formula, constants = made
-    mean, root = whitening(increment)
-    numbers = constants, table(root), table(np.linalg.inv(root)), formula.degree
-    data, left = _data(formula, increment.pressure), []
+    numbers = loop.constants.tolist(), table(loop.root), table(loop.inverse), loop.formula.degree
+    data, left = loop.data(increment.pressure), []
     for i in range(n):
         stress, slip, multiplier, state = PlainArray(), PlainArray(), PlainArray(), PlainArray()
         try:
-            run(table(increment.trial[i : i + 1]), table(data[i : i + 1]), *numbers, stress, slip, multiplier, state)
+            loop.run(table(increment.trial[i : i + 1]), table(data[i : i + 1]), *numbers, stress, slip, multiplier, state)
         except FAULTS:
             state[0] = LEFT
         if state[0] == LEFT:
             left.append(i)
             continue
         for k in range(d):
-            found.stress[i, k], found.slip[i, k] = stress[0, k], slip[0, k] / mean
-        found.multiplier[i] = multiplier[0] / mean
+            found.stress[i, k], found.slip[i, k] = stress[0, k], slip[0, k] / loop.mean
+        found.multiplier[i] = multiplier[0] / loop.mean
     return found, np.array(left, dtype=np.intp)
-
-
-def _names(law: Criterion) -> tuple[tuple[sp.Symbol, ...], sp.Symbol | None]:
-    return law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None
-
-
-def _data(formula: ScaledFormula, pressure: Array) -> Array:
-    values = formula.values(pressure, np.ones(len(pressure)))
-    return np.stack([values[q] for q in formula.data], axis=1) if values else np.zeros((len(pressure), 0))
-
-
-@lru_cache(maxsize=256)
-def _interpreted(
-    g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None
-) -> tuple[Callable[..., Any], ScaledFormula, tuple[float, ...]] | None:
-    made = _made(g, forces, pressure, ())
-    return None if made is None else (interpreted(made[0], "solve"), made[2], tuple(made[3].tolist()))
 
 
 @lru_cache(maxsize=256)

@@ -91,13 +91,9 @@ def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
     return solution
 
 
+@np.errstate(all="ignore")  # what is out of range fails, and is said to
 def search(increment: Increment, _: Options = _DEFAULTS) -> Solution:
     """The same by half-spaces and arrays alone: it finds what the loop of one law leaves, and looks farther on a K that is not convex."""
-    with np.errstate(all="ignore"):  # what is out of range fails, and is said to
-        return _searched(increment)
-
-
-def _searched(increment: Increment) -> Solution:
     trial, n = increment.trial, len(increment.trial)
     stress, slip, multiplier, failed = trial.copy(), np.zeros_like(trial), np.zeros(n), np.zeros(n, dtype=bool)
     forces = increment.law.force_symbols()
@@ -119,13 +115,11 @@ def _searched(increment: Increment) -> Solution:
     if not who.size:
         return Solution(stress, slip, multiplier, failed)
     size = inner.size
-    with np.errstate(over="ignore", invalid="ignore"):  # a step may go anywhere; what is not better is not taken
-        found = _project(inner, trial[who] / size[:, None], centre)
-        _snap(inner, found.x)
-    with np.errstate(over="ignore", invalid="ignore"):
-        stress[who] = found.x * size[:, None]
-        slip[who] = times(found.normal, np.asarray(np.linalg.inv(root))) * (size / stiffness)[:, None]
-        multiplier[who] = grown(found.weight / stiffness, size, 2.0 - formula.degree)
+    found = _project(inner, trial[who] / size[:, None], centre)
+    _snap(inner, found.x)
+    stress[who] = found.x * size[:, None]
+    slip[who] = times(found.normal, np.asarray(np.linalg.inv(root))) * (size / stiffness)[:, None]
+    multiplier[who] = grown(found.weight / stiffness, size, 2.0 - formula.degree)
     failed[who] |= found.failed
     solution = Solution(stress, slip, multiplier, failed)
     _in_many_digits(increment, solution, formula.degree, who[found.failed & (found.gap <= _CLOSE)])

@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from duhem.projection.kept_code import interpreted_text
 
 __all__ = ["FAULTS", "PlainArray", "interpreted", "table"]
 
@@ -41,12 +44,11 @@ def table(array: NDArray[Any]) -> PlainArray:
     return found
 
 
+@lru_cache(maxsize=128)
 def interpreted(text: str, entry: str) -> Callable[..., Any]:
     """The function ``entry`` of the text."""
-    space: dict[str, Any] = {}
-    exec(compile(text, "<generated>", "exec"), space)  # our own text: of the user's formula it has SymPy's numbers and our names
-    space.update(_FUNCTIONS)
-    run: Callable[..., Any] = space[entry]
+    run: Any = interpreted_text(text, entry)
+    run.__globals__.update(_FUNCTIONS)
     return run
 
 
