@@ -13,7 +13,6 @@ from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Disk, Interval, Quadrants
 from duhem.projection import closed_form, compiled, quadrants
 from duhem.projection.coefficients import coefficients, of_pressure
-from duhem.projection.in_blocks import FEW
 from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Status
@@ -107,8 +106,6 @@ def on_quarters(
     about = trial if centre is None else trial - centre
     if fast and own is None:
         compiled.project(about, load, quarters, stress, slip, multiplier)
-    elif own is None and len(load) <= FEW and not quarters.flat.any():
-        compiled.project_one_by_one(about, load, quarters, stress, slip, multiplier)
     else:
         quadrants.project(about, load, quarters, stress, slip, multiplier, own)
     if centre is not None:

@@ -16,7 +16,7 @@ from duhem.projection import quadrants
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.closed_form_tangent import tangent
 from duhem.projection.coefficients import Coefficients, centre, coefficients, declared, of_pressure, own_entries, uniform
-from duhem.projection.in_blocks import BLOCK, FEW, in_blocks
+from duhem.projection.in_blocks import BLOCK, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method
 from duhem.projection.quadrants import Quarters
@@ -138,8 +138,6 @@ def _on_quarters(found: Coefficients, increment: Increment, compiled: bool) -> P
     quarters = _quarters(found.mu, increment.stiffness.tobytes())
     if compiled:
         from duhem.projection.compiled import project
-    elif len(increment.pressure) <= FEW and not quarters.flat.any():
-        from duhem.projection.compiled import project_one_by_one as project
     else:
         from duhem.projection.quadrants import project
 

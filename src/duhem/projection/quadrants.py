@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from fractions import Fraction
@@ -11,17 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.projection.quarter_ellipse import formulas
+from duhem.projection.in_blocks import FEW
+from duhem.projection.one_point import closest
+from duhem.projection.plain_numbers import FAULTS, PlainArray, table
+from duhem.projection.quarter_ellipse import CLOSE, NEAR, SAFE, SEAM, SURE, formulas
 from duhem.projection.result import Array
 
-__all__ = ["CLOSE", "NEAR", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "project", "stacked"]
+__all__ = ["Quarters", "clamped", "project", "stacked"]
 
 _FORMULAS = formulas()
-SAFE = 2.0**200  # of what lies between 1/SAFE and SAFE cubes neither overflow nor vanish, nor if times a ratio above 1/SAFE^2
-CLOSE = 2.0**-45  # relative; closer than this, F of two words is not good to the last digits
-NEAR = 2.0**-20  # the same of F from parts on a grid, and of a ratio that the evolute's cusp is taken off
-SURE = 1e-14  # a result this far within its quadrant, as a direction, is not there by rounding
-SEAM = 1e-6  # a result this far beyond its quadrant, as a direction, is none
+_CLOSEST = closest(lambda function: function, formulas(where=lambda condition, a, b: a if condition else b, sqrt=math.sqrt))
 _DIGITS = 120
 _MANY = 1_024  # points of which quarters are worth a loop over them
 
@@ -129,7 +129,36 @@ def project(
     The multiplier is nan where a number of the slip or the stress has left the range of a float.
     """
     with np.errstate(all="ignore"):
-        _project(trial, load, quarters, stress, slip, multiplier, own)
+        if own is None and len(load) <= FEW and not quarters.flat.any():
+            _one_by_one(trial, load, quarters, stress, slip, multiplier)
+        else:
+            _project(trial, load, quarters, stress, slip, multiplier, own)
+
+
+def _one_by_one(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
+    """What arrays find, to the bit, on plain numbers; arrays take the point of which an operation has no value."""
+    constants = _tables(quarters)
+    for n, (given, e) in enumerate(zip(trial.tolist(), load.tolist(), strict=True)):
+        s, moved, weight = PlainArray(), PlainArray(), PlainArray()
+        try:
+            _CLOSEST(0, {(0, 0): given[0], (0, 1): given[1]}, {0: e}, *constants, s, moved, weight)
+        except FAULTS:
+            here = slice(n, n + 1)
+            _project(trial[here], load[here], quarters, stress[here], slip[here], multiplier[here], None)
+            continue
+        stress[n], slip[n], multiplier[n] = (s[0, 0], s[0, 1]), (moved[0, 0], moved[0, 1]), weight[0]
+
+
+@lru_cache(maxsize=256)
+def _tables(quarters: Quarters) -> tuple[PlainArray, ...]:
+    """mu, axes, low, ratio, compliance, power and first."""
+    q = quarters
+    rows = [PlainArray() for _ in range(2)]
+    for found, axes in zip(rows, (q.axes, q.axes_low), strict=True):
+        for place in np.ndindex(4, 2):
+            found[place] = axes[place].tolist()
+            found.update({(*place, i): x for i, x in enumerate(found[place])})
+    return table(q.mu), *rows, *(table(x) for x in (q.ratio, q.compliance, q.power, q.first))
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,13 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Formulas", "formulas"]
+__all__ = ["CLOSE", "NEAR", "SAFE", "SEAM", "SURE", "Formulas", "formulas"]
+
+SAFE = 2.0**200  # of what lies between 1/SAFE and SAFE cubes neither overflow nor vanish, nor if times a ratio above 1/SAFE^2
+CLOSE = 2.0**-45  # relative; closer than this, F of two words is not good to the last digits
+NEAR = 2.0**-20  # the same of F from parts on a grid, and of a ratio that the evolute's cusp is taken off
+SURE = 1e-14  # a result this far within its quadrant, as a direction, is not there by rounding
+SEAM = 1e-6  # a result this far beyond its quadrant, as a direction, is none
 
 _SPLIT = 134217729.0  # 2^27 + 1
 _GRID = 2.0**27  # times a number: added and taken off again, 26 digits of what is smaller are left
