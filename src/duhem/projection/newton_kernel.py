@@ -159,6 +159,8 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) 
                 held[least, k] = held[count, k]
         elif optimal(v, m, q, held, count, root):
             return count
+        elif KINKS == 0:  # of a smooth law there is no other piece
+            return 0
         elif count == D:
             if not exchanged(v, m, a, held):
                 return 0
