@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from duhem.projection.increment import Increment
     from duhem.projection.result import Array, Solution
 
-__all__ = ["Compiling", "Method", "Options"]
+__all__ = ["Compiling", "Method", "Options", "PlainClosest"]
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,9 @@ class Compiling(Options):
 
 Own = TypeVar("Own", bound=Options)
 
+PlainClosest = Callable[[Sequence[float], float], tuple[Sequence[float], Sequence[float], float] | None]
+"""Stress, slip and multiplier from a trial stress and a pressure, all plain numbers; None where arrays are to be asked."""
+
 
 @dataclass(frozen=True)
 class Method(Generic[Own]):
@@ -56,7 +59,8 @@ class Method(Generic[Own]):
     d sigma/d u (N, d, d) in Pa/m and d sigma/d sigma_n (N, d), None for a law without pressure; no tangent at all is None.
     ``options`` is the type of the options.  ``convex``: where the method can be used K is convex, by a declared shape or by rules
     of composition; else the judge looks for points of K that speak against it.  ``again`` is asked where the judge refuses what
-    ``solve`` found of few points.
+    ``solve`` found of few points.  ``plain(question)`` is the closest point to one trial on plain numbers, of the same digits and
+    sooner than ``solve`` for one point, or None where there is none.
     """
 
     name: str
@@ -66,6 +70,7 @@ class Method(Generic[Own]):
     tangent: Callable[[Increment, Solution], tuple[Array, Array | None]] | None = None
     convex: bool = False
     again: Callable[[Increment, Own], Solution] | None = None
+    plain: Callable[[Increment], PlainClosest | None] | None = None
 
     def options_of(self, given: Mapping[str, Any]) -> Own:
         """Options by name; InputError for one that the method does not have, naming those it has."""
