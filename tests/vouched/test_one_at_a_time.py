@@ -1,4 +1,4 @@
-"""One increment after the other goes on plain numbers: with the answers of arrays, and with arrays where anything is out of the ordinary."""
+"""One increment after the other goes on plain numbers: its answers are those of arrays, which are asked of all that is unusual."""
 
 from __future__ import annotations
 

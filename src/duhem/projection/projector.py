@@ -85,6 +85,8 @@ class Projector:
             remedy = "leave tangent out, or take a law with a closed form"
             raise InputError(f"method {method.name} has no tangent", where="tangent", remedy=remedy)
         given = method.options_of(options)
+        if isinstance(given, Compiling):
+            given = given.settled(len(question.pressure))
         solution, vouched = method.solve(question, given), self._vouched(question)
         judge, sure = Judge.of(question, solution, self._taken_as_convex(question)), bool(vouched.all())
         told = _told(question, solution, judge, given) if sure else Told.nothing(len(vouched))
@@ -111,6 +113,7 @@ class Projector:
             forces=question.law.forces,
             tangent=slopes[0],
             tangent_pressure=slopes[1],
+            compiled=isinstance(given, Compiling) and bool(given.compiled),
         )
 
     def _asked_again(self, question: Increment, solution: Solution, found: Residuals, told: Told) -> None:
