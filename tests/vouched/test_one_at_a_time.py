@@ -16,6 +16,7 @@ from duhem.projection import closed_form, known_points
 from duhem.projection.closed_form import CLOSED_FORM
 from duhem.projection.one_increment import OneIncrement
 from duhem.projection.result import Status
+from tests.long import mostly_long
 
 LAWS: dict[str, tuple[dict[str, float], Any]] = {
     "antoni2007": ({"mu_a_plus": 0.3, "mu_a_minus": 0.2, "mu_b_plus": 0.4, "mu_b_minus": 0.25}, 1.5),
@@ -116,3 +117,27 @@ def test_it_can_be_pickled_after_it_was_used() -> None:
 def test_where_k_is_not_shown_to_be_convex_arrays_are_asked() -> None:
     prepared = duhem.prepare("limacon", 1.0, {"mu": 0.3, "e": 0.9})
     assert not prepared._shown_convex
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_long(["antoni2007", "tresca"], "antoni2007"))
+def test_compiled_answers_are_the_same(name: str) -> None:
+    pytest.importorskip("numba")
+    parameters, stiffness = LAWS[name]
+    plain, compiled = (duhem.prepare(name, stiffness, parameters, compiled=one) for one in (False, True))
+    trial, pressure = asked(name, 20, 3)
+    for i, t in enumerate(trial):
+        q = None if pressure is None else float(pressure[i])
+        one, other = plain(t, q), compiled(t, q)
+        assert one.status == other.status
+        for a, b in zip(one[:3], other[:3], strict=True):
+            np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-13 * np.abs(t).max())
+    numbers = compiled._one.numbers(trial[0], None if pressure is None else -1.0)
+    assert numbers is not None and compiled._one.answer(*numbers) is not None
+    assert compiled(trial, pressure).status.tolist() == plain(trial, pressure).status.tolist()
+
+
+def test_a_method_that_is_not_compiled_says_so() -> None:
+    parameters, stiffness = LAWS["orthotropic"]
+    with pytest.raises(InputError, match="cvxpy is not compiled"):
+        duhem.prepare("orthotropic", stiffness, parameters, "cvxpy", compiled=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import isfinite
 from typing import Any
 
@@ -99,7 +99,7 @@ def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solut
     return solution
 
 
-def plain(increment: Increment) -> PlainClosest | None:
+def plain(increment: Increment, compiled: bool = False) -> PlainClosest | None:
     """The closest point to one trial on plain numbers; None for a shape in one force, one that is moved and one that may be empty."""
     shape, found = declared(increment), coefficients(increment)
     slope = uniform(increment, shape.slope)
@@ -107,10 +107,16 @@ def plain(increment: Increment) -> PlainClosest | None:
         return None
     quarters, load = _quarters(found.mu, increment.stiffness.tobytes()), of_one_pressure(increment, shape.load)
     share = (slope if slope > 0.0 else 1.0) * found.scale
+    if compiled:
+        from duhem.projection.compiled import plain_closest as compiled_closest
+
+        at: Callable[[Sequence[float], float], Any] = compiled_closest(quarters)
+    else:
+        at = partial(plain_closest, quarters)
 
     def closest(trial: Sequence[float], pressure: float) -> Any:
         with np.errstate(all="ignore"):
-            answer = plain_closest(trial, load(pressure), quarters)
+            answer = at(trial, load(pressure))
         if answer is None or not isfinite(answer[2]):
             return None
         stress, slip, multiplier = answer

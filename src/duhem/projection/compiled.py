@@ -6,19 +6,19 @@ import hashlib
 import inspect
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any, cast
 
 import numpy as np
 
 from duhem.projection import one_point, quadrants, quarter_ellipse
-from duhem.projection.kept_code import compiled_text
+from duhem.projection.kept_code import CompiledText, compiled_text
 from duhem.projection.quadrants import Quarters
 from duhem.projection.quarter_ellipse import CLOSE, SAFE, formulas
 from duhem.projection.result import Array
 
-__all__ = ["kernel", "kernels", "project"]
+__all__ = ["kernel", "kernels", "plain_closest", "project"]
 
 _CHUNK = 504  # points looked at together: their numbers stay in the nearest cache, and rows of them apart in it
 
@@ -32,6 +32,20 @@ def project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: 
     axes = (np.ascontiguousarray(q.axes), np.ascontiguousarray(q.axes_low))
     trial, load = np.ascontiguousarray(trial), np.ascontiguousarray(load)
     run(trial, load, q.mu, *axes, q.ratio, q.compliance, q.power, q.first, stress, slip, multiplier)
+
+
+def plain_closest(quarters: Quarters) -> Callable[[Sequence[float], float], tuple[list[float], list[float], float]]:
+    """The same for one trial and its load, plain numbers; none of the quarters is flat."""
+    q = quarters
+    constants = q.mu, np.ascontiguousarray(q.axes), np.ascontiguousarray(q.axes_low), q.ratio, q.compliance, q.power, q.first
+    run = kernel().settled(np.zeros((1, 2)), np.ones(1), *constants, np.empty((1, 2)), np.empty((1, 2)), np.empty(1))
+
+    def closest(trial: Sequence[float], load: float) -> tuple[list[float], list[float], float]:
+        stress, slip, multiplier = np.empty((1, 2)), np.empty((1, 2)), np.empty(1)
+        run(np.array([trial]), np.array([load]), *constants, stress, slip, multiplier)
+        return stress[0].tolist(), slip[0].tolist(), float(multiplier[0])
+
+    return closest
 
 
 _KEPT = """\
@@ -48,7 +62,7 @@ _NAMES = "trial, load, mu, axes, low, ratio, compliance, power, first, stress, s
 
 
 @cache
-def kernel() -> Callable[..., None]:
+def kernel() -> CompiledText:
     """The compiled function, for quarters of which none is flat; MissingExtraError without numba.
 
     What is kept belongs to the text of the modules that it was made of.

@@ -26,6 +26,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.kept_code import compiled_text
 from duhem.projection.level import Level
+from duhem.projection.metric import Metric
 from duhem.projection.module_text import module_text, over_unit
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
@@ -37,7 +38,7 @@ from duhem.projection.scaled_formula import ScaledFormula
 from duhem.projection.told import Told
 from duhem.projection.variational import Variational
 
-__all__ = ["Look", "plain_look", "told", "told_one_by_one"]
+__all__ = ["Look", "compiled_look", "plain_look", "told", "told_one_by_one"]
 
 _BLOCK = 16_384  # fewer are judged before a second thread has begun: ten thousand points took twice as long in shares
 
@@ -57,16 +58,17 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
     n, loop = len(solution.multiplier), _text(judge.level, increment.law.force_symbols(), judge.known.convex)
     if loop is None or not judge.known.around_origin:
         return Told.nothing(n)
-    run, metric = compiled_text(loop.text, "judge", judge_kernel.INLINED), judge.metric
+    run, constants = (
+        compiled_text(loop.text, "judge", judge_kernel.INLINED),
+        _constants(loop, judge.level, increment.stiffness, judge.known),
+    )
     keep_freed_memory(n)
     dissipation, status, residuals = np.empty(n), np.empty(n, dtype=np.int8), np.zeros((5, n))  # a page of zeros costs nothing till written
-    matrices = [_read(m) for m in (increment.stiffness, metric.of_slip, metric.of_stress, metric.to_stress)]
-    tips = _read(beside(len(metric.of_stress))), *_seen(judge.known.tips.tobytes(), metric.of_stress.tobytes(), len(metric.of_stress))
 
     def fill(block: slice) -> None:
-        given = _read(increment.trial[block]), _read(increment.pressure[block]), judge.known.largest
+        given = _read(increment.trial[block]), _read(increment.pressure[block])
         got = solution.stress[block], solution.slip[block], solution.multiplier[block]
-        run(*given, *loop.constants, *matrices, *tips, *_figures(judge), *got, dissipation[block], status[block], residuals[:, block])
+        run(*given, *constants, *got, dissipation[block], status[block], residuals[:, block])
 
     in_blocks(n, _BLOCK, fill, threads)
     status[solution.failed] = UNJUDGED
@@ -76,7 +78,7 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
 def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> Told:
     """The same without a compiler, for few points."""
     n, said = len(solution.multiplier), Told.nothing(len(solution.multiplier))
-    look = plain_look(judge.level, increment.law.force_symbols(), increment.stiffness.tobytes(), judge.known)
+    look = plain_look(judge.level, increment.law.force_symbols(), increment.stiffness, judge.known)
     if look is None:
         return said
     residuals = [getattr(said.residuals, f.name) for f in fields(Residuals)]
@@ -92,19 +94,18 @@ def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> T
 Look = Callable[[Sequence[float], float, Sequence[float], Sequence[float], float], tuple[float, int, Sequence[float]]]
 
 
-def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: bytes, known: Variational) -> Look | None:
+def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array, known: Variational) -> Look | None:
     """What the loop says of one answer on plain numbers: (trial, pressure, stress, slip, multiplier) -> dissipation, status, residuals.
 
     None for a word that the loop lacks and a K without the origin.
     """
-    d, metric = len(forces), known.metric
-    loop = _text(level, forces, known.convex)
+    loop, d = _text(level, forces, known.convex), len(forces)
     if loop is None or not known.around_origin:
         return None
     run = interpreted(loop.text, "chunk")
-    matrices = [_table(m.tobytes(), d) for m in (np.frombuffer(stiffness), metric.of_slip, metric.of_stress, metric.to_stress)]
-    tips = [_table(beside(d).tobytes(), d), *_seen_tables(known.tips.tobytes(), metric.of_stress.tobytes(), d)]
-    constants = (*loop.constants, *matrices, *tips, metric.blur, metric.good, metric.certain, level.scaled.degree)
+    tables = [_table(m.tobytes(), d) for m in _matrices(stiffness, known.metric)]
+    tips = _seen_tables(known.tips.tobytes(), known.metric.of_stress.tobytes(), d)
+    constants = *loop.constants, *tables, _table(beside(d).tobytes(), d), *tips, *_figures(level, known.metric)
 
     def look(trial: Sequence[float], pressure: float, stress: Sequence[float], slip: Sequence[float], multiplier: float) -> Any:
         work, status, off, *room = [PlainArray() for _ in range(8)]
@@ -118,9 +119,44 @@ def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: bytes, kn
     return look
 
 
-def _figures(judge: Judge) -> tuple[float, float, float, float]:
-    metric = judge.metric
-    return metric.blur, metric.good, metric.certain, judge.level.scaled.degree
+def compiled_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array, known: Variational) -> Look | None:
+    """The same compiled; MissingExtraError without numba."""
+    loop, d = _text(level, forces, known.convex), len(forces)
+    if loop is None or not known.around_origin:
+        return None
+    compiled, given = compiled_text(loop.text, "judge", judge_kernel.INLINED), _constants(loop, level, stiffness, known)
+
+    def asked(*numbers: Any) -> tuple[Any, ...]:
+        trial, pressure, stress, slip, multiplier = map(np.array, numbers)
+        read = _read(trial[None]), _read(pressure[None])
+        return (*read, *given, stress[None], slip[None], multiplier[None], np.empty(1), np.empty(1, dtype=np.int8), np.zeros((5, 1)))
+
+    nothing = [0.0] * d
+    run = compiled.settled(*asked(nothing, -1.0, nothing, nothing, 0.0))
+
+    def look(trial: Sequence[float], pressure: float, stress: Sequence[float], slip: Sequence[float], multiplier: float) -> Any:
+        all_ = asked(trial, pressure, stress, slip, multiplier)
+        run(*all_)
+        work, status, off = all_[-3:]
+        return float(work[0]), int(status[0]), off[:, 0].tolist()
+
+    return look
+
+
+def _matrices(stiffness: Array, metric: Metric) -> tuple[Array, ...]:
+    return stiffness, metric.of_slip, metric.of_stress, metric.to_stress
+
+
+def _constants(loop: _Loop, level: Level, stiffness: Array, known: Variational) -> tuple[Any, ...]:
+    """What the compiled loop takes between the points that are asked about and their answers."""
+    d = len(stiffness)
+    matrices = [_read(m) for m in _matrices(stiffness, known.metric)]
+    tips = _seen(known.tips.tobytes(), known.metric.of_stress.tobytes(), d)
+    return known.largest, *loop.constants, *matrices, _read(beside(d)), *tips, *_figures(level, known.metric)
+
+
+def _figures(level: Level, metric: Metric) -> tuple[float, float, float, float]:
+    return metric.blur, metric.good, metric.certain, level.scaled.degree
 
 
 @lru_cache(maxsize=256)

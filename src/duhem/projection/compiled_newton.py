@@ -21,7 +21,7 @@ from duhem.expression.scalar_jets import ScalarJets, scalar_jets
 from duhem.projection import newton_apex, newton_kernel, newton_start, newton_step
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
-from duhem.projection.kept_code import compiled_text
+from duhem.projection.kept_code import CompiledText, compiled_text
 from duhem.projection.method import PlainClosest
 from duhem.projection.module_text import module_text
 from duhem.projection.newton_kernel import INLINED, LEFT
@@ -30,7 +30,7 @@ from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
 from duhem.projection.whitened_body import whitening
 
-__all__ = ["Loop", "kernel_text", "plain_closest", "solved", "solved_one_by_one"]
+__all__ = ["Loop", "compiled_closest", "kernel_text", "plain_closest", "solved", "solved_one_by_one"]
 
 _BLOCK = 1_024, 4_096  # points, from and to: threads share batches of a few thousand
 
@@ -69,6 +69,13 @@ class Loop:
         """What the formula holds besides the forces at each pressure (n, data)."""
         values = self.formula.values(pressure, np.ones(len(pressure)))
         return np.stack([values[q] for q in self.formula.data], axis=1) if values else np.zeros((len(pressure), 0))
+
+    def data_at_one(self) -> Callable[[float], Array]:
+        """The same at one pressure (1, data); once, where no pressure enters."""
+        if self.formula.pressure is not None:
+            return lambda pressure: np.ascontiguousarray(self.data(np.array([pressure])))
+        known = np.ascontiguousarray(self.data(np.zeros(1)))
+        return lambda _: known
 
 
 def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, NDArray[np.intp]]:
@@ -115,15 +122,38 @@ def plain_closest(increment: Increment) -> PlainClosest | None:
         return None
     numbers, mean, d = (loop.constants.tolist(), table(loop.root), table(loop.inverse), loop.formula.degree), loop.mean, len(loop.root)
 
+    data = loop.data_at_one()
+
     def closest(trial: Sequence[float], pressure: float) -> Any:
         stress, slip, multiplier, state = [PlainArray() for _ in range(4)]
         try:
-            loop.run(row(trial), row(loop.data(np.array([pressure]))[0].tolist()), *numbers, stress, slip, multiplier, state)
+            loop.run(row(trial), row(data(pressure)[0].tolist()), *numbers, stress, slip, multiplier, state)
         except FAULTS:
             return None
         if state[0] == LEFT:
             return None
         return [stress[0, k] for k in range(d)], [slip[0, k] / mean for k in range(d)], multiplier[0] / mean
+
+    return closest
+
+
+def compiled_closest(increment: Increment) -> PlainClosest | None:
+    """The same compiled; MissingExtraError without numba."""
+    if (loop := Loop.of(increment)) is None:
+        return None
+    numbers, mean, d = (loop.constants, loop.root, loop.inverse, loop.formula.degree), loop.mean, len(loop.root)
+
+    def room() -> tuple[Array, Array, Array, NDArray[np.int8]]:
+        return np.empty((1, d)), np.zeros((1, d)), np.zeros(1), np.empty(1, dtype=np.int8)
+
+    assert isinstance(loop.run, CompiledText)
+    data = loop.data_at_one()
+    run = loop.run.settled(np.zeros((1, d)), data(-1.0), *numbers, *room())
+
+    def closest(trial: Sequence[float], pressure: float) -> Any:
+        stress, slip, multiplier, state = room()
+        run(np.array([trial]), data(pressure), *numbers, stress, slip, multiplier, state)
+        return None if state[0] == LEFT else (stress[0].tolist(), (slip[0] / mean).tolist(), float(multiplier[0]) / mean)
 
     return closest
 

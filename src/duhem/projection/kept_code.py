@@ -20,7 +20,7 @@ from typing import Any
 from duhem.errors import MissingExtraError
 from duhem.projection import machine_code
 
-__all__ = ["compiled_text", "interpreted_text"]
+__all__ = ["CompiledText", "compiled_text", "interpreted_text"]
 
 
 _LOG = logging.getLogger("duhem")
@@ -28,7 +28,7 @@ _MEANT = {"solve": "closest point", "judge": "check of answers"}
 
 
 @lru_cache(maxsize=128)
-def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Callable[..., Any]:
+def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> CompiledText:
     """The function ``entry`` of a module of our own text, compiled with the functions it calls; it lets go of the interpreter.
 
     ``inlined``: functions that are put where they are called, which spares handing over many arrays.  What is not yet on disk is
@@ -38,10 +38,10 @@ def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Calla
         raise MissingExtraError("numba", "fast")
     if inlined:  # other machine code, and what is kept is found by its text alone
         text = f"{text}\n# where they are called: {', '.join(inlined)}\n"
-    return _Entry(text, entry, inlined)
+    return CompiledText(text, entry, inlined)
 
 
-class _Entry:
+class CompiledText:
     """A function that runs as machine code from disk where there is some for its arguments, and else through numba."""
 
     def __init__(self, text: str, name: str, inlined: tuple[str, ...]) -> None:
@@ -61,6 +61,11 @@ class _Entry:
             if run is None:
                 return self._first(known, arguments)
         return run(*arguments)
+
+    def settled(self, *arguments: Any) -> Callable[..., Any]:
+        """What runs for arguments of the same kinds as these, with which it is called: nothing is looked up again."""
+        self(*arguments)
+        return self._runs.get(machine_code.kinds(arguments), self)
 
     def _found(self, known: machine_code.Kinds) -> Callable[..., Any] | None:
         path = None if self._kept is None else machine_code.place(self._kept, self._name, known)

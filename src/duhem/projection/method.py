@@ -68,8 +68,8 @@ class Method(Generic[Own]):
     d sigma/d u (N, d, d) in Pa/m and d sigma/d sigma_n (N, d), None for a law without pressure; no tangent at all is None.
     ``options`` is the type of the options.  ``convex``: where the method can be used K is convex, by a declared shape or by rules
     of composition; else the judge looks for points of K that speak against it.  ``again`` is asked where the judge refuses what
-    ``solve`` found of few points.  ``plain(question)`` is the closest point to one trial on plain numbers, of the same digits and
-    sooner than ``solve`` for one point, or None where there is none.
+    ``solve`` found of few points.  ``plain(question, compiled)`` is the closest point to one trial on plain numbers, of the same
+    digits and sooner than ``solve`` for one point, run by Python or compiled; None where there is none.
     """
 
     name: str
@@ -79,7 +79,7 @@ class Method(Generic[Own]):
     tangent: Callable[[Increment, Solution], tuple[Array, Array | None]] | None = None
     convex: bool = False
     again: Callable[[Increment, Own], Solution] | None = None
-    plain: Callable[[Increment], PlainClosest | None] | None = None
+    plain: Callable[[Increment, bool], PlainClosest | None] | None = None
 
     def options_of(self, given: Mapping[str, Any]) -> Own:
         """Options by name; InputError for one that the method does not have, naming those it has."""

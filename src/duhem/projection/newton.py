@@ -379,11 +379,11 @@ def _try_meets(found: _Found, k: Body, s: Array, at: Index, outer: HalfSpaces, c
         _accept(found, k, refine(k, s[who], times(outer.point[who], k.root.T), who, choices), who, outer, cuts)
 
 
-def plain(increment: Increment) -> PlainClosest | None:
+def plain(increment: Increment, compiled: bool = False) -> PlainClosest | None:
     """The closest point to one trial by the law's loop on plain numbers; None for a word that the loop lacks."""
-    from duhem.projection.compiled_newton import plain_closest
+    from duhem.projection.compiled_newton import compiled_closest, plain_closest
 
-    return plain_closest(increment)
+    return compiled_closest(increment) if compiled else plain_closest(increment)
 
 
 NEWTON = Method("newton", applies, solve, NewtonOptions, tangent, again=search, plain=plain)

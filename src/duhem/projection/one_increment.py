@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from duhem.projection.compiled_judge import Look, plain_look
+from duhem.projection.compiled_judge import Look, compiled_look, plain_look
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.level import level
@@ -41,14 +41,19 @@ class Answer(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class OneIncrement:
-    """The law, stiffness and parameters of ``setting`` and the ``method``, of which K is known to be convex."""
+    """The law, stiffness and parameters of ``setting`` and the ``method``, of which K is known to be convex; ``compiled`` by numba."""
 
     setting: Increment
     method: Method[Any]
+    compiled: bool = False
 
     def __getstate__(self) -> dict[str, Any]:
         """What is kept for the next call is made anew where it is unpickled."""
-        return {"setting": self.setting, "method": self.method}
+        return {"setting": self.setting, "method": self.method, "compiled": self.compiled}
+
+    def made(self) -> bool:
+        """Whether there is a way on plain numbers: it is made now, and compiled, and not by the first answer."""
+        return self._closest is not None and self._look(-1.0) is not None
 
     def numbers(self, trial: Any, pressure: Any) -> tuple[list[float], float] | None:
         """A trial stress (d,) and a pressure below 0, or 0.0 for a law without one; None where these are anything else."""
@@ -76,7 +81,7 @@ class OneIncrement:
         plain, solve = self.method.plain, self.method.solve
         if self.setting.law.domain or plain is None or plain.__module__ != solve.__module__:
             return None
-        return plain(self.setting)
+        return plain(self.setting, self.compiled)
 
     @cached_property
     def _looks(self) -> dict[int, Look | None]:
@@ -90,7 +95,8 @@ class OneIncrement:
             g = level(own.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
             asked = Increment(law, own.g, own.trial, np.array([pressure]), own.stiffness, own.diagonal, own.parameters)
             known = Variational.of(asked, g, Metric.of(own.stiffness), convex=True)
-            self._looks[exponent] = plain_look(g, law.force_symbols(), own.stiffness.tobytes(), known)
+            made = compiled_look if self.compiled else plain_look
+            self._looks[exponent] = made(g, law.force_symbols(), own.stiffness, known)
         return self._looks[exponent]
 
 

@@ -138,14 +138,14 @@ def project(
 def _one_by_one(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
     """What arrays find, to the bit, on plain numbers; arrays take the point of which an operation has no value."""
     for n, (given, e) in enumerate(zip(trial.tolist(), load.tolist(), strict=True)):
-        if (found := plain_closest(given, e, quarters)) is None:
+        if (found := plain_closest(quarters, given, e)) is None:
             here = slice(n, n + 1)
             _project(trial[here], load[here], quarters, stress[here], slip[here], multiplier[here], None)
         else:
             stress[n], slip[n], multiplier[n] = found
 
 
-def plain_closest(trial: Sequence[float], load: float, quarters: Quarters) -> tuple[list[float], list[float], float] | None:
+def plain_closest(quarters: Quarters, trial: Sequence[float], load: float) -> tuple[list[float], list[float], float] | None:
     """Stress, slip and multiplier of the gauge for one trial on plain numbers; None where an operation has no value."""
     s, moved, weight = PlainArray(), PlainArray(), PlainArray()
     try:

@@ -11,11 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.convex import check_convex
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment
-from duhem.projection.method import Method
+from duhem.projection.method import Compiling, Method
 from duhem.projection.one_increment import Answer, OneIncrement, as_projection
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Status
@@ -44,6 +45,7 @@ class Prepared:
     projector: Projector
     parameters: Mapping[str, Any] | None
     convex: str
+    compiled: bool = False
 
     def __call__(self, trial: ArrayLike, pressure: ArrayLike | None = None) -> SlipIncrement:
         """The slip increments to ``trial``, (d,) or (N, d), under ``pressure``, one number or (N,); errors as :func:`duhem.project`."""
@@ -65,6 +67,8 @@ class Prepared:
         if not self.projector.method.convex:
             found = asked(question.law, self.parameters, self.convex, unloaded=bool(np.any(question.pressure == 0.0)))
             question = replace(question, convexity=found)
+        if self.compiled:
+            options = {"compiled": True, **options}
         return self.projector.at(question, tangent, **options)
 
     def _answer(self, trial: ArrayLike, pressure: ArrayLike | None) -> Answer | None:
@@ -74,7 +78,7 @@ class Prepared:
 
     @cached_property
     def _one(self) -> OneIncrement:
-        return OneIncrement(self.projector.setting, self.projector.method)
+        return OneIncrement(self.projector.setting, self.projector.method, self.compiled)
 
     @cached_property
     def _shown_convex(self) -> bool:
@@ -90,14 +94,23 @@ def prepare(
     parameters: Mapping[str, Any] | None = None,
     method: str | Method[Any] = "auto",
     convex: str = "ask",
+    compiled: bool = False,
 ) -> Prepared:
     """The slip increment of a law as a callable ``(trial, pressure) -> (stress, slip, multiplier, status)``, checked once.
 
     Arguments, units and errors are those of :func:`duhem.project`, which stands on it.  Whether K is convex is asked here, where the
     method does not show it, so that no increment waits for the answer but the first one at sigma_n = 0.
+
+    ``compiled``: by numba (extra ``fast``), which takes ten to forty seconds the first time that a law is prepared on a machine, and
+    then answers one point some ten times sooner.  InputError for a method that is not compiled.
     """
     check_convex(convex)
-    prepared = Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex)
+    prepared = Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex, compiled)
+    if compiled:
+        own = prepared.projector.method
+        if not issubclass(own.options, Compiling):
+            raise InputError(f"method {own.name} is not compiled", where="compiled", remedy="leave it out, or take method newton")
+        prepared._one.made()
     if not prepared.projector.method.convex:
         asked(prepared.projector.setting.law, parameters, convex, unloaded=False)
     return prepared
