@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import ScalarJets, scalar_jets
-from duhem.projection import newton_apex, newton_kernel, newton_start, newton_step
+from duhem.projection import newton_apex, newton_kernel, newton_pair, newton_start, newton_step
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.kept_code import compiled_text
@@ -128,10 +128,11 @@ def _made(
         jets = scalar_jets(formula.expr, forces, tuple(formula.data))
     except InputError:
         return None
-    smooth = () if jets.kinks else ("piece",)  # of a smooth law it is called in one place
+    smooth = () if jets.kinks or jets.pairs else ("piece",)  # of a smooth law it is called in one place
     return kernel_text(formula, jets, len(forces), *sources), (*INLINED, *smooth), formula, np.array(jets.constants)
 
 
 def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType) -> str:
     """The module that is compiled for one law in ``d`` forces, whatever its parameters but for exponents and whole numbers."""
-    return module_text(formula, d, jets.kinks, (jets.level, jets.piece), (newton_step, newton_start, newton_apex, newton_kernel, *sources))
+    own = newton_step, newton_start, newton_apex, newton_pair, newton_kernel
+    return module_text(formula, d, (jets.kinks, jets.pairs), (jets.level, jets.piece), (*own, *sources))

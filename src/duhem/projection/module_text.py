@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import scalar_bounds, scalar_jets
+from duhem.expression import principal_axes, scalar_bounds, scalar_jets
 from duhem.projection.scaled_formula import ScaledFormula
 
 __all__ = ["module_text", "over_unit"]
@@ -18,9 +18,13 @@ MARK = "# -- compiled from here"
 
 
 def module_text(
-    formula: ScaledFormula, d: int, kinks: int, functions: Sequence[str], sources: Sequence[ModuleType | Callable[..., Any]]
+    formula: ScaledFormula,
+    d: int,
+    counts: tuple[int, int],
+    functions: Sequence[str],
+    sources: Sequence[ModuleType | Callable[..., Any]],
 ) -> str:
-    """``functions`` of the formula in ``d`` forces, then the ``sources``: functions, or modules from their mark on.
+    """``functions`` of the formula in ``d`` forces, with kinks and pairs by their ``counts``, then the ``sources``: functions, or modules from their mark on.
 
     The text depends on the law's parameters by their exponents and whole numbers alone.
     """
@@ -29,11 +33,12 @@ def module_text(
         "from typing import Any",
         "import numpy as np",
         f"from numpy import {', '.join(sorted({*scalar_jets.FUNCTIONS, *scalar_bounds.FUNCTIONS} - {'isfinite'}))}",
-        f"D, KINKS, DATA = {d}, {kinks}, {len(formula.data)}",
+        f"D, KINKS, PAIRS, DATA = {d}, {counts[0]}, {counts[1]}, {len(formula.data)}",
     ]
     lines = [f"    q[{k}] = {over_unit(f'data[n, {k}]', datum.weight)}" for k, datum in enumerate(formula.data.values())]
     resized = "\n".join(["def resized(data, n, size, q):", *lines, "    return"])
-    return "\n\n\n".join(["\n".join(head), *functions, resized, *map(_source, sources)])
+    axes = principal_axes.FUNCTIONS if any(name in text for text in functions for name in principal_axes.__all__) else ()
+    return "\n\n\n".join(["\n".join(head), *map(inspect.getsource, axes), *functions, resized, *map(_source, sources)])
 
 
 def _source(given: ModuleType | Callable[..., Any]) -> str:

@@ -17,7 +17,8 @@ import numpy as np
 from numpy import sqrt
 
 from duhem.projection.newton_apex import apex
-from duhem.projection.newton_start import DATA, begun, level, piece
+from duhem.projection.newton_pair import spread
+from duhem.projection.newton_start import DATA, NAMED, NATURAL, PAIR, begun, level, piece
 from duhem.projection.newton_step import (
     BEND,
     BEST,
@@ -51,7 +52,7 @@ from duhem.projection.newton_step import (
 
 __all__ = ["INLINED", "LEFT", "SLIP", "STICK", "solve"]
 
-KINKS = 0  # how many kinks the law has
+KINKS = PAIRS = 0  # how many kinks the law has, and how many eigenvalues that may be double
 
 INLINED = (
     "begun", "below", "bent", "bordered", "centred", "directed", "length", "newton", "optimal", "pressed", "resized", "searched",
@@ -119,17 +120,21 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
         v[X, i] = v[FIRST, i]
     while True:
         count = pressed(v, m, a, q, held, root, inverse)
+        if count == 0:
+            count = paired(v, m, a, q, held, root, inverse)
         if count > 0 or near:
             break
         if KINKS > 0:  # along a seam without a corner the piece may change from step to step
             for i in range(D):
                 v[X, i] = v[FIRST, i]
-            if isfinite(newton(v, m, a, q, held, 1, True, root, inverse)) and optimal(v, m, q, held, 1, root):
+            if isfinite(newton(v, m, a, q, held, 1, NATURAL, root, inverse)) and optimal(v, m, q, held, 1, root):
                 count = 1
                 break
         if apex(v, m, a, q, held, root, inverse):
             count = D
             break
+        for i in range(D):
+            v[FIRST, i] = v[X, i]
         near = True
     if count == 0:
         return False
@@ -142,10 +147,10 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
 def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> int:
     """How many pieces press on the optimum, which is then in v; 0 where it is not found."""
     count = 1
-    if KINKS > 0 and not isfinite(piece(v, U, q, True, held, 0, RAW, m, RAWBEND)):  # inside, scales say which is the greatest
-        piece(v, X, q, True, held, 0, RAW, m, RAWBEND)
+    if KINKS > 0 and not isfinite(piece(v, U, q, NATURAL, held, 0, RAW, m, RAWBEND)):  # inside, scales say which is the greatest
+        piece(v, X, q, NATURAL, held, 0, RAW, m, RAWBEND)
     for _ in range(ROUNDS):
-        if not isfinite(newton(v, m, a, q, held, count, False, root, inverse)):
+        if not isfinite(newton(v, m, a, q, held, count, NAMED, root, inverse)):
             return 0
         least = 0
         for j in range(1, count):
@@ -166,6 +171,16 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) 
             count += 1
         else:
             return 0
+    return 0
+
+
+def paired(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> int:
+    """The same where two eigenvalues are equal, whose pair makes three pieces (M. L. Overton 1988, SIAM J. Matrix Anal. Appl. 9, 256-268)."""
+    for k in range(PAIRS if D >= 3 else 0):
+        for i in range(D):
+            v[X, i] = v[FIRST, i]
+        if isfinite(newton(v, m, a, q, held, 3, PAIR + k, root, inverse)) and spread(v, m) and optimal(v, m, q, held, 3, root):
+            return 3
     return 0
 
 
@@ -231,7 +246,7 @@ def followed(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, depth: fl
 
     Two surfaces at an angle part by its share of the way: the smaller it is, the closer their levels must be to say that they meet.
     """
-    high = piece(v, X, q, True, held, D, RAW, m, RAWBEND)
+    high = piece(v, X, q, NATURAL, held, D, RAW, m, RAWBEND)
     slope, angle = whitened(v, root), 2.0
     for j in range(count):
         apart = 0.0
@@ -257,7 +272,7 @@ def snapped(v: Any, q: Any) -> None:
                 v[X, i] = v[BEST, i]
 
 
-def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool, root: Any, inverse: Any) -> float:
+def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: int, root: Any, inverse: Any) -> float:
     """To where the pieces meet and the rest of the way is a sum of their normals; damped until the error falls.
 
     The error at the stress where it ends, whose state is left in v and m; inf where there is none.
@@ -286,7 +301,7 @@ def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool,
             v[X, i] = v[BEST, i] + part * v[STEP, i]
 
 
-def state_of(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool, root: Any, inverse: Any) -> float:
+def state_of(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: int, root: Any, inverse: Any) -> float:
     """How far the stress is from optimal on these pieces: normals, levels, multipliers, sum of the bends; inf where undefined."""
     times(inverse, v, X, U)
     for i in range(D):
