@@ -7,6 +7,7 @@ followed by a shift, as :mod:`duhem.expression.shifted_jets` says, and its axes 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial, reduce
@@ -26,6 +27,7 @@ __all__ = ["FUNCTIONS", "TABLE", "ScalarJets", "scalar_jets", "scalar_values"]
 FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "arctan", "arcsin", "arccos", "arctan2", "hypot", "nan")
 """What the text calls by NumPy's names."""
 
+_NAME = re.compile(r"\bt\d+\b")
 _LEAST = "2.2250738585072014e-308"
 _TINY = "1e-120"  # as for arrays: below this share of a norm an argument counts as this share
 _MOST_SQUARINGS = 64  # a whole exponent up to this is multiplied out
@@ -36,18 +38,20 @@ Bends = Mapping[tuple[int, int], str]
 
 @dataclass(frozen=True)
 class ScalarJets:
-    """Three functions as text, over the forces' numbers, row ``x`` of ``v``, and those of the others, ``q``.
+    """Functions as text, over the forces' numbers, row ``x`` of ``v``, and those of the others, ``q``.
 
     ``level(v, x, q)`` returns the value, ``gradient(v, x, q, slopes)`` fills the row ``slopes`` of ``v``.
     ``piece(v, x, q, natural, choices, c, slopes, m, bends)`` does both and fills the matrix ``bends`` of ``m`` with the second
     derivatives; where ``natural``, the row ``c`` of ``choices`` (``kinks`` small integers) is written, else it names the piece.
     Where ``natural`` is 2 + k, the natural piece is taken with one of three (``c``) in the place of eigenvalue k of ``pairs``, which all
-    are K's at an edge where it is double.  ``constants`` follow the others in ``q``: the fractions of the formula, which are mostly values of parameters, so that one text
+    are K's at an edge where it is double; ``pair_piece(v, x, q, natural, c, slopes)`` does the same without second derivatives.
+    ``constants`` follow the others in ``q``: the fractions of the formula, which are mostly values of parameters, so that one text
     serves them all.
     """
 
     level: str
     gradient: str
+    pair_piece: str
     piece: str
     kinks: int
     pairs: int
@@ -59,7 +63,7 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
     formula, numbers = recognised(expr), dict[str, int]()
     value = _Writer(0, numbers)
     last = fold(formula, value.table(), value.leaf(forces, others))
-    level = ["def level(v, x, q):", *value.lines, f"    return {last.value}"]
+    level = ["def level(v, x, q):", *value.live([last.value]), f"    return {last.value}"]
     whole = _Writer(len(forces), numbers)
     jet = fold(formula, whole.table(), whole.leaf(forces, others))
     d = range(len(forces))
@@ -67,11 +71,16 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
     bent = whole.finished(jet)
     bends = [f"    m[bends, {i}, {j}] = {bent.get((min(i, j), max(i, j)), '0.0')}" for i in d for j in d]
     head = "def piece(v, x, q, natural, choices, c, slopes, m, bends):"
-    piece = [head, *whole.lines, *slopes, *bends, f"    return {jet.value}"]
-    plain = _Writer(len(forces), numbers, named=False)
-    once = fold(formula, plain.table(), plain.leaf(forces, others)).slopes
-    gradient = ["def gradient(v, x, q, slopes):", *plain.lines, *(f"    v[slopes, {i}] = {once.get(i, '0.0')}" for i in d), "    return"]
-    return ScalarJets("\n".join(level), "\n".join(gradient), "\n".join(piece), whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
+    piece = [head, *whole.live([*slopes, *bends, jet.value]), *slopes, *bends, f"    return {jet.value}"]
+    gradient, pair_piece = ["def gradient(v, x, q, slopes):"], ["def pair_piece(v, x, q, natural, c, slopes):"]
+    for lines, of_pair in ((gradient, False), (pair_piece, True)):
+        plain = _Writer(len(forces), numbers, named=False, of_pair=of_pair)
+        once = fold(formula, plain.table(), plain.leaf(forces, others))
+        slopes = [f"    v[slopes, {i}] = {once.slopes.get(i, '0.0')}" for i in d]
+        last = [f"    return {once.value}" if of_pair else "    return"]
+        lines += [*plain.live([*slopes, *last]), *slopes, *last] if whole.shifted or not of_pair else ["    return nan"]
+    texts = ("\n".join(lines) for lines in (level, gradient, pair_piece, piece))
+    return ScalarJets(*texts, whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
 
 
 @dataclass(frozen=True)
@@ -97,11 +106,11 @@ class _Axis:
 class _Writer:
     """Writes the lines of one function; of ``d`` = 0 forces no derivative is followed.  ``numbers``: constants and their places.
 
-    ``named``: the piece that is followed at a kink may be asked for; else it is the one that holds.
+    ``named``: the piece that is followed at a kink may be asked for; else it is the one that holds.  ``of_pair``: one of a pair may be.
     """
 
-    def __init__(self, d: int, numbers: dict[str, int], named: bool = True) -> None:
-        self.d, self.kinks, self.numbers, self.named_pieces = d, 0, numbers, named and d > 0
+    def __init__(self, d: int, numbers: dict[str, int], named: bool = True, of_pair: bool = True) -> None:
+        self.d, self.kinks, self.numbers, self.named_pieces, self.of_pair = d, 0, numbers, named and d > 0, of_pair
         self.lines: list[str] = []
         self.frames: dict[tuple[sp.Expr, ...], str] = {}
         self.shifted: list[_Axis] = []
@@ -110,6 +119,17 @@ class _Writer:
         """A new name for what ``text`` says."""
         self.lines.append(f"    t{len(self.lines)} = {text}")
         return f"t{len(self.lines) - 1}"
+
+    def live(self, results: Sequence[str]) -> list[str]:
+        """The lines that the ``results`` need."""
+        needed, kept = {name for text in results for name in _NAME.findall(text)}, []
+        for line in reversed(self.lines):
+            name = line.partition(" = ")[0].strip()
+            if name.isidentifier() and name not in needed:
+                continue
+            needed.update(_NAME.findall(line))
+            kept.append(line)
+        return kept[::-1]
 
     def leaf(self, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Callable[[Any], _Jet]:
         def jet(node: Any) -> _Jet:
@@ -269,7 +289,7 @@ class _Writer:
         top, second = f"{frame}[0, {n - 1}]", f"{frame}[0, 1]"
         if not any(a.slopes for a in entries):
             return _Jet(self.let(sign + top))
-        if not self.named_pieces:
+        if not self.of_pair:
             axis = [f"{frame}[{n}, {i}]" for i in range(3)]
             jet = self.along(axis, axis, entries)
             return self.named(self.let(sign + top), jet.slopes, jet.bends)
@@ -284,7 +304,7 @@ class _Writer:
         steepness = self.let(f"sqrt({_squares([text for a in entries for text in a.slopes.values()])})")
         self.shifted.append(_Axis(paired, gaps, tuple(turns), steepness))
         jet = self.along(axis, axis, entries)
-        return self.named(value, {**jet.slopes, shift: "1.0"}, jet.bends)
+        return self.named(value, {**jet.slopes, shift: "1.0"} if self.named_pieces else jet.slopes, jet.bends)
 
     def along(self, n: Sequence[str], m: Sequence[str], entries: Sequence[_Jet]) -> _Jet:
         """The derivatives of n . A m, its axes held fixed."""

@@ -16,7 +16,7 @@ from duhem.errors import InputError
 from duhem.expression.rounding import bounded
 from duhem.expression.scalar_bounds import scalar_bounds
 from duhem.expression.scalar_jets import scalar_jets
-from duhem.projection import corner_kernel, judge_kernel, known_points_kernel
+from duhem.projection import corner_kernel, edge_kernel, judge_kernel, known_points_kernel
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.in_blocks import in_blocks
 from duhem.projection.increment import Increment
@@ -139,8 +139,8 @@ def _text(level: Level, forces: tuple[sp.Symbol, ...]) -> _Loop | None:
         data = _data(formula)
     except InputError:  # a word without text
         return None
-    sources = (below, grown, length, eliminated, corner_kernel, known_points_kernel, judge_kernel)
-    text = module_text(formula, len(forces), (jets.kinks, jets.pairs), (jets.level, jets.gradient, bounds.text, start.text, data[0]), sources)
+    sources = (below, grown, length, eliminated, corner_kernel, edge_kernel, known_points_kernel, judge_kernel)
+    text = module_text(formula, len(forces), (jets.kinks, jets.pairs), (jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0]), sources)
     own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
     return _Loop(text, (*data[1:], *own))
 

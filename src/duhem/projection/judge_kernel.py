@@ -17,6 +17,7 @@ import numpy as np
 from numpy import sqrt
 
 from duhem.projection.corner_kernel import CORNER, cornered
+from duhem.projection.edge_kernel import edged
 from duhem.projection.known_points_kernel import excess, raised
 from duhem.projection.newton_step import below, grown
 
@@ -335,7 +336,9 @@ def one_slip(
         v[S, i], v[POINT, i], v[MOVED, i] = at[CHUNK + j, i], seen[POINTS + i, j], seen[MOVES + i, j]
     if seen[STATE, j] == BENT:
         q = sized(data, unit) + constants
-        off = cornered(v, a, q, beside, of_slip, to_stress, seen[GIVEN, j], size / unit, distance, room, good)
+        off = edged(v, a, q, of_slip, seen[GIVEN, j], size / unit, distance, room, good)
+        if not off <= SUSPECT:
+            off = cornered(v, a, q, beside, of_slip, to_stress, seen[GIVEN, j], size / unit, distance, room, good)
         if not (off <= SUSPECT and 2.0 * (seen[SHALLOW, j] + off * room) <= certain * room):
             return False, 0.0
         seen[OFF, j] = off

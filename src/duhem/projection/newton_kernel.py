@@ -65,6 +65,7 @@ INLINED = (
 STICK, SLIP, LEFT = 0, 1, 2
 ANGLE, LOOSE, DEPTH, TIP, ORIGIN = 1e-12, 1e-10, 1e-14, 1e-14, 1e-12  # as in the search
 STEPS, HALVINGS, ROUNDS = 40, 7, 8
+SHORT, LONG = 24, 400  # states that are looked at: beside an edge of equal eigenvalues a way that leads nowhere is long
 PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
 SETTLED, ROUNDED = 1e-15, 2e-16  # what is between them a step takes away that is not looked at again
 
@@ -119,15 +120,16 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
     for i in range(D):
         v[X, i] = v[FIRST, i]
     while True:
-        count = pressed(v, m, a, q, held, root, inverse)
+        most = SHORT if PAIRS > 0 and not near else LONG
+        count = pressed(v, m, a, q, held, most, root, inverse)
         if count == 0:
-            count = paired(v, m, a, q, held, root, inverse)
+            count = paired(v, m, a, q, held, most, root, inverse)
         if count > 0 or near:
             break
         if KINKS > 0:  # along a seam without a corner the piece may change from step to step
             for i in range(D):
                 v[X, i] = v[FIRST, i]
-            if isfinite(newton(v, m, a, q, held, 1, NATURAL, root, inverse)) and optimal(v, m, q, held, 1, root):
+            if isfinite(newton(v, m, a, q, held, 1, NATURAL, LONG, root, inverse)) and optimal(v, m, q, held, 1, root):
                 count = 1
                 break
         if apex(v, m, a, q, held, root, inverse):
@@ -144,13 +146,13 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
     return True
 
 
-def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> int:
+def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inverse: Any) -> int:
     """How many pieces press on the optimum, which is then in v; 0 where it is not found."""
     count = 1
     if KINKS > 0 and not isfinite(piece(v, U, q, NATURAL, held, 0, RAW, m, RAWBEND)):  # inside, scales say which is the greatest
         piece(v, X, q, NATURAL, held, 0, RAW, m, RAWBEND)
     for _ in range(ROUNDS):
-        if not isfinite(newton(v, m, a, q, held, count, NAMED, root, inverse)):
+        if not isfinite(newton(v, m, a, q, held, count, NAMED, most, root, inverse)):
             return 0
         least = 0
         for j in range(1, count):
@@ -174,12 +176,12 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) 
     return 0
 
 
-def paired(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> int:
+def paired(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inverse: Any) -> int:
     """The same where two eigenvalues are equal, whose pair makes three pieces (M. L. Overton 1988, SIAM J. Matrix Anal. Appl. 9, 256-268)."""
     for k in range(PAIRS if D >= 3 else 0):
         for i in range(D):
             v[X, i] = v[FIRST, i]
-        if isfinite(newton(v, m, a, q, held, 3, PAIR + k, root, inverse)) and spread(v, m) and optimal(v, m, q, held, 3, root):
+        if isfinite(newton(v, m, a, q, held, 3, PAIR + k, most, root, inverse)) and spread(v, m) and optimal(v, m, q, held, 3, root):
             return 3
     return 0
 
@@ -272,13 +274,14 @@ def snapped(v: Any, q: Any) -> None:
                 v[X, i] = v[BEST, i]
 
 
-def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: int, root: Any, inverse: Any) -> float:
+def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: int, most: int, root: Any, inverse: Any) -> float:
     """To where the pieces meet and the rest of the way is a sum of their normals; damped until the error falls.
 
     The error at the stress where it ends, whose state is left in v and m; inf where there is none.
     """
-    before, part, tries, steps = np.inf, 1.0, 0, 0
+    before, part, tries, steps, seen = np.inf, 1.0, 0, 0, 0
     while True:
+        seen += 1
         error = state_of(v, m, a, q, held, count, natural, root, inverse)
         if error < before:
             slow = not error < PROGRESS * before and error < CLOSE
@@ -292,7 +295,7 @@ def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: int, 
                         v[X, i] += v[STEP, i]
                 return error
             before, part, tries, steps = error, 1.0, 0, steps + 1
-        elif part == 0.0 or before == np.inf:  # the best there is
+        elif part == 0.0 or before == np.inf or seen >= most:  # the best there is
             return error
         else:
             tries += 1
