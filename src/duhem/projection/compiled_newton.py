@@ -70,13 +70,17 @@ class Loop:
 
 
 def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, NDArray[np.intp]]:
-    """The solution, and the points of it that are left to the search.  MissingExtraError without numba."""
+    """The solution, and the points of it that are left to the search.
+
+    MissingExtraError without numba, InputError for a law that has no loop.
+    """
     n, d = increment.trial.shape
     every = np.arange(n)
     found = Solution(np.empty((n, d)), np.zeros((n, d)), np.zeros(n), np.zeros(n, dtype=bool))
     loop = Loop.of(increment)
     if loop is None:
-        return found, every
+        why = "a part of its formula has no derivatives as text"
+        raise InputError(f"{increment.law.name} has no compiled loop: {why}", where="compiled", remedy="leave compiled out")
     state = np.empty(n, dtype=np.int8)
 
     def fill(block: slice) -> None:

@@ -65,7 +65,7 @@ INLINED = (
 STICK, SLIP, LEFT = 0, 1, 2
 ANGLE, LOOSE, DEPTH, TIP, ORIGIN = 1e-12, 1e-10, 1e-14, 1e-14, 1e-12  # as in the search
 STEPS, HALVINGS, ROUNDS = 40, 7, 8
-SHORT, LONG = 24, 400  # states that are looked at: beside an edge of equal eigenvalues a way that leads nowhere is long
+SHORT, LONG = 12, 400  # states that are looked at: beside an edge of equal eigenvalues a way that leads nowhere is long
 PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
 SETTLED, ROUNDED = 1e-15, 2e-16  # what is between them a step takes away that is not looked at again
 
@@ -115,17 +115,21 @@ def solved(
 
 def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> bool:
     """True where a stress is found that is optimal, with its normals and multipliers (0 for pieces that do not press)."""
-    count, near = 0, False
+    count, near, most = 0, False, SHORT if PAIRS > 0 else LONG
     times(inverse, v, T, S)
     for i in range(D):
         v[X, i] = v[FIRST, i]
     while True:
-        most = SHORT if PAIRS > 0 and not near else LONG
         count = pressed(v, m, a, q, held, most, root, inverse)
         if count == 0:
             count = paired(v, m, a, q, held, most, root, inverse)
         if count > 0 or near:
             break
+        if most == SHORT:
+            most = LONG
+            for i in range(D):
+                v[X, i] = v[FIRST, i]
+            continue
         if KINKS > 0:  # along a seam without a corner the piece may change from step to step
             for i in range(D):
                 v[X, i] = v[FIRST, i]
@@ -285,7 +289,7 @@ def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: int, 
         error = state_of(v, m, a, q, held, count, natural, root, inverse)
         if error < before:
             slow = not error < PROGRESS * before and error < CLOSE
-            if error <= ROUNDED or slow or steps == STEPS or not directed(v, m, a, count, root):
+            if error <= ROUNDED or slow or steps == STEPS or seen >= most or not directed(v, m, a, count, root):
                 return error
             for i in range(D):
                 v[BEST, i] = v[X, i]
