@@ -36,7 +36,6 @@ from duhem.expression import (
     pairs,
     rounding,
     scalar_bounds,
-    scalar_jets,
     smt,
     symbol,
 )

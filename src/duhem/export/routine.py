@@ -105,7 +105,11 @@ def routine(law: Criterion) -> Routine:
         _function("beyond(stress, slack: float) -> bool", [f"if {past}: return True" for past in _beyond(law)], "return False"),
     ]
     text = module_text(
-        formula, len(law.forces), (jets.kinks, jets.pairs), functions, (newton_step, newton_start, newton_apex, newton_pair, newton_kernel, increment_kernel)
+        formula,
+        len(law.forces),
+        (jets.kinks, jets.pairs),
+        functions,
+        (newton_step, newton_start, newton_apex, newton_pair, newton_kernel, increment_kernel),
     )
     return Routine(c_functions(text, "increment", _ARRAYS, _PLAIN, {"below": _BELOW}), names)
 

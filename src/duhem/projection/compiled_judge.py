@@ -140,7 +140,13 @@ def _text(level: Level, forces: tuple[sp.Symbol, ...]) -> _Loop | None:
     except InputError:  # a word without text
         return None
     sources = (below, grown, length, eliminated, corner_kernel, edge_kernel, known_points_kernel, judge_kernel)
-    text = module_text(formula, len(forces), (jets.kinks, jets.pairs), (jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0]), sources)
+    text = module_text(
+        formula,
+        len(forces),
+        (jets.kinks, jets.pairs),
+        (jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0]),
+        sources,
+    )
     own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
     return _Loop(text, (*data[1:], *own))
 

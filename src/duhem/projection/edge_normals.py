@@ -20,7 +20,9 @@ from duhem.projection.result import Array
 __all__ = ["off_edge"]
 
 
-def off_edge(level: Level, metric: Metric, stress: Array, pressure: Array, size: Array, slip: Array, multiplier: Array, far: Array) -> Array:
+def off_edge(
+    level: Level, metric: Metric, stress: Array, pressure: Array, size: Array, slip: Array, multiplier: Array, far: Array
+) -> Array:
     """Of points (M,) as :class:`duhem.projection.normal_cones.Suspect` has them, one by one; inf where no edge says anything.
 
     ``far``: what a length of boundary is divided by, in units of the stress.
