@@ -20,6 +20,7 @@ from duhem.expression import mpmath_, numpy_
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.projection import compiled_newton, newton
 from duhem.projection.edge_normals import off_edge
+from duhem.projection.in_blocks import FEW_SEARCHED
 from duhem.projection.increment import Increment
 from duhem.projection.level import level
 from duhem.projection.metric import Metric
@@ -169,6 +170,18 @@ def test_pieces_of_a_pair_that_are_turned_wrongly_answer_nothing() -> None:
     double = _double(found.stress)
     _, spoilt = _by_text(question, lambda text: text.replace("sqrt(0.75) if i == 1", "sqrt(0.5) if i == 1"))
     assert double.sum() >= 5 and (spoilt[double] == LEFT).all() and (spoilt[~double] == state[~double]).all()
+
+
+@pytest.mark.slow
+def test_of_many_points_the_loop_solves_what_arrays_lose(monkeypatch: pytest.MonkeyPatch) -> None:
+    trial, k = _trials(FEW_SEARCHED + 1, 3, 1.5), _any_stiffness()
+    question = _question("tresca", trial, k)
+    shape, lost = trial.shape, np.ones(len(trial), dtype=bool)
+    monkeypatch.setattr(
+        newton, "search", lambda _: Solution(np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape[0], np.nan), lost)
+    )
+    done = newton.solve(question)
+    assert not done.failed.any() and done.stress == pytest.approx(trial - done.slip @ k, abs=1e-12)
 
 
 # -- the judge ---------------------------------------------------------------------------------------------------------

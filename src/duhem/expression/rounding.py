@@ -224,7 +224,7 @@ def _eigmax(_: Any, *entries: Bounded) -> Bounded:
 
 
 def eigenvalue(value: Any, entries: Sequence[Bounded]) -> Bounded:
-    """An eigenvalue that was found of a matrix with these entries (xx, yy, zz, yz, xz, xy), by whatever is off by some roundings of them."""
+    """The greatest eigenvalue, as found by whatever is off by some roundings of the entries xx, yy, zz, yz, xz, xy."""
     off = reduce(np.add, [a.bound for a in entries[:3]]) + 2.0 * reduce(np.add, [a.bound for a in entries[3:]])
     return Bounded(value, off + 8.0 * _WORD * reduce(np.maximum, [np.abs(a.value) for a in entries]))
 

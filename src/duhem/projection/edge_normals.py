@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import lru_cache
 
 import numpy as np
@@ -38,10 +39,8 @@ def off_edge(
         for k in range(stress.shape[1]):
             v[corner_kernel.AT, k], v[corner_kernel.K_SLIP, k] = float(stress[i, k] / size[i]), float(slip[i, k])
         numbers = float(multiplier[i]), float(far[i] / size[i]), float(distance[i]), 1.0, np.inf
-        try:
+        with suppress(*FAULTS):
             best[i] = run(v, room, data[i].tolist(), of_slip, *numbers)
-        except FAULTS:
-            pass
     return best
 
 

@@ -24,7 +24,9 @@ def module_text(
     functions: Sequence[str],
     sources: Sequence[ModuleType | Callable[..., Any]],
 ) -> str:
-    """``functions`` of the formula in ``d`` forces, with kinks and pairs by their ``counts``, then the ``sources``: functions, or modules from their mark on.
+    """``functions`` of the formula in ``d`` forces, then the ``sources``: functions, or modules from their mark on.
+
+    ``counts``: how many kinks and pairs of eigenvalues the formula has.
 
     The text depends on the law's parameters by their exponents and whole numbers alone.
     """

@@ -181,7 +181,7 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inv
 
 
 def paired(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inverse: Any) -> int:
-    """The same where two eigenvalues are equal, whose pair makes three pieces (M. L. Overton 1988, SIAM J. Matrix Anal. Appl. 9, 256-268)."""
+    """The same where two eigenvalues are equal, of whose pair three pieces meet (M. L. Overton 1988, SIAM J. Matrix Anal. Appl. 9)."""
     for k in range(PAIRS if D >= 3 else 0):
         for i in range(D):
             v[X, i] = v[FIRST, i]

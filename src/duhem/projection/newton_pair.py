@@ -23,7 +23,7 @@ FLAT_PAIR = 1e-9  # of a matrix of multipliers: its determinant is nothing
 
 
 def spread(v: Any, m: Any) -> bool:
-    """Puts pieces whose multipliers are all the same part of the whole in the place of those of two axes and their mean, if there are such."""
+    """Puts the pieces of three axes with multipliers above 0 in the place of those of two axes and their mean; False where none are."""
     if D < 3:  # which is never asked, but compiled
         return False
     mixed = 0.5 * v[LENGTHS, 2] / v[SLOPES, 2]

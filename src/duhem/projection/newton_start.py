@@ -35,7 +35,7 @@ def level(v: Any, x: int, q: Any) -> float:
 
 
 def piece(v: Any, x: int, q: Any, natural: int, choices: Any, c: int, slopes: int, m: Any, bends: int) -> float:
-    """h there on a smooth piece, with its derivatives: the one ``NAMED`` by the row ``c`` of ``choices``, the ``NATURAL`` one or of a ``PAIR``."""
+    """h there on a smooth piece, with derivatives: one ``NAMED`` by the row ``c`` of ``choices``, the ``NATURAL`` one, or of a ``PAIR``."""
     raise NotImplementedError
 
 
