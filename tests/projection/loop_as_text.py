@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import Any
 
 import numpy as np
 import pytest
 
-from duhem.projection import compiled_judge
+from duhem.projection import compiled_judge, judge_kernel
 from duhem.projection.increment import Increment
 from duhem.projection.residuals import Judge
 from duhem.projection.result import Solution
@@ -20,7 +21,8 @@ def as_text(monkeypatch: pytest.MonkeyPatch, question: Increment, solution: Solu
     """The loop, not compiled."""
 
     def run(text: str, entry: str, inlined: tuple[str, ...]) -> Any:
-        assert all(f"def {name}(" in text for name in inlined) and "CHUNK = 128" in text
+        sources = text, inspect.getsource(judge_kernel)  # what a law has no use for is in its text no more
+        assert all(any(f"def {name}(" in source for source in sources) for name in inlined) and "CHUNK = 128" in text
         space: dict[str, Any] = {}
         exec(text.replace("CHUNK = 128", f"CHUNK = {chunk}"), space)
         return space[entry]

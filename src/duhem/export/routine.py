@@ -104,13 +104,8 @@ def routine(law: Criterion) -> Routine:
         _function("placed(q, w)", [f"{array}[{start + k}] = {x!r}" for array, start, each in behind for k, x in enumerate(each)]),
         _function("beyond(stress, slack: float) -> bool", [f"if {past}: return True" for past in _beyond(law)], "return False"),
     ]
-    text = module_text(
-        formula,
-        len(law.forces),
-        (jets.kinks, jets.pairs),
-        functions,
-        (newton_step, newton_start, newton_apex, newton_pair, newton_kernel, increment_kernel),
-    )
+    sources = newton_step, newton_start, newton_apex, newton_pair, newton_kernel, increment_kernel
+    text = module_text(formula, len(law.forces), jets, functions, sources, ("increment",))
     return Routine(c_functions(text, "increment", _ARRAYS, _PLAIN, {"below": _BELOW}), names)
 
 

@@ -78,7 +78,7 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
         once = fold(formula, plain.table(), plain.leaf(forces, others))
         slopes = [f"    v[slopes, {i}] = {once.slopes.get(i, '0.0')}" for i in d]
         last = [f"    return {once.value}" if of_pair else "    return"]
-        lines += [*plain.live([*slopes, *last]), *slopes, *last] if whole.shifted or not of_pair else ["    return nan"]
+        lines += [*plain.live([*slopes, *last]), *slopes, *last]
     texts = ("\n".join(lines) for lines in (level, gradient, pair_piece, piece))
     return ScalarJets(*texts, whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
 

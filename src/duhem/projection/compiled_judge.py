@@ -16,6 +16,7 @@ from duhem.errors import InputError
 from duhem.expression.rounding import bounded
 from duhem.expression.scalar_bounds import scalar_bounds
 from duhem.expression.scalar_jets import scalar_jets
+from duhem.expression.vocabulary import Norm
 from duhem.projection import corner_kernel, edge_kernel, judge_kernel, known_points_kernel
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.in_blocks import in_blocks
@@ -50,7 +51,7 @@ class _Loop:
 
 def told(increment: Increment, solution: Solution, judge: Judge, threads: int | None = None) -> Told:
     """What the loop says; nothing for a word that it lacks and a K without the origin.  MissingExtraError without numba."""
-    n, loop = len(solution.multiplier), _text(judge.level, increment.law.force_symbols())
+    n, loop = len(solution.multiplier), _text(judge.level, increment.law.force_symbols(), judge.known.convex)
     if loop is None or not judge.known.around_origin:
         return Told.nothing(n)
     run, metric = compiled_text(loop.text, "judge", judge_kernel.INLINED), judge.metric
@@ -72,7 +73,7 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
 def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> Told:
     """The same without a compiler, for few points."""
     n, d = solution.stress.shape
-    loop = _text(judge.level, increment.law.force_symbols())
+    loop = _text(judge.level, increment.law.force_symbols(), judge.known.convex)
     if loop is None or not judge.known.around_origin:
         return Told.nothing(n)
     run, metric = interpreted(loop.text, "chunk"), judge.metric
@@ -97,9 +98,9 @@ def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> T
     return replace(said, left=np.flatnonzero(said.status == UNJUDGED))
 
 
-def _figures(judge: Judge) -> tuple[float, float, float, float, bool]:
+def _figures(judge: Judge) -> tuple[float, float, float, float]:
     metric = judge.metric
-    return metric.blur, metric.good, metric.certain, judge.level.scaled.degree, judge.known.convex
+    return metric.blur, metric.good, metric.certain, judge.level.scaled.degree
 
 
 @lru_cache(maxsize=256)
@@ -129,7 +130,7 @@ def _seen(tips: bytes, of_stress: bytes, d: int) -> tuple[Array, Array, Array]:
 
 
 @lru_cache(maxsize=256)
-def _text(level: Level, forces: tuple[sp.Symbol, ...]) -> _Loop | None:
+def _text(level: Level, forces: tuple[sp.Symbol, ...], convex: bool) -> _Loop | None:
     formula, others = level.scaled, tuple(level.scaled.data)
     try:
         jets = scalar_jets(formula.expr, forces, others)
@@ -140,13 +141,11 @@ def _text(level: Level, forces: tuple[sp.Symbol, ...]) -> _Loop | None:
     except InputError:  # a word without text
         return None
     sources = (below, grown, length, eliminated, corner_kernel, edge_kernel, known_points_kernel, judge_kernel)
-    text = module_text(
-        formula,
-        len(forces),
-        (jets.kinks, jets.pairs),
-        (jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0]),
-        sources,
-    )
+    functions = jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0]
+    rest = formula.expr.replace(Norm, lambda *_: sp.S.Zero)  # with a tip where norms are 0 and forces are left to hold them up
+    corners = jets.kinks > 0 or not rest.free_symbols.isdisjoint(forces)
+    known = {"CONVEX": int(convex), "CORNERS": int(corners), "LOOKED": int(corners or not convex)}
+    text = module_text(formula, len(forces), jets, functions, sources, ("judge", "chunk"), **known)
     own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
     return _Loop(text, (*data[1:], *own))
 

@@ -55,7 +55,7 @@ class Loop:
         """
         law = increment.law
         symbol = law.symbols()[law.pressure] if law.pressure else None
-        if (made := _made(increment.g, law.force_symbols(), symbol, sources)) is None:
+        if (made := _made(increment.g, law.force_symbols(), symbol, entry, sources)) is None:
             return None
         text, inlined, formula, constants = made
         mean, root = whitening(increment)
@@ -121,7 +121,7 @@ def solved_one_by_one(increment: Increment) -> tuple[Solution, NDArray[np.intp]]
 
 @lru_cache(maxsize=256)
 def _made(
-    g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None, sources: tuple[ModuleType, ...]
+    g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None, entry: str, sources: tuple[ModuleType, ...]
 ) -> tuple[str, tuple[str, ...], ScaledFormula, Array] | None:
     """The text to compile, what is put where it is called, the formula in units of its own size and its constants.
 
@@ -133,10 +133,10 @@ def _made(
     except InputError:
         return None
     smooth = () if jets.kinks or jets.pairs else ("piece",)  # of a smooth law it is called in one place
-    return kernel_text(formula, jets, len(forces), *sources), (*INLINED, *smooth), formula, np.array(jets.constants)
+    return kernel_text(formula, jets, len(forces), *sources, entry=entry), (*INLINED, *smooth), formula, np.array(jets.constants)
 
 
-def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType) -> str:
+def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType, entry: str = "solve") -> str:
     """The module that is compiled for one law in ``d`` forces, whatever its parameters but for exponents and whole numbers."""
-    own = newton_step, newton_start, newton_apex, newton_pair, newton_kernel
-    return module_text(formula, d, (jets.kinks, jets.pairs), (jets.level, jets.piece), (*own, *sources))
+    kernel = newton_step, newton_start, newton_apex, newton_pair, newton_kernel
+    return module_text(formula, d, jets, (jets.level, jets.piece), (*kernel, *sources), (entry,))

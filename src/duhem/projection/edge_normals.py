@@ -55,5 +55,5 @@ def _edged(level: Level) -> tuple[Callable[..., float], tuple[float, ...]] | Non
     if not jets.pairs:
         return None
     sources = (eliminated, length, corner_kernel, edge_kernel)
-    text = module_text(level.scaled, level.forces, (jets.kinks, jets.pairs), (jets.pair_piece,), sources)
+    text = module_text(level.scaled, level.forces, jets, (jets.pair_piece,), sources, ("edged",))
     return interpreted(text, "edged"), jets.constants

@@ -24,7 +24,10 @@ from duhem.projection.newton_step import below, grown
 __all__ = ["INLINED", "SLIP", "STICK", "UNJUDGED", "judge"]
 
 D = 0  # how many forces the law has
-KINKS = 0  # how many kinks
+KINKS = PAIRS = 0  # how many kinks, and eigenvalues that may be double
+CONVEX = 0  # whether K is known to be convex
+CORNERS = 1  # whether it may have corners or tips
+LOOKED = 1  # whether either is so, and a slip may need more than sums
 
 
 def known(p: float, q: Any, b: Any) -> Any:
@@ -84,7 +87,7 @@ def hypot(a: float, b: float) -> float:
 def judge(
     trial: Any, pressure: Any, largest: float, pressed: Any, pressed_off: Any, constants: Any, constants_off: Any, stiffness: Any,
     of_slip: Any, of_stress: Any, to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float,
-    certain: float, degree: float, convex: bool, stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any,
+    certain: float, degree: float, stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any,
 ) -> None:  # fmt: skip
     """Dissipation, status (``UNJUDGED`` where it is left open) and residuals, a row of ``found`` each, of every point.
 
@@ -100,7 +103,7 @@ def judge(
         here = slice(begin, min(begin + CHUNK, trial.shape[0]))
         chunk(
             trial[here], pressure[here], largest, pressed, pressed_off, constants, constants_off, stiffness, of_slip, of_stress, to_stress,
-            beside, tips, ways, reaches, blur, good, certain, degree, convex, stress[here], slip[here], multiplier[here],
+            beside, tips, ways, reaches, blur, good, certain, degree, stress[here], slip[here], multiplier[here],
             dissipation[here], status[here], found[:, here], v, a, at, seen, which,
         )  # fmt: skip
 
@@ -108,7 +111,7 @@ def judge(
 def chunk(
     trial: Any, pressure: Any, largest: float, pressed: Any, pressed_off: Any, constants: Any, constants_off: Any, stiffness: Any,
     of_slip: Any, of_stress: Any, to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float,
-    certain: float, degree: float, convex: bool, stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any,
+    certain: float, degree: float, stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any,
     v: Any, a: Any, at: Any, seen: Any, which: Any,
 ) -> None:  # fmt: skip
     """The same of a chunk of points, with room for what is worked out: few points go through it without a compiler."""
@@ -129,13 +132,16 @@ def chunk(
         if state == LEFT:
             continue
         other = 0.0
-        if state == BENT or seen[OVER, j] > 0.0 or not convex:
-            fine, other = one_slip(
-                j, v, a, at, seen, largest, pressed, pressed_off, constants, of_slip, to_stress, beside, tips, ways, reaches, good,
-                certain, convex,
-            )  # fmt: skip
-            if not fine:
-                continue
+        if LOOKED > 0:
+            if state == BENT or seen[OVER, j] > 0.0 or CONVEX == 0:
+                fine, other = one_slip(
+                    j, v, a, at, seen, largest, pressed, pressed_off, constants, of_slip, to_stress, beside, tips, ways, reaches, good,
+                    certain,
+                )  # fmt: skip
+                if not fine:
+                    continue
+        elif state == BENT or seen[OVER, j] > 0.0:
+            continue
         off = max(seen[OFF, j], seen[BALANCE, j])
         if off <= ACCURACY and seen[FEASIBLE, j] <= ACCURACY and seen[COMPLETE, j] <= ACCURACY and other <= ACCURACY:
             status[n] = SLIP
@@ -326,7 +332,7 @@ def tried(count: int, largest: float, ways: Any, reaches: Any, seen: Any) -> Non
 
 def one_slip(
     j: int, v: Any, a: Any, at: Any, seen: Any, largest: float, pressed: Any, pressed_off: Any, constants: Any, of_slip: Any,
-    to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, good: float, certain: float, convex: bool,
+    to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, good: float, certain: float,
 ) -> tuple[bool, float]:  # fmt: skip
     """Whether corners and known points let a slip pass, and the residual of the latter; what it is off the cone is written down."""
     unit, size, distance, room = seen[UNIT, j], seen[SIZE, j], seen[DISTANCE, j], seen[ROOM, j]
@@ -335,14 +341,18 @@ def one_slip(
     for i in range(D):
         v[S, i], v[POINT, i], v[MOVED, i] = at[CHUNK + j, i], seen[POINTS + i, j], seen[MOVES + i, j]
     if seen[STATE, j] == BENT:
-        q = sized(data, unit) + constants
-        off = edged(v, a, q, of_slip, seen[GIVEN, j], size / unit, distance, room, good)
-        if not off <= SUSPECT:
-            off = cornered(v, a, q, beside, of_slip, to_stress, seen[GIVEN, j], size / unit, distance, room, good)
-        if not (off <= SUSPECT and 2.0 * (seen[SHALLOW, j] + off * room) <= certain * room):
+        if CORNERS > 0:
+            q, off = sized(data, unit) + constants, np.inf
+            if PAIRS > 0:
+                off = edged(v, a, q, of_slip, seen[GIVEN, j], size / unit, distance, room, good)
+            if not off <= SUSPECT:
+                off = cornered(v, a, q, beside, of_slip, to_stress, seen[GIVEN, j], size / unit, distance, room, good)
+            if not (off <= SUSPECT and 2.0 * (seen[SHALLOW, j] + off * room) <= certain * room):
+                return False, 0.0
+            seen[OFF, j] = off
+        else:
             return False, 0.0
-        seen[OFF, j] = off
     if seen[OVER, j] > 0.0:
         part = pressure / largest if largest != 0.0 else 1.0
         over = excess(v, POINT, MOVED, part, tips, ways, reaches, data, constants, 1.0 / size, distance + room, room)
-    return convex or not raised(v, POINT, MOVED, data, constants, to_stress, size, distance, room), over
+    return CONVEX == 1 or not raised(v, POINT, MOVED, data, constants, to_stress, size, distance, room), over

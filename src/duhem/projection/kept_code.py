@@ -91,9 +91,10 @@ class _Entry:
             compile(text, str(kept or "<generated>"), "exec"), space
         )  # our own text: of the user's formula it has SymPy's numbers and our names
         functions = [name for name, value in space.items() if inspect.isfunction(value) and value.__module__ == module.__name__]
+        within = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # compiled code alone calls them
         for name in functions:
             if name != self._name:
-                space[name] = numba.njit(error_model="numpy", cache=False, forceinline=name in self._inlined)(space[name])
+                space[name] = numba.njit(forceinline=name in self._inlined, **within)(space[name])
         return numba.njit(error_model="numpy", cache=kept is not None, nogil=True)(space[self._name])
 
 

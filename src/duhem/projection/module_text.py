@@ -2,45 +2,103 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
-from collections.abc import Callable, Sequence
+import operator
+from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
 import sympy as sp
 
 from duhem.expression import principal_axes, scalar_bounds, scalar_jets
+from duhem.expression.scalar_jets import ScalarJets
 from duhem.projection.scaled_formula import ScaledFormula
 
 __all__ = ["module_text", "over_unit"]
 
 MARK = "# -- compiled from here"
 
+_COMPARED: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {ast.Eq: operator.eq, ast.Gt: operator.gt}
+
 
 def module_text(
     formula: ScaledFormula,
     d: int,
-    counts: tuple[int, int],
+    jets: ScalarJets,
     functions: Sequence[str],
     sources: Sequence[ModuleType | Callable[..., Any]],
+    entries: Sequence[str],
+    **others: int,
 ) -> str:
     """``functions`` of the formula in ``d`` forces, then the ``sources``: functions, or modules from their mark on.
 
-    ``counts``: how many kinks and pairs of eigenvalues the formula has.
-
-    The text depends on the law's parameters by their exponents and whole numbers alone.
+    A branch that is never taken for the kinks and pairs there are and the ``others``, constants by name, is left out, and then each
+    function that the ``entries`` do not call: what is not there need not be compiled.  The text depends on the law's parameters by their exponents and
+    whole numbers alone.
     """
+    pairs = jets.pairs if d > 2 else 0  # an edge of one has three normals
+    constants = {"D": d, "KINKS": jets.kinks, "PAIRS": pairs, "DATA": len(formula.data), **others}
     head = [
         "from math import floor, frexp, isfinite, ldexp",
         "from typing import Any",
         "import numpy as np",
         f"from numpy import {', '.join(sorted({*scalar_jets.FUNCTIONS, *scalar_bounds.FUNCTIONS} - {'isfinite'}))}",
-        f"D, KINKS, PAIRS, DATA = {d}, {counts[0]}, {counts[1]}, {len(formula.data)}",
+        *(f"{name} = {value}" for name, value in constants.items()),
     ]
     lines = [f"    q[{k}] = {over_unit(f'data[n, {k}]', datum.weight)}" for k, datum in enumerate(formula.data.values())]
     resized = "\n".join(["def resized(data, n, size, q):", *lines, "    return"])
-    axes = principal_axes.FUNCTIONS if any(name in text for text in functions for name in principal_axes.__all__) else ()
-    return "\n\n\n".join(["\n".join(head), *map(inspect.getsource, axes), *functions, resized, *map(_source, sources)])
+    tree = _Taken(constants).visit(ast.parse("\n".join([*functions, resized, *map(_source, (*principal_axes.FUNCTIONS, *sources))])))
+    return "\n".join([*head, ast.unparse(_called(tree, entries))])
+
+
+class _Taken(ast.NodeTransformer):
+    """Leaves of each branch that constants decide what is taken."""
+
+    def __init__(self, constants: Mapping[str, int]) -> None:
+        self.constants = constants
+
+    def visit_Compare(self, node: ast.Compare) -> ast.expr:
+        """A comparison of a constant with a number is True or False."""
+        if isinstance(node.left, ast.Name) and node.left.id in self.constants and isinstance(node.comparators[0], ast.Constant):
+            return ast.Constant(_COMPARED[type(node.ops[0])](self.constants[node.left.id], node.comparators[0].value))
+        return node
+
+    def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:
+        """Of ``and`` and ``or`` what is left of them."""
+        self.generic_visit(node)
+        ends = isinstance(node.op, ast.Or)
+        kept: list[ast.expr] = []
+        for value in node.values:
+            if not isinstance(value, ast.Constant):
+                kept.append(value)
+            elif value.value is ends:
+                kept.append(value)
+                break
+        node.values = kept or [ast.Constant(not ends)]
+        return node.values[0] if len(node.values) == 1 else node
+
+    def visit_If(self, node: ast.If) -> Any:
+        """The branch that is taken."""
+        self.generic_visit(node)
+        if isinstance(node.test, ast.Constant):
+            return (node.body if node.test.value else node.orelse) or ast.Pass()
+        return node
+
+
+def _called(tree: ast.Module, entries: Sequence[str]) -> ast.Module:
+    """The module without the functions that nothing calls."""
+    named = {
+        node.name: {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef)
+    }
+    reached, found = set[str](), set(entries) & named.keys()
+    while found:
+        reached |= found
+        found = {name for one in found for name in named[one] if name in named} - reached
+    tree.body = [node for node in tree.body if not isinstance(node, ast.FunctionDef) or node.name in reached]
+    return tree
 
 
 def _source(given: ModuleType | Callable[..., Any]) -> str:

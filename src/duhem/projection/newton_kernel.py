@@ -121,11 +121,11 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
         v[X, i] = v[FIRST, i]
     while True:
         count = pressed(v, m, a, q, held, most, root, inverse)
-        if count == 0:
+        if PAIRS > 0 and count == 0:
             count = paired(v, m, a, q, held, most, root, inverse)
         if count > 0 or near:
             break
-        if most == SHORT:
+        if PAIRS > 0 and most == SHORT:
             most = LONG
             for i in range(D):
                 v[X, i] = v[FIRST, i]
@@ -170,6 +170,8 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inv
                 held[least, k] = held[count, k]
         elif optimal(v, m, q, held, count, root):
             return count
+        elif KINKS == 0:  # of a smooth law there is no other piece
+            return 0
         elif count == D:
             if not exchanged(v, m, a, held):
                 return 0
@@ -182,7 +184,7 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inv
 
 def paired(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inverse: Any) -> int:
     """The same where two eigenvalues are equal, of whose pair three pieces meet (M. L. Overton 1988, SIAM J. Matrix Anal. Appl. 9)."""
-    for k in range(PAIRS if D >= 3 else 0):
+    for k in range(PAIRS):
         for i in range(D):
             v[X, i] = v[FIRST, i]
         if isfinite(newton(v, m, a, q, held, 3, PAIR + k, most, root, inverse)) and spread(v, m) and optimal(v, m, q, held, 3, root):

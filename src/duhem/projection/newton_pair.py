@@ -24,8 +24,6 @@ FLAT_PAIR = 1e-9  # of a matrix of multipliers: its determinant is nothing
 
 def spread(v: Any, m: Any) -> bool:
     """Puts the pieces of three axes with multipliers above 0 in the place of those of two axes and their mean; False where none are."""
-    if D < 3:  # which is never asked, but compiled
-        return False
     mixed = 0.5 * v[LENGTHS, 2] / v[SLOPES, 2]
     first, second = v[LENGTHS, 0] / v[SLOPES, 0] + mixed, v[LENGTHS, 1] / v[SLOPES, 1] + mixed
     if not (first > 0.0 and second > 0.0 and first * second - mixed * mixed > FLAT_PAIR * first * second):
