@@ -34,8 +34,8 @@ def module_text(
     """``functions`` of the formula in ``d`` forces, then the ``sources``: functions, or modules from their mark on.
 
     A branch that is never taken for the kinks and pairs there are and the ``others``, constants by name, is left out, and then each
-    function that the ``entries`` do not call: what is not there need not be compiled.  The text depends on the law's parameters by their exponents and
-    whole numbers alone.
+    function that the ``entries`` do not call: what is not there need not be compiled.  The text depends on the law's parameters by
+    their exponents and whole numbers alone.
     """
     pairs = jets.pairs if d > 2 else 0  # an edge of one has three normals
     constants = {"D": d, "KINKS": jets.kinks, "PAIRS": pairs, "DATA": len(formula.data), **others}
