@@ -80,14 +80,14 @@ def applicable(question: Increment, tolerances: Tolerances = (None,), peers: boo
 
 def _closed_form(question: Increment, _: Tolerances) -> Iterator[Contender | LeftOut]:
     """The closed form in NumPy, and compiled."""
-    yield Contender.of("closed-form", "closed-form")
+    yield Contender.of("closed-form", "closed-form", compiled=False)
     if question.trial.shape[1] == 2:
         yield _compiled("closed-form")
 
 
 def _newton(question: Increment, _: Tolerances) -> Iterator[Contender | LeftOut]:
     """Newton's method in NumPy, and the loop that is compiled for the law."""
-    yield Contender.of("newton", "newton")
+    yield Contender.of("newton", "newton", compiled=False)
     if METHODS["closed-form"]().applies(question) is None:
         yield LeftOut("newton, numba", "the law has a closed form")
     else:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
+from math import isfinite
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -15,11 +17,11 @@ from duhem.law.shapes import Interval
 from duhem.projection import quadrants
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.closed_form_tangent import tangent
-from duhem.projection.coefficients import Coefficients, centre, coefficients, declared, of_pressure, own_entries, uniform
+from duhem.projection.coefficients import Coefficients, centre, coefficients, declared, of_one_pressure, of_pressure, own_entries, uniform
 from duhem.projection.in_blocks import BLOCK, in_blocks
 from duhem.projection.increment import Increment
-from duhem.projection.method import Compiling, Method
-from duhem.projection.quadrants import Quarters
+from duhem.projection.method import Compiling, Method, PlainClosest
+from duhem.projection.quadrants import Quarters, plain_closest
 from duhem.projection.result import Array, Solution
 
 __all__ = ["CLOSED_FORM", "ClosedFormOptions", "applies", "solve"]
@@ -71,7 +73,7 @@ def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solut
     solution = _room(n, d) if options.into is None else _checked(options.into, n, d)
     shape = declared(increment)
     found = coefficients(increment)
-    project = _on_interval(found, increment) if isinstance(shape, Interval) else _on_quarters(found, increment, options.compiled)
+    project = _on_interval(found, increment) if isinstance(shape, Interval) else _on_quarters(found, increment, bool(options.compiled))
     load, share = of_pressure(increment, shape.load), _share(increment, found)
     middles = [of_pressure(increment, c) for c in centre(shape)]
     size = _COMPILED_BLOCK if options.compiled else _BLOCK
@@ -95,6 +97,26 @@ def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solut
 
     in_blocks(n, size, fill, options.sharing)
     return solution
+
+
+def plain(increment: Increment) -> PlainClosest | None:
+    """The closest point to one trial on plain numbers; None for a shape in one force, one that is moved and one that may be empty."""
+    shape, found = declared(increment), coefficients(increment)
+    slope = uniform(increment, shape.slope)
+    if isinstance(shape, Interval) or centre(shape) or found.empty or slope is None or 0.0 in found.mu:
+        return None
+    quarters, load = _quarters(found.mu, increment.stiffness.tobytes()), of_one_pressure(increment, shape.load)
+    share = (slope if slope > 0.0 else 1.0) * found.scale
+
+    def closest(trial: Sequence[float], pressure: float) -> Any:
+        with np.errstate(all="ignore"):
+            answer = plain_closest(trial, load(pressure), quarters)
+        if answer is None or not isfinite(answer[2]):
+            return None
+        stress, slip, multiplier = answer
+        return stress, slip, multiplier / share
+
+    return closest
 
 
 def _share(increment: Increment, found: Coefficients) -> Callable[[Array], Array] | None:
@@ -161,4 +183,4 @@ def _on_interval(found: Coefficients, increment: Increment) -> Project:
     return project
 
 
-CLOSED_FORM = Method("closed-form", applies, solve, ClosedFormOptions, tangent, convex=True)
+CLOSED_FORM = Method("closed-form", applies, solve, ClosedFormOptions, tangent, convex=True, plain=plain)

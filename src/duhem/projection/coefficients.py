@@ -15,7 +15,7 @@ from duhem.law.shapes import Disk, Interval, Quadrants, Shape
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 
-__all__ = ["Coefficients", "centre", "coefficients", "declared", "in_columns", "of_pressure", "own_entries", "uniform"]
+__all__ = ["Coefficients", "centre", "coefficients", "declared", "in_columns", "of_one_pressure", "of_pressure", "own_entries", "uniform"]
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,17 @@ def of_pressure(increment: Increment, entry: object) -> Callable[[Array], Array]
         return found
 
     return at
+
+
+def of_one_pressure(increment: Increment, entry: object) -> Callable[[float], float]:
+    """The same at one pressure, a plain number."""
+    values = _values(increment)
+    value = _at(increment.law, entry, values)
+    if isinstance(value, float):
+        return lambda _: value
+    run, last = value.recording.run, value.recording.last
+    numbers = [np.float64(x) for x in values]
+    return lambda pressure: float(run([np.float64(pressure), *numbers])[last]) + 0.0
 
 
 def uniform(increment: Increment, entry: object) -> float | None:

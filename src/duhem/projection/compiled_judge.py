@@ -6,8 +6,10 @@ points take it compiled, where that is asked for, and few take it one by one as 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -27,14 +29,15 @@ from duhem.projection.level import Level
 from duhem.projection.module_text import module_text, over_unit
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
-from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, table
+from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, one, row, table
 from duhem.projection.residuals import Judge
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import unit
 from duhem.projection.scaled_formula import ScaledFormula
 from duhem.projection.told import Told
+from duhem.projection.variational import Variational
 
-__all__ = ["told", "told_one_by_one"]
+__all__ = ["Look", "plain_look", "told", "told_one_by_one"]
 
 _BLOCK = 16_384  # fewer are judged before a second thread has begun: ten thousand points took twice as long in shares
 
@@ -72,30 +75,47 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
 
 def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> Told:
     """The same without a compiler, for few points."""
-    n, d = solution.stress.shape
-    loop = _text(judge.level, increment.law.force_symbols(), judge.known.convex)
-    if loop is None or not judge.known.around_origin:
-        return Told.nothing(n)
-    run, metric = interpreted(loop.text, "chunk"), judge.metric
-    matrices = [_table(m.tobytes(), d) for m in (increment.stiffness, metric.of_slip, metric.of_stress, metric.to_stress)]
-    tips = [_table(beside(d).tobytes(), d), *_seen_tables(judge.known.tips.tobytes(), metric.of_stress.tobytes(), d)]
-    known = (*loop.constants, *matrices, *tips, *_figures(judge))
-    room = [PlainArray() for _ in range(5)]
-    said = Told.nothing(n)
+    n, said = len(solution.multiplier), Told.nothing(len(solution.multiplier))
+    look = plain_look(judge.level, increment.law.force_symbols(), increment.stiffness.tobytes(), judge.known)
+    if look is None:
+        return said
     residuals = [getattr(said.residuals, f.name) for f in fields(Residuals)]
-    for i in range(n):
-        point = slice(i, i + 1)
-        work, status, off = PlainArray(), PlainArray(), PlainArray()
-        given = table(increment.trial[point]), table(increment.pressure[point]), judge.known.largest
-        got = table(solution.stress[point]), table(solution.slip[point]), table(solution.multiplier[point])
+    given = increment.trial, increment.pressure, solution.stress, solution.slip, solution.multiplier
+    for i, point in enumerate(zip(*(array.tolist() for array in given), strict=True)):
+        said.dissipation[i], status, off = look(*point)
+        said.status[i] = UNJUDGED if solution.failed[i] else status
+        for values, value in zip(residuals, off, strict=True):
+            values[i] = value
+    return replace(said, left=np.flatnonzero(said.status == UNJUDGED)) if n else said
+
+
+Look = Callable[[Sequence[float], float, Sequence[float], Sequence[float], float], tuple[float, int, Sequence[float]]]
+
+
+def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: bytes, known: Variational) -> Look | None:
+    """What the loop says of one answer on plain numbers: (trial, pressure, stress, slip, multiplier) -> dissipation, status, residuals.
+
+    None for a word that the loop lacks and a K without the origin.
+    """
+    d, metric = len(forces), known.metric
+    loop = _text(level, forces, known.convex)
+    if loop is None or not known.around_origin:
+        return None
+    run = interpreted(loop.text, "chunk")
+    matrices = [_table(m.tobytes(), d) for m in (np.frombuffer(stiffness), metric.of_slip, metric.of_stress, metric.to_stress)]
+    tips = [_table(beside(d).tobytes(), d), *_seen_tables(known.tips.tobytes(), metric.of_stress.tobytes(), d)]
+    constants = (*loop.constants, *matrices, *tips, metric.blur, metric.good, metric.certain, level.scaled.degree)
+
+    def look(trial: Sequence[float], pressure: float, stress: Sequence[float], slip: Sequence[float], multiplier: float) -> Any:
+        work, status, off, *room = [PlainArray() for _ in range(8)]
+        got = row(stress), row(slip), one(multiplier)
         try:
-            run(*given, *known, *got, work, status, off, *room)
+            run(row(trial), one(pressure), known.largest, *constants, *got, work, status, off, *room)
         except FAULTS:
             status[0] = UNJUDGED
-        said.dissipation[i], said.status[i] = work[0], UNJUDGED if solution.failed[i] else status[0]
-        for k, values in enumerate(residuals):
-            values[i] = off[k, 0]
-    return replace(said, left=np.flatnonzero(said.status == UNJUDGED))
+        return work[0], status[0], [off[k, 0] for k in range(5)]
+
+    return look
 
 
 def _figures(judge: Judge) -> tuple[float, float, float, float]:

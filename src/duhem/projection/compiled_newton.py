@@ -6,10 +6,11 @@ The functions of the law are its scaled formula and its jets as text (:mod:`duhe
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -21,14 +22,15 @@ from duhem.projection import newton_apex, newton_kernel, newton_pair, newton_sta
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.kept_code import compiled_text
+from duhem.projection.method import PlainClosest
 from duhem.projection.module_text import module_text
 from duhem.projection.newton_kernel import INLINED, LEFT
-from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, table
+from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, row, table
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
 from duhem.projection.whitened_body import whitening
 
-__all__ = ["Loop", "kernel_text", "solved", "solved_one_by_one"]
+__all__ = ["Loop", "kernel_text", "plain_closest", "solved", "solved_one_by_one"]
 
 _BLOCK = 1_024, 4_096  # points, from and to: threads share batches of a few thousand
 
@@ -100,23 +102,34 @@ def solved_one_by_one(increment: Increment) -> tuple[Solution, NDArray[np.intp]]
     """The same without a compiler, for few points."""
     n, d = increment.trial.shape
     found = Solution(increment.trial.copy(), np.zeros((n, d)), np.zeros(n), np.zeros(n, dtype=bool))
-    if (loop := Loop.of(increment, plain=True)) is None:
+    if (closest := plain_closest(increment)) is None:
         return found, np.arange(n)
-    numbers = loop.constants.tolist(), table(loop.root), table(loop.inverse), loop.formula.degree
-    data, left = loop.data(increment.pressure), []
-    for i in range(n):
-        stress, slip, multiplier, state = PlainArray(), PlainArray(), PlainArray(), PlainArray()
-        try:
-            loop.run(table(increment.trial[i : i + 1]), table(data[i : i + 1]), *numbers, stress, slip, multiplier, state)
-        except FAULTS:
-            state[0] = LEFT
-        if state[0] == LEFT:
+    left = []
+    for i, point in enumerate(zip(increment.trial.tolist(), increment.pressure.tolist(), strict=True)):
+        if (answer := closest(*point)) is None:
             left.append(i)
-            continue
-        for k in range(d):
-            found.stress[i, k], found.slip[i, k] = stress[0, k], slip[0, k] / loop.mean
-        found.multiplier[i] = multiplier[0] / loop.mean
+        else:
+            found.stress[i], found.slip[i], found.multiplier[i] = answer
     return found, np.array(left, dtype=np.intp)
+
+
+def plain_closest(increment: Increment) -> PlainClosest | None:
+    """The closest point to one trial on plain numbers, at any point of such an increment; None for a word that the loop lacks."""
+    if (loop := Loop.of(increment, plain=True)) is None:
+        return None
+    numbers, mean, d = (loop.constants.tolist(), table(loop.root), table(loop.inverse), loop.formula.degree), loop.mean, len(loop.root)
+
+    def closest(trial: Sequence[float], pressure: float) -> Any:
+        stress, slip, multiplier, state = [PlainArray() for _ in range(4)]
+        try:
+            loop.run(row(trial), row(loop.data(np.array([pressure]))[0].tolist()), *numbers, stress, slip, multiplier, state)
+        except FAULTS:
+            return None
+        if state[0] == LEFT:
+            return None
+        return [stress[0, k] for k in range(d)], [slip[0, k] / mean for k in range(d)], multiplier[0] / mean
+
+    return closest
 
 
 @lru_cache(maxsize=256)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import logging
 import os
 import sys
 from collections.abc import Callable
@@ -20,6 +21,10 @@ from duhem.errors import MissingExtraError
 from duhem.projection import machine_code
 
 __all__ = ["compiled_text", "interpreted_text"]
+
+
+_LOG = logging.getLogger("duhem")
+_MEANT = {"solve": "closest point", "judge": "check of answers"}
 
 
 @lru_cache(maxsize=128)
@@ -68,6 +73,9 @@ class _Entry:
         """Compiled by numba, or found where that keeps it, and kept for the next process."""
         with self._lock:
             compiled = self._by_numba
+        _LOG.warning(
+            "numba compiles the %s of a law: some ten to forty seconds, once; then the code is kept on disk", _MEANT.get(self._name, "loop")
+        )
         result = compiled(*arguments)
         self._runs[known] = compiled
         if self._kept is not None and (path := machine_code.place(self._kept, self._name, known)) is not None:

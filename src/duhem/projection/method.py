@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 
 from duhem.errors import InputError
 
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from duhem.projection.increment import Increment
     from duhem.projection.result import Array, Solution
 
-__all__ = ["Compiling", "Method", "Options"]
+__all__ = ["WORTH_COMPILING", "Compiling", "Method", "Options", "PlainClosest"]
 
 
 @dataclass(frozen=True)
@@ -25,18 +26,24 @@ class Options:
 class Compiling(Options):
     """Those of a method that can be compiled, by numba: ``compiled``, and on how many ``threads``.
 
-    None: all there are where it is compiled, else one; NumPy's passes are so short that two threads mostly wait for each other.
-    What is returned does not depend on their number.  Residuals and statuses of 4,096 points and more are compiled with it.  The
-    first increment of a law waits for the compiler, some ten to thirty seconds; then the code is kept on disk (DUHEM_CACHE_DIR,
-    else the user's folder for such things), and the next process loads it.  A missing numba raises MissingExtraError.
+    ``compiled`` left out: from 100,000 points on, where numba is installed.  There it pays after some calls, and whether it is done
+    never depends on what is already on disk.  ``threads`` left out: all there are where it is compiled, else one; NumPy's passes are
+    so short that two threads mostly wait for each other.  What is returned does not depend on their number.  Residuals and statuses
+    of 4,096 points and more are compiled with it.  The first increment of a law waits for the compiler, some ten to forty seconds, and
+    a warning of the logger ``duhem`` says so; then the code is kept on disk (DUHEM_CACHE_DIR, else the user's folder for such
+    things), and the next process loads it.  A missing numba raises MissingExtraError.
     """
 
-    compiled: bool = False
+    compiled: bool | None = None
     threads: int | None = None
 
     def __post_init__(self) -> None:
         if self.threads is not None and not (isinstance(self.threads, int) and self.threads >= 1):
             raise InputError(f"threads is {self.threads!r}", where="threads", remedy="give a whole number from 1 on, or leave it out")
+
+    def settled(self, points: int) -> Self:
+        """With ``compiled`` said for so many points, where it was left out."""
+        return self if self.compiled is not None else replace(self, compiled=points >= WORTH_COMPILING and find_spec("numba") is not None)
 
     @property
     def sharing(self) -> int | None:
@@ -44,7 +51,12 @@ class Compiling(Options):
         return self.threads if self.compiled else self.threads or 1
 
 
+WORTH_COMPILING = 100_000  # points: what the compiler takes is saved within some hundred calls
+
 Own = TypeVar("Own", bound=Options)
+
+PlainClosest = Callable[[Sequence[float], float], tuple[Sequence[float], Sequence[float], float] | None]
+"""Stress, slip and multiplier from a trial stress and a pressure, all plain numbers; None where arrays are to be asked."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +68,8 @@ class Method(Generic[Own]):
     d sigma/d u (N, d, d) in Pa/m and d sigma/d sigma_n (N, d), None for a law without pressure; no tangent at all is None.
     ``options`` is the type of the options.  ``convex``: where the method can be used K is convex, by a declared shape or by rules
     of composition; else the judge looks for points of K that speak against it.  ``again`` is asked where the judge refuses what
-    ``solve`` found of few points.
+    ``solve`` found of few points.  ``plain(question)`` is the closest point to one trial on plain numbers, of the same digits and
+    sooner than ``solve`` for one point, or None where there is none.
     """
 
     name: str
@@ -66,6 +79,7 @@ class Method(Generic[Own]):
     tangent: Callable[[Increment, Solution], tuple[Array, Array | None]] | None = None
     convex: bool = False
     again: Callable[[Increment, Own], Solution] | None = None
+    plain: Callable[[Increment], PlainClosest | None] | None = None
 
     def options_of(self, given: Mapping[str, Any]) -> Own:
         """Options by name; InputError for one that the method does not have, naming those it has."""

@@ -7,7 +7,7 @@ operation that has no value raises, where an array has nan, and who called takes
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from duhem.projection.kept_code import interpreted_text
 
-__all__ = ["FAULTS", "PlainArray", "interpreted", "table"]
+__all__ = ["FAULTS", "PlainArray", "interpreted", "one", "row", "table"]
 
 FAULTS = ArithmeticError, ValueError
 """What an operation without a value raises."""
@@ -41,6 +41,21 @@ def table(array: NDArray[Any]) -> PlainArray:
         found.update(enumerate(array.tolist()))
     else:
         found.update(((i, j), x) for i, row in enumerate(array.tolist()) for j, x in enumerate(row))
+    return found
+
+
+def row(numbers: Sequence[float]) -> PlainArray:
+    """A table of one row."""
+    found = PlainArray((1, len(numbers)))
+    for i, x in enumerate(numbers):
+        found[0, i] = x
+    return found
+
+
+def one(number: float) -> PlainArray:
+    """A list of one number."""
+    found = PlainArray((1,))
+    found[0] = number
     return found
 
 

@@ -56,7 +56,24 @@ class Projector:
     ) -> Projector:
         """What :func:`duhem.project` checks and chooses before it sees a stress; arguments, units and errors are the same."""
         question = setting(load_formula(law), stiffness, parameters)
-        return cls(question, *_chosen(question, method))
+        return cls(question, *cls.chosen(question, method))
+
+    @staticmethod
+    def chosen(question: Increment, method: str | Method[Any]) -> tuple[Method[Any], str]:
+        """The method and why it is taken; InputError where none applies."""
+        if method != "auto":
+            asked = method if isinstance(method, Method) else _named(method)
+            reason = asked.applies(question)
+            if reason is not None:
+                raise InputError(f"method {asked.name} does not apply: {reason}", where="method")
+            return asked, "asked for"
+        reasons: list[str] = []
+        for name, imported in METHODS.items():
+            reason = imported().applies(question)
+            if reason is None:
+                return imported(), "; ".join([*reasons, "the cheapest method that applies"])
+            reasons.append(f"not {name}: {reason}")
+        raise InputError(f"no method applies: {'; '.join(reasons)}", where="method", remedy="rewrite the law in one of these forms")
 
     def __call__(self, trial: ArrayLike, pressure: ArrayLike | None = None, tangent: bool = False, **options: Any) -> Projection:
         return self.at(posed(self.setting, trial, pressure), tangent, **options)
@@ -68,6 +85,8 @@ class Projector:
             remedy = "leave tangent out, or take a law with a closed form"
             raise InputError(f"method {method.name} has no tangent", where="tangent", remedy=remedy)
         given = method.options_of(options)
+        if isinstance(given, Compiling):
+            given = given.settled(len(question.pressure))
         solution, vouched = method.solve(question, given), self._vouched(question)
         judge, sure = Judge.of(question, solution, self._taken_as_convex(question)), bool(vouched.all())
         told = _told(question, solution, judge, given) if sure else Told.nothing(len(vouched))
@@ -94,6 +113,7 @@ class Projector:
             forces=question.law.forces,
             tangent=slopes[0],
             tangent_pressure=slopes[1],
+            compiled=isinstance(given, Compiling) and bool(given.compiled),
         )
 
     def _asked_again(self, question: Increment, solution: Solution, found: Residuals, told: Told) -> None:
@@ -129,23 +149,6 @@ class Projector:
         if (at := np.flatnonzero(~self._vouched(question))).size:
             asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
             found.variational[at] = nearness(asked, Solution(*(getattr(solution, f.name)[at] for f in fields(solution))))
-
-
-def _chosen(question: Increment, method: str | Method[Any]) -> tuple[Method[Any], str]:
-    """The method and why it was taken."""
-    if method != "auto":
-        asked = method if isinstance(method, Method) else _named(method)
-        reason = asked.applies(question)
-        if reason is not None:
-            raise InputError(f"method {asked.name} does not apply: {reason}", where="method")
-        return asked, "asked for"
-    reasons: list[str] = []
-    for name, imported in METHODS.items():
-        reason = imported().applies(question)
-        if reason is None:
-            return imported(), "; ".join([*reasons, "the cheapest method that applies"])
-        reasons.append(f"not {name}: {reason}")
-    raise InputError(f"no method applies: {'; '.join(reasons)}", where="method", remedy="rewrite the law in one of these forms")
 
 
 def _named(name: object) -> Method[Any]:

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from duhem.projection.in_blocks import FEW
 from duhem.projection.one_point import closest
-from duhem.projection.plain_numbers import FAULTS, PlainArray, table
+from duhem.projection.plain_numbers import FAULTS, PlainArray, row, table
 from duhem.projection.quarter_ellipse import CLOSE, NEAR, SAFE, SEAM, SURE, formulas
 from duhem.projection.result import Array
 
-__all__ = ["Quarters", "clamped", "project", "stacked"]
+__all__ = ["Quarters", "clamped", "plain_closest", "project", "stacked"]
 
 _FORMULAS = formulas()
 _CLOSEST = closest(lambda function: function, formulas(where=lambda condition, a, b: a if condition else b, sqrt=math.sqrt))
@@ -137,16 +137,22 @@ def project(
 
 def _one_by_one(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
     """What arrays find, to the bit, on plain numbers; arrays take the point of which an operation has no value."""
-    constants = _tables(quarters)
     for n, (given, e) in enumerate(zip(trial.tolist(), load.tolist(), strict=True)):
-        s, moved, weight = PlainArray(), PlainArray(), PlainArray()
-        try:
-            _CLOSEST(0, {(0, 0): given[0], (0, 1): given[1]}, {0: e}, *constants, s, moved, weight)
-        except FAULTS:
+        if (found := plain_closest(given, e, quarters)) is None:
             here = slice(n, n + 1)
             _project(trial[here], load[here], quarters, stress[here], slip[here], multiplier[here], None)
-            continue
-        stress[n], slip[n], multiplier[n] = (s[0, 0], s[0, 1]), (moved[0, 0], moved[0, 1]), weight[0]
+        else:
+            stress[n], slip[n], multiplier[n] = found
+
+
+def plain_closest(trial: Sequence[float], load: float, quarters: Quarters) -> tuple[list[float], list[float], float] | None:
+    """Stress, slip and multiplier of the gauge for one trial on plain numbers; None where an operation has no value."""
+    s, moved, weight = PlainArray(), PlainArray(), PlainArray()
+    try:
+        _CLOSEST(0, row(trial), {0: load}, *_tables(quarters), s, moved, weight)
+    except FAULTS:
+        return None
+    return [s[0, 0], s[0, 1]], [moved[0, 0], moved[0, 1]], weight[0]
 
 
 @lru_cache(maxsize=256)

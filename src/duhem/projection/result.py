@@ -88,7 +88,7 @@ class Projection(Shown):
     reason; next to the boundary, where the difference sigma_tr - sigma keeps no digits, a slip is taken from lambda and the
     normals, whatever the method, and vouched for to 1e-6 of its largest component, or so that k slip is right to 1e-27 of the
     stress; ``tangent`` d sigma/d u (N, d, d) and ``tangent_pressure`` d sigma/d sigma_n (N, d) where asked for; ``forces`` names the
-    components.  A multiplier beyond doubles is 0 or inf.
+    components; ``compiled`` whether loops were taken that numba compiles.  A multiplier beyond doubles is 0 or inf.
 
     On a K that is not convex a point that only satisfies the stationarity conditions is ``INACCURATE``, never ``SLIP``, as soon as
     one point tau that is tried has (sigma_tr - sigma) . k^-1 (tau - sigma) > 0.  Without such a tau in all of K the point is the
@@ -110,6 +110,7 @@ class Projection(Shown):
     forces: tuple[str, ...]
     tangent: Array | None = None
     tangent_pressure: Array | None = None
+    compiled: bool = False
 
     def __repr__(self) -> str:
         return f"<{self.counted()}; {self.method}>"

@@ -30,7 +30,7 @@ def as_sheet(done: Projection) -> Sheet:
     remarks = tuple(f"point {i}: {remark}" for i in shown if (remark := done.remark(i)))
     return Sheet(
         done.counted(),
-        (("method", f"{done.method} ({done.why})"),),
+        (("method", f"{done.method} ({done.why}{'; compiled' if done.compiled else ''})"),),
         ("point", "status", *vectors, "multiplier", "dissipation", "residual"),
         tuple(rows),
         (("Shown", more), ("Remarks", remarks)),
@@ -46,6 +46,7 @@ def as_dict(done: Projection) -> dict[str, Any]:
         "forces": list(done.forces),
         "method": done.method,
         "why": done.why,
+        "compiled": done.compiled,
         "status": [_word(status) for status in done.status],
         "remarks": [done.remark(i) for i in range(len(done.status))],
         **{name: _listed(getattr(done, name)) for name in arrays},

@@ -5,6 +5,7 @@ Which points are known: :mod:`duhem.projection.known_points`.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import reduce
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.close_look import as_pairs, close_look
+from duhem.projection.in_blocks import FEW_SEARCHED
 from duhem.projection.increment import Increment
 from duhem.projection.known_points import beyond_tangents, raised, tips
 from duhem.projection.level import Level
@@ -27,7 +29,7 @@ _QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that
 
 @dataclass(frozen=True, eq=False)
 class Variational:
-    """``tips`` (T, d) are points of K at the pressure ``largest``, ``reaches`` (T, d) they in the metric of k.
+    """``tips`` (T, d) are points of K at the pressure ``largest`` or close to it, ``reaches`` (T, d) they in the metric of k.
 
     ``convex``: K need not be looked at close to each answer.  ``increment`` has the law for more digits.
     """
@@ -44,6 +46,8 @@ class Variational:
     def of(cls, increment: Increment, level: Level, metric: Metric, convex: bool) -> Variational:
         d, pressed = level.forces, increment.law.pressure is not None
         largest = float(increment.pressure.min(initial=0.0))
+        if len(increment.pressure) <= FEW_SEARCHED:  # points that come one after the other have the tips of the same few pressures
+            largest = -math.ldexp(1.0, math.frexp(largest)[1] - 1) if largest else 0.0
         known = tips(level, d, largest if pressed else None)
         if not convex:
             pressures = np.quantile(increment.pressure, _QUANTILES, method="nearest") if pressed else None

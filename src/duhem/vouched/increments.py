@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from duhem.law.catalogue import load_formula
 from duhem.law.convex import check_convex
 from duhem.law.formula_law import Criterion
+from duhem.projection.increment import Increment
 from duhem.projection.method import Method
+from duhem.projection.one_increment import Answer, OneIncrement, as_projection
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Status
-from duhem.projection.validation import posed
+from duhem.projection.validation import posed, setting
 from duhem.vouched.convexity import asked
 
 __all__ = ["Prepared", "SlipIncrement", "prepare", "project"]
@@ -43,18 +47,41 @@ class Prepared:
 
     def __call__(self, trial: ArrayLike, pressure: ArrayLike | None = None) -> SlipIncrement:
         """The slip increments to ``trial``, (d,) or (N, d), under ``pressure``, one number or (N,); errors as :func:`duhem.project`."""
-        found = self.project(trial, pressure)
+        if (one := self._answer(trial, pressure)) is not None:
+            return SlipIncrement(np.array(one.stress), np.array(one.slip), one.multiplier, one.status)
+        found = self._project(trial, pressure)
         if np.ndim(trial) == 1 and len(found.multiplier) == 1:
             return SlipIncrement(found.stress[0], found.slip[0], float(found.multiplier[0]), Status(int(found.status[0])))
         return SlipIncrement(found.stress, found.slip, found.multiplier, found.status)
 
     def project(self, trial: ArrayLike, pressure: ArrayLike | None = None, tangent: bool = False, **options: Any) -> Projection:
         """The same with residuals, dissipation and, where it is asked for, the ``tangent``: what :func:`duhem.project` returns."""
+        if not (tangent or options) and (one := self._answer(trial, pressure)) is not None:
+            return as_projection(one, self.projector.method, self.projector.why, self.projector.setting.law.forces)
+        return self._project(trial, pressure, tangent, **options)
+
+    def _project(self, trial: ArrayLike, pressure: ArrayLike | None, tangent: bool = False, **options: Any) -> Projection:
         question = posed(self.projector.setting, trial, pressure)
         if not self.projector.method.convex:
             found = asked(question.law, self.parameters, self.convex, unloaded=bool(np.any(question.pressure == 0.0)))
             question = replace(question, convexity=found)
         return self.projector.at(question, tangent, **options)
+
+    def _answer(self, trial: ArrayLike, pressure: ArrayLike | None) -> Answer | None:
+        """That of one loaded point of a K that is shown to be convex."""
+        numbers = self._one.numbers(trial, pressure)
+        return self._one.answer(*numbers) if numbers is not None and self._shown_convex else None
+
+    @cached_property
+    def _one(self) -> OneIncrement:
+        return OneIncrement(self.projector.setting, self.projector.method)
+
+    @cached_property
+    def _shown_convex(self) -> bool:
+        if self.projector.method.convex:
+            return True
+        found = asked(self.projector.setting.law, self.parameters, self.convex, unloaded=False)
+        return found is not None and found.loaded
 
 
 def prepare(
@@ -112,4 +139,32 @@ def project(
     with a flow of its own, which the closest point does not integrate.
     """
     check_convex(convex)
-    return Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex).project(trial, pressure, tangent, **options)
+    return _prepared(load_formula(law), stiffness, parameters, method, convex).project(trial, pressure, tangent, **options)
+
+
+def _prepared(
+    law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None, method: str | Method[Any], convex: str
+) -> Prepared:
+    """Made once for increments that follow one another, where the arguments are plain numbers."""
+    if type(stiffness) in _PLAIN and (parameters is None or all(type(value) in _PLAIN for value in parameters.values())):
+        given: Hashable = stiffness, None if parameters is None else tuple(parameters.items())
+        return _kept(law, given, Projector.chosen(_setting(law, given), method), convex)
+    return Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex)
+
+
+_PLAIN = float, int
+
+
+@lru_cache(maxsize=256, typed=True)
+def _setting(law: Criterion, given: Any) -> Increment:
+    return setting(law, *_given(given))
+
+
+@lru_cache(maxsize=256, typed=True)
+def _kept(law: Criterion, given: Any, chosen: tuple[Method[Any], str], convex: str) -> Prepared:
+    return Prepared(Projector(_setting(law, given), *chosen), _given(given)[1], convex)
+
+
+def _given(given: Any) -> tuple[Any, dict[str, Any] | None]:
+    """Stiffness and parameters again."""
+    return given[0], None if given[1] is None else dict(given[1])

@@ -26,6 +26,7 @@ from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision.result import Measurement, Spread
 from duhem.benchmark.work_precision.timing import measured, timed
 from duhem.left_out import LeftOut
+from duhem.projection.closed_form import ClosedFormOptions
 from duhem.projection.increment import Increment
 from duhem.projection.projector import ACCURACY
 from duhem.projection.residuals import residuals
@@ -90,7 +91,7 @@ def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[
         yield from _grown(load, contender.name, contender.solve, repeats)
         if contender.method.name == "closed-form":
             yield _reused(contender, load.question, repeats)
-            if contender.options == contender.method.options():
+            if contender.options == ClosedFormOptions(compiled=False):
                 yield _memory(contender.name, partial(contender.solve, load.question))
     if any(contender.method.name == "cvxpy" for contender in contenders):
         yield from _cvxpy(load, min(n, _FEWER), repeats)
