@@ -8,15 +8,21 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from duhem.expression import principal_axes
 from duhem.expression.scalar_jets import FUNCTIONS, scalar_jets
 
-__all__ = ["as_functions"]
+__all__ = ["as_functions", "named"]
+
+
+def named(*functions: str) -> dict[str, Any]:
+    """What the text calls: NumPy and some of its ``functions``, and the axes of matrices."""
+    return {name: getattr(np, name) for name in functions} | {f.__name__: f for f in principal_axes.FUNCTIONS} | {"np": np}
 
 
 def as_functions(formula: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:
     """The value (in a tuple), and value, gradient and Hessian, each of a row of numbers."""
     text = scalar_jets(formula, forces, ())
-    space: dict[str, Any] = {name: getattr(np, name) for name in FUNCTIONS}
+    space = named(*FUNCTIONS)
     exec(f"{text.level}\n\n{text.piece}", space)
     q, d = np.array(text.constants), len(forces)
 

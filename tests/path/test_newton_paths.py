@@ -21,6 +21,7 @@ CASES = {
     "box": ({"mu_a": 0.2, "mu_b": 0.1}, [1.0, 2.0], 2),
     "superellipse": ({"mu_a": 0.2, "mu_b": 0.1, "p": 3}, [[1.0, 0.3], [0.3, 2.0]], 2),
     "von-mises": ({"yield_stress": 0.2}, [1.0, 2.0, 1.5], 3),
+    "tresca-tensor": ({"s0": 0.2}, [1.0, 2.0, 1.5, 1.0, 0.7, 0.9], 6),
 }
 
 
@@ -42,12 +43,12 @@ def driven(name):
     draw = np.random.default_rng(4)
     points = np.vstack([np.zeros(d), np.cumsum(draw.normal(size=(6, d)) * 0.2, axis=0)])
     points[1] *= 0.1  # sticks
-    load = None if d == 3 else np.array([-1.0, -1.5, -0.5, 0.0, -1.0, -1.0, -2.0])  # contact lost and regained
+    load = None if d > 2 else np.array([-1.0, -1.5, -0.5, 0.0, -1.0, -1.0, -2.0])  # contact lost and regained
     return Path.linear(points, pressure=load), {"stiffness": k, "parameters": mu, "compiled": True}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(CASES, "box", "von-mises"))
+@pytest.mark.parametrize("name", mostly_long(CASES, "box", "von-mises", "tresca-tensor"))
 def test_the_loop_takes_the_steps_of_the_search(name, monkeypatch):
     path, given = driven(name)
     whole, right = simulate(name, path, **given), simulate(name, path, **given | {"compiled": False})

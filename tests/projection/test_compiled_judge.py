@@ -184,9 +184,9 @@ def test_what_a_method_gave_up_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     assert told.left is not None and {0, 2} <= set(told.left.tolist())
 
 
-def test_a_word_without_text_leaves_all_to_the_judge() -> None:
-    law = Criterion(name="great", g="principal(1) - 1", stress={"name": "s", "kind": "3d"}, pressure=None)
-    question = posed(setting(law, 1.0, {}), np.array([[2.0, 0.0, 0.0, 0.1, 0.0, 0.2]]), None)
+def test_a_formula_without_text_leaves_all_to_the_judge(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiled_judge, "_text", lambda *_: None)
+    question = _question("coulomb", 2)
     solution = newton.solve(question)
     assert compiled_judge.told(question, solution, Judge.of(question, solution, False)).left is None
 

@@ -206,13 +206,6 @@ def test_no_smooth_point_is_taken_for_an_apex() -> None:
             assert v[space["X"]] * size == pytest.approx(end, abs=1e-5)
 
 
-def test_a_word_without_text_is_all_left() -> None:
-    law = Criterion(name="great", g="principal(1) - 1", stress={"name": "s", "kind": "3d"}, pressure=None)
-    question = posed(setting(law, 1.0, {}), np.array([[2.0, 0.0, 0.0, 0.1, 0.0, 0.2]]), None)
-    _, left = compiled_newton.solved(question)
-    assert left.tolist() == [0]
-
-
 def test_without_numba_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numba", None)
     kept_code.compiled_text.cache_clear()

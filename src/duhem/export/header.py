@@ -69,7 +69,8 @@ _STATUS = (
     "3  no question: a number that is not finite, a stiffness that is not symmetric positive definite, a pressure above 0, "
     "a parameter, or a pressure, outside its range",
     "4  solved, and the stress lies outside a range that the law declares for it",
-    "5  slips, and the tangent is not known: more pieces meet at the stress than press, or a root within the formula is 0 there",
+    "5  slips, and the tangent is not known: more pieces meet at the stress than press, a root within the formula is 0 there, or K has an "
+    "edge there where two eigenvalues are equal",
     "With 2 and 3 all results are nan, with 5 the tangent alone; with 4 it may be.  Where the stress has no derivative the "
     "tangent is one of several.",
 )

@@ -14,7 +14,7 @@ import numpy as np
 from numpy import nan, sqrt
 
 from duhem.projection.newton_kernel import LEFT, SLIP, STICK, solved
-from duhem.projection.newton_start import piece
+from duhem.projection.newton_start import NAMED, NATURAL, piece
 from duhem.projection.newton_step import (
     BEND,
     BEST,
@@ -233,7 +233,7 @@ def fits(v: Any, m: Any, q: Any, held: Any, root: Any, free: Any, count: int, r:
         for k in range(D):
             v[BEST, i] += root[i, k] * free[r, k] * step
         turned[i] = 0.0
-    piece(v, BEST, q, True, held, D, RAW, m, RAWBEND)
+    piece(v, BEST, q, NATURAL, held, D, RAW, m, RAWBEND)
     slope = whitened(v, root)
     for i in range(D):
         there[i] = v[WHITE, i] / slope
@@ -241,7 +241,7 @@ def fits(v: Any, m: Any, q: Any, held: Any, root: Any, free: Any, count: int, r:
         c = v[LENGTHS, j]
         if c > 0.0:
             load += c
-            piece(v, BEST, q, False, held, j, RAW, m, RAWBEND)
+            piece(v, BEST, q, NAMED, held, j, RAW, m, RAWBEND)
             slope = whitened(v, root)
             apart = 0.0
             for b in range(count, D):

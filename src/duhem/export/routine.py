@@ -13,9 +13,9 @@ from duhem.export import increment_kernel
 from duhem.export.c_expression import Array
 from duhem.export.c_translation import c_functions
 from duhem.export.tip import closes
-from duhem.expression.scalar_jets import LEFT_OUT, scalar_jets, scalar_values
+from duhem.expression.scalar_jets import scalar_jets, scalar_values
 from duhem.law.formula_law import Criterion
-from duhem.projection import newton_apex, newton_kernel, newton_start, newton_step
+from duhem.projection import newton_apex, newton_kernel, newton_pair, newton_start, newton_step
 from duhem.projection.module_text import module_text
 from duhem.projection.scaled_formula import scaled
 
@@ -29,6 +29,7 @@ _ARRAYS: Mapping[str, Array] = {
     "q": Array("double", ("1",)),
     "w": Array("double", ("1",)),
     "out": Array("double", ("1",)),
+    "axes": Array("double", ("4", "3")),
     "held": Array("signed char", ("D + 1", "KINKS + 1")),
     "choices": Array("signed char", ("D + 1", "KINKS + 1")),
     "data": Array("double", ("1", "DATA + 1")),
@@ -45,7 +46,7 @@ _ARRAYS: Mapping[str, Array] = {
     **{f"{where}.{name}": _D for where in ("increment", "nothing", "beyond") for name in ("stress", "slip")},
     **dict.fromkeys(("root", "inverse", "k", "matrix", "free"), _SQUARE),
 }
-_PLAIN = dict.fromkeys(("x", "c", "n", "slopes", "bends"), "int") | {"natural": "bool", "size": "float"}
+_PLAIN = dict.fromkeys(("x", "c", "n", "slopes", "bends", "natural"), "int") | {"size": "float"}
 _BELOW = """\
 /* The power of two below, 2^-1022 at least. */
 static double below(double size)
@@ -79,9 +80,6 @@ def routine(law: Criterion) -> Routine:
     if open_ := [name for name in names if name in powers]:
         remedy = f"give {' '.join(f'--set {name}=VALUE' for name in open_)}"
         raise InputError(f"{', '.join(open_)} stands in an exponent, and is no argument then", where=law.name, remedy=remedy)
-    for word, reason in LEFT_OUT.items():
-        if g.has(word):
-            raise InputError(f"{law.name} has no increment as text: {reason}", where="law", remedy="take duhem.project, which searches")
     if g.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
         raise InputError("g is not defined at these parameters", where=law.name, remedy="set others")
     own, pressure = tuple(table[name] for name in names), table[law.pressure] if law.pressure else None
@@ -106,8 +104,8 @@ def routine(law: Criterion) -> Routine:
         _function("placed(q, w)", [f"{array}[{start + k}] = {x!r}" for array, start, each in behind for k, x in enumerate(each)]),
         _function("beyond(stress, slack: float) -> bool", [f"if {past}: return True" for past in _beyond(law)], "return False"),
     ]
-    sources = newton_step, newton_start, newton_apex, newton_kernel, increment_kernel
-    text = module_text(formula, len(law.forces), jets.kinks, functions, sources, ("increment",))
+    sources = newton_step, newton_start, newton_apex, newton_pair, newton_kernel, increment_kernel
+    text = module_text(formula, len(law.forces), jets, functions, sources, ("increment",))
     return Routine(c_functions(text, "increment", _ARRAYS, _PLAIN, {"below": _BELOW}), names)
 
 

@@ -24,7 +24,7 @@ from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, bound, recorded
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["TABLE", "Bounded", "BoundedProgram", "bounded", "constant"]
+__all__ = ["TABLE", "Bounded", "BoundedProgram", "bounded", "constant", "eigenvalue"]
 
 Array = NDArray[np.float64]
 
@@ -220,7 +220,11 @@ def _atan2(_: Any, y: Bounded, x: Bounded) -> Bounded:
 
 
 def _eigmax(_: Any, *entries: Bounded) -> Bounded:
-    value = numpy_.TABLE[EigMax](_, *(a.value for a in entries))
+    return eigenvalue(numpy_.TABLE[EigMax](_, *(a.value for a in entries)), entries)
+
+
+def eigenvalue(value: Any, entries: Sequence[Bounded]) -> Bounded:
+    """The greatest eigenvalue, as found by whatever is off by some roundings of the entries xx, yy, zz, yz, xz, xy."""
     off = reduce(np.add, [a.bound for a in entries[:3]]) + 2.0 * reduce(np.add, [a.bound for a in entries[3:]])
     return Bounded(value, off + 8.0 * _WORD * reduce(np.maximum, [np.abs(a.value) for a in entries]))
 

@@ -20,17 +20,14 @@ from duhem.expression.fold import Table
 from duhem.expression.pnorm import recognised
 from duhem.expression.recording import bound, recorded
 from duhem.expression.rounding import TABLE as ON_ARRAYS
-from duhem.expression.rounding import Bounded, constant
+from duhem.expression.rounding import Bounded, constant, eigenvalue
 from duhem.expression.vocabulary import EigMax
 
-__all__ = ["FUNCTIONS", "LEFT_OUT", "TABLE", "ScalarBounds", "scalar_bounds"]
+__all__ = ["FUNCTIONS", "TABLE", "ScalarBounds", "scalar_bounds"]
 
 FUNCTIONS = ("arccos", "arccosh", "arcsin", "arcsinh", "arctan", "arctan2", "arctanh", "cos", "cosh", "exp", "expm1", "hypot", "inf",
              "isfinite", "isnan", "log", "log10", "log1p", "maximum", "minimum", "nan", "sin", "sinh", "sqrt", "tan", "tanh")  # fmt: skip
 """What the text may call by NumPy's names."""
-
-LEFT_OUT = {EigMax: "an eigenvalue takes more than a line"}
-TABLE: Table[Bounded] = {kind: row for kind, row in ON_ARRAYS.items() if kind not in LEFT_OUT}
 
 _SIGNS: Mapping[np.ufunc, str] = {
     np.add: "+",
@@ -67,7 +64,7 @@ def scalar_bounds(
 ) -> ScalarBounds:
     """``expr`` over ``forces``, taken as exact, and ``others``; its constants are ``q[first]`` and following, ``name`` is the function's.
 
-    InputError for a word whose rows need more than lines (``eigmax``).
+    InputError for a word whose rows need more than lines.
     """
     lines: list[str] = []
     constants: dict[sp.Rational, Bounded] = {}
@@ -146,6 +143,17 @@ class _Name(NDArrayOperatorsMixin):
         if not isinstance(condition, _Name):
             return yes if condition else no
         return self.let(f"{_number(yes)} if {condition.name} else {_number(no)}")
+
+
+def _eigmax(_: Any, *entries: Bounded) -> Bounded:
+    """By a function of :mod:`duhem.expression.principal_axes`; a matrix whose entries are all known has no name, and is one of arrays."""
+    named = next((a.value for a in entries if isinstance(a.value, _Name)), None)
+    if named is None:
+        return ON_ARRAYS[EigMax](_, *entries)
+    return eigenvalue(named.let(f"greatest({', '.join(_text(a.value) for a in entries)})"), entries)
+
+
+TABLE: Table[Bounded] = {**ON_ARRAYS, EigMax: _eigmax}
 
 
 def _text(x: Any) -> str:

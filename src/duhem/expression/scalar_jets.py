@@ -1,12 +1,14 @@
 """A formula with its gradient and Hessian as straight lines of Python over numbers, for a compiler to make a loop of.
 
 The jets of :mod:`duhem.expression.jets`, written out instead of computed: one point, entries that are 0 left out, the same
-smooth pieces at the kinks.  Numbers are doubles; where the formula is undefined they are nan or infinite.
+smooth pieces at the kinks.  Numbers are doubles; where the formula is undefined they are nan or infinite.  A greatest eigenvalue is
+followed by a shift, as :mod:`duhem.expression.shifted_jets` says, and its axes are found by :mod:`duhem.expression.principal_axes`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial, reduce
 from itertools import combinations
@@ -17,13 +19,16 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
 from duhem.expression.pnorm import PNorm, recognised
+from duhem.expression.shifted_jets import ROUNDING, STEEPEST
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["FUNCTIONS", "LEFT_OUT", "TABLE", "ScalarJets", "scalar_jets", "scalar_values"]
+__all__ = ["FUNCTIONS", "TABLE", "ScalarJets", "scalar_jets", "scalar_values"]
 
 FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "arctan", "arcsin", "arccos", "arctan2", "hypot", "nan")
 """What the text calls by NumPy's names."""
 
+_NAME = re.compile(r"\bt\d+\b")
+_LEAST = "2.2250738585072014e-308"
 _TINY = "1e-120"  # as for arrays: below this share of a norm an argument counts as this share
 _MOST_SQUARINGS = 64  # a whole exponent up to this is multiplied out
 
@@ -33,39 +38,49 @@ Bends = Mapping[tuple[int, int], str]
 
 @dataclass(frozen=True)
 class ScalarJets:
-    """Three functions as text, over the forces' numbers, row ``x`` of ``v``, and those of the others, ``q``.
+    """Functions as text, over the forces' numbers, row ``x`` of ``v``, and those of the others, ``q``.
 
     ``level(v, x, q)`` returns the value, ``gradient(v, x, q, slopes)`` fills the row ``slopes`` of ``v``.
     ``piece(v, x, q, natural, choices, c, slopes, m, bends)`` does both and fills the matrix ``bends`` of ``m`` with the second
     derivatives; where ``natural``, the row ``c`` of ``choices`` (``kinks`` small integers) is written, else it names the piece.
+    Where ``natural`` is 2 + k, the natural piece is taken with one of three (``c``) in the place of eigenvalue k of ``pairs``, which all
+    are K's at an edge where it is double; ``pair_piece(v, x, q, natural, c, slopes)`` does the same without second derivatives.
     ``constants`` follow the others in ``q``: the fractions of the formula, which are mostly values of parameters, so that one text
     serves them all.
     """
 
     level: str
     gradient: str
+    pair_piece: str
     piece: str
     kinks: int
+    pairs: int
     constants: tuple[float, ...]
 
 
 def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> ScalarJets:
-    """``expr`` differentiated in the ``forces``.  InputError for a word without a row here (``eigmax``)."""
+    """``expr`` differentiated in the ``forces``.  InputError for what has no text: a norm whose exponent is open."""
     formula, numbers = recognised(expr), dict[str, int]()
     value = _Writer(0, numbers)
     last = fold(formula, value.table(), value.leaf(forces, others))
-    level = ["def level(v, x, q):", *value.lines, f"    return {last.value}"]
+    level = ["def level(v, x, q):", *value.live([last.value]), f"    return {last.value}"]
     whole = _Writer(len(forces), numbers)
     jet = fold(formula, whole.table(), whole.leaf(forces, others))
     d = range(len(forces))
     slopes = [f"    v[slopes, {i}] = {jet.slopes.get(i, '0.0')}" for i in d]
-    bends = [f"    m[bends, {i}, {j}] = {jet.bends.get((min(i, j), max(i, j)), '0.0')}" for i in d for j in d]
+    bent = whole.finished(jet)
+    bends = [f"    m[bends, {i}, {j}] = {bent.get((min(i, j), max(i, j)), '0.0')}" for i in d for j in d]
     head = "def piece(v, x, q, natural, choices, c, slopes, m, bends):"
-    piece = [head, *whole.lines, *slopes, *bends, f"    return {jet.value}"]
-    plain = _Writer(len(forces), numbers, named=False)
-    once = fold(formula, plain.table(), plain.leaf(forces, others)).slopes
-    gradient = ["def gradient(v, x, q, slopes):", *plain.lines, *(f"    v[slopes, {i}] = {once.get(i, '0.0')}" for i in d), "    return"]
-    return ScalarJets("\n".join(level), "\n".join(gradient), "\n".join(piece), whole.kinks, tuple(map(float, numbers)))
+    piece = [head, *whole.live([*slopes, *bends, jet.value]), *slopes, *bends, f"    return {jet.value}"]
+    gradient, pair_piece = ["def gradient(v, x, q, slopes):"], ["def pair_piece(v, x, q, natural, c, slopes):"]
+    for lines, of_pair in ((gradient, False), (pair_piece, True)):
+        plain = _Writer(len(forces), numbers, named=False, of_pair=of_pair)
+        once = fold(formula, plain.table(), plain.leaf(forces, others))
+        slopes = [f"    v[slopes, {i}] = {once.slopes.get(i, '0.0')}" for i in d]
+        last = [f"    return {once.value}" if of_pair else "    return"]
+        lines += [*plain.live([*slopes, *last]), *slopes, *last]
+    texts = ("\n".join(lines) for lines in (level, gradient, pair_piece, piece))
+    return ScalarJets(*texts, whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
 
 
 @dataclass(frozen=True)
@@ -77,20 +92,44 @@ class _Jet:
     bends: Bends = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class _Axis:
+    """Of an eigenvalue: whether its pair is asked for, how far it is above the least and the middle one, n . dA m for their axes m, and
+    how steep the entries are."""
+
+    paired: str
+    gaps: tuple[str, ...]
+    turns: tuple[Slopes, ...]
+    steepness: str
+
+
 class _Writer:
     """Writes the lines of one function; of ``d`` = 0 forces no derivative is followed.  ``numbers``: constants and their places.
 
-    ``named``: the piece that is followed at a kink may be asked for; else it is the one that holds.
+    ``named``: the piece that is followed at a kink may be asked for; else it is the one that holds.  ``of_pair``: one of a pair may be.
     """
 
-    def __init__(self, d: int, numbers: dict[str, int], named: bool = True) -> None:
-        self.d, self.kinks, self.numbers, self.named_pieces = d, 0, numbers, named and d > 0
+    def __init__(self, d: int, numbers: dict[str, int], named: bool = True, of_pair: bool = True) -> None:
+        self.d, self.kinks, self.numbers, self.named_pieces, self.of_pair = d, 0, numbers, named and d > 0, of_pair
         self.lines: list[str] = []
+        self.frames: dict[tuple[sp.Expr, ...], str] = {}
+        self.shifted: list[_Axis] = []
 
     def let(self, text: str) -> str:
         """A new name for what ``text`` says."""
         self.lines.append(f"    t{len(self.lines)} = {text}")
         return f"t{len(self.lines) - 1}"
+
+    def live(self, results: Sequence[str]) -> list[str]:
+        """The lines that the ``results`` need."""
+        needed, kept = {name for text in results for name in _NAME.findall(text)}, []
+        for line in reversed(self.lines):
+            name = line.partition(" = ")[0].strip()
+            if name.isidentifier() and name not in needed:
+                continue
+            needed.update(_NAME.findall(line))
+            kept.append(line)
+        return kept[::-1]
 
     def leaf(self, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Callable[[Any], _Jet]:
         def jet(node: Any) -> _Jet:
@@ -118,7 +157,7 @@ class _Writer:
         first, second = self.let(slope), self.let(bend)
         slopes = {i: self.let(f"{first} * {a}") for i, a in x.slopes.items()}
         bends = {ij: f"{first} * {a}" for ij, a in x.bends.items()}
-        for i, j in _pairs(x.slopes):
+        for i, j in self.pairs(x.slopes):
             bends[i, j] = _plus(bends.get((i, j)), f"{second} * {x.slopes[i]} * {x.slopes[j]}")
         return self.named(value, slopes, bends)
 
@@ -140,7 +179,7 @@ class _Writer:
                 bends[ij] = _plus(bends.get(ij), f"{other.value} * {text}")
             for i, x in one.slopes.items():
                 for j, y in other.slopes.items():
-                    if i < j or (i == j and one is a):
+                    if (i, j) in self.pairs((i, j)) and (i < j or one is a):
                         bends[i, j] = _plus(bends.get((i, j)), f"{x} * {y}" + f" * {2.0}" * (i == j))
         return self.named(self.let(f"{a.value} * {b.value}"), slopes, bends)
 
@@ -186,7 +225,7 @@ class _Writer:
         turn = self.weighted([(c, y), (f"-{s}", x)])
         growth = self.weighted([(c, x), (s, y)])
         bends = dict(turn.bends)
-        for i, j in _pairs({**turn.slopes, **growth.slopes}):
+        for i, j in self.pairs({**turn.slopes, **growth.slopes}):
             for a, b in ((i, j), (j, i)):
                 if a in turn.slopes and b in growth.slopes:
                     bends[i, j] = _plus(bends.get((i, j)), f"-{turn.slopes[a]} * {growth.slopes[b]}")
@@ -223,7 +262,7 @@ class _Writer:
             if not turn:
                 continue
             weight = self.let(f"{_number(p - 1)} * {steep[i]} * {steep[j]} * {one} if {value} > 0.0 else 0.0")
-            for a, b in _pairs(turn):
+            for a, b in self.pairs(turn):
                 bends[a, b] = _plus(bends.get((a, b)), f"{weight} * {turn[a]} * {turn[b]}")
         return self.named(value, jet.slopes, bends)
 
@@ -233,6 +272,76 @@ class _Writer:
         for i, text in b.slopes.items():
             slopes[i] = _plus(slopes.get(i), f"-{x} * {text}")
         return {i: self.let(text) for i, text in slopes.items()}
+
+    def pairs(self, keys: Iterable[int]) -> list[tuple[int, int]]:
+        """Places of second derivatives: those of the forces, and of each shift its own."""
+        return [(i, j) for i in sorted(keys) for j in sorted(keys) if i == j or i < j < self.d]
+
+    # -- eigenvalues -------------------------------------------------------------------------------------------
+
+    def eigenvalue(self, node: Any, *entries: _Jet) -> _Jet:
+        """n . dA n with the unit eigenvector n, and a shift; what the turning of n adds is left to :meth:`finished`.
+
+        Of its own pair the piece ``c`` is that of n, of the middle axis or of their mean, which turn towards the least axis alone.
+        """
+        frame, greatest = self.frame(node, entries)
+        sign, (n, middle, least) = ("", (3, 2, 1)) if greatest else ("-", (1, 2, 3))
+        top, second = f"{frame}[0, {n - 1}]", f"{frame}[0, 1]"
+        if not any(a.slopes for a in entries):
+            return _Jet(self.let(sign + top))
+        if not self.of_pair:
+            axis = [f"{frame}[{n}, {i}]" for i in range(3)]
+            jet = self.along(axis, axis, entries)
+            return self.named(self.let(sign + top), jet.slopes, jet.bends)
+        shift = self.d + len(self.shifted)
+        paired = self.let(f"natural == {2 + len(self.shifted)}")
+        mixed = self.let(f"(0.0 if c == 0 else 1.0 if c == 1 else {sp.sqrt(0.5)!r}) if {paired} else 0.0")
+        kept = self.let(f"(1.0 if c == 0 else 0.0 if c == 1 else {mixed}) if {paired} else 1.0")
+        axis = [self.let(f"{kept} * {frame}[{n}, {i}] + {mixed} * {frame}[{middle}, {i}]") for i in range(3)]
+        value = self.let(f"{sign}({kept} * {kept} * {top} + {mixed} * {mixed} * {second})")
+        gaps = self.let(f"{value} - {sign}{frame}[0, {least - 1}]"), self.let(f"{value} - {sign}{second}")
+        turns = [self.along(axis, [f"{frame}[{m}, {i}]" for i in range(3)], entries).slopes for m in (least, middle)]
+        steepness = self.let(f"sqrt({_squares([text for a in entries for text in a.slopes.values()])})")
+        self.shifted.append(_Axis(paired, gaps, tuple(turns), steepness))
+        jet = self.along(axis, axis, entries)
+        return self.named(value, {**jet.slopes, shift: "1.0"} if self.named_pieces else jet.slopes, jet.bends)
+
+    def along(self, n: Sequence[str], m: Sequence[str], entries: Sequence[_Jet]) -> _Jet:
+        """The derivatives of n . A m, its axes held fixed."""
+        weights = [f"{n[i]} * {m[i]}" for i in range(3)] + [f"{n[i]} * {m[j]} + {n[j]} * {m[i]}" for i, j in ((1, 2), (0, 2), (0, 1))]
+        return self.weighted([(self.let(weight), a) for weight, a in zip(weights, entries, strict=True) if a.slopes])
+
+    def frame(self, node: Any, entries: Sequence[_Jet]) -> tuple[str, bool]:
+        """The name of eigenvalues and axes, and whether they are those of the matrix, not of its negative."""
+        if (name := self.frames.get(tuple(-a for a in node.args))) is not None:
+            return name, False
+        if (name := self.frames.get(node.args)) is None:
+            name = self.frames[node.args] = self.let("np.empty((4, 3))")
+            self.lines.append(f"    principal_axes({name}, {', '.join(a.value for a in entries)})")
+        return name, True
+
+    def finished(self, jet: _Jet) -> Bends:
+        """The second derivatives with what the turning of axes adds, as :func:`duhem.expression.shifted_jets.finished` does."""
+        bends = dict(jet.bends)
+        forces = range(self.d)
+        slope = self.let(f"sqrt({_squares([jet.slopes[i] for i in forces if i in jet.slopes])})") if self.shifted else ""
+        length = self.let(f"sqrt({_squares([f'v[x, {i}]' for i in forces])})") if self.shifted else ""
+        for shift, axis in reversed(list(enumerate(self.shifted, self.d))):  # one inside another is met before it
+            rate, bend = jet.slopes.get(shift, "0.0"), self.let(bends.get((shift, shift), "0.0"))
+            own, (far, near) = self.let(f"{slope} / {axis.steepness}"), axis.gaps
+            much = self.let(f"abs({bend}) * {axis.steepness} * {length}")
+            off = f"abs({rate} - {bend} * 0.5 * {near}) <= {ROUNDING!r} * ({own} + {much})"
+            smooth = self.let(f"{off} and {much} <= {STEEPEST!r} * {own}")
+            used = f"0.0 if {rate} == 0.0 and {bend} == 0.0 else"
+            shares = (
+                f"2.0 * {rate} / {far} if {axis.paired} or not {smooth} else {bend} * ({near} + {_LEAST}) / ({far} + 2.0 * {_LEAST})",
+                f"0.0 if {axis.paired} else {bend} if {smooth} else 2.0 * {rate} / {near}",
+            )
+            for share, turn in zip(shares, axis.turns, strict=True):
+                factor = self.let(f"{used} ({share})")
+                for i, j in self.pairs(turn):
+                    bends[i, j] = self.let(_plus(bends.get((i, j)), f"{factor} * {turn[i]} * {turn[j]}"))
+        return bends
 
     # -- kinks -------------------------------------------------------------------------------------------------
 
@@ -312,6 +421,7 @@ TABLE: Mapping[type, Callable[..., _Jet]] = {
     sp.tanh: _smooth("tanh({x})", "1.0 - {v} * {v}", "-2.0 * {v} * {s}"),
     Atan2: _Writer.angle,
     Norm: lambda to, _, *parts: to.norm(sp.Integer(2), *parts),
+    EigMax: _Writer.eigenvalue,
     PNorm: lambda to, node, _, *parts: to.norm(node.args[0], *parts),
     sp.Abs: _Writer.absolute,
     Pos: _Writer.ramp,
@@ -324,7 +434,6 @@ TABLE: Mapping[type, Callable[..., _Jet]] = {
     sp.StrictLessThan: _comparison("<"),
     sp.LessThan: _comparison("<="),
 }
-LEFT_OUT = {EigMax: "an eigenvector takes more than a line"}
 
 
 def scalar_values(name: str, exprs: Sequence[sp.Basic], others: Sequence[sp.Symbol]) -> tuple[str, tuple[float, ...]]:
@@ -356,8 +465,8 @@ def _plus(first: str | None, second: str | None) -> str:
     return first or second or "0.0" if first is None or second is None else f"{first} + {second}"
 
 
-def _pairs(keys: Mapping[int, str]) -> list[tuple[int, int]]:
-    return [(i, j) for i in sorted(keys) for j in sorted(keys) if i <= j]
+def _squares(texts: Sequence[str]) -> str:
+    return " + ".join(f"{text} * {text}" for text in texts) or "0.0"
 
 
 def _nested(word: str, texts: Sequence[str]) -> str:

@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 from duhem.expression.jet import Array, Jet, added, least_order, outer, times
 from duhem.expression.matrices import rows
 
-__all__ = ["Shifted", "eigmax", "finished", "norm"]
+__all__ = ["ROUNDING", "STEEPEST", "Shifted", "eigmax", "finished", "norm"]
 
-_ROUNDING = 1e-13  # f' is known to this share of the formula's slope, and of what f'' makes of the argument's size
-_STEEPEST = 1e7  # a slope that changes by this many times itself over the argument's size is that of a cusp, met beside it
+ROUNDING = 1e-13  # f' is known to this share of the formula's slope, and of what f'' makes of the argument's size
+STEEPEST = 1e7  # a slope that changes by this many times itself over the argument's size is that of a cusp, met beside it
 _NOTHING = 1e-10  # of the argument's size: a norm, or a gap between eigenvalues, that may be 0
 
 
@@ -63,7 +63,7 @@ def finished(noted: Mapping[int, Shifted], gradient: Array, hessian: Array, forc
         node = noted[index]
         rate, bend, size = gradient[:, d + index], hessian[:, d + index, d + index], node.steepness * length
         by_argument = slope / node.steepness
-        by = _Slope(rate, bend, _ROUNDING * (by_argument + np.abs(bend) * size), _STEEPEST * by_argument, size)
+        by = _Slope(rate, bend, ROUNDING * (by_argument + np.abs(bend) * size), STEEPEST * by_argument, size)
         used = (rate != 0.0) | (bend != 0.0)  # another piece of the formula may have no value there
         hessian = hessian + np.where(used[:, None, None], node.bends(by, strict), 0.0)
     return hessian

@@ -31,6 +31,7 @@ from duhem.projection.scaled_formula import may_cancel, of_pressure_alone, scale
 __all__ = ["Boundary", "Drive", "boundary", "corner", "moves"]
 
 _SMOOTHING = (Norm, PNorm)
+_HEAD = f"import numpy as np\nfrom numpy import {', '.join(FUNCTIONS)}\nfrom duhem.expression.principal_axes import principal_axes\n"
 _RTOL = 5e-14
 _MOST_EVENTS = 1000
 _GLANCE = 1e-10
@@ -117,7 +118,7 @@ def _apart(g: sp.Expr, forces: Sequence[sp.Symbol], pressure: sp.Symbol) -> tupl
 def _values(formulas: Sequence[sp.Expr], order: Sequence[sp.Symbol], parts: Parts) -> Values:
     """Formulas as lines of Python over numbers: at one point arrays take ten times as long."""
     text, constants = scalar_values("values", formulas, [*order, *parts])
-    run = interpreted_text(f"from numpy import {', '.join(FUNCTIONS)}\n{text}\n", "values")
+    run = interpreted_text(f"{_HEAD}{text}\n", "values")
     fixed = [np.float64(c) for c in constants]
 
     @lru_cache(maxsize=64)

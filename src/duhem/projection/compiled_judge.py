@@ -19,7 +19,7 @@ from duhem.expression.rounding import bounded
 from duhem.expression.scalar_bounds import scalar_bounds
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.expression.vocabulary import Norm
-from duhem.projection import corner_kernel, judge_kernel, known_points_kernel
+from duhem.projection import corner_kernel, edge_kernel, judge_kernel, known_points_kernel
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.in_blocks import in_blocks
 from duhem.projection.increment import Increment
@@ -196,12 +196,12 @@ def _text(level: Level, forces: tuple[sp.Symbol, ...], convex: bool) -> _Loop | 
         data = _data(formula)
     except InputError:  # a word without text
         return None
-    sources = (below, grown, length, eliminated, corner_kernel, known_points_kernel, judge_kernel)
-    functions = jets.level, jets.gradient, bounds.text, start.text, data[0]
+    sources = (below, grown, length, eliminated, corner_kernel, edge_kernel, known_points_kernel, judge_kernel)
+    functions = jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0]
     rest = formula.expr.replace(Norm, lambda *_: sp.S.Zero)  # with a tip where norms are 0 and forces are left to hold them up
     corners = jets.kinks > 0 or not rest.free_symbols.isdisjoint(forces)
     known = {"CONVEX": int(convex), "CORNERS": int(corners), "LOOKED": int(corners or not convex)}
-    text = module_text(formula, len(forces), jets.kinks, functions, sources, ("judge", "chunk"), **known)
+    text = module_text(formula, len(forces), jets, functions, sources, ("judge", "chunk"), **known)
     own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
     return _Loop(text, (*data[1:], *own))
 

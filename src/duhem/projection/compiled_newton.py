@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import ScalarJets, scalar_jets
-from duhem.projection import newton_apex, newton_kernel, newton_start, newton_step
+from duhem.projection import newton_apex, newton_kernel, newton_pair, newton_start, newton_step
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.kept_code import CompiledText, compiled_text
@@ -79,13 +79,17 @@ class Loop:
 
 
 def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, NDArray[np.intp]]:
-    """The solution, and the points of it that are left to the search.  MissingExtraError without numba."""
+    """The solution, and the points of it that are left to the search.
+
+    MissingExtraError without numba, InputError for a law that has no loop.
+    """
     n, d = increment.trial.shape
     every = np.arange(n)
     found = Solution(np.empty((n, d)), np.zeros((n, d)), np.zeros(n), np.zeros(n, dtype=bool))
     loop = Loop.of(increment)
     if loop is None:
-        return found, every
+        why = "a part of its formula has no derivatives as text"
+        raise InputError(f"{increment.law.name} has no compiled loop: {why}", where="compiled", remedy="leave compiled out")
     state = np.empty(n, dtype=np.int8)
 
     def fill(block: slice) -> None:
@@ -171,11 +175,11 @@ def _made(
         jets = scalar_jets(formula.expr, forces, tuple(formula.data))
     except InputError:
         return None
-    smooth = () if jets.kinks else ("piece",)  # of a smooth law it is called in one place
+    smooth = () if jets.kinks or jets.pairs else ("piece",)  # of a smooth law it is called in one place
     return kernel_text(formula, jets, len(forces), *sources, entry=entry), (*INLINED, *smooth), formula, np.array(jets.constants)
 
 
 def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType, entry: str = "solve") -> str:
     """The module that is compiled for one law in ``d`` forces, whatever its parameters but for exponents and whole numbers."""
-    kernel = newton_step, newton_start, newton_apex, newton_kernel
-    return module_text(formula, d, jets.kinks, (jets.level, jets.piece), (*kernel, *sources), (entry,))
+    kernel = newton_step, newton_start, newton_apex, newton_pair, newton_kernel
+    return module_text(formula, d, jets, (jets.level, jets.piece), (*kernel, *sources), (entry,))

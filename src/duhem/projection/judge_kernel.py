@@ -17,13 +17,14 @@ import numpy as np
 from numpy import sqrt
 
 from duhem.projection.corner_kernel import CORNER, cornered
+from duhem.projection.edge_kernel import edged
 from duhem.projection.known_points_kernel import excess, raised
 from duhem.projection.newton_step import below, grown
 
 __all__ = ["INLINED", "SLIP", "STICK", "UNJUDGED", "judge"]
 
 D = 0  # how many forces the law has
-KINKS = 0  # how many kinks
+KINKS = PAIRS = 0  # how many kinks, and eigenvalues that may be double
 CONVEX = 0  # whether K is known to be convex
 CORNERS = 1  # whether it may have corners or tips
 LOOKED = 1  # whether either is so, and a slip may need more than sums
@@ -341,8 +342,11 @@ def one_slip(
         v[S, i], v[POINT, i], v[MOVED, i] = at[CHUNK + j, i], seen[POINTS + i, j], seen[MOVES + i, j]
     if seen[STATE, j] == BENT:
         if CORNERS > 0:
-            q = sized(data, unit) + constants
-            off = cornered(v, a, q, beside, of_slip, to_stress, seen[GIVEN, j], size / unit, distance, room, good)
+            q, off = sized(data, unit) + constants, np.inf
+            if PAIRS > 0:
+                off = edged(v, a, q, of_slip, seen[GIVEN, j], size / unit, distance, room, good)
+            if not off <= SUSPECT:
+                off = cornered(v, a, q, beside, of_slip, to_stress, seen[GIVEN, j], size / unit, distance, room, good)
             if not (off <= SUSPECT and 2.0 * (seen[SHALLOW, j] + off * room) <= certain * room):
                 return False, 0.0
             seen[OFF, j] = off

@@ -11,7 +11,8 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import scalar_bounds, scalar_jets
+from duhem.expression import principal_axes, scalar_bounds, scalar_jets
+from duhem.expression.scalar_jets import ScalarJets
 from duhem.projection.scaled_formula import ScaledFormula
 
 __all__ = ["module_text", "over_unit"]
@@ -24,7 +25,7 @@ _COMPARED: Mapping[type[ast.cmpop], Callable[[Any, Any], bool]] = {ast.Eq: opera
 def module_text(
     formula: ScaledFormula,
     d: int,
-    kinks: int,
+    jets: ScalarJets,
     functions: Sequence[str],
     sources: Sequence[ModuleType | Callable[..., Any]],
     entries: Sequence[str],
@@ -32,11 +33,12 @@ def module_text(
 ) -> str:
     """``functions`` of the formula in ``d`` forces, then the ``sources``: functions, or modules from their mark on.
 
-    A branch that is never taken for these ``kinks`` and ``others``, constants by name, is left out, and then each function that the
-    ``entries`` do not call: what is not there need not be compiled.  The text depends on the law's parameters by their exponents and
-    whole numbers alone.
+    A branch that is never taken for the kinks and pairs there are and the ``others``, constants by name, is left out, and then each
+    function that the ``entries`` do not call: what is not there need not be compiled.  The text depends on the law's parameters by
+    their exponents and whole numbers alone.
     """
-    constants = {"D": d, "KINKS": kinks, "DATA": len(formula.data), **others}
+    pairs = jets.pairs if d > 2 else 0  # an edge of one has three normals
+    constants = {"D": d, "KINKS": jets.kinks, "PAIRS": pairs, "DATA": len(formula.data), **others}
     head = [
         "from math import floor, frexp, isfinite, ldexp",
         "from typing import Any",
@@ -46,7 +48,7 @@ def module_text(
     ]
     lines = [f"    q[{k}] = {over_unit(f'data[n, {k}]', datum.weight)}" for k, datum in enumerate(formula.data.values())]
     resized = "\n".join(["def resized(data, n, size, q):", *lines, "    return"])
-    tree = _Taken(constants).visit(ast.parse("\n".join([*functions, resized, *map(_source, sources)])))
+    tree = _Taken(constants).visit(ast.parse("\n".join([*functions, resized, *map(_source, (*principal_axes.FUNCTIONS, *sources))])))
     return "\n".join([*head, ast.unparse(_called(tree, entries))])
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
 from duhem.expression.rays import crossing
+from duhem.expression.vocabulary import EigMax
 from duhem.projection.close_look import close_look
 from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
@@ -74,21 +75,30 @@ def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
 
     The law is taken as convex.  At corners the slip is a sum over the pieces that meet, and so is the multiplier.
     """
-    if isinstance(options, NewtonOptions) and options.compiled:
-        from duhem.projection.compiled_newton import solved
+    from duhem.projection.compiled_newton import solved, solved_one_by_one
 
+    if isinstance(options, NewtonOptions) and options.compiled:
         solution, left = solved(increment, options.threads)
     elif len(increment.trial) <= FEW_SEARCHED:
-        from duhem.projection.compiled_newton import solved_one_by_one
-
         solution, left = solved_one_by_one(increment)
     else:
-        return search(increment)
+        solution, left = search(increment), np.arange(0)
+        if increment.g.has(EigMax) and (lost := np.flatnonzero(solution.failed)).size:  # an edge of equal eigenvalues is round
+            again, unsolved = solved_one_by_one(_some(increment, lost))
+            _put(solution, lost, again)
+            solution.failed[lost[unsolved]] = True
     if left.size:
-        rest = search(replace(increment, trial=increment.trial[left], pressure=increment.pressure[left]))
-        for field in fields(Solution):
-            getattr(solution, field.name)[left] = getattr(rest, field.name)
+        _put(solution, left, search(_some(increment, left)))
     return solution
+
+
+def _some(increment: Increment, at: Index) -> Increment:
+    return replace(increment, trial=increment.trial[at], pressure=increment.pressure[at])
+
+
+def _put(solution: Solution, at: Index, found: Solution) -> None:
+    for field in fields(Solution):
+        getattr(solution, field.name)[at] = getattr(found, field.name)
 
 
 @np.errstate(all="ignore")  # what is out of range fails, and is said to

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy import sqrt
 
-from duhem.projection.newton_start import crossed, level, piece
+from duhem.projection.newton_start import NATURAL, crossed, level, piece
 from duhem.projection.newton_step import (
     BEND,
     BEST,
@@ -69,7 +69,7 @@ def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> 
             if count == D and cornered(v, m, a, inverse):
                 return True
             break
-        high = piece(v, X, q, True, held, D, RAW, m, RAWBEND)
+        high = piece(v, X, q, NATURAL, held, D, RAW, m, RAWBEND)
         slope = whitened(v, root)
         if not (slope > 0.0 and isfinite(high)):
             break

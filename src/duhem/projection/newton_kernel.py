@@ -17,7 +17,8 @@ import numpy as np
 from numpy import sqrt
 
 from duhem.projection.newton_apex import apex
-from duhem.projection.newton_start import DATA, begun, level, piece
+from duhem.projection.newton_pair import spread
+from duhem.projection.newton_start import DATA, NAMED, NATURAL, PAIR, begun, level, piece
 from duhem.projection.newton_step import (
     BEND,
     BEST,
@@ -51,7 +52,7 @@ from duhem.projection.newton_step import (
 
 __all__ = ["INLINED", "LEFT", "SLIP", "STICK", "solve"]
 
-KINKS = 0  # how many kinks the law has
+KINKS = PAIRS = 0  # how many kinks the law has, and how many eigenvalues that may be double
 
 INLINED = (
     "begun", "below", "bent", "bordered", "centred", "directed", "length", "newton", "optimal", "pressed", "resized", "searched",
@@ -64,6 +65,7 @@ INLINED = (
 STICK, SLIP, LEFT = 0, 1, 2
 ANGLE, LOOSE, DEPTH, TIP, ORIGIN = 1e-12, 1e-10, 1e-14, 1e-14, 1e-12  # as in the search
 STEPS, HALVINGS, ROUNDS = 40, 7, 8
+SHORT, LONG = 12, 400  # states that are looked at: beside an edge of equal eigenvalues a way that leads nowhere is long
 PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
 SETTLED, ROUNDED = 1e-15, 2e-16  # what is between them a step takes away that is not looked at again
 
@@ -113,23 +115,32 @@ def solved(
 
 def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> bool:
     """True where a stress is found that is optimal, with its normals and multipliers (0 for pieces that do not press)."""
-    count, near = 0, False
+    count, near, most = 0, False, SHORT if PAIRS > 0 else LONG
     times(inverse, v, T, S)
     for i in range(D):
         v[X, i] = v[FIRST, i]
     while True:
-        count = pressed(v, m, a, q, held, root, inverse)
+        count = pressed(v, m, a, q, held, most, root, inverse)
+        if PAIRS > 0 and count == 0:
+            count = paired(v, m, a, q, held, most, root, inverse)
         if count > 0 or near:
             break
+        if PAIRS > 0 and most == SHORT:
+            most = LONG
+            for i in range(D):
+                v[X, i] = v[FIRST, i]
+            continue
         if KINKS > 0:  # along a seam without a corner the piece may change from step to step
             for i in range(D):
                 v[X, i] = v[FIRST, i]
-            if isfinite(newton(v, m, a, q, held, 1, True, root, inverse)) and optimal(v, m, q, held, 1, root):
+            if isfinite(newton(v, m, a, q, held, 1, NATURAL, LONG, root, inverse)) and optimal(v, m, q, held, 1, root):
                 count = 1
                 break
         if apex(v, m, a, q, held, root, inverse):
             count = D
             break
+        for i in range(D):
+            v[FIRST, i] = v[X, i]
         near = True
     if count == 0:
         return False
@@ -139,13 +150,13 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
     return True
 
 
-def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> int:
+def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inverse: Any) -> int:
     """How many pieces press on the optimum, which is then in v; 0 where it is not found."""
     count = 1
-    if KINKS > 0 and not isfinite(piece(v, U, q, True, held, 0, RAW, m, RAWBEND)):  # inside, scales say which is the greatest
-        piece(v, X, q, True, held, 0, RAW, m, RAWBEND)
+    if KINKS > 0 and not isfinite(piece(v, U, q, NATURAL, held, 0, RAW, m, RAWBEND)):  # inside, scales say which is the greatest
+        piece(v, X, q, NATURAL, held, 0, RAW, m, RAWBEND)
     for _ in range(ROUNDS):
-        if not isfinite(newton(v, m, a, q, held, count, False, root, inverse)):
+        if not isfinite(newton(v, m, a, q, held, count, NAMED, most, root, inverse)):
             return 0
         least = 0
         for j in range(1, count):
@@ -168,6 +179,16 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) 
             count += 1
         else:
             return 0
+    return 0
+
+
+def paired(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inverse: Any) -> int:
+    """The same where two eigenvalues are equal, of whose pair three pieces meet (M. L. Overton 1988, SIAM J. Matrix Anal. Appl. 9)."""
+    for k in range(PAIRS):
+        for i in range(D):
+            v[X, i] = v[FIRST, i]
+        if isfinite(newton(v, m, a, q, held, 3, PAIR + k, most, root, inverse)) and spread(v, m) and optimal(v, m, q, held, 3, root):
+            return 3
     return 0
 
 
@@ -233,7 +254,7 @@ def followed(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, depth: fl
 
     Two surfaces at an angle part by its share of the way: the smaller it is, the closer their levels must be to say that they meet.
     """
-    high = piece(v, X, q, True, held, D, RAW, m, RAWBEND)
+    high = piece(v, X, q, NATURAL, held, D, RAW, m, RAWBEND)
     slope, angle = whitened(v, root), 2.0
     for j in range(count):
         apart = 0.0
@@ -259,17 +280,18 @@ def snapped(v: Any, q: Any) -> None:
                 v[X, i] = v[BEST, i]
 
 
-def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool, root: Any, inverse: Any) -> float:
+def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: int, most: int, root: Any, inverse: Any) -> float:
     """To where the pieces meet and the rest of the way is a sum of their normals; damped until the error falls.
 
     The error at the stress where it ends, whose state is left in v and m; inf where there is none.
     """
-    before, part, tries, steps = np.inf, 1.0, 0, 0
+    before, part, tries, steps, seen = np.inf, 1.0, 0, 0, 0
     while True:
+        seen += 1
         error = state_of(v, m, a, q, held, count, natural, root, inverse)
         if error < before:
             slow = not error < PROGRESS * before and error < CLOSE
-            if error <= ROUNDED or slow or steps == STEPS or not directed(v, m, a, count, root):
+            if error <= ROUNDED or slow or steps == STEPS or seen >= most or not directed(v, m, a, count, root):
                 return error
             for i in range(D):
                 v[BEST, i] = v[X, i]
@@ -279,7 +301,7 @@ def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool,
                         v[X, i] += v[STEP, i]
                 return error
             before, part, tries, steps = error, 1.0, 0, steps + 1
-        elif part == 0.0 or before == np.inf:  # the best there is
+        elif part == 0.0 or before == np.inf or seen >= most:  # the best there is
             return error
         else:
             tries += 1
@@ -288,7 +310,7 @@ def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool,
             v[X, i] = v[BEST, i] + part * v[STEP, i]
 
 
-def state_of(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool, root: Any, inverse: Any) -> float:
+def state_of(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: int, root: Any, inverse: Any) -> float:
     """How far the stress is from optimal on these pieces: normals, levels, multipliers, sum of the bends; inf where undefined."""
     times(inverse, v, X, U)
     for i in range(D):

@@ -24,7 +24,7 @@ from duhem.projection.newton_step import (
     length,
 )  # fmt: skip
 
-__all__ = ["begun"]
+__all__ = ["NAMED", "NATURAL", "PAIR", "begun"]
 
 DATA = 0  # how many data the law has
 
@@ -34,8 +34,8 @@ def level(v: Any, x: int, q: Any) -> float:
     raise NotImplementedError
 
 
-def piece(v: Any, x: int, q: Any, natural: bool, choices: Any, c: int, slopes: int, m: Any, bends: int) -> float:
-    """h there on a smooth piece, with its derivatives."""
+def piece(v: Any, x: int, q: Any, natural: int, choices: Any, c: int, slopes: int, m: Any, bends: int) -> float:
+    """h there on a smooth piece, with derivatives: one ``NAMED`` by the row ``c`` of ``choices``, the ``NATURAL`` one, or of a ``PAIR``."""
     raise NotImplementedError
 
 
@@ -46,6 +46,7 @@ def resized(data: Any, n: int, size: float, q: Any) -> None:
 
 # -- compiled from here ----------------------------------------------------------------------------------------
 
+NAMED, NATURAL, PAIR = 0, 1, 2  # which piece is followed; the pair of the second eigenvalue of the formula is 3
 BRACKETS, START = 200, 1e-1  # how often and how closely the way to the trial is cut, relative
 NEAR = 2.0**-40  # of the way: where the origin has no value, K is looked for this close to it
 WALK, BESIDE = 100, 1e-2  # steps from the trial to K; so close, relative, is there
@@ -114,7 +115,7 @@ def walked(v: Any, m: Any, q: Any, held: Any) -> float:
     for i in range(D):
         v[X, i], v[STEP, i], v[REST, i], v[BEST, i] = v[T, i], 0.0, 0.0, 0.0
     for _ in range(WALK):
-        high = piece(v, X, q, True, held, D, RAW, m, RAWBEND)
+        high = piece(v, X, q, NATURAL, held, D, RAW, m, RAWBEND)
         steep = length(v, RAW)
         if not (steep > 0.0 and isfinite(steep) and isfinite(high)):
             break

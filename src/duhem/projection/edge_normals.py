@@ -1,0 +1,59 @@
+"""How far slips are from the normals of K at edges where two eigenvalues are equal: round ones, which no few normals around tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from functools import lru_cache
+
+import numpy as np
+
+from duhem.errors import InputError
+from duhem.expression.scalar_jets import scalar_jets
+from duhem.projection import corner_kernel, edge_kernel
+from duhem.projection.level import Level
+from duhem.projection.metric import Metric
+from duhem.projection.module_text import module_text
+from duhem.projection.newton_step import eliminated, length
+from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, table
+from duhem.projection.result import Array
+
+__all__ = ["off_edge"]
+
+
+def off_edge(
+    level: Level, metric: Metric, stress: Array, pressure: Array, size: Array, slip: Array, multiplier: Array, far: Array
+) -> Array:
+    """Of points (M,) as :class:`duhem.projection.normal_cones.Suspect` has them, one by one; inf where no edge says anything.
+
+    ``far``: what a length of boundary is divided by, in units of the stress.
+    """
+    best = np.full(len(slip), np.inf)
+    if (made := _edged(level)) is None:
+        return best
+    run, constants = made
+    data = np.stack([*level.scaled.values(pressure, size).values(), *(np.full(len(slip), c) for c in constants)], axis=-1)
+    of_slip, distance = table(metric.of_slip), np.linalg.norm(slip, axis=1)
+    for i in range(len(slip)):
+        v, room = PlainArray(), PlainArray()
+        for k in range(stress.shape[1]):
+            v[corner_kernel.AT, k], v[corner_kernel.K_SLIP, k] = float(stress[i, k] / size[i]), float(slip[i, k])
+        numbers = float(multiplier[i]), float(far[i] / size[i]), float(distance[i]), 1.0, np.inf
+        with suppress(*FAULTS):
+            best[i] = run(v, room, data[i].tolist(), of_slip, *numbers)
+    return best
+
+
+@lru_cache(maxsize=256)
+def _edged(level: Level) -> tuple[Callable[..., float], tuple[float, ...]] | None:
+    """The function of the law and the constants of its formula; None for a law without eigenvalues."""
+    forces, others = level.bounds.symbols[: level.forces], level.bounds.symbols[level.forces :]
+    try:
+        jets = scalar_jets(level.scaled.expr, forces, others)
+    except InputError:  # a word without text
+        return None
+    if not jets.pairs:
+        return None
+    sources = (eliminated, length, corner_kernel, edge_kernel)
+    text = module_text(level.scaled, level.forces, jets, (jets.pair_piece,), sources, ("edged",))
+    return interpreted(text, "edged"), jets.constants
