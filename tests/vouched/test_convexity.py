@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from duhem.projection.increment import Convexity
 from duhem.projection.result import Status
 from duhem.proof import verification
 from duhem.proof.verdict import Verdict
+from duhem.vouched import convexity, kept_verdicts
 from duhem.vouched.convexity import asked
 
 _NUMBERS = count()
@@ -31,27 +32,29 @@ def oval(**changed: Any) -> Criterion:
 
 @pytest.fixture
 def laws(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Criterion]:
-    """The laws that are put to verify, none of which an earlier run has left an answer for."""
+    """The laws that are put to the prover, none of which an earlier run has left an answer for."""
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
     found: list[Criterion] = []
-    verify = verification.verify
+    verdict_within = verification.verdict_within
 
-    def listened(law: Criterion, *rest: Any, **named: Any) -> Any:
+    def listened(law: Criterion, *rest: Any) -> Any:
         found.append(law)
-        return verify(law, *rest, **named)
+        return verdict_within(law, *rest)
 
-    monkeypatch.setattr(verification, "verify", listened)
+    monkeypatch.setattr(verification, "verdict_within", listened)
     return found
 
 
 def answering(monkeypatch: pytest.MonkeyPatch, answer: Any) -> None:
-    def verify(law: Criterion, **_: Any) -> Any:
+    monkeypatch.setattr(kept_verdicts, "place", lambda *_: None)
+
+    def verdict_within(law: Criterion, *_: Any) -> Any:
         verdict = answer(law)
         if isinstance(verdict, Exception):
             raise verdict
-        return {"convexity": SimpleNamespace(verdict=verdict)}
+        return verdict
 
-    monkeypatch.setattr(verification, "verify", verify)
+    monkeypatch.setattr(verification, "verdict_within", verdict_within)
 
 
 def status(law: Criterion, e: Any, pressure: Any = -1.0) -> list[int]:
@@ -152,3 +155,29 @@ def test_k_is_asked_about_beyond_the_ranges_of_forces(laws: list[Criterion]) -> 
     pressed = oval(domain={"sigma_n": Domain.between(-5, 0), "sigma_a": Domain.between(-3, 3)})
     status(pressed, "0.3")
     assert list(laws[-1].domain) == ["sigma_n"]
+
+
+def test_a_law_that_takes_more_steps_is_flagged_and_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
+    law = oval(parameters={"e": Domain.between(0, "1/4")})
+    with monkeypatch.context() as few:
+        few.setattr(convexity, "_STEPS", 3_000)
+        assert status(law, "0.1") == [Status.STATIONARY]
+        with pytest.raises(duhem.InputError, match=r"is convex is not shown.*more steps"):
+            duhem.project(law, [3.0, 0.5], -1.0, parameters={"e": "0.1"}, convex="require")
+    assert status(replace(law), "0.1") == [Status.STATIONARY]  # this process has asked already
+    convexity._known.cache_clear()
+    assert status(law, "0.1") == [Status.SLIP]
+
+
+def test_both_questions_share_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[int] = []
+    monkeypatch.setattr(kept_verdicts, "place", lambda *_: None)
+
+    def verdict_within(_law: Criterion, _claim: str, steps: int) -> Verdict:
+        given.append(steps)
+        return Verdict.UNDECIDED
+
+    monkeypatch.setattr(verification, "verdict_within", verdict_within)
+    asked(oval(), {"e": "0.3"}, "ask", unloaded=False)
+    assert len(given) == 2 and sum(given) == convexity._STEPS and min(given) > 0

@@ -1,4 +1,4 @@
-"""A verdict on convexity that stands is read by the next process, which then loads nothing that proves."""
+"""Whether convexity is shown is read by the next process, which then loads nothing that proves."""
 
 import os
 import subprocess
@@ -20,6 +20,12 @@ ROUND = Criterion("round", "norm(a, b) - k", {"k": Domain(positive=True)}, force
 BENT = replace(ROUND, name="bent", g="a**4 + b**4 - 3*a**2*b**2 - k", written="")
 
 
+def answer(law: Criterion, steps: int = convexity._STEPS - convexity._STEPS // 3) -> str:
+    """As a process gives it that has asked nothing yet."""
+    found: str = convexity._verdict.__wrapped__(law, steps)
+    return found
+
+
 def unasked(*_: Any, **__: Any) -> Any:
     raise AssertionError("what is kept was not read")
 
@@ -27,20 +33,21 @@ def unasked(*_: Any, **__: Any) -> Any:
 @pytest.mark.parametrize(("law", "verdict"), [(ROUND, "proved"), (BENT, "refuted")])
 def test_what_stands_is_kept_and_read(law: Criterion, verdict: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
-    asked = convexity._verdict.__wrapped__
-    assert asked(law) == verdict
-    monkeypatch.setattr(verification, "verify", unasked)
-    assert asked(law) == verdict
-    assert asked(replace(law, domain={"a": Domain.between(-1, 1)})) == verdict  # the ranges of forces are not asked about
+    assert answer(law) == verdict
+    monkeypatch.setattr(verification, "verdict_within", unasked)
+    assert answer(law) == verdict
+    assert answer(replace(law, domain={"a": Domain.between(-1, 1)})) == verdict  # the ranges of forces are not asked about
     with pytest.raises(AssertionError, match="not read"):
-        asked(law.within({"k": Domain.fixed(2)}))
+        answer(law.within({"k": Domain.fixed(2)}))
 
 
-def test_what_is_open_is_asked_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    path = tmp_path / "open"
-    for verdict in ("undecided", "", "conditional"):
-        kept_verdicts.keep(path, verdict)
-    assert not path.exists()
+def test_what_is_open_is_kept_under_its_steps(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
+    assert answer(ROUND, steps=100) == "open"
+    with monkeypatch.context() as second:
+        second.setattr(verification, "verdict_within", unasked)
+        assert answer(ROUND, steps=100) == "open"
+    assert answer(ROUND) == "proved"
 
 
 def test_the_older_ones_make_room(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -113,10 +120,10 @@ def test_a_law_that_cannot_be_told_or_a_folder_that_cannot_be_written_is_asked_a
     law = replace(ROUND)
     object.__setattr__(law, "source", 1.5)
     assert kept_verdicts.place(law, "convexity") is None
-    assert convexity._verdict.__wrapped__(law) == "proved"
+    assert answer(law) == "proved"
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path / "file"))
-    assert convexity._verdict.__wrapped__(ROUND) == "proved"
+    assert answer(ROUND) == "proved"
 
 
 SECOND = """
@@ -131,7 +138,7 @@ assert not [name for name in sys.modules if name.startswith("duhem.proof")], "a 
 @pytest.mark.slow
 def test_a_second_process_loads_no_prover(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
-    assert convexity._verdict.__wrapped__(duhem.load("von-mises")) == "proved"
+    assert answer(duhem.load("von-mises")) == "proved"
     done = subprocess.run([sys.executable, "-c", SECOND], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == repr(Convexity(loaded=True, unloaded=False))

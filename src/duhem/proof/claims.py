@@ -6,7 +6,7 @@ Methods are tried in order, the cheapest sound one first; the kernel's rules, wh
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any, Generic, Protocol, TypeVar
@@ -126,6 +126,11 @@ class Claim:
             if found is not None:
                 return found
         return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its budget of steps")
+
+    def provers_first(self) -> Claim:
+        """The same claim for who needs a proof: the first refuter alone comes before what finds one, for it sees what is plainly false."""
+        later = [method for method in self.methods if isinstance(method, ProofMethod)][1:]
+        return replace(self, methods=tuple(sorted(self.methods, key=lambda method: method in later)))
 
     def _counts(self, found: Evidence, subject: Subject, confirms: Confirms) -> bool:
         if found.witness is not None:

@@ -8,6 +8,7 @@ from typing import Any
 
 from duhem.law.curve_law import Law
 from duhem.proof.certificate import law_as_text
+from duhem.proof.decide import ANY_STEPS, Budget
 from duhem.proof.kernel.certificate import OVER, stated
 from duhem.proof.kernel.claims import needs_of, objection, row_of, rules_of
 from duhem.proof.kernel.curve import StatedCurve
@@ -21,7 +22,6 @@ __all__ = ["Confirmations", "Standing"]
 _SOLVERS = ("smt", "z3")  # in the brackets of a method's name
 _MOST_STEPS = 20_000_000  # for a proof that somebody offers
 _OVER_ALL = "over the whole domain of the law, of which this is a part"
-_ANY = 1 << 62  # more steps than anybody allows
 
 
 @dataclass(frozen=True)
@@ -34,9 +34,10 @@ class Standing:
 
 @dataclass
 class Confirmations:
-    """The proofs of one law so far, and how each stands.  It is the kernel as the claims ask it."""
+    """The proofs of one law so far, and how each stands.  It is the kernel as the claims ask it; its work draws on the ``whole``."""
 
     law: Law
+    whole: Budget = field(default_factory=lambda: Budget(ANY_STEPS))
     standings: dict[str, Standing] = field(default_factory=dict)
     spent: int = 0
 
@@ -116,10 +117,11 @@ class Confirmations:
         """Whether the kernel has no objection to a proof, found within so many steps."""
         if self._stated is None:
             return False
+        steps = min(steps, self.whole.left)
         for name, proof, holds, allowed in reversed(self._answers):
             if (name, proof) == (claim, offer) and (holds or allowed >= steps):
                 return holds
-        settled, allowed = frozenset(self.standings), _ANY
+        settled, allowed = frozenset(self.standings), ANY_STEPS
         with within(steps) as purse:
             try:
                 asked = _stated(self.law, offer.evidence.get(OVER)) if OVER in offer.evidence else self._stated
@@ -127,6 +129,7 @@ class Confirmations:
             except TooDearError:
                 holds, allowed = False, steps
         self.spent += purse.spent
+        self.whole.pays(min(purse.spent, steps))  # the last step may have been too dear
         if holds or self._needed(claim, offer) <= settled:  # else it may still be proved
             self._answers.append((claim, offer, holds, allowed))
         return holds

@@ -20,7 +20,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.left_out import LeftOut
 from duhem.proof.certificate import certificate
-from duhem.proof.claims import CLAIMS
+from duhem.proof.claims import CHEAP, CLAIMS
 from duhem.proof.decide import EFFORTS, Budget
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -32,10 +32,11 @@ from duhem.show.place import AnyPath, check_place, write
 from duhem.show.shown import Shown
 from duhem.version import __version__
 
-__all__ = ["ClaimResult", "Verification", "claim_results", "verify", "wanted_claims"]
+__all__ = ["ClaimResult", "Verification", "claim_results", "verdict_within", "verify", "wanted_claims"]
 
 _TURN = RLock()
 _BITS = 53  # what Arb starts with
+_SHARE = 4  # such a part of the steps left may go to a claim that another rests on
 
 
 @dataclass(frozen=True, repr=False)
@@ -151,6 +152,26 @@ def verify(
 def claim_results(law: Law, claims: Iterable[str] | None = None, effort: str = "normal") -> tuple[ClaimResult, ...]:
     """The results of :func:`verify` alone, where nobody reads what is said beside them."""
     return _examined(law, claims, effort).results
+
+
+def verdict_within(law: Criterion, claim: str, steps: int) -> Verdict:
+    """The verdict on one claim, for which no more than so many steps are spent on everything together.
+
+    The kernel is asked before anything is derived from the law, and about the claims that its rules may rest on only where that shows
+    nothing: of most laws that is all.  What finds proofs comes before what refutes.  InputError where the domain is empty.
+    """
+    check_domain(law)
+    kernel, asked = Confirmations(law, Budget(steps)), CLAIMS[claim]
+    with _alone():
+        if kernel.proof(claim, CHEAP.steps) is None:
+            for name in sorted(kernel.needs(claim)):
+                if (needed := kernel.proof(name, kernel.whole.left // _SHARE)) is not None:
+                    kernel.of(name, needed, ())
+        subject = FormulaSubject(law, EFFORTS["quick"], kernel.whole)
+        found = asked.provers_first().examine(subject, {}, kernel)
+        if kernel.of(claim, found, ()).trust not in (None, Trust.CHECKED):
+            found = asked.contradiction(subject, {claim: found}) or found
+    return found.verdict
 
 
 class _Examined(NamedTuple):

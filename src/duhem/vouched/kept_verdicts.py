@@ -1,7 +1,8 @@
-"""Verdicts that stand, kept on disk: the next process reads that K is convex without loading what proves it.
+"""Answers kept on disk: the next process reads whether K is shown to be convex without loading what proves it.
 
-Only ``proved`` and ``refuted`` are kept; what is open may be settled another time.  A verdict is found by the whole law and everything
-that had a part in it: the text of duhem by its files' sizes and times, as Python finds its bytecode, and the packages that decide.
+What is open is kept too: it is so within the steps that the question names, and asked again it would be.  An answer is found by the whole
+law and everything that had a part in it: the question, the text of duhem by its files' sizes and times, as Python finds its bytecode, and
+the packages that decide.
 """
 
 from __future__ import annotations
@@ -23,16 +24,16 @@ from duhem.law.formula_law import Criterion
 from duhem.projection import kept_files
 from duhem.projection.kept_code import kept_folder
 
-__all__ = ["STANDS", "keep", "place", "recalled"]
+__all__ = ["ANSWERS", "keep", "place", "recalled"]
 
-STANDS = "proved", "refuted"
+ANSWERS = "proved", "refuted", "open"
 
 _MOST = 4_000  # files: of a law that is convex for some numbers alone there is a question each time
 _DECIDE = "sympy", "mpmath", "flint", "z3", "numpy"
 
 
 def place(law: Criterion, question: str) -> Path | None:
-    """Where the verdict on a ``question`` about the law is kept; None where there is no telling what it rests on."""
+    """Where the answer to a ``question`` about the law is kept; None where there is no telling what it rests on."""
     try:
         digest = hashlib.sha256("\n".join([*_made_with(), question, *_told(law)]).encode()).hexdigest()
         return kept_folder() / "verdicts" / digest[:40]
@@ -41,18 +42,16 @@ def place(law: Criterion, question: str) -> Path | None:
 
 
 def recalled(path: Path) -> str | None:
-    """The verdict that is kept there; None where there is none, or not a whole one."""
+    """The answer that is kept there; None where there is none, or not a whole one."""
     content = kept_files.read(path)
-    return next((verdict for verdict in STANDS if content == verdict.encode()), None)
+    return next((answer for answer in ANSWERS if content == answer.encode()), None)
 
 
-def keep(path: Path, verdict: str) -> None:
-    """Write the verdict down where it stands; where there are many, the older half of them makes room."""
-    if verdict not in STANDS:
-        return
+def keep(path: Path, answer: str) -> None:
+    """Write the answer down; where there are many, the older half of them makes room."""
     with suppress(OSError):
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        kept_files.written(path, verdict.encode())
+        kept_files.written(path, answer.encode())
         if len(os.listdir(path.parent)) > _MOST:
             for old in sorted(path.parent.iterdir(), key=lambda one: one.stat().st_mtime_ns)[: _MOST // 2]:
                 old.unlink(missing_ok=True)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-__all__ = ["EFFORTS", "Budget", "SpentError"]
+__all__ = ["ANY_STEPS", "EFFORTS", "Budget", "SpentError"]
 
+ANY_STEPS = 1 << 62  # more than anybody spends
 EFFORTS = {"quick": Fraction(1, 8), "normal": Fraction(1), "thorough": Fraction(8)}  # each budget is multiplied by
 
 

@@ -18,7 +18,7 @@ from duhem.expression.branches import Branch, TooManyBranchesError, branches, th
 from duhem.expression.number import fraction, rational
 from duhem.expression.switches import plain_switches
 from duhem.law.formula_law import Criterion
-from duhem.proof.decide import EFFORTS, Answer, Question, Sense
+from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.facts.definedness import met_at_zero, open_obligations
 from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
@@ -37,8 +37,8 @@ class FormulaSubject(Subject):
 
     law: Criterion
 
-    def __init__(self, law: Criterion, effort: Fraction = EFFORTS["normal"]) -> None:
-        super().__init__(_QUESTION_STEPS, effort)
+    def __init__(self, law: Criterion, effort: Fraction = EFFORTS["normal"], whole: Budget | None = None) -> None:
+        super().__init__(_QUESTION_STEPS, effort, whole)
         self.law = law
         self._choices = self._sought()
 

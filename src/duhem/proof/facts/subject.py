@@ -12,7 +12,7 @@ import sympy as sp
 
 from duhem.expression.parse import parse_as_written
 from duhem.law.curve_law import Law
-from duhem.proof.decide import Answer, Budget, Question, decide
+from duhem.proof.decide import ANY_STEPS, Answer, Budget, Question, decide
 from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.facts.parameter_choices import Values
 
@@ -24,8 +24,9 @@ class Subject(ABC):
 
     law: Law
 
-    def __init__(self, question_steps: int, effort: Fraction) -> None:
+    def __init__(self, question_steps: int, effort: Fraction, whole: Budget | None = None) -> None:
         self._question_steps, self.effort = int(question_steps * effort), effort
+        self.whole = whole or Budget(ANY_STEPS)  # what everything about the law may cost together
         self._spent, self.budget = 0, Budget(0)
         self.allow(2 * question_steps)
         self._answers: dict[Question, Answer] = {}
@@ -34,7 +35,7 @@ class Subject(ABC):
     def allow(self, steps: int) -> None:
         """What is asked from now on shares this many steps, times the effort; what comes after is left open."""
         self._spent = self.spent
-        self.budget = Budget(int(steps * self.effort))
+        self.budget = Budget(int(steps * self.effort), self.whole)
 
     @property
     def spent(self) -> int:

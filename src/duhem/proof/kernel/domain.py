@@ -212,8 +212,9 @@ class StatedDomain:
         self.kept: dict[str, Any] = {}  # what a rule looks up once a law
         self.sides: dict[Term, bool] = {}  # loads that are >= 0 where it is asked, or > 0
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
-        self._gaps: list[tuple[Polynomial, bool]] = []
+        self._gaps, self._tied = list[tuple[Polynomial, bool]](), frozenset[Term]()
         self._gaps = [(self.polynomial(gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
+        self._tied = frozenset(x for known, _ in self._gaps for m in known for x, _ in m)
         self._compared: dict[Term, Sign] = {}
         self.bounds = sharpened(self.bounds, self._gaps)
         self.known.clear()
@@ -246,7 +247,7 @@ class StatedDomain:
     def of(self, atom: Term) -> Sign:
         """The sign of what polynomials are written in."""
         if atom.op != "name":
-            return self._of_compared(atom) if any(x == atom for known, _ in self._gaps for m in known for x, _ in m) else self.sign(atom)
+            return self._of_compared(atom) if atom in self._tied else self.sign(atom)
         if atom.name in ("pi", self.law.pressure):
             return POSITIVE if atom.name == "pi" else NEGATIVE
         return ANY if atom.name in self.law.forces else self.bounds[atom.name].sign()

@@ -20,7 +20,7 @@ def total(*parts: Polynomial) -> Polynomial:
     found: Polynomial = {}
     for part in parts:
         for m, c in part.items():
-            found[m] = found.get(m, Fraction(0)) + c
+            found[m] = found[m] + c if m in found else c
     return {m: c for m, c in found.items() if c}
 
 
@@ -51,7 +51,7 @@ def times(one: Polynomial, two: Polynomial, most: int = _MOST_TERMS) -> Polynomi
     for m, c in one.items():
         for n, d in two.items():
             power = joined(m, n)
-            found[power] = found.get(power, Fraction(0)) + c * d
+            found[power] = found[power] + c * d if power in found else c * d
     found = {m: c for m, c in found.items() if c}
     if any(max(c.numerator.bit_length(), c.denominator.bit_length()) > _MOST_BITS for c in found.values()):
         raise NotWritten("a number is too long")

@@ -24,7 +24,7 @@ from duhem.proof.facts.subject import fact
 from duhem.proof.statement.problem import Face, faces
 
 if TYPE_CHECKING:
-    from duhem.proof.search.squares import Polynomial
+    from duhem.proof.search.squares import Pays, Polynomial
 
 __all__ = ["composed_of_sums", "convex_sums", "directions", "inward", "outward", "parallel", "steep"]
 
@@ -36,7 +36,7 @@ Identities = tuple[Mapping[str, Any], ...]
 @fact
 def outward(subject: FormulaSubject) -> Identities:
     """For every piece of g, why force . flow > 0 (>= 0 for a flow of its own) wherever it is 0 in K; none where one is missing."""
-    forms, found = _Forms.of(subject.law), list[Mapping[str, Any]]()
+    forms, found = _Forms.of(subject), list[Mapping[str, Any]]()
     for face in faces(subject.law):
         for g, flow, where in _smooth(forms, face):
             if g is None or None in flow:
@@ -52,7 +52,7 @@ def outward(subject: FormulaSubject) -> Identities:
 @fact
 def steep(subject: FormulaSubject) -> Identities:
     """For every piece of g, why grad g != 0 wherever it is 0; none where one is missing, or g is of more than forces (it takes long)."""
-    forms, found = _Forms.of(subject.law), list[Mapping[str, Any]]()
+    forms, found = _Forms.of(subject), list[Mapping[str, Any]]()
     for face in faces(subject.law):
         for g, _, where in _smooth(forms, face):
             if g is None or not g.free_symbols <= set(forms.forces):
@@ -70,7 +70,7 @@ def parallel(subject: FormulaSubject) -> Mapping[str, Any]:
 
     ``along``: flow . grad g > 0; ``across``: no component of their vector product is > 0 or < 0.  Empty where one is missing.
     """
-    forms, along, across = _Forms.of(subject.law), list[Mapping[str, Any]](), list[Mapping[str, Any]]()
+    forms, along, across = _Forms.of(subject), list[Mapping[str, Any]](), list[Mapping[str, Any]]()
     for face in faces(subject.law):
         for g, flow, where in _smooth(forms, face) if face.flow is not None else ():
             if g is None or None in flow:
@@ -90,7 +90,7 @@ def parallel(subject: FormulaSubject) -> Mapping[str, Any]:
 @fact
 def inward(subject: FormulaSubject) -> Identities:
     """Why the second derivative of g along every tangent is >= 0 on the boundary; none where that was not found."""
-    forms = _Forms.of(subject.law)
+    forms = _Forms.of(subject)
     if (g := forms.form(forms.settled(subject.law.g))) is None:
         return ()
     tangent, bend = forms.derivatives(g)
@@ -101,7 +101,7 @@ def inward(subject: FormulaSubject) -> Identities:
 @fact
 def convex_sums(subject: FormulaSubject) -> Mapping[sp.Expr, Identities]:
     """The sums in g that are convex polynomials in the forces, though perhaps no composition: why, and why >= 0 if a root is taken."""
-    forms, found = _Forms.of(subject.law), dict[sp.Expr, Identities]()
+    forms, found = _Forms.of(subject), dict[sp.Expr, Identities]()
     g = forms.settled(subject.law.g)
     under_roots = {p.base for p in g.atoms(sp.Pow) if not p.exp.is_Integer}
     for f in sorted(g.atoms(sp.Add), key=sp.default_sort_key):
@@ -158,15 +158,17 @@ class _Forms:
     law: Criterion
     forces: tuple[sp.Symbol, ...]
     generators: tuple[sp.Expr, ...]
+    pays: Pays
 
     @classmethod
-    def of(cls, law: Criterion) -> _Forms:
+    def of(cls, subject: FormulaSubject) -> _Forms:
+        law = subject.law
         table, forces = law.symbols(), law.force_symbols()
         free = [table[name] for name, domain in law.parameters.items() if domain.value is None]
         formulas = sp.Tuple(law.g, *(d for face in faces(law) for d in face.flow or ()))
         divisors = {p.base for p in formulas.atoms(sp.Pow) if p.exp.is_negative and p.base.is_positive}
         rest = [*([table[law.pressure]] if law.pressure else []), *(1 / x if x in divisors else x for x in free)]
-        return cls(law, forces, (*forces, *(sp.Symbol(name, real=True) for name in directions(law)), *rest))
+        return cls(law, forces, (*forces, *(sp.Symbol(name, real=True) for name in directions(law)), *rest), subject.whole.pays)
 
     def settled(self, expr: sp.Expr) -> sp.Expr:
         """With the fixed parameters put in place."""
@@ -231,7 +233,7 @@ class _Forms:
         bounds = [*((side, ">=") for side in sides), *((self.form(gap), op) for gap, op in self._domain())]
         given = [Condition(name, _terms(poly), "==") for name, poly in zero.items()]
         given += [Condition(text(_terms(poly), names), _terms(poly), op) for poly, op in bounds if poly is not None]
-        return identity(names, Condition(_GOAL, _terms(goal), op), given)
+        return identity(names, Condition(_GOAL, _terms(goal), op), given, self.pays)
 
     @property
     def names(self) -> list[str]:

@@ -20,7 +20,6 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
-from scipy.optimize import brentq
 
 from duhem.expression import EigMax, Norm, defined_at, mpmath_
 from duhem.expression.balls import ball
@@ -190,6 +189,8 @@ def _is_square(term: sp.Expr) -> bool:
 
 def _zeros_along(h: sp.Expr, a: sp.Symbol, b: sp.Symbol) -> list[float]:
     """Where h changes its sign along b = 0, taken a little beside it, for it may be 0/0 on the line itself."""
+    from scipy.optimize import brentq  # it takes longer to import than most laws to be looked at
+
     level, radii = compiled(h, (a, b)), 10.0 ** np.linspace(-4, 4, 400)
     grid = np.concatenate([-radii[::-1], radii])
     signs = np.sign(level(grid, np.full_like(grid, 1e-9)))

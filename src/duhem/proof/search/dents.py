@@ -37,6 +37,7 @@ _CLOSEST = 1e-5  # no quadratic is laid through closer values
 _LONG = 15  # times the shortest ray, over the number of forces, is a longest of a long K: of many rays in many forces few come near it
 _ROUNDS, _TURNS = 4, 20
 _PRICE = 2  # steps of a direction and a term, twice where K is long
+_SOUGHT = 15  # what it takes to follow minima of what is no polynomial, in terms of that
 
 
 def chords_across_dents(subject: FormulaSubject, most: int, thorough: bool) -> Iterator[Chord]:
@@ -70,7 +71,7 @@ def chords_across_smooth_dents(subject: FormulaSubject, most: int = 2) -> Iterat
     forces = subject.simple.forces
     price = _PRICE * _STARTS * len(forces) * sum(1 for _ in sp.preorder_traversal(subject.simple.g))
     for parameters in subject.choices(most) if len(forces) > 1 else ():
-        if not subject.budget.pays(price):
+        if not (subject.budget.pays(price) and subject.whole.pays(_SOUGHT * price)):
             return
         for direction in BoundaryBends(subject.formula_at(parameters), forces).lowest(True):
             yield from dent_chords(subject, parameters, direction)

@@ -14,12 +14,13 @@ from itertools import combinations, islice, product
 from math import comb
 from typing import Any
 
-from duhem.proof.search.squares import Balance, Block, Exponents, Multiples, Polynomial, balanced, times
+from duhem.proof.search.squares import Balance, Block, Exponents, Multiples, Pays, Polynomial, balanced, free, times
 
 __all__ = ["Condition", "identity", "text"]
 
 _ONE = Fraction(1)
 _MOST_TERMS = 20_000  # that a block may be chosen from
+_TERM = 2  # steps of a term and a product
 _MOST_STARTS = 6  # of the same degree
 _FURTHER = (0, 2, 4)  # degrees beyond that of the conditions
 
@@ -46,8 +47,8 @@ class Condition:
         return Condition(self.name, {tuple(m[i] for i in places): c for m, c in self.poly.items()}, self.op)
 
 
-def identity(names: Sequence[str], first: Condition, others: Sequence[Condition]) -> dict[str, Any] | None:
-    """That ``first`` and ``others`` cannot hold together; None where no identity of low degree was found.
+def identity(names: Sequence[str], first: Condition, others: Sequence[Condition], pays: Pays = free) -> dict[str, Any] | None:
+    """That ``first`` and ``others`` cannot hold together; None where no identity of low degree was found for what ``pays`` allows.
 
     ``names`` are the variables as the checker spells them.  Each identity has ``first`` in it: alone among the strict ones if
     it is strict, else multiplied by a square.  Only conditions in variables of its own and of the equations are used.
@@ -63,9 +64,11 @@ def identity(names: Sequence[str], first: Condition, others: Sequence[Condition]
     for degree, classes in product([max(c.degree for c in stated) + further for further in _FURTHER], both):
         for chosen in islice(_first_products(stated[0], strict, degree + degree % 2, classes), _MOST_STARTS):
             for width in range(min(bounded, 1), min(bounded, 2) + 1):
+                if not pays(_price(stated, degree + degree % 2, width)):
+                    return None
                 start, blocks, multiples = _posed(stated, chosen, degree + degree % 2, width, classes)
                 size = (chosen, classes, tuple(len(b.squares) for b in blocks), tuple(len(m.by) for m in multiples))
-                if size not in tried and (found := balanced(start, blocks, multiples)) is not None:
+                if size not in tried and (found := balanced(start, blocks, multiples, pays)) is not None:
                     return _as_text(chosen, found, [names[i] for i in places])
                 tried.append(size)
     return None
@@ -139,6 +142,12 @@ def _exponents(n: int, total: int) -> Iterator[Exponents]:
     for k in range(total, -1, -1):
         for rest in _exponents(n - 1, total - k):
             yield (k, *rest)
+
+
+def _price(stated: Sequence[Condition], degree: int, width: int) -> int:
+    """Steps to pose it: each product is held against every term."""
+    n, bounds = len(next(iter(stated[0].poly))), sum(c.op != "==" for c in stated[1:])
+    return _TERM * comb(n + degree, n) * (len(stated) + sum(comb(bounds, w) for w in range(width + 1)))
 
 
 def _posed(

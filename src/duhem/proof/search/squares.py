@@ -8,7 +8,7 @@ Nothing here is trusted: what comes out is an identity of fractions.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product as pairs
@@ -21,16 +21,19 @@ from scipy import sparse
 
 from duhem.proof.search.inner_point import inner_point
 
-__all__ = ["Balance", "Block", "Exponents", "Multiples", "Polynomial", "balanced", "times"]
+__all__ = ["Balance", "Block", "Exponents", "Multiples", "Pays", "Polynomial", "balanced", "free", "times"]
 
 Exponents = tuple[int, ...]
 Polynomial = Mapping[Exponents, Fraction]
 Gram = tuple[tuple[Fraction, ...], ...]
+Pays = Callable[[int], bool]  # for so many steps, before they are made; False where they are not to be had
 _NOISE = 1e-4  # of what is found of t
 _DENOMINATORS = (1, 2, 12, 60, 1000, 10**5, 10**8, 10**11)
 _MOST_COLUMNS, _MOST_ROWS = 1500, 500
 _MOST_DIGITS = 25_000  # binary ones of an entry, times the rows: beyond, an elimination takes seconds
 _CHEAP_INSIDE, _MOST_INSIDE = 20_000, 7_000_000  # products of numbers a step: what costs less than another search, and what seconds
+_LONG = 1000  # digits with which an elimination takes as long again
+_SOLVED, _EXACT, _INSIDE = 3, 5, 5  # steps of an equation and a column to solve them and to make that exact, and of such a product in all
 _FLAT = 1e-12  # a pivot taken for 0, by the greatest entry
 _PLAIN, _NEAR = 10**7, Fraction(1, 10**16)  # the greatest denominator of a fraction, and how near to it is taken for it
 
@@ -61,16 +64,21 @@ class Balance:
     multiples: tuple[tuple[Any, Polynomial], ...]
 
 
-def balanced(start: Polynomial, blocks: Sequence[Block], multiples: Sequence[Multiples]) -> Balance | None:
-    """Gram matrices and multipliers with which everything adds up to 0; None where the search finds none."""
+def free(_: int) -> bool:
+    """Nobody counts."""
+    return True
+
+
+def balanced(start: Polynomial, blocks: Sequence[Block], multiples: Sequence[Multiples], pays: Pays = free) -> Balance | None:
+    """Gram matrices and multipliers with which everything adds up to 0; None where the search finds none, or ``pays`` for no more."""
     left: Sequence[Block] | None = blocks
     while left is not None:
         system = _System.of(start, left, multiples)
-        if system is None or (values := system.solved()) is None:
+        if system is None or not pays(_SOLVED * system.size) or (values := system.solved()) is None or not pays(_EXACT * system.size):
             return None
-        exact, left = system.exact(values), None
+        exact, left = system.exact(values, pays), None
         if exact is None:
-            exact, left = system.inside(values)
+            exact, left = system.inside(values, pays)
         if exact is not None:
             return system.found(exact)
     return None
@@ -105,6 +113,11 @@ class _System:
             return None
         return cls(start, blocks, multiples, columns, {m: r for r, m in enumerate(reached)})
 
+    @property
+    def size(self) -> int:
+        """How many numbers the equations have."""
+        return len(self.columns) * len(self.rows)
+
     def solved(self) -> Any | None:
         """The numbers of all columns with G - t I >= 0 for every Gram matrix G and the greatest t <= 1; None where t < 0."""
         sizes = [len(b.squares) for b in self.blocks]
@@ -131,7 +144,7 @@ class _System:
         x = np.array(answer.x)
         return scale * x[:n] if np.isfinite(x).all() and "Infeasible" not in str(answer.status) and x[n] >= -_NOISE else None
 
-    def exact(self, values: Any) -> list[Fraction] | None:
+    def exact(self, values: Any, pays: Pays) -> list[Fraction] | None:
         """Fractions near ``values`` that satisfy the equations, with positive semidefinite Gram matrices."""
         rank, equations = self._independent()
         if equations is None:
@@ -145,15 +158,16 @@ class _System:
             z = flint.fmpq_mat(n, 1, [flint.fmpq(round(float(x) * d), d) for x in values])
             z = z + across * normal.solve(b - a * z)  # the nearest solution of the equations
             exact = _fractions(z.entries())
-            if all(_positive_semidefinite(gram) for gram in self.grams(exact)):
+            if all(_positive_semidefinite(gram, pays) for gram in self.grams(exact)):
                 return exact
         return None
 
-    def inside(self, values: Any) -> tuple[list[Fraction] | None, list[Block] | None]:
+    def inside(self, values: Any, pays: Pays) -> tuple[list[Fraction] | None, list[Block] | None]:
         """The same by more digits than ``values`` have, if but few numbers are left free; else the blocks that may do, if fewer."""
         plain = not any(any(m) for b in self.blocks for m in b.factor)
         rank, equations = self._independent()
-        if equations is None or self._price() > (_MOST_INSIDE if plain else _CHEAP_INSIDE):
+        price = self._price()
+        if equations is None or price > (_MOST_INSIDE if plain else _CHEAP_INSIDE) or not pays(_INSIDE * int(price)):
             return None, None
         n, table = len(self.columns), [_fractions(row) for row in equations.tolist()[:rank]]
         pivots = [next(j for j in range(n) if row[j]) for row in table]
@@ -170,7 +184,7 @@ class _System:
         start, found = [Fraction(float(values[j])) for j in chosen], list[Fraction]()
         for y in inner_point(base, ways, start):
             found = solution(dict(zip(chosen, y, strict=True)), 1)
-            if all(_positive_semidefinite(gram) for gram in self.grams(found)):
+            if all(_positive_semidefinite(gram, pays) for gram in self.grams(found)):
                 return found, None
         return None, self._curved(found) if found else None
 
@@ -220,10 +234,10 @@ class _System:
         return Balance(tuple(sums), tuple((name, p) for name, p in by if p))
 
 
-def _positive_semidefinite(rows: list[list[Fraction]]) -> bool:
+def _positive_semidefinite(rows: list[list[Fraction]], pays: Pays) -> bool:
     """By elimination, the greatest entry of the diagonal first; of numbers too long to eliminate with, False."""
-    digits = max((max(abs(x.numerator), x.denominator).bit_length() for row in rows for x in row), default=0)
-    if digits * len(rows) > _MOST_DIGITS:
+    digits = len(rows) * max((max(abs(x.numerator), x.denominator).bit_length() for row in rows for x in row), default=0)
+    if digits > _MOST_DIGITS or not pays(len(rows) ** 3 * (1 + digits // _LONG)):
         return False
     while rows:
         k = max(range(len(rows)), key=lambda i: rows[i][i])
