@@ -65,8 +65,8 @@ HALVED = {
     "proof.facts.parameter_choices.walk": "no halving: what lies between two values",
     "path.compiled_steps.along": "no halving: the mean stress of a step",
     "path.compiled_steps.booked": "no halving: the mean stress of a step",
-    "path.straight_step._exit": "no halving: a point between two seams",
-    "path.straight_step._solved": "a scalar equation in time",
+    "path.elementary_steps._exit": "no halving: a point between two seams",
+    "path.elementary_steps._solved": "a scalar equation in time",
     "proof.search.long_chords._along_rays": "no halving: midpoints of chords",
 }
 

@@ -10,8 +10,7 @@ from duhem import Criterion, InputError, Path
 from duhem.errors import DuhemError
 from duhem.path import newton_run, scene_file
 from duhem.path.ledger import Ledger
-from duhem.path.plan import Plan
-from duhem.path.run import Run
+from duhem.path.run import Plan, Run
 from duhem.path.simulate import Interrupted, simulate
 from duhem.projection import compiled_newton
 from tests.long import mostly_long

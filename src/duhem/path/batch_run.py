@@ -13,13 +13,12 @@ from duhem.errors import DuhemError, InputError
 from duhem.path.batch import Batch, Share
 from duhem.path.batch_projection import closest_points, shape_numbers
 from duhem.path.batch_steps import extrapolated, implicit, run
-from duhem.path.histories import Histories
-from duhem.path.history import STATES, SUMS
+from duhem.path.history import STATES, SUMS, Histories
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import between
-from duhem.path.plan import Plan
 from duhem.path.prepared_projection import shape_name
+from duhem.path.run import Plan
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.result import Status
 from duhem.projection.validation import posed, setting

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from duhem.path.batch import Share
 from duhem.path.batch_projection import BatchClosest, Which
 from duhem.path.extrapolated import sums_of
-from duhem.path.histories import Histories
-from duhem.path.history import STATES
+from duhem.path.history import STATES, Histories
 from duhem.path.implicit import energies
-from duhem.path.plan import energy, inner, times
+from duhem.path.run import energy, inner, times
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.result import Array, Status
 

@@ -13,12 +13,11 @@ from duhem.law.shapes import Interval
 from duhem.path.batch import Share
 from duhem.path.batch_projection import ShapeNumbers, shape_numbers
 from duhem.path.batch_steps import States
-from duhem.path.histories import Histories
-from duhem.path.history import SUMS
+from duhem.path.history import SUMS, Histories
 from duhem.path.kept_steps import loops
 from duhem.path.ledger import Ledger
 from duhem.path.paths import Paths
-from duhem.path.plan import Plan
+from duhem.path.run import Plan
 from duhem.projection.quadrants import Quarters, stacked
 from duhem.projection.result import Array, Status
 

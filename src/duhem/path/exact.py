@@ -12,10 +12,10 @@ from functools import partial
 import numpy as np
 
 from duhem.law.shapes import Disk, Interval
+from duhem.path.elementary_steps import Move, on_ellipse, on_interval
 from duhem.path.ledger import Ledger
-from duhem.path.plan import Plan
 from duhem.path.prepared_projection import Numbers, numbers
-from duhem.path.straight_step import Move, on_ellipse, on_interval
+from duhem.path.run import Plan
 from duhem.projection.known_points import beyond_tangents
 from duhem.projection.level import level
 from duhem.projection.result import Array
@@ -128,7 +128,7 @@ def _by_shape(plan: Plan) -> Piece:
         return _each(interval)
     if arc is None:
         return _each(ellipse)
-    from duhem.path.arc_step import on_disk
+    from duhem.path.elementary_steps import on_disk
 
     return _each(round_arc)
 
@@ -144,8 +144,7 @@ def _shared(moved: Move, part: float, share: float, dissipation: float, work: fl
 
 
 def _by_equation(plan: Plan) -> Piece:
-    from duhem.path.open_contact import OpenContact
-    from duhem.path.slip_equation import boundary, moves
+    from duhem.path.slip_equation import OpenContact, boundary, moves
 
     path, increment = plan.path, plan.increment
     on = boundary(increment)

@@ -12,8 +12,8 @@ import numpy as np
 
 from duhem.path.implicit import energies, single
 from duhem.path.ledger import Ledger
-from duhem.path.plan import Plan, times
 from duhem.path.prepared_projection import closest
+from duhem.path.run import Plan, times
 from duhem.projection.result import Array
 
 __all__ = ["advance", "sums_of", "why"]

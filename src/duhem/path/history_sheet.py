@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from duhem.path.histories import Histories
-from duhem.path.history import History
+from duhem.path.history import Histories, History
 from duhem.projection.result import Status
 from duhem.show.printing import sheet
 from duhem.show.sheet import Sheet

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from duhem.path.ledger import Ledger
-from duhem.path.plan import Plan, energy, inner, times
 from duhem.path.prepared_projection import Closest, closest
+from duhem.path.run import Plan, energy, inner, times
 from duhem.projection.result import Array
 
 __all__ = ["advance", "energies", "single", "stretch", "why"]

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from duhem.path import exact, extrapolated, implicit
 from duhem.path.exact import Piece
 from duhem.path.ledger import Ledger
-from duhem.path.plan import Plan
+from duhem.path.run import Plan
 
 __all__ = ["INTEGRATORS", "Integrator"]
 

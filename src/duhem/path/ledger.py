@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from duhem.path.history import SUMS, History
-from duhem.path.plan import Plan, inner, times
+from duhem.path.run import Plan, inner, times
 from duhem.projection.result import Array
 
 __all__ = ["Ledger"]

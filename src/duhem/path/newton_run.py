@@ -15,8 +15,8 @@ from duhem.errors import InputError
 from duhem.path import newton_steps
 from duhem.path.implicit import energies, stretch
 from duhem.path.ledger import Ledger
-from duhem.path.plan import Plan, inner, times
 from duhem.path.prepared_projection import LOST, Answer, closest
+from duhem.path.run import Plan, inner, times
 from duhem.projection.compiled_newton import Loop
 from duhem.projection.newton_kernel import LEFT, SLIP
 from duhem.projection.projector import Projector

@@ -16,8 +16,7 @@ from duhem.left_out import LeftOut
 from duhem.path.batch import Batch
 from duhem.path.history import History
 from duhem.path.paths import Paths
-from duhem.path.plan import Plan
-from duhem.path.run import Run
+from duhem.path.run import Plan, Run
 from duhem.path.simulate import driven
 from duhem.projection.result import NOT_SHOWN
 

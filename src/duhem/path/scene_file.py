@@ -19,10 +19,8 @@ from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
 from duhem.path.batch import Batch
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import Path
-from duhem.path.paths import Paths
-from duhem.path.plan import Plan
-from duhem.path.points_table import paths_from_csv, spread
-from duhem.path.run import Run
+from duhem.path.paths import Paths, paths_from_csv, spread
+from duhem.path.run import Plan, Run
 from duhem.path.scene import Scene
 from duhem.path.scene_keys import CHOICES, KINDS, SECTIONS
 

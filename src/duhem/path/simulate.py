@@ -15,15 +15,13 @@ from duhem.expression.given_array import in_order
 from duhem.law.formula_law import Criterion
 from duhem.path.batch import MOST_THREADS, Batch
 from duhem.path.batch_run import TOLERANCE, histories
-from duhem.path.histories import Histories
-from duhem.path.history import History
+from duhem.path.history import Histories, History
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, checked_count
 from duhem.path.paths import Paths
-from duhem.path.plan import Plan
 from duhem.path.prepared_projection import numbers
-from duhem.path.run import Run
+from duhem.path.run import Plan, Run
 from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array

@@ -15,8 +15,7 @@ from duhem.law.catalogue import load_formula
 from duhem.law.convex import check_convex
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
-from duhem.path.histories import Histories
-from duhem.path.history import History
+from duhem.path.history import Histories, History
 from duhem.path.loading import Path
 from duhem.path.paths import Paths
 from duhem.path.run import Run
