@@ -8,7 +8,7 @@ import pytest
 
 from duhem import Criterion, InputError, Path
 from duhem.errors import DuhemError
-from duhem.path import newton_run, scene_file
+from duhem.path import compiled_run, scene_file
 from duhem.path.ledger import Ledger
 from duhem.path.run import Plan, Run
 from duhem.path.simulate import Interrupted, simulate
@@ -52,7 +52,7 @@ def test_the_loop_takes_the_steps_of_the_search(name, monkeypatch):
     whole, right = simulate(name, path, **given), simulate(name, path, **given | {"compiled": False})
     assert np.abs(whole.to_array() - right.to_array()).max() < 1e-13 and whole.why == f"{right.why}, compiled"
     assert 2 <= (np.diff(whole.multiplier) > 0.0).sum() < len(whole) - 1
-    monkeypatch.setattr(newton_run, "_MOST", 3)
+    monkeypatch.setattr(compiled_run, "_STEPS", 3)
     parts = simulate(name, path, **given)
     assert np.array_equal(parts.to_array(), whole.to_array())
     with pytest.raises(Interrupted) as stop:
@@ -97,9 +97,9 @@ def test_what_the_judge_does_not_take_is_a_step_of_the_search(fault, monkeypatch
         searched.append(args)
         return stretch(*args)
 
-    stretch = newton_run.stretch
-    monkeypatch.setattr(newton_run, "Loop", Wrong)
-    monkeypatch.setattr(newton_run, "stretch", counted)
+    stretch = compiled_run.stretch
+    monkeypatch.setattr(compiled_run, "Loop", Wrong)
+    monkeypatch.setattr(compiled_run, "stretch", counted)
     found = simulate("box", path, **given)
     assert len(searched) >= 2 and np.abs(found.to_array() - right.to_array()).max() < 1e-13
 
@@ -120,7 +120,7 @@ def test_what_has_no_loop_says_so():
     path, given = Path.linear([[0, 0], [1, 1]], pressure=-1.0), {"stiffness": 1.0, "parameters": CASES["box"][0]}
     plan = Plan.of(Run("box", path, projection="cvxpy", **given))
     with pytest.raises(InputError, match="projection by cvxpy has none"):
-        next(newton_run.advance(plan, Ledger.begun(plan, np.zeros(2))))
+        next(compiled_run.advance(plan, Ledger.begun(plan, np.zeros(2))))
     with pytest.raises(InputError, match="one extrapolated path"):
         simulate("box", path, **given, method="extrapolated", compiled=True)
 

@@ -8,7 +8,7 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression.given_array import unlabelled
@@ -18,8 +18,10 @@ from duhem.path.loading import Path, between, displacements, given_numbers
 from duhem.path.table_file import read_table
 from duhem.projection.result import Array
 
-__all__ = ["Paths", "paths_from_csv", "spread"]
+__all__ = ["Knot", "Paths", "Which", "in_rows", "paths_from_csv", "spread"]
 
+Which = NDArray[np.intp]  # numbers of points (n,)
+Knot = int | NDArray[np.intp]  # the knot of all of them, or (n,) of each
 _CHUNK = 1 << 20  # numbers looked at together, so that an array on disk is never in memory as a whole
 
 
@@ -113,9 +115,14 @@ class Paths:
         values = np.swapaxes(between(np.swapaxes(self.values, 0, 1), substeps), 0, 1)
         return Paths(np.ascontiguousarray(values), self.factor, pressure, between(self.time, substeps), self.timed)
 
-    def at(self, knot: int) -> Array:
-        """The displacements of all points at a knot, (N, d)."""
-        return np.asarray(self.values[:, knot] * self.factor)
+    def at(self, knot: Knot, which: Which | None = None) -> Array:
+        """The displacements of all points or of some, at one knot or each at its own, (n, d)."""
+        which = np.arange(len(self)) if which is None else which
+        return np.asarray(in_rows(self.values, knot, which) * in_rows(self.factor[:, None], knot, which))
+
+    def pressure_at(self, knot: Knot, which: Which) -> Array:
+        """The pressure likewise (n,), zeros for a law without."""
+        return np.zeros(len(which)) if self.pressure is None else in_rows(self.pressure, knot, which)
 
     def path(self, point: int) -> Path:
         """The path of one point by itself."""
@@ -124,6 +131,12 @@ class Paths:
         if self.pressure is not None:
             pressure = np.array(np.broadcast_to(self.pressure[point if len(self.pressure) > 1 else 0], self.time.shape))
         return Path(values, pressure, self.time, timed=self.timed)
+
+
+def in_rows(array: Array, knot: Knot, which: Which) -> Array:
+    """The rows of ``which`` points at their knots in an array (N, m, ...), which has one row or one column where all are alike."""
+    found = array[which if len(array) > 1 else 0, knot if array.shape[1] > 1 else 0]
+    return np.asarray(found if found.ndim == array.ndim - 1 else np.broadcast_to(found, (len(which), *array.shape[2:])))
 
 
 def _doubles(given: Any, what: str) -> Array:

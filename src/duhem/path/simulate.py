@@ -16,11 +16,10 @@ from duhem.law.formula_law import Criterion
 from duhem.path.batch import MOST_THREADS, Batch
 from duhem.path.batch_run import TOLERANCE, histories
 from duhem.path.history import Histories, History
-from duhem.path.integrators import INTEGRATORS
+from duhem.path.integrators import INTEGRATORS, gains
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, checked_count
 from duhem.path.paths import Paths
-from duhem.path.prepared_projection import numbers
 from duhem.path.run import Plan, Run
 from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.projector import Projector
@@ -113,7 +112,7 @@ def driven(
     why = integrator.why(plan)
     advance = integrator.advance
     if run.compiled:
-        advance, why = _compiled(plan, method), f"{why}, compiled"
+        advance, why = _compiled(method), f"{why}, compiled"
     with np.errstate(all="ignore"):
         ledger = Ledger.begun(plan, _first(plan, run.stress))
     if start is not None:
@@ -136,14 +135,13 @@ def driven(
     return _whole(ledger, plan, method, why)
 
 
-def _compiled(plan: Plan, method: str) -> Callable[[Plan, Ledger], Iterator[int]]:
+def _compiled(method: str) -> Callable[[Plan, Ledger], Iterator[int]]:
     if method != "implicit":
         what = f"one {method} path is not compiled"
         raise InputError(what, where="compiled", remedy='leave it out, or take method="implicit"')
-    from duhem.path import compiled_run, newton_run
+    from duhem.path import compiled_run
 
-    shaped = plan.projection in ("auto", "closed-form") and numbers(plan.increment) is not None
-    return compiled_run.advance if shaped else newton_run.advance
+    return compiled_run.advance
 
 
 def _many(batch: Batch, method: str, threads: int, on_step: Callable[[int, int], None] | None) -> Histories:
@@ -216,7 +214,9 @@ def _prescribed(plan: Plan) -> History:
         what = f"at time {plan.path.time[out[0]]:g} {crossed(plan.increment.law, stress[out])}"
         raise InputError(what, where=f"path, step {out[0]}", remedy="stay inside the range, or declare a wider one in the law's domain")
     ledger = Ledger.begun(plan, stress[0])
-    ledger.sticks(plan, 1, len(stress), stress[1:])
+    none, still = np.zeros(len(stress) - 1), np.zeros_like(stress[1:])
+    added = gains(plan.stiffness, plan.compliance, stress[:-1], stress[1:], still, none, none > 0.0, still)
+    ledger.rows(plan, stress[1:], still, added)
     return _whole(ledger, plan, "prescribed stress", "inside K the slip stays what it was")
 
 
