@@ -16,6 +16,7 @@ from duhem.path.history import STATES, SUMS, Histories
 from duhem.path.integrators import INTEGRATORS, STEPS, Step
 from duhem.path.ledger import Ledger, States
 from duhem.path.loading import between
+from duhem.path.paths import Which
 from duhem.path.run import Plan
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.result import Status
@@ -106,22 +107,29 @@ def _filled(batch: Batch, block: Share, method: str, out: Histories) -> str:
             compiled_run.fill(block, shape, out)
             return f"{shape_name(batch.law)}, compiled"
     at, why = closest_points(block, batch.projection, batch.compiled)
+    points = np.arange(len(block))
+    if batch.compiled and method == "implicit":
+        from duhem.path import compiled_run
+
+        if (left := compiled_run.looped(block, batch.projection, out)) is not None:
+            points, why = left, f"{why}, compiled"
     _, step, said = STEPS[method]
-    _abreast(block, step(block, at), out)
+    if points.size:
+        _abreast(block, points, step(block, at), out)
     return f"{why}{said}"
 
 
-def _abreast(block: Share, step: Step, out: Histories) -> None:
-    """From the first knot to the last, at each the points that still go on."""
+def _abreast(block: Share, points: Which, step: Step, out: Histories) -> None:
+    """These points from the first knot to the last, at each those that still go on."""
     states, rows = States.begun(block), {knot: row for row, knot in enumerate(out.knots.tolist())}
-    which = np.arange(len(block))
+    which = points
     for knot in range(int(out.knots[-1]) + 1):
         if knot and which.size:
             states.take(block, which, *step(states.anchor_stress[which], states.anchor[which], states.stress[which], knot, which))
             which = which[states.reached[which] == knot]
         if knot in rows:
-            states.keep(out, rows[knot])
-    out.status[:], out.reached[:] = states.status, states.reached
+            states.keep(out, points, rows[knot])
+    out.status[points], out.reached[points] = states.status[points], states.reached[points]
 
 
 def _prescribed(block: Share, halves: int, out: Histories) -> None:
@@ -142,7 +150,7 @@ def _alone(block: Share, i: int, projection: str, method: str, out: Histories) -
     increment = posed(whole, path.values, path.pressure)
     plan = Plan(increment, path, projection, block.compliance)
     integrator = INTEGRATORS[method]
-    ledger, status = Ledger.begun(plan, block.stress[i]), None
+    ledger, status = Ledger.begun(len(path.time), path.values[0], block.stress[i], plan.compliance), None
     rows = integrator.advance(plan, ledger)
     try:
         while next(rows, None) is not None and np.isfinite(ledger.balance[ledger.done - 1]):
@@ -155,21 +163,9 @@ def _alone(block: Share, i: int, projection: str, method: str, out: Histories) -
         status = Status.FAILED
     if (gone := np.flatnonzero(beyond(increment.law, ledger.stress[: ledger.done]))).size:
         ledger.done, status = int(gone[0]), Status.OUTSIDE
-    _write(ledger, out, i, status)
+    ledger.keep(out, i)
+    out.status[i] = out.status[i] if status is None else status
     return integrator.why(plan)
-
-
-def _write(ledger: Ledger, out: Histories, i: int, status: Status | None) -> None:
-    """The kept knots of one point's ledger."""
-    done, kept = ledger.done, out.knots[out.knots < ledger.done]
-    n = len(kept)
-    for name in ("slip", "stress", *SUMS):
-        getattr(out, name)[i, :n] = getattr(ledger, name)[kept]
-    sums = np.add.reduceat(ledger.balance[:done], np.append(0, kept[:-1] + 1)) if n > 1 else np.zeros(1)
-    out.balance[i, :n] = sums[:n]
-    slipped = bool(done > 1 and ledger.multiplier[done - 1] > ledger.multiplier[done - 2])
-    out.status[i] = (Status.SLIP if slipped else Status.STICK) if status is None else status
-    out.reached[i] = done - 1
 
 
 def _room(batch: Batch, first: int, last: int, method: str) -> Histories:

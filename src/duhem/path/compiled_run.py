@@ -1,4 +1,4 @@
-"""Compiled implicit steps put to use: for a share of many points on declared shapes, and for one path of any law.
+"""Compiled implicit steps put to use: for a share of many points and for one path, on declared shapes and by any law's own loop.
 
 On a declared shape one path is a share of one point.  Any other law's own loop takes long stretches, which are then judged together:
 what the loop leaves, and what the judge does not take as it is, is one step of the search, from which the loop goes on.  Steps do not
@@ -20,10 +20,13 @@ from duhem.path.batch import Share
 from duhem.path.closest import LOST, Found, ShapeNumbers, shape_numbers
 from duhem.path.compiled_steps import loops
 from duhem.path.history import SUMS, Histories
-from duhem.path.integrators import first_of, gains, stepping, stretch
+from duhem.path.integrators import gains, stepping, stretch
 from duhem.path.ledger import Ledger, States
+from duhem.path.paths import Paths, Which
 from duhem.path.run import Plan
 from duhem.projection.compiled_newton import Loop
+from duhem.projection.declared_ranges import beyond
+from duhem.projection.increment import Convexity, Increment
 from duhem.projection.newton_kernel import KINKS, LEFT, SLIP, solved
 from duhem.projection.newton_start import DATA
 from duhem.projection.newton_step import MATRICES, ROWS, D
@@ -31,7 +34,7 @@ from duhem.projection.projector import Projector
 from duhem.projection.quadrants import Quarters, stacked
 from duhem.projection.result import Array, Projection, Solution, Status
 
-__all__ = ["advance", "fill", "reason"]
+__all__ = ["advance", "fill", "looped", "reason"]
 
 _STEPS = 65_536  # of one path without looking up, so that it can be interrupted
 _FEW = 64  # steps after one that the loop did not take
@@ -66,7 +69,7 @@ def fill(share: Share, shape: ShapeNumbers, out: Histories) -> None:
     states, m = States.begun(share), len(share.paths.time)
     row = np.full(m, -1, dtype=np.intp)
     row[out.knots] = np.arange(len(out.knots))
-    states.keep(out, 0)
+    states.keep(out, np.arange(len(share)), 0)
     vectors = states.stress, states.slip, states.anchor_stress, states.anchor
     state = np.concatenate([*map(_two, vectors), *(getattr(states, name)[:, None] for name in SUMS)], axis=1)
     _run(share, shape, state, (states.status, states.reached), (1, m), row, out)
@@ -115,23 +118,58 @@ def _run(share: Share, shape: ShapeNumbers, state: Array, ends: tuple[Any, Any],
 # -- any other law -------------------------------------------------------------------------------------------------------
 
 
+def _loop(member: Increment, projection: str) -> tuple[Projector, Loop] | str:
+    """The judge of a law with numbers in place and the loop that is made for it, or in words why there is none."""
+    prepared = Projector.of(member.law, member.stiffness, member.parameters, projection)
+    if prepared.method.name != "newton":
+        return f"projection by {prepared.method.name} has none"
+    loop = Loop.of(prepared.setting, "along", sys.modules[__name__])
+    return "a word has no derivative as text" if loop is None else (prepared, loop)
+
+
+def looped(share: Share, projection: str, out: Histories) -> Which | None:
+    """The histories of the points whose paths the loop of their law takes to the end, and which others are left; None without a loop."""
+    paths, m, left = share.paths, len(share.paths.time), np.ones(len(share), dtype=np.bool_)
+    for i, member in enumerate(share.members):
+        if isinstance(made := _loop(member, projection), str):
+            return None
+        mine, each = np.flatnonzero(share.own == i), max(1, _STEPS // m)
+        for some in (mine[first : first + each] for first in range(0, len(mine), each)):
+            stress, u = share.stress[some], paths.at(0, some)
+            found, taken = _taken(*made, member.convexity, paths, some, (stress, u), (1, m))
+            whole = np.flatnonzero(taken == m - 1)
+            if not whole.size:
+                continue
+            rows = whole[:, None] * (m - 1) + np.arange(m - 1)
+            ledger = Ledger.begun(m, u[whole], stress[whole], share.compliance)
+            before = np.concatenate([stress[whole, None], found.stress[rows][:, :-1]], axis=1)
+            at = np.repeat(some[whole], m), np.tile(np.arange(m), len(whole))
+            du = np.diff(paths.at(at[1], at[0]).reshape(len(whole), m, -1), axis=1)
+            slips = found.slips()[rows]
+            booked = found.stress[rows], found.slip[rows], found.multiplier[rows]
+            ledger.rows(*booked[:2], gains(member.stiffness, share.compliance, before, *booked, slips, du))
+            sound = ledger.sound().all(axis=1) & ~beyond(member.law, found.stress).reshape(-1, m - 1)[whole].any(axis=1)
+            ledger.keep(out, some[whole])
+            left[some[whole[sound]]] = False
+    return np.flatnonzero(left)
+
+
 def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """One path by the loop that is made for its law."""
-    question, m = plan.increment, len(plan.path.values)
-    prepared = Projector.of(question.law, question.stiffness, question.parameters, plan.projection)
-    if prepared.method.name != "newton":
-        raise _missing(f"projection by {prepared.method.name} has none")
-    if (loop := Loop.of(question, "along", sys.modules[__name__])) is None:
-        raise _missing("a word has no derivative as text")
-    step = stepping("implicit", plan)
+    if isinstance(made := _loop(plan.increment, plan.projection), str):
+        raise _missing(made)
+    step, paths, one = stepping("implicit", plan), Share.alone(plan).paths, np.zeros(1, dtype=np.intp)
+    values, m = plan.path.values, len(plan.path.values)
     anchor, ahead = ledger.anchor, _STEPS
     while ledger.done < m:
         first, last = ledger.done, min(ledger.done + ahead, m)
-        stress, slip, multiplier, *_ = found = _taken(plan, ledger, prepared, loop, anchor, last)
-        if n := len(stress):
-            before, du = ledger.stress[first - 1 : first], np.diff(plan.path.values[first - 1 : first + n], axis=0)
-            slips, before = found.slips(), np.concatenate([before, stress[:-1]])
-            ledger.rows(plan, stress, slip, gains(plan.stiffness, plan.compliance, before, stress, slip, multiplier, slips, du))
+        begun = ledger.stress[anchor : anchor + 1], values[anchor : anchor + 1]
+        found, taken = _taken(*made, plan.increment.convexity, paths, one, begun, (first, last))
+        if n := int(taken[0]):
+            booked, slips = (found.stress[:n], found.slip[:n], found.multiplier[:n]), found.slips()[:n]
+            before = np.concatenate([ledger.stress[first - 1 : first], found.stress[: n - 1]])
+            du = np.diff(values[first - 1 : first + n], axis=0)
+            ledger.rows(*booked[:2], gains(plan.stiffness, plan.compliance, before, *booked, slips, du))
             anchor = first + int(np.flatnonzero(slips)[-1]) if slips.any() else anchor
         ahead = min(2 * ahead, _STEPS)
         if not n:  # one step by the search, which ends the run if it finds nothing
@@ -139,28 +177,37 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
         yield ledger.done
 
 
-def _taken(plan: Plan, ledger: Ledger, prepared: Projector, loop: Loop, anchor: int, last: int) -> Found:
-    """What the loop finds from the next row to before ``last``, as far as the judge takes it as it is; nothing slips where it sticks."""
-    rows = slice(ledger.done, last)
-    n, d = last - ledger.done, plan.path.values.shape[1]
-    pressure = plan.increment.pressure[rows]
-    trial, stress, slip = (np.empty((n, d)) for _ in range(3))
-    multiplier, state = np.empty(n), np.empty(n, dtype=np.int8)
-    begun = ledger.stress[anchor].copy(), plan.path.values[anchor].copy()
-    given = np.array(plan.path.values[rows], order="C"), np.array(plan.stiffness, order="C"), *begun, loop.data(pressure)
-    loop.run(*given, loop.constants, loop.root, loop.inverse, loop.formula.degree, trial, stress, slip, multiplier, state)
-    n = first_of(state == LEFT)
-    slips = state[:n] == SLIP
-    solution = Solution(stress[:n], slip[:n] / loop.mean, multiplier[:n] / loop.mean, np.zeros(n, dtype=np.bool_))
-    judged = _judged(plan, prepared, solution, trial[:n], pressure[:n])
-    found = Found(judged.stress, judged.slip, judged.multiplier, judged.status)
-    n = first_of((found.stress != solution.stress).any(axis=1) | (found.slips() != slips) | np.isin(judged.status, LOST))
-    return Found(found.stress[:n], found.slip[:n], found.multiplier[:n], found.lost[:n])
+def _taken(
+    prepared: Projector, loop: Loop, known: Convexity | None, paths: Paths, which: Which, begun: tuple[Array, Array], knots: tuple[int, int]
+) -> tuple[Found, Which]:
+    """What the loop finds of points from the first of ``knots`` to before the last, from where they last slipped, point by point.
+
+    How many knots of each the judge takes as they are; nothing slips where it sticks.
+    """
+    n, m = len(which), knots[1] - knots[0]
+    every, point = np.tile(np.arange(*knots), n), np.repeat(which, m)
+    values, pressure = paths.at(every, point), paths.pressure_at(every, point)
+    trial, stress, slip = (np.empty_like(values) for _ in range(3))
+    multiplier, state = np.empty(n * m), np.empty(n * m, dtype=np.int8)
+    k, data = np.array(prepared.setting.stiffness, order="C"), loop.data(pressure)
+    for i in range(n):
+        own = slice(i * m, (i + 1) * m)
+        given = values[own], k, begun[0][i].copy(), begun[1][i].copy(), data[own], loop.constants, loop.root, loop.inverse
+        loop.run(*given, loop.formula.degree, trial[own], stress[own], slip[own], multiplier[own], state[own])
+    seen = np.flatnonzero(state != LEFT)
+    solution = Solution(stress[seen], slip[seen] / loop.mean, multiplier[seen] / loop.mean, np.zeros(len(seen), dtype=np.bool_))
+    judged = _judged(prepared, known, solution, trial[seen], pressure[seen])
+    found = Found(stress, slip, multiplier, state)
+    found.stress[seen], found.slip[seen], found.multiplier[seen] = judged.stress, judged.slip, judged.multiplier
+    good = np.zeros((n, m), dtype=np.bool_)
+    same = (judged.stress == solution.stress).all(axis=1) & (found.slips()[seen] == (state[seen] == SLIP))
+    good.reshape(-1)[seen] = same & ~np.isin(judged.status, LOST)
+    return found, np.where(good.all(axis=1), m, np.argmin(good, axis=1))
 
 
-def _judged(plan: Plan, prepared: Projector, solution: Solution, trial: Array, pressure: Array) -> Projection:
+def _judged(prepared: Projector, known: Convexity | None, solution: Solution, trial: Array, pressure: Array) -> Projection:
     """The solution as any other answer of the method."""
-    question = replace(prepared.setting, trial=trial, pressure=pressure, convexity=plan.increment.convexity)
+    question = replace(prepared.setting, trial=trial, pressure=pressure, convexity=known)
     given = replace(prepared.method, solve=lambda asked, options: solution, again=None)
     return replace(prepared, method=given).at(question, compiled=True, threads=1)
 

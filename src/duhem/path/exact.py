@@ -89,7 +89,7 @@ def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
         du = path.values[i] - path.values[i - 1]
         slip = np.zeros_like(du) if moved.free >= 1.0 else du - c @ (stress - before)
         added = (moved.multiplier, moved.dissipation, moved.work, 0.0)
-        ledger.rows(plan, stress[None], slip[None], np.array(added)[:, None])
+        ledger.rows(stress[None], slip[None], np.array(added)[:, None])
         yield ledger.done
 
 

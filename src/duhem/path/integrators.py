@@ -168,7 +168,7 @@ def stretch(plan: Plan, ledger: Ledger, step: Step, anchor: int, ahead: int) -> 
     found = step(ledger.stress[anchor], values[anchor], ledger.stress[first - 1 : first], knots, np.zeros_like(knots))
     n = first_of(found.slips) + 1
     sums = found.gains
-    ledger.rows(plan, found.stress[:n], found.slip[:n], (sums[0][:n], sums[1][:n], sums[2][:n], sums[3][:n]))
+    ledger.rows(found.stress[:n], found.slip[:n], (sums[0][:n], sums[1][:n], sums[2][:n], sums[3][:n]))
     return bool(found.slips[:n].any())
 
 

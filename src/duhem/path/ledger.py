@@ -25,7 +25,10 @@ _STATES = ("slip", "stress", *SUMS)
 
 @dataclass(eq=False)
 class Ledger:
-    """The run so far: rows up to ``done`` hold states and accumulated quantities, as in :class:`duhem.path.history.History`."""
+    """The run so far: rows up to ``done`` hold states and accumulated quantities, as in :class:`duhem.path.history.History`.
+
+    Of one path they are the first axis, of many points the second.
+    """
 
     stress: Array
     slip: Array
@@ -35,15 +38,17 @@ class Ledger:
     work: Array
     numerical: Array
     balance: Array
+    compliance: Array
     done: int = 1
 
     @classmethod
-    def begun(cls, plan: Plan, stress: Array) -> Ledger:
-        """Room for the whole path, at its start under ``stress``."""
-        m, d = plan.path.values.shape
-        blank = cls(stress=np.empty((m, d)), slip=np.empty((m, d)), done=1, **{name: np.zeros(m) for name in SUMS})
-        blank.stress[0], blank.psi[0] = stress, plan.psi(stress)
-        blank.slip[0] = 0.0 if plan.path.control == "stress" else plan.path.values[0] - times(stress, plan.compliance)
+    def begun(cls, m: int, displacement: Array, stress: Array, compliance: Array) -> Ledger:
+        """Room for m knots, at the first of them; ``displacement`` and ``stress`` (d,) of one path, (n, d) of many points."""
+        *each, d = stress.shape
+        room = {name: np.zeros((*each, m)) for name in SUMS}
+        blank = cls(stress=np.empty((*each, m, d)), slip=np.empty((*each, m, d)), compliance=compliance, done=1, **room)
+        blank.stress[..., 0, :], blank.psi[..., 0] = stress, energy(stress, compliance)
+        blank.slip[..., 0, :] = displacement - times(stress, compliance)
         return blank
 
     @property
@@ -54,16 +59,27 @@ class Ledger:
             i -= 1
         return i
 
-    def rows(self, plan: Plan, stress: Array, slip: Array, gains: Gains) -> None:
-        """Further rows (n, ...), from what their steps add: slip, and multiplier, dissipation, work and numerical loss."""
-        i, last = self.done - 1, self.done + len(stress)
-        block = slice(i + 1, last)
-        self.stress[block], self.psi[block] = stress, plan.psi(stress)
-        self.slip[block] = np.cumsum(np.concatenate([self.slip[i : i + 1], slip]), axis=0)[1:]
+    def rows(self, stress: Array, slip: Array, gains: Gains) -> None:
+        """Further rows, from what their steps add: slip, and multiplier, dissipation, work and numerical loss."""
+        i, last = self.done - 1, self.done + stress.shape[-2]
+        self.stress[..., i + 1 : last, :], self.psi[..., i + 1 : last] = stress, energy(stress, self.compliance)
+        self.slip[..., i + 1 : last, :] = np.cumsum(np.concatenate([self.slip[..., i : i + 1, :], slip], axis=-2), axis=-2)[..., 1:, :]
         for sums, gain in zip((self.multiplier, self.dissipation, self.work, self.numerical), gains, strict=True):
-            sums[block] = np.cumsum(np.concatenate([sums[i : i + 1], gain]))[1:]
-        self.balance[block] = gains[2] - np.diff(self.psi[i:last]) - gains[1] - gains[3]
+            sums[..., i + 1 : last] = np.cumsum(np.concatenate([sums[..., i : i + 1], gain], axis=-1), axis=-1)[..., 1:]
+        self.balance[..., i + 1 : last] = gains[2] - np.diff(self.psi[..., i:last]) - gains[1] - gains[3]
         self.done = last
+
+    def keep(self, out: Histories, points: Which | int) -> None:
+        """Write the kept knots of the rows done into the histories of these points; the balance is summed since the kept knot before."""
+        kept = out.knots[out.knots < self.done]
+        for name in _STATES:
+            array = getattr(self, name)
+            if name == "balance" and len(kept) > 1:
+                getattr(out, name)[points, : len(kept)] = np.add.reduceat(array[..., : self.done], np.append(0, kept[:-1] + 1), axis=-1)
+            else:
+                getattr(out, name)[points, : len(kept)] = np.take(array, kept, axis=-2 if name in ("slip", "stress") else -1)
+        slips = np.diff(self.multiplier[..., max(self.done - 2, 0) : self.done], axis=-1).any(axis=-1)
+        out.status[points], out.reached[points] = np.where(slips, Status.SLIP, Status.STICK), self.done - 1
 
     def history(self, plan: Plan, method: str, why: str) -> History:
         """The rows done."""
@@ -87,9 +103,14 @@ class Ledger:
 
     def finite(self) -> Ledger:
         """This ledger, done up to the first row that holds a number beyond double precision."""
-        bad = ~np.isfinite(np.column_stack([getattr(self, name) for name in _STATES])[: self.done]).all(axis=1)
+        bad = ~self.sound()[: self.done]
         self.done = int(np.argmax(bad)) if bad.any() else self.done
         return self
+
+    def sound(self) -> Flags:
+        """The rows whose numbers are all finite."""
+        vectors = np.isfinite(self.stress).all(axis=-1) & np.isfinite(self.slip).all(axis=-1)
+        return np.logical_and.reduce([vectors, *(np.isfinite(getattr(self, name)) for name in SUMS)])
 
     def resume(self, start: History) -> None:
         """The rows of an earlier part of the same run."""
@@ -161,8 +182,8 @@ class States:
         slipped = on[slips[on]]
         self.anchor_stress[which[slipped]], self.anchor[which[slipped]] = stress[slipped], u[slipped]
 
-    def keep(self, out: Histories, row: int) -> None:
-        """Write the states into a row of ``out``; the balance is summed anew from there."""
+    def keep(self, out: Histories, points: Which, row: int) -> None:
+        """Write the states of these points into a row of ``out``; the balance is summed anew from there."""
         for name in _STATES:
-            getattr(out, name)[:, row] = getattr(self, name)
+            getattr(out, name)[points, row] = getattr(self, name)[points]
         self.balance[:] = 0.0

@@ -20,7 +20,7 @@ from duhem.path.integrators import INTEGRATORS, gains
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, checked_count
 from duhem.path.paths import Paths
-from duhem.path.run import Plan, Run
+from duhem.path.run import Plan, Run, times
 from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array
@@ -114,7 +114,7 @@ def driven(
     if run.compiled:
         advance, why = _compiled(method), f"{why}, compiled"
     with np.errstate(all="ignore"):
-        ledger = Ledger.begun(plan, _first(plan, run.stress))
+        ledger = Ledger.begun(len(plan.path.time), plan.path.values[0], _first(plan, run.stress), plan.compliance)
     if start is not None:
         _go_on(ledger, plan, start)
     steps = len(plan.path.time) - 1
@@ -213,10 +213,10 @@ def _prescribed(plan: Plan) -> History:
     if (out := np.flatnonzero(beyond(plan.increment.law, stress))).size:
         what = f"at time {plan.path.time[out[0]]:g} {crossed(plan.increment.law, stress[out])}"
         raise InputError(what, where=f"path, step {out[0]}", remedy="stay inside the range, or declare a wider one in the law's domain")
-    ledger = Ledger.begun(plan, stress[0])
+    ledger = Ledger.begun(len(stress), times(stress[0], plan.compliance), stress[0], plan.compliance)
     none, still = np.zeros(len(stress) - 1), np.zeros_like(stress[1:])
     added = gains(plan.stiffness, plan.compliance, stress[:-1], stress[1:], still, none, none > 0.0, still)
-    ledger.rows(plan, stress[1:], still, added)
+    ledger.rows(stress[1:], still, added)
     return _whole(ledger, plan, "prescribed stress", "inside K the slip stays what it was")
 
 
