@@ -120,7 +120,7 @@ def test_what_has_no_loop_says_so():
     path, given = Path.linear([[0, 0], [1, 1]], pressure=-1.0), {"stiffness": 1.0, "parameters": CASES["box"][0]}
     plan = Plan.of(Run("box", path, projection="cvxpy", **given))
     with pytest.raises(InputError, match="projection by cvxpy has none"):
-        next(compiled_run.advance(plan, Ledger.begun(plan, np.zeros(2))))
+        next(compiled_run.advance(plan, Ledger.begun(2, np.zeros(2), np.zeros(2), plan.compliance)))
     with pytest.raises(InputError, match="one extrapolated path"):
         simulate("box", path, **given, method="extrapolated", compiled=True)
 

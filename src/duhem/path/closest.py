@@ -24,9 +24,10 @@ from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Projection, Status
 
-__all__ = ["LOST", "Closest", "Found", "ShapeNumbers", "closest", "closest_points", "shape_name", "shape_numbers"]
+__all__ = ["LOST", "Closest", "Found", "ShapeNumbers", "closest", "closest_points", "outside", "shape_name", "shape_numbers"]
 
 LOST = (Status.INACCURATE, Status.FAILED)
+_TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
 
 
 class Found(NamedTuple):
@@ -149,6 +150,13 @@ def closest(plan: Plan, halves: int = 1) -> tuple[Closest, str]:
         return found
 
     return vouched, why
+
+
+def outside(block: Share, method: str, stress: Array, knot: Knot, which: Which) -> NDArray[np.bool_]:
+    """Which of the stresses (n, d) of a block's rows lie outside K by more than rounding."""
+    found = closest_points(block, method)[0](stress, knot, which).stress
+    size = np.maximum(np.abs(stress).max(axis=1), np.abs(found).max(axis=1))
+    return np.asarray(~(np.abs(found - stress).max(axis=1) <= _TOLERANCE * size))
 
 
 def _on_quarters(block: Share, shape: ShapeNumbers, fast: bool) -> Closest:

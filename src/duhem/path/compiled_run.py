@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.law.shapes import Interval
@@ -142,12 +143,8 @@ def looped(share: Share, projection: str, out: Histories) -> Which | None:
                 continue
             rows = whole[:, None] * (m - 1) + np.arange(m - 1)
             ledger = Ledger.begun(m, u[whole], stress[whole], share.compliance)
-            before = np.concatenate([stress[whole, None], found.stress[rows][:, :-1]], axis=1)
-            at = np.repeat(some[whole], m), np.tile(np.arange(m), len(whole))
-            du = np.diff(paths.at(at[1], at[0]).reshape(len(whole), m, -1), axis=1)
-            slips = found.slips()[rows]
-            booked = found.stress[rows], found.slip[rows], found.multiplier[rows]
-            ledger.rows(*booked[:2], gains(member.stiffness, share.compliance, before, *booked, slips, du))
+            along = paths.at(np.tile(np.arange(m), len(whole)), np.repeat(some[whole], m))
+            _book(ledger, member.stiffness, stress[whole], along.reshape(len(whole), m, -1), found, rows)
             sound = ledger.sound().all(axis=1) & ~beyond(member.law, found.stress).reshape(-1, m - 1)[whole].any(axis=1)
             ledger.keep(out, some[whole])
             left[some[whole[sound]]] = False
@@ -166,15 +163,21 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
         begun = ledger.stress[anchor : anchor + 1], values[anchor : anchor + 1]
         found, taken = _taken(*made, plan.increment.convexity, paths, one, begun, (first, last))
         if n := int(taken[0]):
-            booked, slips = (found.stress[:n], found.slip[:n], found.multiplier[:n]), found.slips()[:n]
-            before = np.concatenate([ledger.stress[first - 1 : first], found.stress[: n - 1]])
-            du = np.diff(values[first - 1 : first + n], axis=0)
-            ledger.rows(*booked[:2], gains(plan.stiffness, plan.compliance, before, *booked, slips, du))
+            slips = _book(ledger, plan.stiffness, ledger.stress[first - 1], values[first - 1 : first + n], found, np.arange(n))
             anchor = first + int(np.flatnonzero(slips)[-1]) if slips.any() else anchor
         ahead = min(2 * ahead, _STEPS)
         if not n:  # one step by the search, which ends the run if it finds nothing
             anchor, ahead = first if stretch(plan, ledger, step, anchor, 1) else anchor, _FEW
         yield ledger.done
+
+
+def _book(ledger: Ledger, k: Array, stress: Array, values: Array, found: Found, rows: Which) -> NDArray[np.bool_]:
+    """Put what was found at ``rows`` (..., m) into the ledger, from the stress and along the m + 1 displacements; which of them slip."""
+    slips, near = found.slips()[rows], found.stress[rows]
+    before, du = np.concatenate([stress[..., None, :], near[..., :-1, :]], axis=-2), np.diff(values, axis=-2)
+    slip, multiplier = found.slip[rows], found.multiplier[rows]
+    ledger.rows(near, slip, gains(k, ledger.compliance, before, near, slip, multiplier, slips, du))
+    return slips
 
 
 def _taken(

@@ -7,7 +7,6 @@ anywhere along the step and not only at its end.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 
 import numpy as np
 
@@ -154,8 +153,7 @@ def _by_equation(plan: Plan) -> Piece:
     on = boundary(increment)
     opening = None
     if increment.law.pressure is not None and not increment.pressure.all() and not on.value(np.zeros(len(plan.compliance)), 0.0) < 0.0:
-        opening = OpenContact(plan)
-    follow = partial(moves, on)
+        opening = OpenContact(plan, on)
 
     def along(stress: Array, i: int, parts: Sequence[float]) -> list[Reached]:
         du = path.values[i] - path.values[i - 1]
@@ -177,9 +175,9 @@ def _by_equation(plan: Plan) -> Piece:
         loads = (float(increment.pressure[i - 1]), float(increment.pressure[i]))
         drive = straight if arc is None else round_
         if opening is not None and 0.0 in loads:
-            reached = opening.moves(follow, stress, drive, loads, parts)
+            reached = opening.moves(stress, drive, loads, parts)
         else:
-            reached = follow(stress, drive, loads, parts)
+            reached = moves(on, stress, drive, loads, parts)
         return [(np.array(moved.stress), moved) for moved in reached]
 
     return along

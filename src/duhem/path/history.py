@@ -72,7 +72,7 @@ class History(Recorded, Shown):
     the question that was answered, from which :func:`duhem.path.trajectory.trajectory` finds what lies between the knots.
     """
 
-    printed_by: ClassVar[str] = "duhem.path.history_sheet"
+    printed_by: ClassVar[str] = "duhem.path.picture"
 
     plan: Plan | None = field(default=None)
 
@@ -155,7 +155,7 @@ class Histories(Recorded, Shown):
     status: NDArray[np.int8]
     reached: NDArray[np.intp]
 
-    printed_by: ClassVar[str] = "duhem.path.history_sheet"
+    printed_by: ClassVar[str] = "duhem.path.picture"
 
     def __repr__(self) -> str:
         early = f", {self.ended_early()} ended early" if self.ended_early() else ""

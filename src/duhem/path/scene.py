@@ -51,7 +51,7 @@ class Scene(Run):
         self,
         start: History | None = None,
         on_step: Callable[[int, int], None] | None = None,
-        keep: Callable[[History], None] | None = None,
+        keep: Callable[[History], object] | None = None,
     ) -> History:
         """The history of one point; ``start`` and ``on_step`` as in :func:`duhem.simulate`, ``keep`` its checkpoint."""
         self.check_asked()

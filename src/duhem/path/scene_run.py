@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from functools import partial
+from collections.abc import Callable, Sequence
+from itertools import islice
 from pathlib import Path as File
 from types import TracebackType
 from typing import Any, NamedTuple
@@ -67,7 +67,7 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
     start = recall(table, scene.plan(), scene.fingerprint) if table is not None and resume else None
     fingerprint = scene.fingerprint
     try:
-        history = scene.run(start, on_step, None if table is None else partial(_keep, table, fingerprint))
+        history = scene.run(start, on_step, None if table is None else lambda done: keep(done, table, fingerprint))
     except Interrupted as stop:
         assert isinstance(stop.history, History) and isinstance(scene.path, Path)
         steps = (len(scene.path.time) - 1) * scene.substeps
@@ -87,10 +87,6 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
     return history
 
 
-def _keep(table: str, fingerprint: str, done: History) -> None:
-    keep(done, table, fingerprint)
-
-
 def perform_many(
     scene: Scene, table: str | None, resume: bool, say: Callable[[str], None], on_step: Callable[[int, int], None] | None = None
 ) -> PointCounts:
@@ -99,14 +95,14 @@ def perform_many(
     Without a table the rows are said, some at a time.  Stopped if interrupted: the points that are done are kept.
     """
     batch = scene.batch()
-    n, ended, stationary = len(batch.own), 0, 0
+    n = len(batch.own)
     if table is None:
+        came = PointCounts(n, 0, 0)
         for part in parts(batch, scene.method, scene.threads):
             text = "".join(part.rows())
             say((text if part.points[0] else ",".join(part.columns()) + "\n" + text).removesuffix("\n"))
-            ended += part.ended_early()
-            stationary += part.stationary()
-        return PointCounts(n, ended, stationary)
+            came = PointCounts(n, came.ended + part.ended_early(), came.stationary + part.stationary())
+        return came
     with GrowingTable(table, scene.fingerprint, ("point", *columns(batch.law.forces, batch.law.pressure)), resume) as growing:
         try:
             for part in parts(batch, scene.method, scene.threads, first=growing.points):
@@ -229,18 +225,7 @@ def _to_parquet(rows: File, file: str) -> None:
         names = stream.readline().rstrip("\n").split(",")
         schema: Any = pyarrow.schema([(name, pyarrow.int64() if name == "point" else pyarrow.float64()) for name in names])
         with parquet.ParquetWriter(place, schema) as writer:
-            for lines in _batches(stream):
+            while lines := list(islice(stream, _LINES)):
                 columns = zip(*(line.split(",") for line in lines), strict=True)
                 numbers = [list(map(int if name == "point" else float, column)) for name, column in zip(names, columns, strict=True)]
                 writer.write_table(pyarrow.table(dict(zip(names, numbers, strict=True)), schema=schema))
-
-
-def _batches(stream: Iterable[str]) -> Iterator[list[str]]:
-    lines: list[str] = []
-    for line in stream:
-        lines.append(line)
-        if len(lines) == _LINES:
-            yield lines
-            lines = []
-    if lines:
-        yield lines

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.expression.given_array import in_order
 from duhem.law.formula_law import Criterion
-from duhem.path.batch import MOST_THREADS, Batch
-from duhem.path.batch_run import TOLERANCE, histories
+from duhem.path.batch import MOST_THREADS, Batch, Share
+from duhem.path.batch_run import histories
+from duhem.path.closest import outside
 from duhem.path.history import Histories, History
 from duhem.path.integrators import INTEGRATORS, gains
 from duhem.path.ledger import Ledger
@@ -22,12 +23,11 @@ from duhem.path.loading import Path, checked_count
 from duhem.path.paths import Paths
 from duhem.path.run import Plan, Run, times
 from duhem.projection.declared_ranges import beyond, crossed
-from duhem.projection.projector import Projector
 from duhem.projection.result import Array
 
 __all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "driven", "simulate"]
 
-Checkpoint = tuple[float, Callable[[History], None]]  # seconds, and who is given what is done
+Checkpoint = tuple[float, Callable[[History], object]]  # seconds, and who is given what is done
 
 
 class Interrupted(KeyboardInterrupt):
@@ -171,14 +171,11 @@ def _whole(ledger: Ledger, plan: Plan, method: str, why: str) -> History:
     return ledger.history(plan, method, why)
 
 
-def _inside(plan: Plan, stress: Array, rows: slice) -> int | None:
-    """The first of ``stress`` (n, d) that lies outside K under the pressures of ``rows``."""
-    question = plan.increment
-    pressure = None if question.law.pressure is None else question.pressure[rows]
-    found = Projector.of(question.law, plan.stiffness, question.parameters, plan.projection)(stress, pressure)
-    size = np.maximum(np.abs(stress).max(axis=1), np.abs(found.stress).max(axis=1))
-    outside = np.flatnonzero(~(np.abs(found.stress - stress).max(axis=1) <= TOLERANCE * size))
-    return int(outside[0]) if outside.size else None
+def _outside(plan: Plan, stress: Array) -> int | None:
+    """The first of ``stress`` (n, d), at as many knots, that lies outside K."""
+    knots = np.arange(len(stress))
+    out = np.flatnonzero(outside(Share.alone(plan), plan.projection, stress, knots, np.zeros_like(knots)))
+    return int(out[0]) if out.size else None
 
 
 def _first(plan: Plan, given: ArrayLike | None) -> Array:
@@ -192,7 +189,7 @@ def _first(plan: Plan, given: ArrayLike | None) -> Array:
         raise InputError("the stress at the start is not made of numbers", where="stress", remedy=f"give {d} numbers") from None
     if stress.shape != (d,) or not np.isfinite(stress).all():
         raise InputError("the stress at the start does not fit the law or is not finite", where="stress", remedy=f"give {d} numbers")
-    if _inside(plan, stress[None], slice(0, 1)) is not None:
+    if _outside(plan, stress[None]) is not None:
         remedy = "give one inside K" if given is not None else "zero stress is not admissible: give stress= inside K"
         raise InputError(f"the stress at the start {stress.tolist()} lies outside K", where="stress", remedy=remedy)
     if beyond(law, stress[None]).any():
@@ -204,7 +201,7 @@ def _first(plan: Plan, given: ArrayLike | None) -> Array:
 def _prescribed(plan: Plan) -> History:
     """A stress path inside K: the displacement follows, and nothing slips."""
     stress = plan.path.values
-    if (i := _inside(plan, stress, slice(None))) is not None:
+    if (i := _outside(plan, stress)) is not None:
         raise InputError(
             f"the stress {stress[i].tolist()} at time {plan.path.time[i]:g} lies outside K, where no equilibrium exists",
             where=f"path, step {i}",

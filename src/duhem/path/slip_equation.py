@@ -42,6 +42,7 @@ _SMOOTHING = (Norm, PNorm)
 _RTOL = 5e-14
 _MOST_EVENTS = 1000
 _GLANCE = 1e-10
+_BIT = 2.0**-30  # of a step on which contact is lost or regained, which is an implicit one
 _SAMPLES = np.linspace(0.0, 1.0, 65)
 
 Values = Callable[[Array, float], list[Any]]  # formulas at one stress and pressure; nan or infinite where they are undefined
@@ -289,16 +290,11 @@ def _leaving(on: Boundary, stress: Array, drive: Drive, load: Callable[[float], 
     return 1.0
 
 
-_BIT = 2.0**-30
-Inner = Callable[[Array, Drive, Pair, Sequence[float]], list[Move]]
-
-
 class OpenContact:
     """Steps of ``plan`` at whose ends the pressure may vanish.  InputError where K then is more than the origin."""
 
-    def __init__(self, plan: Plan) -> None:
-        self.plan = plan
-        increment = plan.increment
+    def __init__(self, plan: Plan, on: Boundary) -> None:
+        self.plan, self.on, increment = plan, on, plan.increment
         self.prepared = Projector.of(increment.law, increment.stiffness, increment.parameters, plan.projection)
         sides = np.concatenate([np.eye(len(increment.law.forces)), -np.eye(len(increment.law.forces))])
         found = self.prepared.at(replace(increment, trial=sides, pressure=np.zeros(len(sides))))
@@ -309,8 +305,8 @@ class OpenContact:
                 remedy='use method="implicit"',
             )
 
-    def moves(self, inner: Inner, stress: Array, drive: Drive, loads: Pair, parts: Sequence[float]) -> list[Move]:
-        """As :func:`moves`, which is ``inner``, where a load is zero."""
+    def moves(self, stress: Array, drive: Drive, loads: Pair, parts: Sequence[float]) -> list[Move]:
+        """As :func:`moves` where a load is zero."""
         if loads == (0.0, 0.0):
             du = drive(1.0)[0]
             if not np.array_equal(drive(0.5)[0] * 2.0, du):
@@ -328,7 +324,7 @@ class OpenContact:
             return u - start, (last - first) * rate
 
         inside = [part for part in parts if first < part < last]
-        whole = inner(np.array(begun.stress), between, at, [*((part - first) / (last - first) for part in inside), 1.0])
+        whole = moves(self.on, np.array(begun.stress), between, at, [*((part - first) / (last - first) for part in inside), 1.0])
         reached = [_after(begun, move, last - first) for move in whole]
         end = reached[-1]
         if last < 1.0:
