@@ -6,7 +6,7 @@ The loop runs as Python here; that numba makes the same of its text is shown in 
 import numpy as np
 import pytest
 
-from duhem import Criterion, InputError, Path
+from duhem import Criterion, InputError, Path, Paths
 from duhem.errors import DuhemError
 from duhem.path import compiled_run, scene_file
 from duhem.path.ledger import Ledger
@@ -102,6 +102,38 @@ def test_what_the_judge_does_not_take_is_a_step_of_the_search(fault, monkeypatch
     monkeypatch.setattr(compiled_run, "stretch", counted)
     found = simulate("box", path, **given)
     assert len(searched) >= 2 and np.abs(found.to_array() - right.to_array()).max() < 1e-13
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_long(CASES, "von-mises"))
+def test_many_points_take_the_steps_of_the_search_too(name, monkeypatch):
+    """And those that the loop leaves go abreast; a point that cannot go on stops no other."""
+    path, given = driven(name)
+    paths = Paths.scaled(path, [1.0, 0.5, 1e306, -2.0])
+    right = simulate(name, paths, keep=2, **given | {"compiled": False})
+    assert right.reached.tolist() != [6] * 4
+    of, called = compiled_newton.Loop.of, []
+
+    def leaving(*args):
+        loop = of(*args)
+
+        def run(*taken):
+            loop.run(*taken)
+            called.append(taken)
+            if len(called) == 2:
+                taken[-1][3:] = 2
+
+        return compiled_newton.Loop(run, loop.formula, loop.constants, loop.root, loop.inverse, loop.mean)
+
+    class Leaving:
+        of = staticmethod(leaving)
+
+    monkeypatch.setattr(compiled_run, "Loop", Leaving)
+    found = simulate(name, paths, keep=2, **given)
+    assert len(called) == 4 and found.why == f"{right.why}, compiled"
+    assert np.array_equal(found.reached, right.reached) and np.array_equal(found.status, right.status)
+    for point in (0, 1, 3):
+        assert np.abs(found.history(point).to_array() - right.history(point).to_array()).max() < 1e-13
 
 
 @pytest.mark.slow

@@ -24,13 +24,13 @@ from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Projection, Status
 
-__all__ = ["LOST", "Closest", "Found", "ShapeNumbers", "closest", "closest_points", "outside", "shape_name", "shape_numbers"]
+__all__ = ["LOST", "Closest", "ClosestPoints", "ShapeNumbers", "closest", "closest_points", "outside", "shape_name", "shape_numbers"]
 
 LOST = (Status.INACCURATE, Status.FAILED)
 _TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
 
 
-class Found(NamedTuple):
+class ClosestPoints(NamedTuple):
     """The closest points of n rows: ``stress``, ``slip`` (n, d), ``multiplier`` (n,); ``lost`` is the status of what is not found, else 0.
 
     ``judged`` is the projection that found them, of the last set of parameters where there are several; None for declared shapes.
@@ -47,7 +47,7 @@ class Found(NamedTuple):
         return (self.slip != 0.0).any(axis=1) | (self.multiplier > 0.0)
 
 
-Closest = Callable[[Array, Knot, Which], Found]  # trial stresses (n, d), the knots of their rows, and their points in the block
+Closest = Callable[[Array, Knot, Which], ClosestPoints]  # trial stresses (n, d), the knots of their rows, and their points in the block
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +133,7 @@ def closest(plan: Plan, halves: int = 1) -> tuple[Closest, str]:
     """The same of one path, at the knots of its ``halves``: a row that is not found ends the run, with the error that says why."""
     at, why = closest_points(Share.alone(plan, halves), plan.projection)
 
-    def vouched(trial: Array, knot: Knot, which: Which) -> Found:
+    def vouched(trial: Array, knot: Knot, which: Which) -> ClosestPoints:
         found = at(trial, knot, which)
         if found.judged is None or not found.lost.any():
             return found
@@ -163,7 +163,7 @@ def _on_quarters(block: Share, shape: ShapeNumbers, fast: bool) -> Closest:
     quarters = quadrants.stacked([quadrants.Quarters.of(mu, block.members[0].stiffness) for mu in shape.coefficients.tolist()])
     moved, several = bool(shape.centre.any()), len(block.members) > 1
 
-    def at(trial: Array, knot: Knot, which: Which) -> Found:
+    def at(trial: Array, knot: Knot, which: Which) -> ClosestPoints:
         stress, slip, multiplier = np.empty(trial.shape), np.empty(trial.shape), np.empty(len(trial))
         load, middle = in_rows(shape.load, knot, which), in_rows(shape.centre, knot, which) if moved else 0.0
         about = trial - middle if moved else trial
@@ -182,7 +182,7 @@ def _on_intervals(block: Share, shape: ShapeNumbers) -> Closest:
     plus, minus = shape.coefficients.T
     k = float(block.members[0].stiffness[0, 0])
 
-    def at(trial: Array, knot: Knot, which: Which) -> Found:
+    def at(trial: Array, knot: Knot, which: Which) -> ClosestPoints:
         own = block.own[which]
         mu = np.where(trial[:, 0] < 0.0, minus[own], plus[own])
         stress, slip, multiplier = quadrants.clamped(trial[:, 0], mu, in_rows(shape.load, knot, which), k)
@@ -191,8 +191,8 @@ def _on_intervals(block: Share, shape: ShapeNumbers) -> Closest:
     return at
 
 
-def _finite(stress: Array, slip: Array, multiplier: Array) -> Found:
-    return Found(stress, slip, multiplier, np.where(np.isfinite(multiplier), 0, Status.FAILED).astype(np.int8))
+def _finite(stress: Array, slip: Array, multiplier: Array) -> ClosestPoints:
+    return ClosestPoints(stress, slip, multiplier, np.where(np.isfinite(multiplier), 0, Status.FAILED).astype(np.int8))
 
 
 def _by_projection(block: Share, method: str, fast: bool) -> tuple[Closest, str]:
@@ -200,8 +200,8 @@ def _by_projection(block: Share, method: str, fast: bool) -> tuple[Closest, str]
     prepared = [Projector.of(member.law, member.stiffness, member.parameters, method) for member in block.members]
     options = {"compiled": True} if fast and prepared[0].method.name in ("closed-form", "newton") else {}
 
-    def at(trial: Array, knot: Knot, which: Which) -> Found:
-        found = Found(np.empty_like(trial), np.empty_like(trial), np.empty(len(trial)), np.zeros(len(trial), dtype=np.int8))
+    def at(trial: Array, knot: Knot, which: Which) -> ClosestPoints:
+        found = ClosestPoints(np.empty_like(trial), np.empty_like(trial), np.empty(len(trial)), np.zeros(len(trial), dtype=np.int8))
         pressure, own = block.paths.pressure_at(knot, which), block.own[which]
         for i, projector in enumerate(prepared):
             if not (mine := np.flatnonzero(own == i)).size:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.shapes import Interval
 from duhem.path.batch import Share
-from duhem.path.closest import LOST, Found, ShapeNumbers, shape_numbers
+from duhem.path.closest import LOST, ClosestPoints, ShapeNumbers, shape_numbers
 from duhem.path.compiled_steps import loops
 from duhem.path.history import SUMS, Histories
 from duhem.path.integrators import gains, stepping, stretch
@@ -171,7 +171,7 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
         yield ledger.done
 
 
-def _book(ledger: Ledger, k: Array, stress: Array, values: Array, found: Found, rows: Which) -> NDArray[np.bool_]:
+def _book(ledger: Ledger, k: Array, stress: Array, values: Array, found: ClosestPoints, rows: Which) -> NDArray[np.bool_]:
     """Put what was found at ``rows`` (..., m) into the ledger, from the stress and along the m + 1 displacements; which of them slip."""
     slips, near = found.slips()[rows], found.stress[rows]
     before, du = np.concatenate([stress[..., None, :], near[..., :-1, :]], axis=-2), np.diff(values, axis=-2)
@@ -182,7 +182,7 @@ def _book(ledger: Ledger, k: Array, stress: Array, values: Array, found: Found, 
 
 def _taken(
     prepared: Projector, loop: Loop, known: Convexity | None, paths: Paths, which: Which, begun: tuple[Array, Array], knots: tuple[int, int]
-) -> tuple[Found, Which]:
+) -> tuple[ClosestPoints, Which]:
     """What the loop finds of points from the first of ``knots`` to before the last, from where they last slipped, point by point.
 
     How many knots of each the judge takes as they are; nothing slips where it sticks.
@@ -200,7 +200,7 @@ def _taken(
     seen = np.flatnonzero(state != LEFT)
     solution = Solution(stress[seen], slip[seen] / loop.mean, multiplier[seen] / loop.mean, np.zeros(len(seen), dtype=np.bool_))
     judged = _judged(prepared, known, solution, trial[seen], pressure[seen])
-    found = Found(stress, slip, multiplier, state)
+    found = ClosestPoints(stress, slip, multiplier, state)
     found.stress[seen], found.slip[seen], found.multiplier[seen] = judged.stress, judged.slip, judged.multiplier
     good = np.zeros((n, m), dtype=np.bool_)
     same = (judged.stress == solution.stress).all(axis=1) & (found.slips()[seen] == (state[seen] == SLIP))
