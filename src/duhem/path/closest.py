@@ -192,7 +192,7 @@ def _on_intervals(block: Share, shape: ShapeNumbers) -> Closest:
 
 
 def _finite(stress: Array, slip: Array, multiplier: Array) -> ClosestPoints:
-    return ClosestPoints(stress, slip, multiplier, np.where(np.isfinite(multiplier), 0, Status.FAILED).astype(np.int8))
+    return ClosestPoints(stress, slip, multiplier, (~np.isfinite(multiplier)).view(np.int8) * np.int8(Status.FAILED))
 
 
 def _by_projection(block: Share, method: str, fast: bool) -> tuple[Closest, str]:

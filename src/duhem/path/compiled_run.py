@@ -95,16 +95,16 @@ def _by_shape(plan: Plan, ledger: Ledger, share: Share, shape: ShapeNumbers) -> 
 
 
 def _two(array: Array) -> Array:
-    """An array (..., d) of d <= 2 components, with zeros for the second where there is one, in memory row by row."""
-    return np.ascontiguousarray(array if array.shape[-1] == 2 else np.concatenate([array, np.zeros_like(array)], axis=-1))
+    """An array (..., d) of d <= 2 components, with zeros for the second where there is one."""
+    return array if array.shape[-1] == 2 else np.concatenate([array, np.zeros_like(array)], axis=-1)
 
 
 def _run(share: Share, shape: ShapeNumbers, state: Array, ends: tuple[Any, Any], knots: tuple[int, int], row: Any, out: Any) -> None:
     paths, member, d = share.paths, share.members[0], share.paths.values.shape[2]
     k, c = np.zeros((2, 2)), np.zeros((2, 2))
     k[:d, :d], c[:d, :d] = member.stiffness, share.compliance
-    along = _two(paths.values), _two(paths.factor[:, None]), np.ascontiguousarray(shape.load), np.ascontiguousarray(shape.share)
-    driven = *along, _two(shape.centre), k, c, state, *ends
+    along = paths.values, paths.factor[:, None], shape.load, shape.share, shape.centre
+    driven = *map(np.ascontiguousarray, along), k, c, state, *ends
     kept = share.own, *knots, row, out.stress, out.slip, tuple(getattr(out, name) for name in SUMS)
     made = loops()
     if isinstance(member.law.closed_form, Interval):

@@ -34,9 +34,9 @@ _STICK, _SLIP, _FAILED = int(Status.STICK), int(Status.SLIP), int(Status.FAILED)
 class Loops:
     """``abreast`` for points of one law on quarter ellipses, ``quarters`` and ``interval`` for points with constants of their own.
 
-    Two components each, the second of one force zero.  Arguments: ``values`` (n, m, 2) and ``factor`` (n, 1, 2), whose product is the
-    displacement; ``load``, ``share`` (n, m) and ``centre`` (n, m, 2) of K, with one row or column where all are alike; stiffness and
-    compliance (2, 2).  ``state`` (n, 14): stress, slip, stress and displacement from which nothing has slipped, then multiplier, psi,
+    Arguments: ``values`` (n, m, d) and ``factor`` (n, 1, d), whose product is the displacement; ``load``, ``share`` (n, m) and
+    ``centre`` (n, m, d) of K, with one row or column where all are alike; stiffness and compliance (2, 2).  ``state`` (n, 14), of one
+    force with zeros for the second: stress, slip, stress and displacement from which nothing has slipped, then multiplier, psi,
     dissipation, work, numerical loss and balance; ``status``, ``reached`` (n,).  The constants of the shapes and which of them each
     point has.  The first knot and the one not to reach any more; ``row`` (m,) of each knot in what is kept, -1 for none; and what is
     kept: stress and slip (n, r, d) and the six sums (n, r), nan for points that have failed.  States and what is kept are written to.
@@ -87,31 +87,35 @@ def made() -> Loops:
     product = formulas(jit, where).product
 
     @jit
-    def taken(array: Any, begin: int, size: int, knot: int, into: Any) -> None:
-        """A number a point of an array (n, m) with one row or column where all are alike."""
+    def taken(array: Any, begin: int, size: int, knot: int, s: Any, row: int) -> None:
+        """A number a point of an array (n, m) with one row or column where all are alike, into a row of ``s``."""
         column = knot if array.shape[1] > 1 else 0
         if array.shape[0] > 1:
             for j in range(size):
-                into[j] = array[begin + j, column]
+                s[row, j] = array[begin + j, column]
         else:
             alike = array[0, column]
             for j in range(size):
-                into[j] = alike
+                s[row, j] = alike
 
     @jit
-    def placed(values: Any, factor: Any, begin: int, size: int, knot: int, into: Any, by: Any) -> None:
-        """The displacements at a knot."""
-        for i in range(2):
-            taken(values[:, :, i], begin, size, knot, into[i])
-            taken(factor[:, :, i], begin, size, 0, by)
+    def placed(array: Any, begin: int, size: int, knot: int, s: Any, row: int) -> None:
+        """The numbers of a point of an array (n, m, d) likewise, for d = 1 a zero in the second row."""
+        column, two = knot if array.shape[1] > 1 else 0, array.shape[2] > 1
+        if array.shape[0] > 1:
             for j in range(size):
-                into[i, j] *= by[j]
+                s[row, j], s[row + 1, j] = array[begin + j, column, 0], array[begin + j, column, 1] if two else 0.0
+        else:
+            a, b = array[0, column, 0], array[0, column, 1] if two else 0.0
+            for j in range(size):
+                s[row, j], s[row + 1, j] = a, b
 
     @jit
     def pulled(s: Any, k: Any, size: int, moved: bool, trial: Any) -> None:
-        """The trial stresses from the displacements in rows 16 and 17, and those about the centre."""
+        """The displacements in rows 16 and 17, the trial stresses, and those about the centre."""
         k00, k01, k10, k11 = k[0, 0], k[0, 1], k[1, 0], k[1, 1]
         for j in range(size):
+            s[16, j], s[17, j] = s[16, j] * s[26, j], s[17, j] * s[27, j]
             d1, d2 = s[16, j] - s[6, j], s[17, j] - s[7, j]
             s[18, j] = s[4, j] + (d1 * k00 + d2 * k10)
             s[19, j] = s[5, j] + (d1 * k01 + d2 * k11)
@@ -125,7 +129,7 @@ def made() -> Loops:
     @jit
     def booked(s: Any, k: Any, c: Any, size: int, moved: bool, stress: Any, slip: Any, lam: Any) -> None:
         """What the step adds.  Rows of ``s``: 0 stress, 2 slip, 4 and 6 anchor, 8 the six sums, 14 on its way, 15 slips, 20 where it was,
-        22 steps, 23 centre, 25 the share of the multiplier."""
+        22 steps, 23 centre, 25 the share of the multiplier, 26 the factor of the displacement."""
         k00, k01, k10, k11 = k[0, 0], k[0, 1], k[1, 0], k[1, 1]
         c00, c01, c10, c11 = c[0, 0], c[0, 1], c[1, 0], c[1, 1]
         if moved:
@@ -198,35 +202,40 @@ def made() -> Loops:
             shape: Any, members: Any, first: int, last: int, row: Any, stress: Any, slip: Any, sums: Any,
         ) -> None:  # fmt: skip
             n, moved = state.shape[0], bool(np.any(centre != 0.0))
+            multiplier, psi, dissipation, work, numerical, balance = sums
             wide = min(_ROW, n)
-            s, e, lam = np.empty((26, wide)), np.empty(wide), np.empty(wide)
-            trial, near, gone = np.empty((wide, 2)), np.empty((wide, 2)), np.empty((wide, 2))
+            s, lengths, loads = np.empty((28, wide)), np.empty(wide), np.empty((1, wide))
+            trials, nears, slips = np.empty((wide, 2)), np.empty((wide, 2)), np.empty((wide, 2))
             for begin in range(0, n, wide):
                 size = min(wide, n - begin)
+                trial, near, gone, lam, e = trials[:size], nears[:size], slips[:size], lengths[:size], loads[0, :size]
+                flat_trial, flat_near, flat_gone = trial.reshape(-1), near.reshape(-1), gone.reshape(-1)
                 for j in range(size):
                     for i in range(14):
                         s[i, j] = state[begin + j, i]
                     s[14, j], s[15, j], s[22, j] = 1.0, 0.0, 0.0
-                placed(values, factor, begin, size, first - 1, s[20:22], s[25])
+                placed(factor, begin, size, 0, s, 26)
+                placed(values, begin, size, first - 1, s, 20)
+                for j in range(size):
+                    s[20, j], s[21, j] = s[20, j] * s[26, j], s[21, j] * s[27, j]
                 for knot in range(first, last):
-                    placed(values, factor, begin, size, knot, s[16:18], s[25])
-                    taken(load, begin, size, knot, e)
+                    placed(values, begin, size, knot, s, 16)
+                    taken(load, begin, size, knot, loads, 0)
                     if moved:
-                        taken(centre[:, :, 0], begin, size, knot, s[23])
-                        taken(centre[:, :, 1], begin, size, knot, s[24])
-                    pulled(s, k, size, moved, trial.reshape(-1))
-                    closest(shape, members, begin, trial[:size], e[:size], near[:size], gone[:size], lam[:size])
-                    taken(share, begin, size, knot, s[25])
-                    booked(s, k, c, size, moved, near.reshape(-1), gone.reshape(-1), lam)
+                        placed(centre, begin, size, knot, s, 23)
+                    pulled(s, k, size, moved, flat_trial)
+                    closest(shape, members, begin, trial, e, near, gone, lam)
+                    taken(share, begin, size, knot, s, 25)
+                    booked(s, k, c, size, moved, flat_near, flat_gone, lam)
                     r = row[knot]
                     if r >= 0:
                         for j in range(size):
                             at, ok = begin + j, s[14, j] > 0.0
                             for i in range(stress.shape[2]):
-                                stress[at, r, i] = s[i, j] if ok else np.nan
-                                slip[at, r, i] = s[2 + i, j] if ok else np.nan
-                            for i in range(6):
-                                sums[i][at, r] = s[8 + i, j] if ok else np.nan
+                                stress[at, r, i], slip[at, r, i] = s[i, j] if ok else np.nan, s[2 + i, j] if ok else np.nan
+                            multiplier[at, r], psi[at, r] = s[8, j] if ok else np.nan, s[9, j] if ok else np.nan
+                            dissipation[at, r], work[at, r] = s[10, j] if ok else np.nan, s[11, j] if ok else np.nan
+                            numerical[at, r], balance[at, r] = s[12, j] if ok else np.nan, s[13, j] if ok else np.nan
                             s[13, j] = 0.0
                 for j in range(size):
                     reached[begin + j] += np.int64(s[22, j])

@@ -32,7 +32,7 @@ from duhem.path.paths import Knot, Which
 from duhem.path.run import Plan, energy, inner, times
 from duhem.projection.result import Array
 
-__all__ = ["INTEGRATORS", "STEPS", "Integrator", "Step", "Stepped", "first_of", "gains", "stepping", "stretch"]
+__all__ = ["INTEGRATORS", "STEPS", "Integrator", "Step", "Stepped", "gains", "stepping", "stretch"]
 
 _MOST_AHEAD = 4096
 
@@ -90,7 +90,7 @@ def extrapolated(block: Share, at: Closest) -> Step:
         seen, lost = looked.slips(), looked.lost.reshape(2, n).max(axis=0)
         slips = seen[:n] | seen[n:]
         if len(before) < n:  # nothing is asked behind the first slip
-            n = min(first_of(slips) + 1, n)
+            n = int(np.argmax(slips)) + 1 if slips.any() else n
             before = np.concatenate([before, trial[: n - 1]])
             start, middle, u, trial = (rows[:n] for rows in (start, middle, u, trial))
             which, slips, lost = which[:n], slips[:n], lost[:n]
@@ -130,6 +130,8 @@ def energies(k: Array, stress: Array, slip: Array, du: Array) -> tuple[Array, Ar
 def gains(k: Array, c: Array, before: Array, stress: Array, slip: Array, multiplier: Array, slips: NDArray[np.bool_], du: Array) -> Gains:
     """What implicit steps add to multiplier, dissipation, work and numerical loss, (n,) each; where nothing slips the work is stored."""
     dissipation, work, numerical = energies(k, stress, slip, du)
+    if slips.all():
+        return multiplier, dissipation, work, numerical
     stored = inner(0.5 * (before + stress), times(stress - before, c))
     return multiplier, np.where(slips, dissipation, 0.0), np.where(slips, work, stored), np.where(slips, numerical, 0.0)
 
@@ -166,15 +168,10 @@ def stretch(plan: Plan, ledger: Ledger, step: Step, anchor: int, ahead: int) -> 
     first, values = ledger.done, plan.path.values
     knots = np.arange(first, min(first + ahead, len(values)))
     found = step(ledger.stress[anchor], values[anchor], ledger.stress[first - 1 : first], knots, np.zeros_like(knots))
-    n = first_of(found.slips) + 1
-    sums = found.gains
-    ledger.rows(found.stress[:n], found.slip[:n], (sums[0][:n], sums[1][:n], sums[2][:n], sums[3][:n]))
-    return bool(found.slips[:n].any())
-
-
-def first_of(where: NDArray[np.bool_]) -> int:
-    """The first row where it holds; how many there are if there is none."""
-    return int(np.argmax(where)) if where.any() else len(where)
+    slips = np.flatnonzero(found.slips)
+    n = int(slips[0]) + 1 if slips.size else len(knots)
+    ledger.rows(found.stress[:n], found.slip[:n], [gain[:n] for gain in found.gains])
+    return bool(slips.size)
 
 
 @dataclass(frozen=True)

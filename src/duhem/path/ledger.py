@@ -27,7 +27,7 @@ _STATES = ("slip", "stress", *SUMS)
 class Ledger:
     """The run so far: rows up to ``done`` hold states and accumulated quantities, as in :class:`duhem.path.history.History`.
 
-    Of one path they are the first axis, of many points the second.
+    Of one path they are the first axis, of many points the second.  ``added`` are the four sums that steps add to.
     """
 
     stress: Array
@@ -38,6 +38,7 @@ class Ledger:
     work: Array
     numerical: Array
     balance: Array
+    added: Array
     compliance: Array
     done: int = 1
 
@@ -45,8 +46,19 @@ class Ledger:
     def begun(cls, m: int, displacement: Array, stress: Array, compliance: Array) -> Ledger:
         """Room for m knots, at the first of them; ``displacement`` and ``stress`` (d,) of one path, (n, d) of many points."""
         *each, d = stress.shape
-        room = {name: np.zeros((*each, m)) for name in SUMS}
-        blank = cls(stress=np.empty((*each, m, d)), slip=np.empty((*each, m, d)), compliance=compliance, done=1, **room)
+        added = np.zeros((4, *each, m))
+        blank = cls(
+            stress=np.empty((*each, m, d)),
+            slip=np.empty((*each, m, d)),
+            multiplier=added[0],
+            psi=np.zeros((*each, m)),
+            dissipation=added[1],
+            work=added[2],
+            numerical=added[3],
+            balance=np.zeros((*each, m)),
+            added=added,
+            compliance=compliance,
+        )
         blank.stress[..., 0, :], blank.psi[..., 0] = stress, energy(stress, compliance)
         blank.slip[..., 0, :] = displacement - times(stress, compliance)
         return blank
@@ -63,10 +75,11 @@ class Ledger:
         """Further rows, from what their steps add: slip, and multiplier, dissipation, work and numerical loss."""
         i, last = self.done - 1, self.done + stress.shape[-2]
         self.stress[..., i + 1 : last, :], self.psi[..., i + 1 : last] = stress, energy(stress, self.compliance)
-        self.slip[..., i + 1 : last, :] = np.cumsum(np.concatenate([self.slip[..., i : i + 1, :], slip], axis=-2), axis=-2)[..., 1:, :]
-        for sums, gain in zip((self.multiplier, self.dissipation, self.work, self.numerical), gains, strict=True):
-            sums[..., i + 1 : last] = np.cumsum(np.concatenate([sums[..., i : i + 1], gain], axis=-1), axis=-1)[..., 1:]
-        self.balance[..., i + 1 : last] = gains[2] - np.diff(self.psi[..., i:last]) - gains[1] - gains[3]
+        self.slip[..., i + 1 : last, :] = slip
+        np.add.accumulate(self.slip[..., i:last, :], axis=-2, out=self.slip[..., i:last, :])
+        self.added[..., i + 1 : last] = gains
+        np.add.accumulate(self.added[..., i:last], axis=-1, out=self.added[..., i:last])
+        self.balance[..., i + 1 : last] = gains[2] - (self.psi[..., i + 1 : last] - self.psi[..., i : last - 1]) - gains[1] - gains[3]
         self.done = last
 
     def keep(self, out: Histories, points: Which | int) -> None:

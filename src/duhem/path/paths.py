@@ -118,7 +118,7 @@ class Paths:
     def at(self, knot: Knot, which: Which | None = None) -> Array:
         """The displacements of all points or of some, at one knot or each at its own, (n, d)."""
         which = np.arange(len(self)) if which is None else which
-        return np.asarray(in_rows(self.values, knot, which) * in_rows(self.factor[:, None], knot, which))
+        return np.asarray(in_rows(self.values, knot, which) * (self.factor if len(self.factor) == 1 else self.factor[which]))
 
     def pressure_at(self, knot: Knot, which: Which) -> Array:
         """The pressure likewise (n,), zeros for a law without."""
@@ -135,8 +135,9 @@ class Paths:
 
 def in_rows(array: Array, knot: Knot, which: Which) -> Array:
     """The rows of ``which`` points at their knots in an array (N, m, ...), which has one row or one column where all are alike."""
-    found = array[which if len(array) > 1 else 0, knot if array.shape[1] > 1 else 0]
-    return np.asarray(found if found.ndim == array.ndim - 1 else np.broadcast_to(found, (len(which), *array.shape[2:])))
+    knot = knot if array.shape[1] > 1 else 0
+    found: Array = array[which, knot] if len(array) > 1 else array[0][knot]
+    return found if found.ndim == array.ndim - 1 else np.broadcast_to(found, (len(which), *array.shape[2:]))
 
 
 def _doubles(given: Any, what: str) -> Array:

@@ -91,9 +91,16 @@ def energy(rows: Array, matrix: Array) -> Array:
 
 def inner(rows: Array, others: Array) -> Array:
     """The inner product of each row with its other, added from the first entry on, however many rows there are."""
-    return np.asarray(sum(rows[..., j] * others[..., j] for j in range(rows.shape[-1])))
+    products = rows * others
+    total = 0.0 + products[..., 0]
+    for j in range(1, rows.shape[-1]):
+        total = total + products[..., j]
+    return np.asarray(total)
 
 
 def times(rows: Array, matrix: Array) -> Array:
     """rows @ matrix, each row by itself: no row's rounding depends on how many there are."""
-    return np.asarray(sum(rows[..., j, None] * matrix[j] for j in range(len(matrix))))
+    total = 0.0 + rows[..., 0, None] * matrix[0]
+    for j in range(1, len(matrix)):
+        total = total + rows[..., j, None] * matrix[j]
+    return np.asarray(total)
