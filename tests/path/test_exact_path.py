@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from duhem import Criterion, DuhemError, Path, simulate
-from duhem.path.arc_step import on_disk
-from duhem.path.straight_step import on_ellipse
+from duhem.path.elementary_steps import on_disk, on_ellipse
 from tests.long import mostly_long
 from tests.oracles.path import drive
 

@@ -6,12 +6,11 @@ The loop runs as Python here; that numba makes the same of its text is shown in 
 import numpy as np
 import pytest
 
-from duhem import Criterion, InputError, Path
+from duhem import Criterion, InputError, Path, Paths
 from duhem.errors import DuhemError
-from duhem.path import newton_run, scene_file
+from duhem.path import compiled_run, scene_file
 from duhem.path.ledger import Ledger
-from duhem.path.plan import Plan
-from duhem.path.run import Run
+from duhem.path.run import Plan, Run
 from duhem.path.simulate import Interrupted, simulate
 from duhem.projection import compiled_newton
 from tests.long import mostly_long
@@ -54,7 +53,7 @@ def test_the_loop_takes_the_steps_of_the_search(name, monkeypatch):
     whole, right = simulate(name, path, **given), simulate(name, path, **given | {"compiled": False})
     assert np.abs(whole.to_array() - right.to_array()).max() < 1e-13 and whole.why == f"{right.why}, compiled"
     assert 2 <= (np.diff(whole.multiplier) > 0.0).sum() < len(whole) - 1
-    monkeypatch.setattr(newton_run, "_MOST", 3)
+    monkeypatch.setattr(compiled_run, "_STEPS", 3)
     parts = simulate(name, path, **given)
     assert np.array_equal(parts.to_array(), whole.to_array())
     with pytest.raises(Interrupted) as stop:
@@ -99,11 +98,43 @@ def test_what_the_judge_does_not_take_is_a_step_of_the_search(fault, monkeypatch
         searched.append(args)
         return stretch(*args)
 
-    stretch = newton_run.stretch
-    monkeypatch.setattr(newton_run, "Loop", Wrong)
-    monkeypatch.setattr(newton_run, "stretch", counted)
+    stretch = compiled_run.stretch
+    monkeypatch.setattr(compiled_run, "Loop", Wrong)
+    monkeypatch.setattr(compiled_run, "stretch", counted)
     found = simulate("box", path, **given)
     assert len(searched) >= 2 and np.abs(found.to_array() - right.to_array()).max() < 1e-13
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_long(CASES, "von-mises"))
+def test_many_points_take_the_steps_of_the_search_too(name, monkeypatch):
+    """And those that the loop leaves go abreast; a point that cannot go on stops no other."""
+    path, given = driven(name)
+    paths = Paths.scaled(path, [1.0, 0.5, 1e306, -2.0])
+    right = simulate(name, paths, keep=2, **given | {"compiled": False})
+    assert right.reached.tolist() != [6] * 4
+    of, called = compiled_newton.Loop.of, []
+
+    def leaving(*args):
+        loop = of(*args)
+
+        def run(*taken):
+            loop.run(*taken)
+            called.append(taken)
+            if len(called) == 2:
+                taken[-1][3:] = 2
+
+        return compiled_newton.Loop(run, loop.formula, loop.constants, loop.root, loop.inverse, loop.mean)
+
+    class Leaving:
+        of = staticmethod(leaving)
+
+    monkeypatch.setattr(compiled_run, "Loop", Leaving)
+    found = simulate(name, paths, keep=2, **given)
+    assert len(called) == 4 and found.why == f"{right.why}, compiled"
+    assert np.array_equal(found.reached, right.reached) and np.array_equal(found.status, right.status)
+    for point in (0, 1, 3):
+        assert np.abs(found.history(point).to_array() - right.history(point).to_array()).max() < 1e-13
 
 
 @pytest.mark.slow
@@ -122,7 +153,7 @@ def test_what_has_no_loop_says_so():
     path, given = Path.linear([[0, 0], [1, 1]], pressure=-1.0), {"stiffness": 1.0, "parameters": CASES["box"][0]}
     plan = Plan.of(Run("box", path, projection="cvxpy", **given))
     with pytest.raises(InputError, match="projection by cvxpy has none"):
-        next(newton_run.advance(plan, Ledger.begun(plan, np.zeros(2))))
+        next(compiled_run.advance(plan, Ledger.begun(2, np.zeros(2), np.zeros(2), plan.compliance)))
     with pytest.raises(InputError, match="one extrapolated path"):
         simulate("box", path, **given, method="extrapolated", compiled=True)
 

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 import duhem
 from duhem import InputError
 from duhem.cli import cli
-from duhem.path import kept_part, scene_file, scene_run
+from duhem.path import scene_file, scene_run
 from duhem.path.integrators import INTEGRATORS
 from duhem.show.growing_file import beside
 from tests.path.scenes import walk
@@ -199,12 +199,12 @@ def test_a_part_cut_short_is_refused_or_resumes_to_the_same_last_digit(tmp_path)
     (tmp_path / "line.toml").write_text(LINE.replace("0.33", "0.1234567890123").replace("substeps = 50", "substeps = 1"))
     scene = scene_file.read(tmp_path / "line.toml")
     whole, plan, table = scene.run(), scene.plan(), tmp_path / "h.csv"
-    text = kept_part.keep(whole, table, scene.fingerprint).read_bytes()
+    text = scene_run.keep(whole, table, scene.fingerprint).read_bytes()
     resumed = 0
     for length in range(len(text) + 1):
         beside(table).write_bytes(text[:length])
         try:
-            part = kept_part.recall(table, plan, scene.fingerprint)
+            part = scene_run.recall(table, plan, scene.fingerprint)
         except InputError as refused:
             assert "damaged" in str(refused) or ("another run" in str(refused) and "version" in str(refused))
             continue

@@ -1,8 +1,7 @@
 """Laws driven along loading paths: implicit, second-order and exact integration, and the histories they leave."""
 
 from duhem.path import picture  # noqa: F401 (how a history is shown)
-from duhem.path.histories import Histories
-from duhem.path.history import History
+from duhem.path.history import Histories, History
 from duhem.path.loading import Path
 from duhem.path.paths import Paths
 from duhem.path.simulate import Interrupted, simulate

@@ -17,7 +17,7 @@ from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.path.loading import checked_count, given_numbers
 from duhem.path.paths import Paths
-from duhem.path.run import Run
+from duhem.path.run import Plan, Run
 from duhem.path.table_file import MOST_NUMBERS
 from duhem.projection.declared_ranges import refused
 from duhem.projection.increment import Increment
@@ -45,12 +45,13 @@ class Share:
     def __len__(self) -> int:
         return len(self.own)
 
-    def pressure(self, knot: int) -> Array:
-        """The pressure of each point at a knot (n,), zeros for a law without."""
-        load = self.paths.pressure
-        if load is None:
-            return np.zeros(len(self))
-        return np.broadcast_to(load[:, knot if load.shape[1] > 1 else 0], (len(self),))
+    @classmethod
+    def alone(cls, plan: Plan, halves: int = 1) -> Share:
+        """One path as a share of one point, each of its steps in ``halves`` parts."""
+        path = plan.path.refined(halves)
+        pressure = None if plan.increment.law.pressure is None or path.pressure is None else path.pressure[None]
+        paths = Paths(path.values[None], np.ones((1, path.values.shape[1])), pressure, path.time, path.timed)
+        return cls(paths, (plan.increment,), np.zeros(1, dtype=np.intp), np.zeros((1, path.values.shape[1])), plan.compliance)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,23 +11,20 @@ import numpy as np
 
 from duhem.errors import DuhemError, InputError
 from duhem.path.batch import Batch, Share
-from duhem.path.batch_projection import closest_points, shape_numbers
-from duhem.path.batch_steps import extrapolated, implicit, run
-from duhem.path.histories import Histories
-from duhem.path.history import STATES, SUMS
-from duhem.path.integrators import INTEGRATORS
-from duhem.path.ledger import Ledger
+from duhem.path.closest import closest_points, outside, shape_name, shape_numbers
+from duhem.path.history import STATES, SUMS, Histories
+from duhem.path.integrators import INTEGRATORS, STEPS, Step
+from duhem.path.ledger import Ledger, States
 from duhem.path.loading import between
-from duhem.path.plan import Plan
-from duhem.path.prepared_projection import shape_name
+from duhem.path.paths import Which
+from duhem.path.run import Plan
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.result import Status
 from duhem.projection.validation import posed, setting
 
-__all__ = ["MOST_KEPT", "TOLERANCE", "check", "histories", "parts"]
+__all__ = ["MOST_KEPT", "check", "histories", "parts"]
 
 MOST_KEPT = 1 << 28  # numbers in memory: 2 GiB
-TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
 
 
 def histories(batch: Batch, method: str, threads: int, on_step: Callable[[int, int], None] | None) -> Iterator[Histories]:
@@ -54,13 +51,15 @@ def parts(batch: Batch, method: str, threads: int = 1, into: Histories | None = 
     """
     if not first:
         check(batch)
-    run_block = _abreast(method)
+    halves = STEPS[method][0] if method in STEPS else 1
     blocks = iter([block for block in batch.blocks() if block[0] >= first])
 
     def work(block: tuple[int, int]) -> Histories:
         out = _room(batch, *block, method) if into is None else _view(into, *block)
+        share = batch.block(*block, halves)
         with np.errstate(all="ignore"):  # what is not finite is found
-            why = run_block(batch, *block, out)
+            why = _filled(batch, share, method, out)
+        _prescribed(share, halves, out)
         member = replace(batch.members[0], pressure=out.pressure[:, -1])
         if member.convexity is not None:
             out.status[(out.status == Status.SLIP) & ~member.shown_convex()] = Status.STATIONARY
@@ -86,42 +85,59 @@ def check(batch: Batch) -> None:
     for first, last in batch.blocks():
         share = batch.start(first, last)
         with np.errstate(all="ignore"):  # what is not finite is found
-            found = closest_points(share, batch.projection)[0](share.stress, 0, np.arange(len(share)))[0]
-        size = np.maximum(np.abs(share.stress).max(axis=1), np.abs(found).max(axis=1))
-        bad = ~(np.abs(found - share.stress).max(axis=1) <= TOLERANCE * size) | beyond(batch.law, share.stress)
+            bad = outside(share, batch.projection, share.stress, 0, np.arange(len(share))) | beyond(batch.law, share.stress)
         if bad.any():
             at = int(np.argmax(bad))
             what = f"the stress at the start {share.stress[at].tolist()} of point {first + at} lies outside K or a declared range"
             raise InputError(what, where="stress", remedy="give stress= inside")
 
 
-def _abreast(method: str) -> Callable[[Batch, int, int, Histories], str]:
-    """What fills the histories of one block; it says how."""
-
-    def one(batch: Batch, first: int, last: int, out: Histories) -> str:
-        block = batch.block(first, last)
-        if batch.compiled and batch.projection in ("auto", "closed-form"):
-            from duhem.path import compiled_run
-
-            shape = shape_numbers(block)
-            if shape is not None and compiled_run.reason(block, shape) is None:
-                compiled_run.fill(block, shape, out)
-                return f"{shape_name(batch.law)}, compiled"
-        at, why = closest_points(block, batch.projection, batch.compiled)
-        run(block, out, 1, implicit(block, at))
-        return why
-
-    def two(batch: Batch, first: int, last: int, out: Histories) -> str:
-        block = batch.block(first, last, halves=2)
-        at, why = closest_points(block, batch.projection, batch.compiled)
-        run(block, out, 2, extrapolated(block, at))
-        return f"{why}, extrapolated from whole and half steps"
-
-    def each(batch: Batch, first: int, last: int, out: Histories) -> str:
-        block = batch.block(first, last)
+def _filled(batch: Batch, block: Share, method: str, out: Histories) -> str:
+    """Fill the histories of one block but for what is prescribed; it says how."""
+    if method not in STEPS:
         return [_alone(block, i, batch.projection, method, out) for i in range(len(block))][-1]
+    if batch.compiled and method == "implicit" and batch.projection in ("auto", "closed-form"):
+        from duhem.path import compiled_run
 
-    return {"implicit": one, "extrapolated": two}.get(method, each)
+        shape = shape_numbers(block)
+        if shape is not None and compiled_run.reason(block, shape) is None:
+            compiled_run.fill(block, shape, out)
+            return f"{shape_name(batch.law)}, compiled"
+    at, why = closest_points(block, batch.projection, batch.compiled)
+    points = np.arange(len(block))
+    if batch.compiled and method == "implicit":
+        from duhem.path import compiled_run
+
+        if (left := compiled_run.looped(block, batch.projection, out)) is not None:
+            points, why = left, f"{why}, compiled"
+    _, step, said = STEPS[method]
+    if points.size:
+        _abreast(block, points, step(block, at), out)
+    return f"{why}{said}"
+
+
+def _abreast(block: Share, points: Which, step: Step, out: Histories) -> None:
+    """These points from the first knot to the last, at each those that still go on."""
+    states, rows = States.begun(block), {knot: row for row, knot in enumerate(out.knots.tolist())}
+    which = points
+    for knot in range(int(out.knots[-1]) + 1):
+        if knot and which.size:
+            states.take(block, which, *step(states.anchor_stress[which], states.anchor[which], states.stress[which], knot, which))
+            which = which[states.reached[which] == knot]
+        if knot in rows:
+            states.keep(out, points, rows[knot])
+    out.status[points], out.reached[points] = states.status[points], states.reached[points]
+
+
+def _prescribed(block: Share, halves: int, out: Histories) -> None:
+    """What is prescribed at the kept knots; nan where a point has not come so far."""
+    every = np.arange(len(block))
+    for row, knot in enumerate(out.knots.tolist()):
+        out.displacement[:, row] = block.paths.at(halves * knot)
+        out.pressure[:, row] = block.paths.pressure_at(halves * knot, every)
+        if (gone := np.flatnonzero(out.reached < knot)).size:
+            for name in ("displacement", "slip", "stress", *SUMS):
+                getattr(out, name)[gone, row] = np.nan
 
 
 def _alone(block: Share, i: int, projection: str, method: str, out: Histories) -> str:
@@ -131,7 +147,7 @@ def _alone(block: Share, i: int, projection: str, method: str, out: Histories) -
     increment = posed(whole, path.values, path.pressure)
     plan = Plan(increment, path, projection, block.compliance)
     integrator = INTEGRATORS[method]
-    ledger, status = Ledger.begun(plan, block.stress[i]), None
+    ledger, status = Ledger.begun(len(path.time), path.values[0], block.stress[i], plan.compliance), None
     rows = integrator.advance(plan, ledger)
     try:
         while next(rows, None) is not None and np.isfinite(ledger.balance[ledger.done - 1]):
@@ -144,24 +160,9 @@ def _alone(block: Share, i: int, projection: str, method: str, out: Histories) -
         status = Status.FAILED
     if (gone := np.flatnonzero(beyond(increment.law, ledger.stress[: ledger.done]))).size:
         ledger.done, status = int(gone[0]), Status.OUTSIDE
-    _write(ledger, plan, out, i, status)
+    ledger.keep(out, i)
+    out.status[i] = out.status[i] if status is None else status
     return integrator.why(plan)
-
-
-def _write(ledger: Ledger, plan: Plan, out: Histories, i: int, status: Status | None) -> None:
-    """The kept knots of one point's ledger."""
-    done, kept = ledger.done, out.knots[out.knots < ledger.done]
-    n = len(kept)
-    for name in ("slip", "stress", *SUMS):
-        array = getattr(out, name)
-        array[i, :n], array[i, n:] = getattr(ledger, name)[kept], np.nan
-    sums = np.add.reduceat(ledger.balance[:done], np.append(0, kept[:-1] + 1)) if n > 1 else np.zeros(1)
-    out.balance[i, :n], out.balance[i, n:] = sums[:n], np.nan
-    out.displacement[i], out.pressure[i] = plan.path.values[out.knots], plan.increment.pressure[out.knots]
-    out.displacement[i, n:] = np.nan
-    slipped = bool(done > 1 and ledger.multiplier[done - 1] > ledger.multiplier[done - 2])
-    out.status[i] = (Status.SLIP if slipped else Status.STICK) if status is None else status
-    out.reached[i] = done - 1
 
 
 def _room(batch: Batch, first: int, last: int, method: str) -> Histories:

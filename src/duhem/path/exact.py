@@ -7,15 +7,15 @@ anywhere along the step and not only at its end.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 
 import numpy as np
 
 from duhem.law.shapes import Disk, Interval
+from duhem.path.batch import Share
+from duhem.path.closest import shape_numbers
+from duhem.path.elementary_steps import Move, on_ellipse, on_interval
 from duhem.path.ledger import Ledger
-from duhem.path.plan import Plan
-from duhem.path.prepared_projection import Numbers, numbers
-from duhem.path.straight_step import Move, on_ellipse, on_interval
+from duhem.path.run import Plan
 from duhem.projection.known_points import beyond_tangents
 from duhem.projection.level import level
 from duhem.projection.result import Array
@@ -28,20 +28,21 @@ Piece = Callable[[Array, int, Sequence[float]], list[Reached]]  # stress at the 
 
 def elementary(plan: Plan) -> str | None:
     """None where elementary functions do for the whole path, else the reason why not."""
-    shape = numbers(plan.increment)
+    shape = shape_numbers(Share.alone(plan))
     if shape is None:
         return f"{plan.increment.law.name} declares no closed form"
     one = isinstance(plan.increment.law.closed_form, Interval)
-    if min(shape.coefficients) <= 0.0 or not (one or shape.load.all()):
+    load = shape.along(len(plan.path.time))[0]
+    if shape.coefficients.min() <= 0.0 or not (one or load.all()):
         return "K has no interior"
     if one:
         pressure = plan.increment.pressure
-        return None if plan.path.constant_pressure or _affine(shape.load, pressure) else "the load is not linear in the pressure"
+        return None if plan.path.constant_pressure or _affine(load, pressure) else "the load is not linear in the pressure"
     if not plan.increment.diagonal:
         return "the stiffness couples the forces"
     if not plan.path.constant_pressure:
         return "the pressure changes along the path"
-    if plan.path.arc is not None and not _round(plan, shape):
+    if plan.path.arc is not None and not _round(plan):
         return "the path is an arc, and the disk or the stiffness is not isotropic"
     return None
 
@@ -53,7 +54,7 @@ def _affine(load: Array, pressure: Array) -> bool:
     return bool((np.abs(load - line) <= 1e-14 * np.abs(load).max()).all())
 
 
-def _round(plan: Plan, shape: Numbers) -> bool:
+def _round(plan: Plan) -> bool:
     k = np.diagonal(plan.stiffness)
     return isinstance(plan.increment.law.closed_form, Disk) and bool(k[0] == k[1])
 
@@ -86,7 +87,8 @@ def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
             [(stress, moved)] = along(before, i, (1.0,))
         du = path.values[i] - path.values[i - 1]
         slip = np.zeros_like(du) if moved.free >= 1.0 else du - c @ (stress - before)
-        ledger.step(plan, stress, slip, (moved.multiplier, moved.dissipation, moved.work, 0.0))
+        added = (moved.multiplier, moved.dissipation, moved.work, 0.0)
+        ledger.rows(stress[None], slip[None], np.array(added)[:, None])
         yield ledger.done
 
 
@@ -96,39 +98,40 @@ def piece(plan: Plan) -> Piece:
 
 
 def _by_shape(plan: Plan) -> Piece:
-    shape, path = numbers(plan.increment), plan.path
+    shape, path = shape_numbers(Share.alone(plan)), plan.path
     assert shape is not None
-    values, arc, mu = path.values, path.arc, shape.coefficients
+    values, arc, mu = path.values, path.arc, shape.coefficients[0].tolist()
+    load, share, centre = shape.along(len(path.time))
     k = np.diagonal(plan.stiffness).tolist()
 
     def interval(stress: Array, i: int, part: float) -> Reached:
-        loads = (float(shape.load[i - 1]), float(shape.load[i] - (1.0 - part) * (shape.load[i] - shape.load[i - 1])))
+        loads = (float(load[i - 1]), float(load[i] - (1.0 - part) * (load[i] - load[i - 1])))
         moved = on_interval(float(stress[0]), part * float(values[i, 0] - values[i - 1, 0]), loads, mu, k[0])
-        return np.array(moved.stress), _shared(moved, part, float(shape.share[i]), 0.0)
+        return np.array(moved.stress), _shared(moved, part, float(share[i]), 0.0)
 
     def round_arc(stress: Array, i: int, part: float) -> Reached:
         assert arc is not None
         start = float(arc.angle[i - 1])
-        limit = mu[0] * float(shape.load[i])
+        limit = mu[0] * float(load[i])
         moved = on_disk((float(stress[0]), float(stress[1])), arc.radius, start, part * (float(arc.angle[i]) - start), limit, k[0])
-        return np.array(moved.stress), _shared(moved, part, mu[0] * float(shape.share[i]), 0.0)
+        return np.array(moved.stress), _shared(moved, part, mu[0] * float(share[i]), 0.0)
 
     def ellipse(stress: Array, i: int, part: float) -> Reached:
-        centre = shape.centre[i]
+        middle = centre[i]
         du = part * (values[i] - values[i - 1])
-        first = stress - centre
-        moved = on_ellipse((first[0], first[1]), (du[0], du[1]), float(shape.load[i]), mu, (k[0], k[1]))
-        end = np.array(moved.stress) + centre
+        first = stress - middle
+        moved = on_ellipse((first[0], first[1]), (du[0], du[1]), float(load[i]), mu, (k[0], k[1]))
+        end = np.array(moved.stress) + middle
         if moved.free >= 1.0:
             end = stress + plan.stiffness @ du
         at_rest = plan.compliance @ (end - stress)
-        return end, _shared(moved, part, float(shape.share[i]), float(centre @ (du - at_rest)), float(centre @ du))
+        return end, _shared(moved, part, float(share[i]), float(middle @ (du - at_rest)), float(middle @ du))
 
     if isinstance(plan.increment.law.closed_form, Interval):
         return _each(interval)
     if arc is None:
         return _each(ellipse)
-    from duhem.path.arc_step import on_disk
+    from duhem.path.elementary_steps import on_disk
 
     return _each(round_arc)
 
@@ -144,15 +147,13 @@ def _shared(moved: Move, part: float, share: float, dissipation: float, work: fl
 
 
 def _by_equation(plan: Plan) -> Piece:
-    from duhem.path.open_contact import OpenContact
-    from duhem.path.slip_equation import boundary, moves
+    from duhem.path.slip_equation import OpenContact, boundary, moves
 
     path, increment = plan.path, plan.increment
     on = boundary(increment)
     opening = None
     if increment.law.pressure is not None and not increment.pressure.all() and not on.value(np.zeros(len(plan.compliance)), 0.0) < 0.0:
-        opening = OpenContact(plan)
-    follow = partial(moves, on)
+        opening = OpenContact(plan, on)
 
     def along(stress: Array, i: int, parts: Sequence[float]) -> list[Reached]:
         du = path.values[i] - path.values[i - 1]
@@ -174,9 +175,9 @@ def _by_equation(plan: Plan) -> Piece:
         loads = (float(increment.pressure[i - 1]), float(increment.pressure[i]))
         drive = straight if arc is None else round_
         if opening is not None and 0.0 in loads:
-            reached = opening.moves(follow, stress, drive, loads, parts)
+            reached = opening.moves(stress, drive, loads, parts)
         else:
-            reached = follow(stress, drive, loads, parts)
+            reached = moves(on, stress, drive, loads, parts)
         return [(np.array(moved.stress), moved) for moved in reached]
 
     return along

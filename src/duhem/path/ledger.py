@@ -1,40 +1,66 @@
-"""The arrays that an integrator fills, row by row."""
+"""The arrays that steps fill: of one path row by row, of many points abreast."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from duhem.path.history import SUMS, History
-from duhem.path.plan import Plan, inner, times
-from duhem.projection.result import Array
+from duhem.path.batch import Share
+from duhem.path.history import SUMS, Histories, History
+from duhem.path.paths import Which
+from duhem.path.run import Plan, energy, times
+from duhem.projection.declared_ranges import beyond
+from duhem.projection.result import Array, Status
 
-__all__ = ["Ledger"]
+__all__ = ["Gains", "Ledger", "States"]
+
+Gains = Sequence[Array] | Array  # what steps add to multiplier, dissipation, work and numerical loss (4, n)
+Flags = NDArray[np.bool_]
+_ADDED = ("slip", "multiplier", "dissipation", "work", "numerical", "balance")
+_STATES = ("slip", "stress", *SUMS)
 
 
 @dataclass(eq=False)
 class Ledger:
-    """The run so far: rows up to ``done`` hold states and accumulated quantities, as in :class:`duhem.path.history.History`."""
+    """The run so far: rows up to ``done`` hold states and accumulated quantities, as in :class:`duhem.path.history.History`.
+
+    Of one path they are the first axis, of many points the second.  ``added`` are the four sums that steps add to.
+    """
 
     stress: Array
     slip: Array
-    psi: Array
     multiplier: Array
+    psi: Array
     dissipation: Array
     work: Array
     numerical: Array
     balance: Array
+    added: Array
+    compliance: Array
     done: int = 1
 
     @classmethod
-    def begun(cls, plan: Plan, stress: Array) -> Ledger:
-        """Room for the whole path, at its start under ``stress``."""
-        m, d = plan.path.values.shape
-        sums = [np.zeros(m) for _ in range(6)]
-        blank = cls(np.empty((m, d)), np.empty((m, d)), sums[0], sums[1], sums[2], sums[3], sums[4], sums[5])
-        blank.stress[0], blank.psi[0] = stress, plan.psi(stress)
-        blank.slip[0] = 0.0 if plan.path.control == "stress" else plan.path.values[0] - times(stress, plan.compliance)
+    def begun(cls, m: int, displacement: Array, stress: Array, compliance: Array) -> Ledger:
+        """Room for m knots, at the first of them; ``displacement`` and ``stress`` (d,) of one path, (n, d) of many points."""
+        *each, d = stress.shape
+        added = np.zeros((4, *each, m))
+        blank = cls(
+            stress=np.empty((*each, m, d)),
+            slip=np.empty((*each, m, d)),
+            multiplier=added[0],
+            psi=np.zeros((*each, m)),
+            dissipation=added[1],
+            work=added[2],
+            numerical=added[3],
+            balance=np.zeros((*each, m)),
+            added=added,
+            compliance=compliance,
+        )
+        blank.stress[..., 0, :], blank.psi[..., 0] = stress, energy(stress, compliance)
+        blank.slip[..., 0, :] = displacement - times(stress, compliance)
         return blank
 
     @property
@@ -45,32 +71,28 @@ class Ledger:
             i -= 1
         return i
 
-    def sticks(self, plan: Plan, first: int, last: int, stress: Array) -> None:
-        """Rows ``first`` to ``last`` - 1 without slip, at ``stress`` (n, d)."""
-        before = np.vstack([self.stress[first - 1], stress[:-1]])
-        gained = inner(0.5 * (before + stress), times(stress - before, plan.compliance))
-        none = np.zeros(last - first)
-        self.rows(plan, stress, np.zeros_like(stress), (none, none, gained, none))
-
-    def step(self, plan: Plan, stress: Array, slip: Array, gains: tuple[float, float, float, float]) -> None:
-        """One more row, from what its step adds: slip, and multiplier, dissipation, work and numerical loss."""
-        i = self.done
-        self.stress[i], self.slip[i], self.psi[i] = stress, self.slip[i - 1] + slip, plan.psi(stress)
-        for sums, gain in zip((self.multiplier, self.dissipation, self.work, self.numerical), gains, strict=True):
-            sums[i] = sums[i - 1] + gain
-        self.balance[i] = gains[2] - (self.psi[i] - self.psi[i - 1]) - gains[1] - gains[3]
-        self.done = i + 1
-
-    def rows(self, plan: Plan, stress: Array, slip: Array, gains: tuple[Array, Array, Array, Array]) -> None:
-        """As :meth:`step` for many rows (n, ...) at once, added one after the other."""
-        i, last = self.done - 1, self.done + len(stress)
-        block = slice(i + 1, last)
-        self.stress[block], self.psi[block] = stress, plan.psi(stress)
-        self.slip[block] = np.cumsum(np.vstack([self.slip[i], slip]), axis=0)[1:]
-        for sums, gain in zip((self.multiplier, self.dissipation, self.work, self.numerical), gains, strict=True):
-            sums[block] = np.cumsum(np.concatenate([sums[i : i + 1], gain]))[1:]
-        self.balance[block] = gains[2] - np.diff(self.psi[i:last]) - gains[1] - gains[3]
+    def rows(self, stress: Array, slip: Array, gains: Gains) -> None:
+        """Further rows, from what their steps add: slip, and multiplier, dissipation, work and numerical loss."""
+        i, last = self.done - 1, self.done + stress.shape[-2]
+        self.stress[..., i + 1 : last, :], self.psi[..., i + 1 : last] = stress, energy(stress, self.compliance)
+        self.slip[..., i + 1 : last, :] = slip
+        np.add.accumulate(self.slip[..., i:last, :], axis=-2, out=self.slip[..., i:last, :])
+        self.added[..., i + 1 : last] = gains
+        np.add.accumulate(self.added[..., i:last], axis=-1, out=self.added[..., i:last])
+        self.balance[..., i + 1 : last] = gains[2] - (self.psi[..., i + 1 : last] - self.psi[..., i : last - 1]) - gains[1] - gains[3]
         self.done = last
+
+    def keep(self, out: Histories, points: Which | int) -> None:
+        """Write the kept knots of the rows done into the histories of these points; the balance is summed since the kept knot before."""
+        kept = out.knots[out.knots < self.done]
+        for name in _STATES:
+            array = getattr(self, name)
+            if name == "balance" and len(kept) > 1:
+                getattr(out, name)[points, : len(kept)] = np.add.reduceat(array[..., : self.done], np.append(0, kept[:-1] + 1), axis=-1)
+            else:
+                getattr(out, name)[points, : len(kept)] = np.take(array, kept, axis=-2 if name in ("slip", "stress") else -1)
+        slips = np.diff(self.multiplier[..., max(self.done - 2, 0) : self.done], axis=-1).any(axis=-1)
+        out.status[points], out.reached[points] = np.where(slips, Status.SLIP, Status.STICK), self.done - 1
 
     def history(self, plan: Plan, method: str, why: str) -> History:
         """The rows done."""
@@ -94,14 +116,87 @@ class Ledger:
 
     def finite(self) -> Ledger:
         """This ledger, done up to the first row that holds a number beyond double precision."""
-        rows = [getattr(self, name) for name in ("stress", "slip", *SUMS)]
-        bad = ~np.isfinite(np.column_stack(rows)[: self.done]).all(axis=1)
+        bad = ~self.sound()[: self.done]
         self.done = int(np.argmax(bad)) if bad.any() else self.done
         return self
 
+    def sound(self) -> Flags:
+        """The rows whose numbers are all finite."""
+        vectors = np.isfinite(self.stress).all(axis=-1) & np.isfinite(self.slip).all(axis=-1)
+        return np.logical_and.reduce([vectors, *(np.isfinite(getattr(self, name)) for name in SUMS)])
+
     def resume(self, start: History) -> None:
         """The rows of an earlier part of the same run."""
-        n = len(start)
-        for name in ("stress", "slip", *SUMS):
-            getattr(self, name)[:n] = getattr(start, name)
-        self.done = n
+        self.done = len(start)
+        for name in _STATES:
+            getattr(self, name)[: self.done] = getattr(start, name)
+
+
+@dataclass(eq=False)
+class States:
+    """Where n points are: their states as in :class:`Histories`, and the knot from which each has not slipped."""
+
+    slip: Array
+    stress: Array
+    multiplier: Array
+    psi: Array
+    dissipation: Array
+    work: Array
+    numerical: Array
+    balance: Array
+    anchor_stress: Array
+    anchor: Array
+    status: NDArray[np.int8]
+    reached: NDArray[np.intp]
+
+    @classmethod
+    def begun(cls, block: Share) -> States:
+        """At the first knot."""
+        n = len(block)
+        u, stress = block.paths.at(0, np.arange(n)), block.stress.copy()
+        blank = cls(
+            slip=u - times(stress, block.compliance),
+            stress=stress,
+            anchor_stress=stress.copy(),
+            anchor=np.array(u),
+            status=np.full(n, Status.STICK, dtype=np.int8),
+            reached=np.zeros(n, dtype=np.intp),
+            **{name: np.zeros(n) for name in SUMS},
+        )
+        blank.psi[:] = energy(stress, block.compliance)
+        return blank
+
+    def take(
+        self, block: Share, which: Which, u: Array, stress: Array, slip: Array, gains: Gains, slips: Flags, lost: NDArray[np.int8]
+    ) -> None:
+        """One step of the points ``which``, to the displacements ``u``; those that are ``lost`` stay where they were."""
+        multiplier, dissipation, work, numerical = gains
+        psi = energy(stress, block.compliance)
+        balance = work - (psi - self.psi[which]) - dissipation - numerical
+        added = {
+            "slip": slip,
+            "multiplier": multiplier,
+            "dissipation": dissipation,
+            "work": work,
+            "numerical": numerical,
+            "balance": balance,
+        }
+        new = {name: getattr(self, name)[which] + gain for name, gain in added.items()} | {"stress": stress, "psi": psi}
+        finite = np.isfinite(np.column_stack(list(new.values()))).all(axis=1)
+        ends = np.where(finite | (lost > 0), lost, Status.FAILED)
+        if (law := block.members[0].law).domain:
+            ends = np.where((ends == 0) & beyond(law, stress), Status.OUTSIDE, ends)
+        on = np.flatnonzero(ends == 0)
+        go = which[on]
+        for name, values in new.items():
+            getattr(self, name)[go] = values[on]
+        self.status[which] = np.where(ends == 0, np.where(slips, Status.SLIP, Status.STICK), ends)
+        self.reached[go] += 1
+        slipped = on[slips[on]]
+        self.anchor_stress[which[slipped]], self.anchor[which[slipped]] = stress[slipped], u[slipped]
+
+    def keep(self, out: Histories, points: Which, row: int) -> None:
+        """Write the states of these points into a row of ``out``; the balance is summed anew from there."""
+        for name in _STATES:
+            getattr(out, name)[points, row] = getattr(self, name)[points]
+        self.balance[:] = 0.0

@@ -1,20 +1,27 @@
-"""Loading paths of many points over the same times: what is alike for all of them is held once."""
+"""Loading paths of many points over the same times, from arrays and from tables: what is alike for all of them is held once."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression.given_array import unlabelled
-from duhem.path.loading import Path, between, given_numbers
+from duhem.expression.spelling import spelled
+from duhem.law.formula_law import Criterion
+from duhem.path.loading import Path, between, displacements, given_numbers
+from duhem.path.table_file import read_table
 from duhem.projection.result import Array
 
-__all__ = ["Paths"]
+__all__ = ["Knot", "Paths", "Which", "in_rows", "paths_from_csv", "spread"]
 
+Which = NDArray[np.intp]  # numbers of points (n,)
+Knot = int | NDArray[np.intp]  # the knot of all of them, or (n,) of each
 _CHUNK = 1 << 20  # numbers looked at together, so that an array on disk is never in memory as a whole
 
 
@@ -108,9 +115,14 @@ class Paths:
         values = np.swapaxes(between(np.swapaxes(self.values, 0, 1), substeps), 0, 1)
         return Paths(np.ascontiguousarray(values), self.factor, pressure, between(self.time, substeps), self.timed)
 
-    def at(self, knot: int) -> Array:
-        """The displacements of all points at a knot, (N, d)."""
-        return np.asarray(self.values[:, knot] * self.factor)
+    def at(self, knot: Knot, which: Which | None = None) -> Array:
+        """The displacements of all points or of some, at one knot or each at its own, (n, d)."""
+        which = np.arange(len(self)) if which is None else which
+        return np.asarray(in_rows(self.values, knot, which) * (self.factor if len(self.factor) == 1 else self.factor[which]))
+
+    def pressure_at(self, knot: Knot, which: Which) -> Array:
+        """The pressure likewise (n,), zeros for a law without."""
+        return np.zeros(len(which)) if self.pressure is None else in_rows(self.pressure, knot, which)
 
     def path(self, point: int) -> Path:
         """The path of one point by itself."""
@@ -119,6 +131,13 @@ class Paths:
         if self.pressure is not None:
             pressure = np.array(np.broadcast_to(self.pressure[point if len(self.pressure) > 1 else 0], self.time.shape))
         return Path(values, pressure, self.time, timed=self.timed)
+
+
+def in_rows(array: Array, knot: Knot, which: Which) -> Array:
+    """The rows of ``which`` points at their knots in an array (N, m, ...), which has one row or one column where all are alike."""
+    knot = knot if array.shape[1] > 1 else 0
+    found: Array = array[which, knot] if len(array) > 1 else array[0][knot]
+    return found if found.ndim == array.ndim - 1 else np.broadcast_to(found, (len(which), *array.shape[2:]))
 
 
 def _doubles(given: Any, what: str) -> Array:
@@ -148,3 +167,73 @@ def _pressures(given: ArrayLike | None, n: int, m: int) -> Array | None:
             f"pressure[{i}, {j}] is {load[i, j]} > 0", where="paths", remedy="sigma_n <= 0 in compression, 0 where contact is open"
         )
     return load
+
+
+def spread(file: str | PathLike[str], law: Criterion, path: Path | Paths) -> tuple[Paths, Mapping[str, Array]]:
+    """The paths of the points in a table of one row a point, and the parameters that are a point's own (N,).
+
+    Its columns are parameters of the law; ``scale``, or ``scale_a`` and so on for each force, by which the displacements of ``path`` are
+    multiplied; and the pressure, which then stays the same along the point's path.
+    """
+    header, rows = read_table(file, least=1)
+    tails = [force.removeprefix("sigma_") for force in law.forces]
+    scales = ["scale", *(f"scale_{tail}" for tail in tails)]
+    known = [*law.parameters, *scales, *([law.pressure] if law.pressure else [])]
+    if unknown := next((name for name in header if name not in known), None):
+        raise InputError(f"unknown column {unknown[:40]!r}", where=f"{file}:1", remedy=f"columns are {', '.join(known)}")
+    column = dict(zip(header, rows.T, strict=True))
+    n, one = len(rows), np.ones(len(rows))
+    by = np.stack([column.get("scale", one) * column.get(scale, one) for scale in scales[1:]], axis=1)
+    load = column[law.pressure][:, None] if law.pressure in column else None
+    try:
+        if isinstance(path, Path):
+            paths = Paths.scaled(path, by, pressure=load)
+        elif len(path) != n:
+            raise InputError(f"{n} points here and {len(path)} paths", remedy="give a row for each point of the path's table")
+        else:
+            given = Paths.linear(path.values, pressure=path.pressure if load is None else load, time=path.time)
+            paths = replace(given, factor=path.factor * by, timed=path.timed)
+    except InputError as fault:
+        raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None
+    return paths, {name: column[name] for name in law.parameters if name in column}
+
+
+def paths_from_csv(
+    file: str | PathLike[str],
+    *,
+    point: str,
+    columns: Sequence[str] | None = None,
+    pressure: str | float | None = "sigma_n",
+    time: str = "time",
+    control: str = "displacement",
+) -> Paths:
+    """A table of one row a knot, as :meth:`duhem.Path.from_csv` reads one, in which the column ``point`` tells points apart.
+
+    The rows of a point stand together, and all have as many knots at the same times.
+    """
+    if control != "displacement" or not isinstance(point, str):
+        raise InputError("many points have displacements, and a column that tells them apart", where="path", remedy='write point = "point"')
+    header, rows = read_table(file)
+    name = spelled(point)
+    if name not in header:
+        raise InputError(f"the table has no column {name[:40]}", where=f"{file}:1", remedy=f"its columns are {', '.join(header)}")
+    numbers = rows[:, header.index(name)]
+    starts = np.append(0, np.flatnonzero(np.diff(numbers)) + 1)
+    sizes = np.diff(np.append(starts, len(rows)))
+    if (sizes != sizes[0]).any() or len(np.unique(numbers)) != len(starts):
+        raise InputError("not every point has as many rows, all together", where=f"{file}", remedy="sort by point, then by time")
+    m = int(sizes[0])
+    first = Path.from_rows(header, rows[:m], f"{file}", columns=columns, pressure=pressure, time=time)
+    names = displacements(header, f"{file}", columns)
+    values = np.stack([rows[:, header.index(n)] for n in names], axis=1).reshape(len(starts), m, len(names))
+    if (at := header.index(spelled(time)) if spelled(time) in header else None) is not None:
+        times = rows[:, at].reshape(len(starts), m)
+        if (times != times[0]).any():
+            raise InputError("points have knots at other times", where=f"{file}", remedy="give all the same times")
+    load: Array | float | None = None if isinstance(pressure, str) else pressure
+    if isinstance(pressure, str) and spelled(pressure) in header:
+        load = rows[:, header.index(spelled(pressure))].reshape(len(starts), m)
+    try:
+        return Paths.linear(values, pressure=load, time=first.time if first.timed else None)
+    except InputError as fault:
+        raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None

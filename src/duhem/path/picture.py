@@ -1,4 +1,4 @@
-"""Pictures of a history: stress path over the criterion, hysteresis loops, energies (extra ``plot``)."""
+"""How a history is shown: as pictures of stress path, hysteresis and energies (extra plot), and as a sheet of some of its knots."""
 
 from __future__ import annotations
 
@@ -14,18 +14,19 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.law.outline import outline
-from duhem.path.history import History
-from duhem.projection.result import Array
+from duhem.path.history import Histories, History
+from duhem.projection.result import Array, Status
 from duhem.show import figure
 from duhem.show.notation import latex_name
-from duhem.show.printing import draw
+from duhem.show.printing import draw, sheet
+from duhem.show.sheet import Sheet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from duhem.path.trajectory import Trajectory
 
-__all__ = ["energies", "hysteresis", "picture", "stress_path"]
+__all__ = ["as_sheet", "as_sheet_of_many", "energies", "hysteresis", "picture", "stress_path"]
 
 _MARKED = 200  # knots, beyond which marks would hide the lines
 _TELLING = 9  # marks of a line among others that has more knots, so that they are told apart without colour
@@ -227,3 +228,42 @@ def _boundaries(states: History, law: Criterion, parameters: Mapping[str, float]
     extremes = sorted({float(states.pressure.min()), float(states.pressure.max())}) if law.pressure else [None]
     size = float(np.abs(states.stress).max()) or float(np.abs(states.pressure).max()) or 1.0
     return [line for pressure in extremes for line in outline(law, parameters, pressure, size)]
+
+
+_MOST = 12  # knots or points of which a sheet has a row
+
+
+@sheet.register(History)
+def as_sheet(history: History) -> Sheet:
+    """The knots, or of many some from the first to the last, with the columns of the table."""
+    table = history.to_array()
+    shown = np.unique(np.linspace(0, len(table) - 1, min(len(table), _MOST)).round().astype(int))
+    rows = tuple((str(i), *(f"{x:.6g}" for x in table[i].tolist())) for i in shown)
+    fewer = (f"{len(shown)} of {len(table)} knots; to_dict() and the arrays have all",) if len(shown) < len(table) else ()
+    return Sheet(
+        f"History of {history.law}: {len(table)} knots",
+        (("method", f"{history.method} ({history.why})" if history.why else history.method),),
+        ("knot", *history.columns()),
+        rows,
+        (("Shown", fewer),),
+    )
+
+
+@sheet.register(Histories)
+def as_sheet_of_many(found: Histories) -> Sheet:
+    """The last knot that each point reached, with its status; of many points the first."""
+    count = min(len(found), _MOST)
+    table = found.to_array(slice(0, count)).reshape(count, len(found.knots), -1)
+    last = np.searchsorted(found.knots, found.reached, side="right") - 1
+    rows = tuple(
+        (str(found.points[i]), Status(found.status[i]).name.lower(), *(f"{x:.6g}" for x in table[i, last[i], 1:].tolist()))
+        for i in range(count)
+    )
+    fewer = (f"the first {_MOST} of {len(found)} points; to_dict() and the arrays have all",) if len(found) > _MOST else ()
+    return Sheet(
+        f"Histories of {found.law}: {len(found)} points, {len(found.knots)} knots each",
+        (("method", f"{found.method} ({found.why})" if found.why else found.method), ("ended early", str(found.ended_early()))),
+        ("point", "status", *found.columns()[1:]),
+        rows,
+        (("Shown", fewer),),
+    )

@@ -16,8 +16,7 @@ from duhem.left_out import LeftOut
 from duhem.path.batch import Batch
 from duhem.path.history import History
 from duhem.path.paths import Paths
-from duhem.path.plan import Plan
-from duhem.path.run import Run
+from duhem.path.run import Plan, Run
 from duhem.path.simulate import driven
 from duhem.projection.result import NOT_SHOWN
 
@@ -52,7 +51,7 @@ class Scene(Run):
         self,
         start: History | None = None,
         on_step: Callable[[int, int], None] | None = None,
-        keep: Callable[[History], None] | None = None,
+        keep: Callable[[History], object] | None = None,
     ) -> History:
         """The history of one point; ``start`` and ``on_step`` as in :func:`duhem.simulate`, ``keep`` its checkpoint."""
         self.check_asked()

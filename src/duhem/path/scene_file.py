@@ -19,22 +19,13 @@ from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
 from duhem.path.batch import Batch
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import Path
-from duhem.path.paths import Paths
-from duhem.path.plan import Plan
-from duhem.path.points_table import paths_from_csv, spread
-from duhem.path.run import Run
+from duhem.path.paths import Paths, paths_from_csv, spread
+from duhem.path.run import Plan, Run
 from duhem.path.scene import Scene
-from duhem.path.scene_keys import CHOICES, KINDS, SECTIONS
+from duhem.path.scene_keys import CHOICES, KINDS, SECTIONS, VALUES
 
 __all__ = ["SceneFaults", "read", "reads"]
 
-_VALUES: Mapping[str, tuple[Any, str]] = {
-    "compiled": (bool, "write true or false"),
-    "substeps": (int, "give a whole number from 1 on"),
-    "threads": (int, "give a whole number from 1 on"),
-    "keep": ((int, str), 'give every how many knots are kept, or "last"'),
-    "checkpoint": ((int, float), "give seconds, above 0"),
-}
 MOST_BYTES = 1_000_000
 
 
@@ -72,74 +63,54 @@ class _SceneReader:
     def scene(self) -> Scene:
         self.known("", self.document, SECTIONS[""])
         law = self.law()
-        path = self.path(law)
-        path, own = self.points(law, path)
+        path, own = self.points(law, self.path(law))
         parameters = self.parameters(law, own)
-        method = self.section("method")
-        self.known("method", method, SECTIONS["method"])
-        integrator = self.choice("method", method, "integrator")
-        projection = self.choice("method", method, "projection")
-        convex = self.choice("method", method, "convex")
-        self.holds("method", method, "substeps", "compiled", "threads")
-        substeps = method.get("substeps", 1)
-        output = self.section("output")
-        self.holds("output", output, "keep", "checkpoint")
-        self.known("output", output, SECTIONS["output"])
-        table, plot = (self.file(output, key) for key in ("table", "plot"))
-        if table is not None and not table.endswith((".csv", ".parquet")):
+        asked = self.values("method") | self.values("output") | {"stress": self.stress()}
+        asked["method"] = asked.pop("integrator")
+        if (table := asked["table"]) is not None and not table.endswith((".csv", ".parquet")):
             self.fault(f"table {table!r} is neither .csv nor .parquet", "output", "table", 'write for example table = "history.csv"')
         if "stiffness" not in self.document:
             self.fault("there is no stiffness", "", "stiffness", "write for example stiffness = 1e9, in Pa/m, above the first [section]")
-        stress = self.stress()
-        if law is not None and path is not None and parameters is not None and "stiffness" in self.document:
-            self.fits(law, path, parameters, substeps if _is(substeps, int) else 1, integrator)
+        elif law is not None and path is not None and parameters is not None:
+            self.fits(Run(law, path, self.document["stiffness"], parameters, substeps=asked["substeps"], keep="last"), asked["method"])
         if self.faults or law is None or path is None:
             raise SceneFaults(self.faults)
-        return Scene(
-            law=law,
-            path=path,
-            stiffness=self.document["stiffness"],
-            parameters=parameters or {},
-            method=integrator,
-            projection=projection,
-            substeps=substeps,
-            stress=stress,
-            keep=output.get("keep", 1),
-            compiled=method.get("compiled", False),
-            threads=method.get("threads", 1),
-            checkpoint=output.get("checkpoint", 60),
-            table=table,
-            plot=plot,
-            inputs=tuple(self.inputs),
-            convex=convex,
-        )
+        stiffness, inputs = self.document["stiffness"], tuple(self.inputs)
+        return Scene(law=law, path=path, stiffness=stiffness, parameters=parameters or {}, inputs=inputs, **asked)
 
-    def holds(self, section: str, given: Mapping[str, Any], *keys: str) -> None:
-        """Whether the values of some keys are what they are to be."""
-        for key in keys:
-            kind, remedy = _VALUES[key]
-            if key in given and not _is(given[key], kind):
-                self.fault(f"{key} = {repr(given[key])[:40]}", section, key, remedy)
+    def values(self, section: str) -> dict[str, Any]:
+        """What each key of a section is set to, or what is meant where it is left out or of another kind."""
+        given = self.section(section)
+        self.known(section, given, SECTIONS[section])
+        return {key: self.value(section, given, key) for key in SECTIONS[section]}
 
-    def fits(self, law: Criterion, path: Path | Paths, parameters: Mapping[str, Any], substeps: int, integrator: str) -> None:
+    def value(self, section: str, given: Mapping[str, Any], key: str) -> Any:
+        if key in CHOICES:
+            return self.choice(section, given, key)
+        if key not in VALUES:
+            return self.file(section, given, key)
+        kind, meant, remedy = VALUES[key]
+        if key not in given or _is(given[key], kind):
+            return given.get(key, meant)
+        self.fault(f"{key} = {repr(given[key])[:40]}", section, key, remedy)
+        return meant
+
+    def fits(self, run: Run, integrator: str) -> None:
         """Whether law, numbers and path fit each other, by the check that the run itself makes."""
         try:
-            run = Run(law, path, self.document["stiffness"], parameters, substeps=substeps, keep="last")
-            if isinstance(path, Paths):
+            if isinstance(run.path, Paths):
                 Batch.of(run)
                 return
             plan = Plan.of(run)
         except InputError as fault:
             key = next((k for k in ("stiffness", "pressure", "parameters", "path") if k in f"{fault.where} {fault.what}"), "path")
-            section = "path" if key == "pressure" else ""
-            self.faults.append(InputError(fault.what, where=self.place(section, key), remedy=fault.remedy))
+            self.fault(fault.what, "path" if key == "pressure" else "", key, fault.remedy)
             return
-        pieces = INTEGRATORS[integrator].piece if path.control == "displacement" else None
-        if pieces is not None:
-            try:
+        try:
+            if plan.path.control == "displacement" and (pieces := INTEGRATORS[integrator].piece) is not None:
                 pieces(plan)
-            except InputError as fault:
-                self.fault(fault.what, "method", "integrator", fault.remedy.replace("method=", "integrator = "))
+        except InputError as fault:
+            self.fault(fault.what, "method", "integrator", fault.remedy.replace("method=", "integrator = "))
 
     def stress(self) -> tuple[float, ...] | None:
         given = self.document.get("stress")
@@ -241,17 +212,11 @@ class _SceneReader:
         return None
 
     def built(self, kind: str, given: dict[str, Any], dimension: int) -> Path | Paths:
-        match kind:
-            case "linear":
-                return Path.linear(given.pop("points"), **given)
-            case "cycle":
-                return Path.cycle(given.pop("amplitude"), **given)
-            case "circle":
-                return Path.circle(given.pop("radius"), **given)
-            case "random":
-                return Path.random(dimension=dimension, **given)
-        file = self.input(self.folder / given.pop("file"))
-        return paths_from_csv(file, **given) if "point" in given else Path.from_csv(file, **given)
+        if kind == "table":
+            file = self.input(self.folder / given.pop("file"))
+            return paths_from_csv(file, **given) if "point" in given else Path.from_csv(file, **given)
+        made: Path = getattr(Path, kind)(**given, **({"dimension": dimension} if kind == "random" else {}))
+        return made
 
     # -- values and places -------------------------------------------------------------------------------------
 
@@ -269,14 +234,14 @@ class _SceneReader:
         self.inputs.append(f"{file}")
         return file
 
-    def file(self, output: Mapping[str, Any], key: str) -> str | None:
-        given = output.get(key)
-        if given is None:
-            return None
-        if not isinstance(given, str) or not given:
-            self.fault(f"{key} is not a file name", "output", key, f'write for example {key} = "history.csv"')
-            return None
-        return str(self.folder / given)
+    def file(self, section: str, given: Mapping[str, Any], key: str) -> str | None:
+        """The place of a file beside the scene; None where no file is named."""
+        name = given.get(key)
+        if isinstance(name, str) and name:
+            return str(self.folder / name)
+        if name is not None:
+            self.fault(f"{key} is not a file name", section, key, f'write for example {key} = "history.csv"')
+        return None
 
     def choice(self, section: str, given: Mapping[str, Any], key: str) -> Any:
         """One of the words of a key, the first where it is left out; a kind of path is not left out."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from duhem.errors import InputError
 from duhem.law.convex import CONVEX
@@ -12,7 +12,7 @@ from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import CONTROLS
 from duhem.projection.methods import METHODS
 
-__all__ = ["CHOICES", "KINDS", "KIND_KEYS", "SECTIONS", "Kind", "template"]
+__all__ = ["CHOICES", "KINDS", "KIND_KEYS", "SECTIONS", "VALUES", "Kind", "template"]
 
 SECTIONS: Mapping[str, Mapping[str, str]] = {  # beside [parameters], whose keys are the law's, and [path], see KINDS
     "": {
@@ -42,6 +42,14 @@ SECTIONS: Mapping[str, Mapping[str, str]] = {  # beside [parameters], whose keys
         "keep": 'of many points: every how many knots are kept, or "last"',
         "checkpoint": "how often what is done is kept for --resume, in s, 60 if left out",
     },
+}
+
+VALUES: Mapping[str, tuple[Any, Any, str]] = {  # keys that hold a value: its type, what is meant where it is left out, and the remedy
+    "compiled": (bool, False, "write true or false"),
+    "substeps": (int, 1, "give a whole number from 1 on"),
+    "threads": (int, 1, "give a whole number from 1 on"),
+    "keep": ((int, str), 1, 'give every how many knots are kept, or "last"'),
+    "checkpoint": ((int, float), 60, "give seconds, above 0"),
 }
 
 

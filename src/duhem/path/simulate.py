@@ -13,24 +13,21 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.expression.given_array import in_order
 from duhem.law.formula_law import Criterion
-from duhem.path.batch import MOST_THREADS, Batch
-from duhem.path.batch_run import TOLERANCE, histories
-from duhem.path.histories import Histories
-from duhem.path.history import History
-from duhem.path.integrators import INTEGRATORS
+from duhem.path.batch import MOST_THREADS, Batch, Share
+from duhem.path.batch_run import histories
+from duhem.path.closest import outside
+from duhem.path.history import Histories, History
+from duhem.path.integrators import INTEGRATORS, gains
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, checked_count
 from duhem.path.paths import Paths
-from duhem.path.plan import Plan
-from duhem.path.prepared_projection import numbers
-from duhem.path.run import Run
+from duhem.path.run import Plan, Run, times
 from duhem.projection.declared_ranges import beyond, crossed
-from duhem.projection.projector import Projector
 from duhem.projection.result import Array
 
 __all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "driven", "simulate"]
 
-Checkpoint = tuple[float, Callable[[History], None]]  # seconds, and who is given what is done
+Checkpoint = tuple[float, Callable[[History], object]]  # seconds, and who is given what is done
 
 
 class Interrupted(KeyboardInterrupt):
@@ -115,9 +112,9 @@ def driven(
     why = integrator.why(plan)
     advance = integrator.advance
     if run.compiled:
-        advance, why = _compiled(plan, method), f"{why}, compiled"
+        advance, why = _compiled(method), f"{why}, compiled"
     with np.errstate(all="ignore"):
-        ledger = Ledger.begun(plan, _first(plan, run.stress))
+        ledger = Ledger.begun(len(plan.path.time), plan.path.values[0], _first(plan, run.stress), plan.compliance)
     if start is not None:
         _go_on(ledger, plan, start)
     steps = len(plan.path.time) - 1
@@ -138,14 +135,13 @@ def driven(
     return _whole(ledger, plan, method, why)
 
 
-def _compiled(plan: Plan, method: str) -> Callable[[Plan, Ledger], Iterator[int]]:
+def _compiled(method: str) -> Callable[[Plan, Ledger], Iterator[int]]:
     if method != "implicit":
         what = f"one {method} path is not compiled"
         raise InputError(what, where="compiled", remedy='leave it out, or take method="implicit"')
-    from duhem.path import compiled_run, newton_run
+    from duhem.path import compiled_run
 
-    shaped = plan.projection in ("auto", "closed-form") and numbers(plan.increment) is not None
-    return compiled_run.advance if shaped else newton_run.advance
+    return compiled_run.advance
 
 
 def _many(batch: Batch, method: str, threads: int, on_step: Callable[[int, int], None] | None) -> Histories:
@@ -175,14 +171,11 @@ def _whole(ledger: Ledger, plan: Plan, method: str, why: str) -> History:
     return ledger.history(plan, method, why)
 
 
-def _inside(plan: Plan, stress: Array, rows: slice) -> int | None:
-    """The first of ``stress`` (n, d) that lies outside K under the pressures of ``rows``."""
-    question = plan.increment
-    pressure = None if question.law.pressure is None else question.pressure[rows]
-    found = Projector.of(question.law, plan.stiffness, question.parameters, plan.projection)(stress, pressure)
-    size = np.maximum(np.abs(stress).max(axis=1), np.abs(found.stress).max(axis=1))
-    outside = np.flatnonzero(~(np.abs(found.stress - stress).max(axis=1) <= TOLERANCE * size))
-    return int(outside[0]) if outside.size else None
+def _outside(plan: Plan, stress: Array) -> int | None:
+    """The first of ``stress`` (n, d), at as many knots, that lies outside K."""
+    knots = np.arange(len(stress))
+    out = np.flatnonzero(outside(Share.alone(plan), plan.projection, stress, knots, np.zeros_like(knots)))
+    return int(out[0]) if out.size else None
 
 
 def _first(plan: Plan, given: ArrayLike | None) -> Array:
@@ -196,7 +189,7 @@ def _first(plan: Plan, given: ArrayLike | None) -> Array:
         raise InputError("the stress at the start is not made of numbers", where="stress", remedy=f"give {d} numbers") from None
     if stress.shape != (d,) or not np.isfinite(stress).all():
         raise InputError("the stress at the start does not fit the law or is not finite", where="stress", remedy=f"give {d} numbers")
-    if _inside(plan, stress[None], slice(0, 1)) is not None:
+    if _outside(plan, stress[None]) is not None:
         remedy = "give one inside K" if given is not None else "zero stress is not admissible: give stress= inside K"
         raise InputError(f"the stress at the start {stress.tolist()} lies outside K", where="stress", remedy=remedy)
     if beyond(law, stress[None]).any():
@@ -208,7 +201,7 @@ def _first(plan: Plan, given: ArrayLike | None) -> Array:
 def _prescribed(plan: Plan) -> History:
     """A stress path inside K: the displacement follows, and nothing slips."""
     stress = plan.path.values
-    if (i := _inside(plan, stress, slice(None))) is not None:
+    if (i := _outside(plan, stress)) is not None:
         raise InputError(
             f"the stress {stress[i].tolist()} at time {plan.path.time[i]:g} lies outside K, where no equilibrium exists",
             where=f"path, step {i}",
@@ -217,8 +210,10 @@ def _prescribed(plan: Plan) -> History:
     if (out := np.flatnonzero(beyond(plan.increment.law, stress))).size:
         what = f"at time {plan.path.time[out[0]]:g} {crossed(plan.increment.law, stress[out])}"
         raise InputError(what, where=f"path, step {out[0]}", remedy="stay inside the range, or declare a wider one in the law's domain")
-    ledger = Ledger.begun(plan, stress[0])
-    ledger.sticks(plan, 1, len(stress), stress[1:])
+    ledger = Ledger.begun(len(stress), times(stress[0], plan.compliance), stress[0], plan.compliance)
+    none, still = np.zeros(len(stress) - 1), np.zeros_like(stress[1:])
+    added = gains(plan.stiffness, plan.compliance, stress[:-1], stress[1:], still, none, none > 0.0, still)
+    ledger.rows(stress[1:], still, added)
     return _whole(ledger, plan, "prescribed stress", "inside K the slip stays what it was")
 
 

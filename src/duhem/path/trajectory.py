@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
+from duhem.path.elementary_steps import Move
 from duhem.path.exact import Piece, Reached
 from duhem.path.history import STATES, History
 from duhem.path.integrators import INTEGRATORS
-from duhem.path.plan import Plan
-from duhem.path.straight_step import Move
+from duhem.path.run import Plan
 from duhem.projection.result import Array
 
 __all__ = ["Trajectory", "trajectory"]

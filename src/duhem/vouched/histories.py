@@ -15,8 +15,7 @@ from duhem.law.catalogue import load_formula
 from duhem.law.convex import check_convex
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
-from duhem.path.histories import Histories
-from duhem.path.history import History
+from duhem.path.history import Histories, History
 from duhem.path.loading import Path
 from duhem.path.paths import Paths
 from duhem.path.run import Run
@@ -91,7 +90,7 @@ def simulate(
     ``threads`` share the work and change no number; ``on_step`` hears of points.  ``exact`` takes one point after the other.
 
     ``compiled`` runs implicit steps through numba (extra ``fast``; it compiles for ten to thirty seconds at its first use), whole
-    stretches at once: of one path by any law, of many points on declared shapes; of other steps of many points it finds the closest
+    stretches at once, of one path or many points by any law; of extrapolated steps of many points it finds the closest
     points.  The last digits may differ.  One path takes some 1e6 steps a second so, on a shape that is not declared 1e5 to 1e6; without
     it some thousands, on a shape that is not declared some hundred; extrapolated a fifth of these.
     """
