@@ -77,10 +77,10 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
         plain = _Writer(len(forces), numbers, named=False, of_pair=of_pair)
         once = fold(formula, plain.table(), plain.leaf(forces, others))
         slopes = [f"    v[slopes, {i}] = {once.slopes.get(i, '0.0')}" for i in d]
-        last = [f"    return {once.value}" if of_pair else "    return"]
-        lines += [*plain.live([*slopes, *last]), *slopes, *last]
-    texts = ("\n".join(lines) for lines in (level, gradient, pair_piece, piece))
-    return ScalarJets(*texts, whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
+        ends = [*slopes, f"    return {once.value}" if of_pair else "    return"]
+        lines += [*plain.live(ends), *ends]
+    texts = ["\n".join(lines) for lines in (level, gradient, pair_piece, piece)]
+    return ScalarJets(texts[0], texts[1], texts[2], texts[3], whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
 
 
 @dataclass(frozen=True)
