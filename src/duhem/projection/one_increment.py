@@ -23,12 +23,12 @@ from duhem.projection.metric import Metric
 from duhem.projection.result import Projection, Residuals, Status
 from duhem.projection.variational import Variational
 
-__all__ = ["Answer", "OneIncrement", "as_projection"]
+__all__ = ["OneIncrement", "PointAnswer", "as_projection"]
 
 _WHOLE = 2**53  # of a larger integer a double may be another number
 
 
-class Answer(NamedTuple):
+class PointAnswer(NamedTuple):
     """Stress and slip (d,), multiplier, dissipation, status and the five residuals of one point."""
 
     stress: Sequence[float]
@@ -67,13 +67,13 @@ class OneIncrement:
             load = given[0]
         return stress, load
 
-    def answer(self, trial: Sequence[float], pressure: float) -> Answer | None:
+    def answer(self, trial: Sequence[float], pressure: float) -> PointAnswer | None:
         """The judged answer to such numbers; None where arrays are to be asked."""
         if self._closest is None or (look := self._look(pressure)) is None or (found := self._closest(trial, pressure)) is None:
             return None
         stress, slip, multiplier = found
         dissipation, status, residuals = look(trial, pressure, stress, slip, multiplier)
-        return None if status == UNJUDGED else Answer(stress, slip, multiplier, dissipation, Status(status), residuals)
+        return None if status == UNJUDGED else PointAnswer(stress, slip, multiplier, dissipation, Status(status), residuals)
 
     @cached_property
     def _closest(self) -> PlainClosest | None:
@@ -118,7 +118,7 @@ def _plain(numbers: Any) -> list[float] | None:
     return found if all(map(math.isfinite, found)) else None
 
 
-def as_projection(found: Answer, method: Method[Any], why: str, forces: tuple[str, ...]) -> Projection:
+def as_projection(found: PointAnswer, method: Method[Any], why: str, forces: tuple[str, ...]) -> Projection:
     """The answer as that of one point among many."""
     return Projection(
         stress=np.array([found.stress]),

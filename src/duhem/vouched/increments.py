@@ -17,7 +17,7 @@ from duhem.law.convex import check_convex
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method
-from duhem.projection.one_increment import Answer, OneIncrement, as_projection
+from duhem.projection.one_increment import OneIncrement, PointAnswer, as_projection
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Status
 from duhem.projection.validation import posed, setting
@@ -71,7 +71,7 @@ class Prepared:
             options = {"compiled": True, **options}
         return self.projector.at(question, tangent, **options)
 
-    def _answer(self, trial: ArrayLike, pressure: ArrayLike | None) -> Answer | None:
+    def _answer(self, trial: ArrayLike, pressure: ArrayLike | None) -> PointAnswer | None:
         """That of one loaded point of a K that is shown to be convex."""
         numbers = self._one.numbers(trial, pressure)
         return self._one.answer(*numbers) if numbers is not None and self._shown_convex else None
