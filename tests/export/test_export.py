@@ -358,3 +358,27 @@ def test_umat_has_the_order_of_its_caller(tmp_path: Path) -> None:
     assert stress[there] == pytest.approx(expected[1], abs=1e-15) and loss == pytest.approx(expected[3], abs=1e-15)
     rounding = 4 * np.finfo(float).eps * k.max()  # the same sums in another order
     assert slope[np.ix_(there, there)] == pytest.approx(expected[4], abs=rounding)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_umat_goes_on_through_plasticity_edges_and_unloading(seed: int, tmp_path: Path) -> None:
+    law = duhem.load("tresca").fix({"yield_stress": 1})
+    library, k = fortran(law, tmp_path), np.diag([3.0, 3.0, 3.0]) + 0.5
+    ask, chance = duhem.prepare(law, k), np.random.default_rng(seed)
+    stress, slope, loss, room = np.zeros(3), np.empty((3, 3)), np.zeros(1), np.zeros(80)
+    way = chance.standard_normal(3)
+    way[1] = way[0] if seed % 2 else way[1]  # onto an edge, where the tangent is not known
+    steps = [*[way / 4] * 6, *[-way / 4] * 10, *(0.3 * chance.standard_normal((6, 3)))]
+    for strain in steps:
+        expected, half = ask(stress + k @ strain), np.ones(1)
+        call(library.umat_, stress, room, slope, room, loss, *[room] * 6, strain.copy(), *[room] * 7, 3, 0, 3, 1, k.copy(), 9, room, room,
+             half, *[room] * 9)  # fmt: skip
+        assert half == 1.0 and np.isfinite(slope).all() and stress == pytest.approx(expected.stress, abs=1e-12)
+
+
+def test_a_tangent_that_is_not_known_is_the_stiffness() -> None:
+    for name in ("coulomb", "tresca"):
+        text = fortran_file(duhem.verify(name, claims=["convexity"]))
+        assert "if (status > 1 .and. status /= 5) then" in text and "if (status == 5) dd" in text
+        assert max(map(len, text.splitlines())) <= 132  # what a line of Fortran may have

@@ -36,7 +36,8 @@ end module"""
 _FRIC = """\
 ! PROPS: the stiffness row by row, then the parameters.  PRESS is above 0 in compression; where it is not, nothing is carried.
 ! TAU in the order {order}.  DDTDDP is taken by differences.
-! Where the increment is not solved, or its tangent not known, PNEWDT asks for half the step.
+! Where the increment is not solved PNEWDT asks for half the step.  Where its tangent alone is not known (status 5) the answer
+! stands, and the tangent is the stiffness, as where nothing slips.
 subroutine fric(lm, tau, ddtddg, ddtddp, dslip, sed, sfd, ddtddt, pnewdt, statev, dgam, taulm, press, dpress, ddpddh, slip, &
     kstep, kinc, time, dtime, noel, ciname, slname, msname, npt, node, npatch, coords, rcoord, drot, temp, predef, nfdir, mcrd, &
     npred, nstatv, chrlnm, props, nprops)
@@ -65,7 +66,7 @@ subroutine fric(lm, tau, ddtddg, ddtddp, dslip, sed, sfd, ddtddt, pnewdt, statev
     return
   end if
   status = {name}_increment(trial, -press, k, props({first}:), found, step, loss, tangent)
-  if (status > 1) then
+  if (status > 1 .and. status /= 5) then
     pnewdt = 0.5_c_double
     return
   end if
@@ -73,16 +74,18 @@ subroutine fric(lm, tau, ddtddg, ddtddp, dslip, sed, sfd, ddtddt, pnewdt, statev
   dslip = step
   sfd = loss
   ddtddg = tangent
+  if (status == 5) ddtddg = k
   ddtddp = 0
   h = 1.0e-6_c_double * press
   below = {name}_increment(trial, h - press, k, props({first}:), low, unused, loss, slope)
   above = {name}_increment(trial, -h - press, k, props({first}:), high, unused, loss, slope)
-  if (below <= 1 .and. above <= 1) ddtddp = (high - low) / (2 * h)
+  if ((below <= 1 .or. below == 5) .and. (above <= 1 .or. above == 5)) ddtddp = (high - low) / (2 * h)
 end subroutine"""
 
 _UMAT = """\
 ! PROPS: the stiffness row by row, then the parameters; the stress in the order {order}, shear strains those of engineers.
-! SSE and SPD are increased.  Where the increment is not solved, or its tangent not known, PNEWDT asks for half the step.
+! SSE and SPD are increased.  Where the increment is not solved PNEWDT asks for half the step.  Where its tangent alone is not
+! known (status 5) the answer stands, and the tangent is the stiffness, as where nothing slips.
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
     predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
     layer, kspt, jstep, kinc)
@@ -101,11 +104,12 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   k = reshape(props(1:{square}), [{d}, {d}])
   trial = stress + matmul(k, dstran)
   status = {name}_increment(trial(place), 0.0_c_double, k(place, place), props({first}:), found, slip, loss, tangent)
-  if (status > 1) then
+  if (status > 1 .and. status /= 5) then
     pnewdt = 0.5_c_double
     return
   end if
   ddsdde(place, place) = tangent
+  if (status == 5) ddsdde = k
   sse = sse + 0.5_c_double * (dot_product(stress(place) + found, dstran(place) - slip))
   spd = spd + loss
   stress(place) = found
