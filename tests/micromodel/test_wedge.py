@@ -137,18 +137,22 @@ EXTREME = [
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("claims", mostly_long([["normality"], None], ["normality"]))
 @pytest.mark.parametrize("values", mostly_long(EXTREME, EXTREME[3]))
-def test_extreme_profiles(values: dict[str, str]) -> None:
-    done = verify("wedge", values)
+def test_extreme_profiles(values: dict[str, str], claims: list[str] | None) -> None:
+    done = verify("wedge", values, claims=claims)
     assert [r.claim for r in done.results if r.verdict is UNDECIDED] == []
-    assert [verdicts(done)[c] for c in ("origin", "smoothness", "normality", "dissipation")] == [PROVED, PROVED, REFUTED, PROVED]
+    expected = {"origin": PROVED, "smoothness": PROVED, "normality": REFUTED, "dissipation": PROVED}
+    asked = expected if claims is None else claims
+    assert {c: verdicts(done)[c] for c in asked} == {c: expected[c] for c in asked}
     assert all(holds(load("wedge"), r.claim, r.witness) for r in done.results if r.witness is not None)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("free", mostly_long(["tan_alpha", "mu_beta"], "mu_beta"))
+@pytest.mark.long
+@pytest.mark.parametrize("free", ["tan_alpha", "mu_beta"])
 def test_some_parameters_free(free: str) -> None:
-    """What holds for all values holds with one parameter free and the others fixed."""
+    """What holds for all values, as every run shows, holds with one parameter free and the others fixed."""
     some = verify("wedge", {n: v for n, v in SPECIMEN.items() if n != free}, claims=["origin", "dissipation"])
     assert verdicts(some) == {"origin": PROVED, "dissipation": PROVED}
     assert some["dissipation"].scope.startswith("all other parameters")
@@ -248,7 +252,7 @@ TRUTH: dict[str, tuple[Verdict, ...]] = {
     "kinks": (PROVED, UNDECIDED, UNDECIDED, UNDECIDED, UNDECIDED),
     "pole": (UNDECIDED,) * 5,
 }
-DEAR = ("inner loop", "flow turned beyond a right angle")
+DEAR = ("inner loop", "flow turned beyond a right angle", "flow turned by a millionth", "associated dent", "slight dent")
 
 
 @pytest.mark.slow
@@ -340,7 +344,7 @@ def run(*arguments: str) -> tuple[int, str]:
 
 @pytest.mark.slow
 def test_verify_and_list_on_the_command_line() -> None:
-    code, said = run("verify", "wedge", *SETTINGS, "--claims", "dissipation,normality", "--strict")
+    code, said = run("verify", "wedge", *SETTINGS, "--claims", "normality", "--strict")
     assert code == 1 and "2.41905 degrees" in said
     assert "wedge" in run("list")[1]
     assert "(18)" in run("derive", "wedge")[1]

@@ -15,7 +15,7 @@ from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.result import Status
 from tests.campaigns.yield_surfaces import YIELD, campaign
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 from tests.oracles.optimality import ANTONI, CONVEX, R, increment, radii, shortfall, stiffnesses
 
 STIFFNESSES = ("unit", "diagonal", "full")
@@ -350,7 +350,7 @@ def test_endless_directions():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("law", "values"), YIELD, ids=lambda x: x if isinstance(x, str) else str(x.get("m", "")))
-@pytest.mark.parametrize("size", [5e-3, 5e-2])
+@pytest.mark.parametrize("size", long_but([1], [5e-3, 5e-2]))
 def test_yield_surfaces_without_a_failure(law, values, size):
     failures, worst, _ = campaign(law, values, size, 1000)
     assert failures == 0

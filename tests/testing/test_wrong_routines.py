@@ -17,7 +17,7 @@ from duhem.testing import (
     projection,
     violation,
 )
-from tests.long import mostly_long
+from tests.long import long_at, long_but, mostly_long
 from tests.oracles.routines import (
     ELLIPSE,
     MU,
@@ -382,7 +382,7 @@ def test_a_routine_leaves_what_it_is_given(spoilt: int | None) -> None:
     assert violation("feasibility", "coulomb", update, case) is None
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", long_at([0], [1, 2, 3]))
 def test_a_slip_that_leans_a_little_is_found_at_each_seed(seed: int) -> None:
     """Radial return to a disk under stiffnesses a fifth apart: two points drawn saw it at one seed in three."""
 
@@ -396,7 +396,7 @@ def test_a_slip_that_leans_a_little_is_found_at_each_seed(seed: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", long_but([1], [1, 2, 3]))
 def test_an_open_contact_at_rest_is_asked(seed: int) -> None:
     """No stress under no pressure is 0/0 to many a radial return."""
 
