@@ -51,7 +51,7 @@ def test_an_interval_with_an_inside_has(g: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("flow", long_but([2], [("0*a", "0*b"), ("a*pos(a)", "b*pos(a)"), ("a*abs(a - b)", "b*abs(a - b)")]))
+@pytest.mark.parametrize(("flow",), long_but([2], zip([("0*a", "0*b"), ("a*pos(a)", "b*pos(a)"), ("a*abs(a - b)", "b*abs(a - b)")])))
 def test_a_flow_that_vanishes_has_no_direction(flow: tuple[str, ...]) -> None:
     assert verify(law("norm(a, b) - 1", flow=flow), claims=["normality"])["normality"].verdict is not PROVED
 
@@ -159,7 +159,8 @@ def test_a_proof_that_a_refuter_disagrees_with_is_a_defect(monkeypatch: pytest.M
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "constraints", long_at([1], [("e < m", "m < e + 1e-6"), ("3*e <= 2*m", "2*m <= 3*e"), ("m**2 < 2*e**2", "2*e**2 < m**2 + 1e-9")])
+    ("constraints",),
+    long_at([1], zip([("e < m", "m < e + 1e-6"), ("3*e <= 2*m", "2*m <= 3*e"), ("m**2 < 2*e**2", "2*e**2 < m**2 + 1e-9")])),
 )
 def test_parameters_are_drawn_inside_thin_constraints(constraints: tuple[str, ...]) -> None:
     unit = Domain.between(0, 1)

@@ -148,7 +148,7 @@ def test_a_flow_that_leans_a_little_shows_close_by() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("slip", long_at([0], [("a", "b"), ("2*a*(3 + b)", "2*b*(3 + b)"), None]))
+@pytest.mark.parametrize(("slip",), long_at([0], zip([("a", "b"), ("2*a*(3 + b)", "2*b*(3 + b)"), None])))
 def test_a_normal_flow_is_not_refuted(slip: Sequence[str] | None) -> None:
     assert refuters.normality_at_points(subject(DISC, slip), 1) is None
     assert refuters.dissipation_at_points(subject(DISC, slip), 1) is None

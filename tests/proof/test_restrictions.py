@@ -19,9 +19,10 @@ from tests.long import long_but, mostly_long
 QUICK = ("antoni2007", "box", "coulomb", "cohesive", "orthotropic", "quartic", "superellipse", "tresca", "von-mises")
 
 
-def test_restrictions_of_quick_laws_are_not_weaker() -> None:
+@pytest.mark.parametrize("count", mostly_long([4, 12], 4))
+def test_restrictions_of_quick_laws_are_not_weaker(count: int) -> None:
     whole: dict[str, Any] = {}
-    for asked in restrictions(12, 7, QUICK):
+    for asked in restrictions(count, 7, QUICK):
         known = whole.setdefault(asked.law, {r.claim: r for r in verify(asked.law).results})
         assert weaker(asked, known) == [], str(asked)
 

@@ -113,7 +113,8 @@ def test_the_prover_knows_the_threshold(g: str, parameters: dict[str, Domain], c
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "change", long_at([0], [("2*yz*xz*xy", "3*yz*xz*xy"), ("(2*yy-zz-xx)/3)*xz**2", "(2*yy-zz-xx)/3)*yz**2"), ("xx + yy", "xx + 2*yy")])
+    ("change",),
+    long_at([0], zip([("2*yz*xz*xy", "3*yz*xz*xy"), ("(2*yy-zz-xx)/3)*xz**2", "(2*yy-zz-xx)/3)*yz**2"), ("xx + yy", "xx + 2*yy")])),
 )
 def test_what_is_no_invariant_is_taken_for_none(change: tuple[str, str]) -> None:
     honest = law(f"{ARGYRIS} + B*I1**2", SIX, {"K": between("0.8", 1)})

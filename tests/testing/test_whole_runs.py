@@ -23,7 +23,7 @@ from duhem.testing.failures.causes import CAUSES, by_cause
 from duhem.testing.routines.unfinished import Unfinished
 from duhem.testing.run import ConformanceRun
 from duhem.testing.without_law import FreeRun, free_checks
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 from tests.oracles.routines import DISK, ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
 
 # -- visited -----------------------------------------------------------------------------------------------------------
@@ -174,7 +174,7 @@ def other_alone(trial: Array, pressure: Array, stiffness: Array) -> Array:
         (other_alone, "between the answer among others and that to the increment alone"),
     ],
 )
-@pytest.mark.parametrize("every", [1, 7])
+@pytest.mark.parametrize("every", long_but([1], [1, 7]))
 def test_one_increment_alone_is_asked_too(update: Callable[..., object], said: str, every: int) -> None:
     asked = ["answers", "repeatability", "feasibility"]
     report = conformance("orthotropic", update, ELLIPSE, checks=asked, max_examples=4, every=every, tries=20, seed=1)
