@@ -22,7 +22,7 @@ from duhem.expression import Neg, Norm, Pos, mpmath_, numpy_
 from duhem.law.catalogue import load
 from duhem.law.domain import POSITIVE, REAL, Domain
 from duhem.law.formula_law import Criterion
-from tests.long import long_but, mostly_long
+from tests.long import long_at, long_but, mostly_long
 
 CLOSED = (
     "antoni2007", "antoni2007-1d", "box", "capped", "cohesive", "coulomb", "orthotropic", "polygon", "radial-flow", "regularised",
@@ -291,11 +291,14 @@ def test_a_claim_that_is_undefined_or_infinite_is_no_claim() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("owner", "attribute", "wrong", "name"),
-    [
-        (Side, "polar", lambda self, c: self.up * Pos(c[0]) + self.down * Neg(c[0]), "antoni2007"),
-        (Holder, "polar", lambda self, c: Norm(*c), "box"),
-        (Polytope, "polar", lambda self, d: sp.Max(*self._products(d)[1:]), "tresca"),
-    ],
+    long_at(
+        [0],
+        [
+            (Side, "polar", lambda self, c: self.up * Pos(c[0]) + self.down * Neg(c[0]), "antoni2007"),
+            (Holder, "polar", lambda self, c: Norm(*c), "box"),
+            (Polytope, "polar", lambda self, d: sp.Max(*self._products(d)[1:]), "tresca"),
+        ],
+    ),
 )
 def test_a_wrong_polar_rule_gives_no_answer(owner: type, attribute: str, wrong: object, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert support_function(load(name)) is not None

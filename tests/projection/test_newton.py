@@ -133,7 +133,7 @@ def on_hosford(trial, limit, m):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("exponent", mostly_long(["1.001", "1.01", "1.1", "4", "100"], "1.01", "100"))
+@pytest.mark.parametrize("exponent", long_but([4], ["1.001", "1.01", "1.1", "4", "100"]))
 def test_exponents_next_to_one_and_high_in_high_precision(exponent):
     """Bends sharper than the digits of a stress: right to rounding, and known to be right."""
     rng = np.random.default_rng(0)

@@ -206,7 +206,7 @@ ANGLES = np.array([1.0, 30.0, 1000.0])  # from the tip, in shares of how thin K 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "power", "thin", "k"), mostly_long(THIN, THIN[0], THIN[3]))
+@pytest.mark.parametrize(("law", "power", "thin", "k"), long_but([0], THIN))
 def test_where_k_is_thin_it_is_asked_how_far_its_closest_point_is(law: str, power: float, thin: float, k: str, monkeypatch: Any) -> None:
     """Exact answers of a K that is larger by a share of itself: of its boundary's distance nothing shows where K is thin.
 

@@ -28,7 +28,7 @@ def test_restrictions_of_quick_laws_are_not_weaker(count: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("claim", mostly_long(["convexity", "smoothness", "normality", "dissipation"], "smoothness"))
+@pytest.mark.parametrize("claim", long_but([1], ["convexity", "smoothness", "normality", "dissipation"]))
 def test_one_claim_alone_keeps_its_trust(claim: str) -> None:
     """What its rule rests on is proved on the way, and is in the certificate."""
     found = verify("puck", claims=claim)
@@ -74,7 +74,7 @@ def test_a_proof_over_wider_domains_is_one_of_a_part(certificate: dict[str, Any]
 
 @pytest.mark.parametrize(
     "over",
-    long_but([0, 2, 5, 7], [
+    long_but([0, 5], [
         {"mu_b": {"positive": True}, "p": {"min": "2", "max": None}},  # the part is not in it
         {"mu_b": {"min": "1/10", "max": "1"}, "p": {"min": "1", "max": None}},
         {"mu_b": {"min": "-1"}, "p": {"min": "1", "max": None}},  # where the law divides by 0

@@ -52,11 +52,11 @@ def test_such_a_law_is_refuted_at_that_end() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
-    [
+    long_but([0, 3, 4, 7], [
         f"exp(1/0)*{J} - 1", f"exp(log(-1 - q**2))*{J} - 1", f"exp(sqrt(q - 1/2))*{J} - 1", f"exp(log(-1))*{X} - 1",
         "(max(a*b/b, b, c) - (a + b + c)/3)**2 - 1", "(max(a + b**2/b - b, b, c) - (a + b + c)/3)**2 - 1",
         f"where({J} > 0, {J}, 0*log(a)) - 1", f"where({J} > 0, {J}, 1/0*0) - 1",
-    ],
+    ]),
 )  # fmt: skip
 def test_what_has_no_value_is_asked_before_it_cancels(g: str) -> None:
     for claim, rule in (("convexity", "composition"), ("origin", "evaluation"), ("smoothness", "composition")):

@@ -78,7 +78,7 @@ def confirmed(law: Criterion, **inside: str) -> bool:
     return not objection("smoothness", "composition", frozenset(), stated(law_as_text(law)), {"inside": inside})
 
 
-@pytest.mark.parametrize("made", ROUND, ids=lambda made: spelt(*made.args, **made.keywords)[:40])
+@pytest.mark.parametrize("made", long_but([3, 5], ROUND), ids=lambda made: spelt(*made.args, **made.keywords)[:40])
 def test_round_at_its_ends(made: Callable[[], Criterion]) -> None:
     law = made()
     assert confirmed(law)

@@ -62,8 +62,11 @@ CORNERS = [name for name, _ in ALWAYS if KNOWN[name]["smoothness"] is Verdict.RE
 
 CASES = [(*law, method) for law in [*ALWAYS, *AT_VALUES] for method in METHODS]
 # Of few laws each run asks a dear method; a method of ones own is asked of all.
-SOME = {"closed-form": ("antoni2007", "capped", "coulomb", "orthotropic", "shifted-ellipse"), "newton": ("quartic", "drucker1949")}
-SOME["cvxpy"] = ("von-mises",)
+SOME = {
+    "closed-form": ("antoni2007", "capped", "coulomb", "orthotropic", "shifted-ellipse"),
+    "newton": ("cohesive",),
+    "cvxpy": ("von-mises",),
+}
 EVERY_RUN = [(name, values, method) for name, values, method in CASES if name in SOME.get(method, (name,))]
 TANGENT = [name for name, imported in METHODS.items() if imported().tangent is not None]
 
