@@ -418,7 +418,7 @@ def test_command(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert found["duhem"] == duhem.__version__ and found["rows"][0]["method"] == "newton"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_command_draws(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "bench.svg"
     arguments = ("bench", "antoni2007-1d", "--set", "mu_plus=0.2", "--set", "mu_minus=0.1", "--scene", "path", "--repeats", "1", "--plot")

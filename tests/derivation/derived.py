@@ -15,7 +15,7 @@ LAWS = (
     "von-mises",
 )  # fmt: skip
 EVERY_RUN = (  # of smooth laws, of some with corners, of each flow: those that are derived soonest
-    "antoni2007", "antoni2007-1d", "box", "cohesive", "coulomb", "limacon", "matchstick", "quartic", "radial-flow", "rotated-flow",
+    "antoni2007", "antoni2007-1d", "box", "coulomb", "limacon", "matchstick", "radial-flow",
 )  # fmt: skip
 
 

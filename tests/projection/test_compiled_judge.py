@@ -39,7 +39,7 @@ def _question(name: str, n: int, seed: int = 0, full: bool = False) -> Increment
 
 @pytest.mark.slow
 @pytest.mark.parametrize("full", [False, True], ids=["diagonal", "full"])
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", long_but([0, 2, 4, 5, 7, 8, 11, 13], LAWS))
 def test_what_it_calls_right_the_judge_does_too(name: str, full: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     question = _question(name, N, full=full)
     solution = newton.solve(question)

@@ -61,7 +61,7 @@ def _as_text(question: Increment) -> tuple[Solution, np.ndarray]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("full", [False, True], ids=["diagonal", "full"])
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", long_but([0, 2, 4, 5, 7, 8, 11, 13], LAWS))
 def test_it_is_the_search(name: str, full: bool) -> None:
     question = _question(name, 25, 3, full=full)
     found, state = _as_text(question)

@@ -26,7 +26,7 @@ STIFFNESSES = ("unit", "diagonal", "full")
     ("law", "values", "kind"),
     mostly_long(
         [(*law, kind) for law in CONVEX for kind in STIFFNESSES],
-        *((*law, kind) for law, kind in zip(CONVEX, cycle(STIFFNESSES), strict=False)),
+        *[(*law, kind) for law, kind in zip(CONVEX, cycle(STIFFNESSES), strict=False)][::2],
     ),
     ids=lambda x: x if isinstance(x, str) else "-".join(str(v) for v in x.values()),
 )
@@ -349,7 +349,7 @@ def test_endless_directions():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "values"), YIELD, ids=lambda x: x if isinstance(x, str) else str(x.get("m", "")))
+@pytest.mark.parametrize(("law", "values"), long_but([0, 2, 4], YIELD), ids=lambda x: x if isinstance(x, str) else str(x.get("m", "")))
 @pytest.mark.parametrize("size", long_but([1], [5e-3, 5e-2]))
 def test_yield_surfaces_without_a_failure(law, values, size):
     failures, worst, _ = campaign(law, values, size, 1000)

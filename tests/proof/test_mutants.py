@@ -179,7 +179,8 @@ MUTANTS = [*EQUIVALENT, *INADMISSIBLE]
 DEAR = (  # most of the time of all; of their kind another stays
     *("the normal to another length", "coefficients exchanged in the flow", "one component of the flow left out"),
     *("the flow along the boundary of a disk", "the flow reversed", "squares lost in the flow", "a flat g away from the origin"),
-    *("the normal written out as the flow", "a maximum for a norm: corners"),
+    *("the normal written out as the flow", "a maximum for a norm: corners", "the flow turned by a right angle"),
+    *("a sign lost in the flow", "square roots for squares", "an inward seam on one side", "mu for 1/mu in one quadrant"),
 )
 
 

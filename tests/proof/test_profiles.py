@@ -71,7 +71,7 @@ def by_prover(criterion: Criterion) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("g", "parameters", "convex"), long_but([0, 1, 3, 5, 9, 11, 13, 15, 17, *range(19, 28), 29, 31], CASES))
+@pytest.mark.parametrize(("g", "parameters", "convex"), long_but([1, 5, 9, 11, 13, 15, 17, 20, 22, 24, 26, 27, 29, 31], CASES))
 def test_a_body_is_convex_where_its_profile_is(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     assert by_kernel(law(g, parameters)) is convex
     assert by_prover(law(g, parameters)) is convex

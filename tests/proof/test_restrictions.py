@@ -28,7 +28,7 @@ def test_restrictions_of_quick_laws_are_not_weaker(count: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("claim", long_but([1], ["convexity", "smoothness", "normality", "dissipation"]))
+@pytest.mark.parametrize("claim", long_but([3], ["convexity", "smoothness", "normality", "dissipation"]))
 def test_one_claim_alone_keeps_its_trust(claim: str) -> None:
     """What its rule rests on is proved on the way, and is in the certificate."""
     found = verify("puck", claims=claim)

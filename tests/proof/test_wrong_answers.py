@@ -275,7 +275,7 @@ PIECES: dict[str, tuple[bool | None, bool]] = {  # without a gauge to read off; 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("g", "truth"), long_but([2, 4, 6, 8], PIECES.items()))
+@pytest.mark.parametrize(("g", "truth"), long_but([2, 4, 8], PIECES.items()))
 def test_seams_between_curved_pieces(g: str, truth: tuple[bool | None, bool]) -> None:
     found = verify(_law(g, pressure=None), claims=["convexity", "smoothness"])
     if truth[0] is None:  # convex, which no rule and no decider shows

@@ -467,7 +467,7 @@ def test_a_title_breaks_between_values_and_not_within_one() -> None:
     assert len(said.splitlines()) > 1 and all(line.count("=") == line.count(" = ") for line in said.splitlines())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_lines_of_many_knots_are_told_apart_without_colour() -> None:
     run = scene(method="implicit", substeps=100)
     assert len(run) > 200

@@ -269,7 +269,7 @@ def test_what_a_stiffness_of_the_first_call_says_too_is_told_without_it(seed: in
     assert failure.alone and failure.diagnosis.startswith("radial return"), str(failure)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_of_the_first_call_what_is_kept_alone_is_named() -> None:
     def only(key: Callable[[Array, float], object]) -> Routine:
         kept: dict[object, float] = {}

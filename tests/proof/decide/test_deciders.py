@@ -79,7 +79,7 @@ def test_products_with_words() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scale", long_but([0, 3], [1, -1, 2, -3]))
+@pytest.mark.parametrize("scale", long_but([3], [1, -1, 2, -3]))
 @pytest.mark.parametrize(
     ("word", "zero", "ends"),
     [(sp.sinh, 0, ()), (sp.tanh, 0, ()), (sp.atan, 0, ()), (sp.asin, 0, (-1, 1)), (sp.acos, 1, (-1, 1)), (sp.log, 1, ())],
