@@ -149,7 +149,7 @@ def test_reference_path_agrees_with_the_disk() -> None:
         assert max(abs(a - b) for a, b in zip(driven.stress[-1], expected, strict=True)) <= mpmath.mpf(10) ** -18
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_reference_path_agrees_with_collocation() -> None:
     """Across a seam of the quarter ellipses; the other way is Gauss collocation on the criterion as it is printed."""
     points = [[0.0, 0.0], [0.25, -0.05], [0.3, 0.15]]

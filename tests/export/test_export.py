@@ -247,7 +247,7 @@ def test_what_has_no_routine_is_refused(law: Criterion, why: str) -> None:
 THROUGH = ["coulomb", "orthotropic", "tresca", "von-mises"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("name", mostly_long(THROUGH, "coulomb"))
 def test_a_user_puts_the_file_to_the_suite(name: str, tmp_path: Path) -> None:
     """By the prototype that its head gives, as any C is."""

@@ -78,7 +78,7 @@ def test_fit_is_the_maximum_likelihood_fit():
     assert np.sum(np.square(done.residual)) == pytest.approx(2.0 * full.cost, rel=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_distance_by_the_shape_and_by_the_formula_agree():
     given = table(PAPER, noise=2000.0)
     law = duhem.load("antoni2007")
@@ -152,7 +152,7 @@ def test_bootstrap_is_seeded_and_has_the_size_of_the_covariance(draws):
         assert done[name].interval == pytest.approx(tuple(np.quantile(done.draws[:, i], [0.025, 0.975])))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_residual_bootstrap_without_a_scatter():
     given = table(PAPER, m=60, seed=2, noise=400.0)
     for robust in (False, True):

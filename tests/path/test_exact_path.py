@@ -43,7 +43,7 @@ def test_one_step_a_segment_agrees_with_thirty_digits(seed):
         assert history.work[i] == pytest.approx(float(work), rel=1e-13)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_random_paths_cross_seams_unload_and_stick():
     seams = sticks = 0
     for seed in (0, 10, 33, 35, 36):

@@ -105,7 +105,7 @@ def test_what_the_judge_does_not_take_is_a_step_of_the_search(fault, monkeypatch
     assert len(searched) >= 2 and np.abs(found.to_array() - right.to_array()).max() < 1e-13
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_step_that_cannot_be_vouched_for_ends_the_run_as_it_does_elsewhere():
     bent = Criterion("bent", "norm(a, b)**2 - 3*a*b - 1/10", {}, forces=("a", "b"), pressure=None)  # not convex, without end
     path = Path.linear([[0.0, 0.0], [0.05, 0.0], [0.9, -0.6], [-1.5, 2.0], [3.0, 0.1]])

@@ -131,7 +131,7 @@ def test_a_stress_inside_that_has_no_angle_is_vouched_for(name: str) -> None:
     assert np.isfinite(duhem.simulate(law, path, stiffness=1.0).stress).all()  # from no stress at all
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_cone_about_the_hydrostatic_axis_in_six_stresses_is_that_of_its_principal_stresses():
     """It fills too little of six dimensions to be met by chance."""
     six = duhem.Criterion(

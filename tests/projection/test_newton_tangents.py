@@ -146,7 +146,7 @@ def test_an_edge_of_equal_principal_stresses_has_no_tangent_that_is_known():
     assert done.tangent is not None and np.isnan(done.tangent).all()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_all_faces_of_a_vertex_in_six_forces_hold_it():
     law = duhem.load("schmid-fcc").fix({"tc": 1})
     trial = np.array([2.5719642299223375, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -49,7 +49,7 @@ def test_few_claims_stay_open(places: Sequence[int]) -> None:
     assert marks.count("open") <= len(marks) // 50
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_campaign_repeats_itself() -> None:
     first = drawn(27)[:9]
     assert [t.law for t in trials(9, seed=2)] == [t.law for t in first]

@@ -156,7 +156,7 @@ def _agreement() -> dict[tuple[bool, bool], int]:
     return counts
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_our_rules_know_whatever_cvxpy_knows() -> None:
     counts = _agreement()
     assert counts[True, True] > 200 and counts[False, False] > 20

@@ -217,7 +217,7 @@ def test_where_the_flow_runs_backward_it_deviates() -> None:
         assert curves._deviates(_subject((C, S), flow), {})
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_no_deviation_of_a_curve_that_is_not_simple() -> None:
     for boundary in (limacon("3/2"), DOUBLE, (C, f"{C}*{S}")):
         for flow in (_turned(S), ("1", "0")):

@@ -47,7 +47,7 @@ def test_what_no_sample_meets(g: str, forces: str, dented: bool) -> None:
     assert found(g, tuple(forces)) is dented
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_follows_for_the_slip() -> None:
     law = Criterion(name="law", g=CONE, forces=("a", "b", "c"), pressure=None)
     result = verify(law, claims=["convexity", "normality"])

@@ -103,7 +103,7 @@ def test_what_was_shown_of_a_boundary_is_proved(g: str) -> None:
     assert {r.claim for r in found.results if r.claim in true and r.verdict is not Verdict.PROVED} == set()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("turn", [(1, 2, 1, -1)])
 def test_polygons_with_corners_outward_and_inward(turn: tuple[int, int, int, int]) -> None:
     """max(|u|, |v|) + t min(|u|, |v|) = 1 is convex for t <= 1, in whatever coordinates; so it is where its corners are not alike."""

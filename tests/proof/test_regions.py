@@ -75,7 +75,7 @@ def drawn(rng: Random) -> str:
     return f"max({side} - pos({rest})**({root}), -({u}), {u} - 1)"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_chords_do_not_contradict_what_is_shown_of_drawn_caps() -> None:
     rng, shown = Random(11), 0
     for _ in range(40):

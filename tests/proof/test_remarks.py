@@ -62,6 +62,7 @@ def test_nothing_untrue_is_said_of_sets_of_known_kind(count: int) -> None:
     assert found == {} and said > count * 0.4
 
 
+@pytest.mark.long
 def test_the_campaign_knows_an_untruth() -> None:
     """Each sentence is untrue of some of the sets."""
     sentences = (

@@ -324,7 +324,7 @@ def test_a_dent_that_random_chords_miss(e: str, convex: bool) -> None:
         assert found["convexity"].verdict is PROVED if convex else _refuted(found, "convexity")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_fine_texture_is_not_missed() -> None:
     """Twelve lobes of depth 1/145 + 1e-6: the dents are narrow and shallow."""
     law = lobe_law(12)

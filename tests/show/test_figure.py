@@ -478,7 +478,7 @@ def test_lines_of_many_knots_are_told_apart_without_colour() -> None:
     assert not [line for line in path.lines if line.get_marker() != "None" and len(line.get_xdata()) > 1]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_where_the_pressure_varies_both_boundaries_are_seen_over_the_path() -> None:
     path = Path.linear([[0, 0], [3, 0], [3, 3]], pressure=[-1.0, -3.0, -2.0])
     run = simulate("coulomb", path, stiffness=1.0, parameters={"mu": 0.5}, substeps=4)

@@ -159,6 +159,7 @@ def test_one_normal_at_every_seam(name: str) -> None:
     assert report.passed == ("smoothness",) or len(duhem.load(name).forces) == 1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", mostly_long(CORNERS, "box"))
 def test_two_normals_at_a_corner(name: str) -> None:
     report = conformance(name, cone, checks=[check("smoothness")], rows=10, max_examples=30, tries=5)  # that it fails is asked, not where

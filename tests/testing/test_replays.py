@@ -98,7 +98,7 @@ def test_a_replay_fails_with_the_bug_and_passes_without(routine: str, friction: 
     runpy.run_path(str(file))["test_feasibility"]()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_shows_after_other_calls_alone_is_drawn_again(friction: Callable[[float], object], tmp_path: Path) -> None:
     box = duhem.Criterion("box", "max(abs(sigma_a), abs(sigma_b)) + mu*sigma_n", {"mu": duhem.Domain(positive=True)})
     asked = {"checks": ["variational-inequality", "repeatability"], "stiffness": 1.0, "max_examples": 5, "tries": 20, "seed": 3}

@@ -332,7 +332,7 @@ def test_what_raises_beside_the_trial_is_told_by_its_own_increment(
     assert violation(name, "box", update, failure.case, open_parameters=()) == failure.message
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_routine_that_raises_is_asked_for_it_few_times(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each of those calls may cost a process."""
 

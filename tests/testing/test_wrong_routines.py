@@ -407,7 +407,7 @@ def test_an_open_contact_at_rest_is_asked(seed: int) -> None:
     assert "answers" in conformance("coulomb", open_, {"mu": 0.3}, stiffness=1e9, checks="answers", tries=0, seed=seed).failed
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_slips_go_all_round() -> None:
     """Of 72 sectors of five degrees at most a few are empty in a run of the usual length."""
     asked: list[Array] = []
