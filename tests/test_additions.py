@@ -46,6 +46,7 @@ def test_a_law_is_one_file_of_at_most_fifteen_lines() -> None:
     assert len(LAW.splitlines()) <= 15
 
 
+@pytest.mark.long
 def test_a_law_is_listed_and_derived(with_law: Tree) -> None:
     assert "tilted-ellipse" in with_law.run("-m", "duhem", "list")
     assert "tilt" in with_law.run("-m", "duhem", "derive", "tilted-ellipse")
@@ -118,6 +119,7 @@ def test_a_word_is_given_its_meaning_by_every_interpreter(with_word: Tree) -> No
     assert passed and int(passed[1]) >= 30, said
 
 
+@pytest.mark.long
 def test_a_word_is_read_verified_and_projected(with_word: Tree) -> None:
     report = json.loads(with_word.run("-m", "duhem", "verify", "disc.toml", "--format", "json", "--claims", "origin,convexity"))
     assert {claim["verdict"] for claim in report["claims"]} == {"proved"}
@@ -239,6 +241,7 @@ def test_a_method_of_projection_projects(with_method: Tree) -> None:
     assert found["stress"] == pytest.approx([0.4], rel=1e-15)
 
 
+@pytest.mark.long
 def test_a_method_of_projection_is_measured(with_method: Tree) -> None:
     with_method.run("-m", "duhem", "bench", "antoni2007-1d", *LINE, "--scene", "increment", "--repeats", "1", "--json", "bench.json")
     rows = json.loads((with_method.path / "bench.json").read_text("utf-8"))["rows"]

@@ -39,12 +39,14 @@ def verdicts(verification):
 @pytest.mark.slow
 def test_a_law_verifies_alike_in_another_process(pool, tmp_path):
     (tmp_path / "shifted.toml").write_text(FILE)
+    witnesses = 0
     for law in ("coulomb", duhem.load("radial-flow"), duhem.load(tmp_path / "shifted.toml"), known_here_only):
         there = pool.submit(duhem.verify, law).result()
         here = duhem.verify(law)
         assert verdicts(there) == verdicts(here) and there.criterion == here.criterion
         assert there.left_out == here.left_out and there.remarks == here.remarks
-    assert any(r.witness is not None for r in pool.submit(duhem.verify, "radial-flow").result().results)
+        witnesses += sum(r.witness is not None for r in there.results)
+    assert witnesses
 
 
 @pytest.mark.slow

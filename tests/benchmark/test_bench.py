@@ -29,6 +29,7 @@ from duhem.left_out import LeftOut
 from duhem.projection.closed_form import CLOSED_FORM, ClosedFormOptions
 from duhem.projection.increment import Increment
 from duhem.projection.result import Solution
+from tests.long import long_at, long_but
 from tests.oracles.path import drive
 from tests.oracles.projection import closest
 
@@ -58,17 +59,20 @@ def coulomb() -> Criterion:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("trial", "load", "k"),
-    [
-        ((0.3, 0.2), 1.0, [[1.0, 0.0], [0.0, 1.0]]),
-        ((-0.3, -0.2), 1.0, [[1.0, 0.0], [0.0, 4.0]]),
-        ((0.3, -0.01), 1.0, [[2.0, 1.0], [1.0, 3.0]]),
-        ((0.3, -0.001), 1.0, [[2.0, 1.9], [1.9, 3.0]]),  # the result lies in another quadrant
-        ((1e16, 1.0), 1.0, [[1.0, 0.0], [0.0, 1e12]]),
-        ((math.nextafter(0.2, 1), 1e-17), 1.0, [[1.0, 0.0], [0.0, 1.0]]),
-        ((3e-290, 2e-290), 1e-290, [[1.0, 0.0], [0.0, 2.0]]),
-        ((3e290, -2e290), 1e290, [[1.0, 0.0], [0.0, 2.0]]),
-        ((0.1, 0.01), 1.0, [[1.0, 0.0], [0.0, 1.0]]),
-    ],
+    long_at(
+        [1, 3, 4, 7],
+        [
+            ((0.3, 0.2), 1.0, [[1.0, 0.0], [0.0, 1.0]]),
+            ((-0.3, -0.2), 1.0, [[1.0, 0.0], [0.0, 4.0]]),
+            ((0.3, -0.01), 1.0, [[2.0, 1.0], [1.0, 3.0]]),
+            ((0.3, -0.001), 1.0, [[2.0, 1.9], [1.9, 3.0]]),  # the result lies in another quadrant
+            ((1e16, 1.0), 1.0, [[1.0, 0.0], [0.0, 1e12]]),
+            ((math.nextafter(0.2, 1), 1e-17), 1.0, [[1.0, 0.0], [0.0, 1.0]]),
+            ((3e-290, 2e-290), 1e-290, [[1.0, 0.0], [0.0, 2.0]]),
+            ((3e290, -2e290), 1e290, [[1.0, 0.0], [0.0, 2.0]]),
+            ((0.1, 0.01), 1.0, [[1.0, 0.0], [0.0, 1.0]]),
+        ],
+    ),
 )
 def test_reference_agrees_with_the_oracle(trial: tuple[float, float], load: float, k: list[list[float]]) -> None:
     """Two ways: optimality conditions of the formula here, the secular equation of the ellipse there."""
@@ -111,12 +115,15 @@ def test_reference_declines_what_it_cannot_do() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "k"),
-    [
-        ("norm(a, b) + 1/a - 1", np.eye(2)),
-        ("exp(exp(a**2 + b**2)) - 3", np.eye(2)),
-        ("norm(a, b) - 1", np.zeros((2, 2))),
-        ("norm(a, b) - 1", np.ones((2, 2))),
-    ],
+    long_but(
+        [0, 2],
+        [
+            ("norm(a, b) + 1/a - 1", np.eye(2)),
+            ("exp(exp(a**2 + b**2)) - 3", np.eye(2)),
+            ("norm(a, b) - 1", np.zeros((2, 2))),
+            ("norm(a, b) - 1", np.ones((2, 2))),
+        ],
+    ),
 )
 def test_a_reference_that_its_digits_do_not_reach_says_why(g: str, k: np.ndarray) -> None:
     law = Criterion("far", g, {}, forces=("a", "b"), pressure=None)
@@ -142,7 +149,7 @@ def test_reference_path_agrees_with_the_disk() -> None:
         assert max(abs(a - b) for a, b in zip(driven.stress[-1], expected, strict=True)) <= mpmath.mpf(10) ** -18
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_reference_path_agrees_with_collocation() -> None:
     """Across a seam of the quarter ellipses; the other way is Gauss collocation on the criterion as it is printed."""
     points = [[0.0, 0.0], [0.25, -0.05], [0.3, 0.15]]
@@ -319,7 +326,7 @@ def test_whole_calls_are_held_to_a_copy_in_the_same_run() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("points", "often"), [(5_000, 2), (20_000, 4), (500_000, 40)])
+@pytest.mark.parametrize(("points", "often"), long_at([1], [(5_000, 2), (20_000, 4), (500_000, 40)]))
 def test_small_batches_are_taken_more_often(points: int, often: int) -> None:
     rows = list(whole_calls.rows(throughput.Load.of(Specimen.of(coulomb()), points), [], repeats=2))
     assert [row.seconds.repeats // 5 for row in rows if row.seconds is not None] == [2, often][-len(rows) :]
@@ -411,7 +418,7 @@ def test_command(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert found["duhem"] == duhem.__version__ and found["rows"][0]["method"] == "newton"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_command_draws(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "bench.svg"
     arguments = ("bench", "antoni2007-1d", "--set", "mu_plus=0.2", "--set", "mu_minus=0.1", "--scene", "path", "--repeats", "1", "--plot")

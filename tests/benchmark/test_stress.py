@@ -187,7 +187,7 @@ def test_refusals_name_argument_and_index() -> None:
     assert not any(r.held for r in found) and all(r.answer.startswith("answered") for r in found)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_metals_have_no_pressure_and_no_thin_axis() -> None:
     contenders = [Contender.of("newton", "newton")]
     result = stress(formula("tresca", yield_stress="1"), axes=("aspect of K", "boundary distance"), contenders=contenders)

@@ -28,6 +28,7 @@ import duhem
 from duhem import InputError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import entries
+from duhem.law.curve_law import Law
 from duhem.proof.claims import CHEAP, DEAR
 from duhem.proof.kernel.certificate import CLAIMS, stated
 from duhem.proof.kernel.claims import objection, rules_of
@@ -352,12 +353,12 @@ _WORDS: Mapping[str, Callable[..., Any]] = {
 }  # fmt: skip
 
 
-def made(names: Sequence[str]) -> list[dict[str, Any]]:
+def made(laws: Sequence[str | Law]) -> list[dict[str, Any]]:
     """The certificates of laws; none for one without exact parameters."""
     found = list[dict[str, Any]]()
-    for name in names:
+    for law in laws:
         try:
-            found.append(duhem.verify(duhem.load(name)).certificate())
+            found.append(duhem.verify(law).certificate())
         except InputError:
             continue
     return found

@@ -137,7 +137,7 @@ def test_arguments(case: str, tmp_path: Path, complaint: Refused) -> None:
     refused_arguments(case, tmp_path, complaint)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("case", mostly_long(PROCESSES, "import that acts"))
 def test_in_a_process_of_its_own(case: str, tmp_path: Path) -> None:
     (refused_file if case in FILES else refused_arguments)(case, tmp_path, complaint_of_a_process)

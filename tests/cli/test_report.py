@@ -155,7 +155,7 @@ def test_a_file_that_is_read_is_not_written_over(run: Run, tmp_path: Path) -> No
     assert law.read_text("utf-8") == LAW and [*tmp_path.iterdir()] == [law]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_another_process_writes_the_same_bytes_but_for_times(hostile: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(hostile.parent)
     law = "<b>&law.toml"

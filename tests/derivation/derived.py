@@ -14,6 +14,9 @@ LAWS = (
     "orthotropic", "polygon", "quartic", "radial-flow", "regularised", "rotated-flow", "shifted-ellipse", "superellipse", "tresca",
     "von-mises",
 )  # fmt: skip
+EVERY_RUN = (  # of smooth laws, of some with corners, of each flow: those that are derived soonest
+    "antoni2007", "antoni2007-1d", "box", "coulomb", "limacon", "matchstick", "radial-flow",
+)  # fmt: skip
 
 
 @cache

@@ -12,12 +12,12 @@ import pytest
 from duhem.derivation.derive import derive
 from duhem.law import POSITIVE, Criterion
 from duhem.law.atlas.entry import groups
-from tests.derivation.derived import LAWS, derived
+from tests.derivation.derived import EVERY_RUN, LAWS, derived
 from tests.long import mostly_long
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", mostly_long(LAWS, *EVERY_RUN))
 def test_numbers_and_names_are_unique_and_what_is_missing_has_a_reason(name: str) -> None:
     d = derived(name)
     assert len({e.number for e in d}) == len({e.name for e in d}) == len(d)
@@ -38,7 +38,7 @@ def test_a_notebook_shows_it_as_markdown_and_a_console_in_one_line() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", mostly_long(LAWS, *EVERY_RUN))
 def test_latex_is_balanced(name: str) -> None:
     source = derived(name).latex()
     opened: list[str] = []

@@ -22,11 +22,15 @@ from duhem.expression import Neg, Norm, Pos, mpmath_, numpy_
 from duhem.law.catalogue import load
 from duhem.law.domain import POSITIVE, REAL, Domain
 from duhem.law.formula_law import Criterion
-from tests.long import mostly_long
+from tests.long import long_at, long_but, mostly_long
 
 CLOSED = (
     "antoni2007", "antoni2007-1d", "box", "capped", "cohesive", "coulomb", "orthotropic", "polygon", "radial-flow", "regularised",
     "rotated-flow", "shifted-ellipse", "superellipse", "tresca", "von-mises",
+)  # fmt: skip
+SHORT = (  # one of each kind
+    "box", "coulomb", "orthotropic", "radial-flow", "squares", "form off centre", "half ellipses", "off-centre diamond", "p = 4",
+    "interval off centre", "unknown sign",
 )  # fmt: skip
 OPEN = ("drucker1949", "hosford", "limacon", "lobes", "matchstick", "quartic")
 
@@ -98,7 +102,7 @@ def directions(found: SupportFunction, seed: int) -> np.ndarray:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*CLOSED, *MADE])
+@pytest.mark.parametrize("name", mostly_long([*CLOSED, *MADE], *SHORT))
 def test_potential_is_the_greatest_product_over_the_boundary(name: str) -> None:
     law, found = closed(name)
     values = values_of(law, found, 1)
@@ -158,7 +162,7 @@ def test_potential_is_the_published_formula(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*CLOSED, *MADE])
+@pytest.mark.parametrize("name", mostly_long([*CLOSED, *MADE], *SHORT))
 def test_maximiser_lies_on_the_boundary_and_attains(name: str) -> None:
     law, found = closed(name)
     assert found.maximiser is not None
@@ -238,7 +242,7 @@ def test_rates_are_named_after_forces_and_never_clash() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("factor", ["1 + 10**-9", "1 - 10**-9"])
-@pytest.mark.parametrize("name", ["antoni2007", "box", "superellipse", "tresca", "shifted-ellipse"])
+@pytest.mark.parametrize("name", long_but([1, 3], ["antoni2007", "box", "superellipse", "tresca", "shifted-ellipse"]))
 def test_a_potential_slightly_off_is_caught(name: str, factor: str) -> None:
     law, found = closed(name)
     assert not defects(law, found)
@@ -287,11 +291,14 @@ def test_a_claim_that_is_undefined_or_infinite_is_no_claim() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("owner", "attribute", "wrong", "name"),
-    [
-        (Side, "polar", lambda self, c: self.up * Pos(c[0]) + self.down * Neg(c[0]), "antoni2007"),
-        (Holder, "polar", lambda self, c: Norm(*c), "box"),
-        (Polytope, "polar", lambda self, d: sp.Max(*self._products(d)[1:]), "tresca"),
-    ],
+    long_at(
+        [0],
+        [
+            (Side, "polar", lambda self, c: self.up * Pos(c[0]) + self.down * Neg(c[0]), "antoni2007"),
+            (Holder, "polar", lambda self, c: Norm(*c), "box"),
+            (Polytope, "polar", lambda self, d: sp.Max(*self._products(d)[1:]), "tresca"),
+        ],
+    ),
 )
 def test_a_wrong_polar_rule_gives_no_answer(owner: type, attribute: str, wrong: object, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert support_function(load(name)) is not None
@@ -300,7 +307,7 @@ def test_a_wrong_polar_rule_gives_no_answer(owner: type, attribute: str, wrong: 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long([*CLOSED, *MADE], *CLOSED, *(name for name in MADE if name != "octagon")))
+@pytest.mark.parametrize("name", mostly_long([*CLOSED, *MADE], *SHORT))
 def test_polar_of_the_polar_is_the_gauge(name: str) -> None:
     law, found = closed(name)
     back = biconjugate(law, found)

@@ -23,6 +23,7 @@ from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import NEGATIVE
 from duhem.proof.kernel.term import parse
+from tests.long import long_but
 
 NAMES = [symbol(n) for n in ("xx", "yy", "zz", "yz", "xz", "xy")]
 FORM = EigMax(*NAMES)
@@ -131,12 +132,15 @@ FRICTION = "(1 + sin(phi))*principal(s, 1) - (1 - sin(phi))*principal(s, 3) - k*
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
-    [
-        "principal(s, 1) - k",
-        "principal(s, 1) - principal(s, 3) - k",
-        pytest.param("max(principal(s, 1) - k, -principal(s, 3) - 10*k)", marks=pytest.mark.long),
-        FRICTION,
-    ],
+    long_but(
+        [1, 3],
+        [
+            "principal(s, 1) - k",
+            "principal(s, 1) - principal(s, 3) - k",
+            pytest.param("max(principal(s, 1) - k, -principal(s, 3) - 10*k)", marks=pytest.mark.long),
+            FRICTION,
+        ],
+    ),
 )
 def test_laws_of_principal_stresses_are_proved(g: str) -> None:
     phi = {"phi": Domain.between("0.05", "1.2")} if "phi" in g else {}
@@ -146,7 +150,7 @@ def test_laws_of_principal_stresses_are_proved(g: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("g", ["principal(s, 2) - k", "principal(s, 1) + 2*principal(s, 3) - k"])
+@pytest.mark.parametrize("g", long_but([0], ["principal(s, 2) - k", "principal(s, 1) + 2*principal(s, 3) - k"]))
 def test_false_neighbours_are_refuted(g: str) -> None:
     assert _verdicts(g)["convexity"][0] == "refuted"
 

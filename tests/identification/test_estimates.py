@@ -18,7 +18,7 @@ TAIL = 1e-4
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("laws", mostly_long([40, 200], 40))
+@pytest.mark.parametrize("laws", mostly_long([15, 200], 15))
 def test_exact_points_give_back_their_law_in_every_quadrant(laws):
     draw = np.random.default_rng(20)
     for _ in range(laws):
@@ -31,7 +31,7 @@ def test_exact_points_give_back_their_law_in_every_quadrant(laws):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("repeats", mostly_long([40, 80], 40))
+@pytest.mark.parametrize("repeats", mostly_long([16, 80], 16))
 def test_estimates_have_the_covariance_of_cramer_and_rao(repeats):
     """R whitened errors of an efficient unbiased fit: their squares add up to a chi^2 on 4 R degrees of freedom."""
     m, scatter = 32, 400.0  # 0.2 to 0.5 % of the half-axes
@@ -78,7 +78,7 @@ def test_fit_is_the_maximum_likelihood_fit():
     assert np.sum(np.square(done.residual)) == pytest.approx(2.0 * full.cost, rel=0.02)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_distance_by_the_shape_and_by_the_formula_agree():
     given = table(PAPER, noise=2000.0)
     law = duhem.load("antoni2007")
@@ -139,10 +139,10 @@ def test_huber_stays_put_however_far_an_outlier_goes():
 
 
 @pytest.mark.slow
-def test_bootstrap_is_seeded_and_has_the_size_of_the_covariance():
+@pytest.mark.parametrize("draws", mostly_long([150, 400], 150))
+def test_bootstrap_is_seeded_and_has_the_size_of_the_covariance(draws):
     given = table(PAPER, m=24, seed=2, noise=400.0)
     columns = {n: given[:, i] for i, n in enumerate(("sigma_a", "sigma_b", "sigma_n"))} | {"scatter": np.full(24, 400.0)}
-    draws = 400
     done, again, other = (duhem.identify(columns, bootstrap=draws, seed=s) for s in (7, 7, 8))
     assert np.array_equal(done.draws, again.draws) and not np.array_equal(done.draws, other.draws)
     low, high = stats.chi2.ppf([TAIL, 1 - TAIL], draws - 1) / (draws - 1)
@@ -152,7 +152,7 @@ def test_bootstrap_is_seeded_and_has_the_size_of_the_covariance():
         assert done[name].interval == pytest.approx(tuple(np.quantile(done.draws[:, i], [0.025, 0.975])))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_residual_bootstrap_without_a_scatter():
     given = table(PAPER, m=60, seed=2, noise=400.0)
     for robust in (False, True):

@@ -11,27 +11,31 @@ from duhem.identification.criterion_text import criterion_text
 from duhem.law.criterion_file import reads
 from duhem.law.domain import Domain
 from tests.identification.limit_points import PAPER, rays, table
+from tests.long import long_but
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name, parameters",
-    [
-        ("antoni2007-1d", {"mu_plus": 0.33, "mu_minus": 0.29}),
-        ("coulomb", {"mu": 0.3}),
-        ("orthotropic", {"mu_a": 0.3, "mu_b": 0.1}),
-        ("superellipse", {"mu_a": 0.3, "mu_b": 0.2, "p": 2.6}),
-        ("shifted-ellipse", {"mu_a": 0.3, "mu_b": 0.2, "shift": 0.05}),
-        ("limacon", {"mu": 0.3, "e": 0.4}),
-        ("lobes", {"mu": 0.3, "e": -0.05}),
-        ("matchstick", {"mu_a": 0.3, "mu_b": 0.25}),
-        ("quartic", {"mu": 0.3, "c": 3.0}),
-        ("hosford", {"yield_stress": 2.0, "m": 6.0}),
-        ("capped", {"mu": 0.3, "tau_max": 0.6}),
-        ("cohesive", {"mu": 0.3, "cohesion": 0.2}),
-        ("regularised", {"mu": 0.3, "c": 0.2}),
-        ("von-mises", {"yield_stress": 3.0}),
-    ],
+    long_but(
+        [*range(3), 8, 10, 11, 13],
+        [
+            ("antoni2007-1d", {"mu_plus": 0.33, "mu_minus": 0.29}),
+            ("coulomb", {"mu": 0.3}),
+            ("orthotropic", {"mu_a": 0.3, "mu_b": 0.1}),
+            ("superellipse", {"mu_a": 0.3, "mu_b": 0.2, "p": 2.6}),
+            ("shifted-ellipse", {"mu_a": 0.3, "mu_b": 0.2, "shift": 0.05}),
+            ("limacon", {"mu": 0.3, "e": 0.4}),
+            ("lobes", {"mu": 0.3, "e": -0.05}),
+            ("matchstick", {"mu_a": 0.3, "mu_b": 0.25}),
+            ("quartic", {"mu": 0.3, "c": 3.0}),
+            ("hosford", {"yield_stress": 2.0, "m": 6.0}),
+            ("capped", {"mu": 0.3, "tau_max": 0.6}),
+            ("cohesive", {"mu": 0.3, "cohesion": 0.2}),
+            ("regularised", {"mu": 0.3, "c": 0.2}),
+            ("von-mises", {"yield_stress": 3.0}),
+        ],
+    ),
 )
 def test_other_laws_are_recovered_and_proved(name, parameters):
     law = duhem.load(name)

@@ -46,7 +46,7 @@ def test_command_prints_one_json_object_and_names_lines(tmp_path):
     assert report["generalized_standard"] is True
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_command_draws(tmp_path):
     pytest.importorskip("matplotlib")
     rows = table(PAPER, m=40, seed=5, noise=400.0)

@@ -25,6 +25,7 @@ from duhem.law.curve_law import Law
 from duhem.law.domain import POSITIVE, Domain
 from duhem.law.formula_law import Criterion
 from duhem.proof.verdict import Verdict
+from tests.long import long_but
 from tests.oracles.literature import CLAIMS, KNOWN, LOBES, OUTSIDE, THRESHOLDS
 
 MODULES = [importlib.import_module(f"duhem.law.builtin.{found.name}") for found in pkgutil.iter_modules(duhem.law.builtin.__path__)]
@@ -249,7 +250,11 @@ FAMILY = [(lobe_law(n), {"e": e}, verdict) for n, e, verdict in LOBES]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "values", "verdict"), CURVED + FAMILY, ids=lambda x: x.name if isinstance(x, Criterion) else None)
+@pytest.mark.parametrize(
+    ("law", "values", "verdict"),
+    long_but([*range(7), *range(8, 17), 19, *range(22, 26), 27, 30], CURVED + FAMILY),
+    ids=lambda x: x.name if isinstance(x, Criterion) else None,
+)
 def test_thresholds_agree_with_the_curvature_of_the_boundary(law: Criterion, values: dict[str, str], verdict: Verdict) -> None:
     least = _curvatures(law, values).min()
     assert least > -1e-10 if verdict is Verdict.PROVED else least < -1e-8

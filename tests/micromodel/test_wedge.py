@@ -137,18 +137,22 @@ EXTREME = [
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("claims", mostly_long([["smoothness"], None], ["smoothness"]))
 @pytest.mark.parametrize("values", mostly_long(EXTREME, EXTREME[3]))
-def test_extreme_profiles(values: dict[str, str]) -> None:
-    done = verify("wedge", values)
+def test_extreme_profiles(values: dict[str, str], claims: list[str] | None) -> None:
+    done = verify("wedge", values, claims=claims)
     assert [r.claim for r in done.results if r.verdict is UNDECIDED] == []
-    assert [verdicts(done)[c] for c in ("origin", "smoothness", "normality", "dissipation")] == [PROVED, PROVED, REFUTED, PROVED]
+    expected = {"origin": PROVED, "smoothness": PROVED, "normality": REFUTED, "dissipation": PROVED}
+    asked = expected if claims is None else claims
+    assert {c: verdicts(done)[c] for c in asked} == {c: expected[c] for c in asked}
     assert all(holds(load("wedge"), r.claim, r.witness) for r in done.results if r.witness is not None)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("free", mostly_long(["tan_alpha", "mu_beta"], "mu_beta"))
+@pytest.mark.long
+@pytest.mark.parametrize("free", ["tan_alpha", "mu_beta"])
 def test_some_parameters_free(free: str) -> None:
-    """What holds for all values holds with one parameter free and the others fixed."""
+    """What holds for all values, as every run shows, holds with one parameter free and the others fixed."""
     some = verify("wedge", {n: v for n, v in SPECIMEN.items() if n != free}, claims=["origin", "dissipation"])
     assert verdicts(some) == {"origin": PROVED, "dissipation": PROVED}
     assert some["dissipation"].scope.startswith("all other parameters")
@@ -170,7 +174,8 @@ def deviation(values: Mapping[str, str], phi: float) -> float:
 @pytest.mark.slow
 @pytest.mark.parametrize("values", mostly_long([SPECIMEN, DENTED, STEEP], SPECIMEN))
 def test_greatest_deviation_by_optimisation(values: dict[str, str]) -> None:
-    witness = verify("wedge", values, claims=["normality"])["normality"].witness
+    done = found("specimen") if values == SPECIMEN else verify("wedge", values, claims=["normality"])
+    witness = done["normality"].witness
     assert witness is not None
     phi = np.linspace(0, np.pi, 721)
     slopes = [math.atan(Fraction(values[n])) for n in ("tan_alpha", "tan_beta")]
@@ -248,7 +253,7 @@ TRUTH: dict[str, tuple[Verdict, ...]] = {
     "kinks": (PROVED, UNDECIDED, UNDECIDED, UNDECIDED, UNDECIDED),
     "pole": (UNDECIDED,) * 5,
 }
-DEAR = ("inner loop", "flow turned beyond a right angle")
+DEAR = ("inner loop", "flow turned beyond a right angle", "flow turned by a millionth", "associated dent", "slight dent")
 
 
 @pytest.mark.slow
@@ -340,15 +345,15 @@ def run(*arguments: str) -> tuple[int, str]:
 
 @pytest.mark.slow
 def test_verify_and_list_on_the_command_line() -> None:
-    code, said = run("verify", "wedge", *SETTINGS, "--claims", "dissipation,normality", "--strict")
+    code, said = run("verify", "wedge", *SETTINGS, "--claims", "normality", "--strict")
     assert code == 1 and "2.41905 degrees" in said
     assert "wedge" in run("list")[1]
-    assert "(18)" in run("derive", "wedge")[1]
 
 
 @pytest.mark.slow
 def test_derive() -> None:
     assert duhem.derive("wedge")["implication"].number == "18"
+    assert "(18)" in run("derive", "wedge")[1]
     with pytest.raises(InputError, match="for all parameters"):
         duhem.derive("wedge", SPECIMEN)
     with pytest.raises(InputError, match="mutant has no formula g"):

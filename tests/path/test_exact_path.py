@@ -1,7 +1,7 @@
 """Exact paths against 30 digits, against each other, and against the closed forms of the plane."""
 
 import math
-from itertools import cycle, product
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ import pytest
 
 from duhem import Criterion, DuhemError, Path, simulate
 from duhem.path.elementary_steps import on_disk, on_ellipse
-from tests.long import mostly_long
+from tests.long import long_at, long_but, mostly_long
 from tests.oracles.path import drive
 
 NAMES = ("mu_a_plus", "mu_a_minus", "mu_b_plus", "mu_b_minus")
@@ -30,7 +30,7 @@ def exact(mu, k, path, **options):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", mostly_long([0, 10, 33, 35, 36], 10, 36))
+@pytest.mark.parametrize("seed", long_but([4], [0, 10, 33, 35, 36]))
 def test_one_step_a_segment_agrees_with_thirty_digits(seed):
     mu, k, path = polygon(seed)
     history = exact(mu, k, path)
@@ -42,7 +42,7 @@ def test_one_step_a_segment_agrees_with_thirty_digits(seed):
         assert history.work[i] == pytest.approx(float(work), rel=1e-13)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_random_paths_cross_seams_unload_and_stick():
     seams = sticks = 0
     for seed in (0, 10, 33, 35, 36):
@@ -55,7 +55,7 @@ def test_the_random_paths_cross_seams_unload_and_stick():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", long_but([0, 2, 5], range(6)))
 def test_many_steps_or_one_are_the_same(seed):
     mu, k, path = polygon(seed)
     one, many = exact(mu, k, path), exact(mu, k, path, substeps=97)
@@ -83,7 +83,7 @@ TANGENT = list(product([0, 1], [1.0, -1.0], [1.0, -1.0], [1.0, 1.5]))
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("along", "side", "turn", "overshoot"),
-    mostly_long(TANGENT, *(case for case in TANGENT if (case[0] + (case[1] < 0) + (case[2] < 0) + (case[3] > 1)) % 2 == 0)),
+    long_but([0, 3, 6, 9], TANGENT),
 )
 def test_a_step_that_starts_tangent_to_the_boundary_slips(along, side, turn, overshoot):
     """To an end of an axis of K (or beyond it), then straight along the tangent there: the corners of a rectangular path."""
@@ -118,7 +118,7 @@ KAPPA = [0.3, 0.9, 0.999, 1.0, 1.001, 1.5, 3.0, 40.0]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kappa", "turns"), mostly_long(product(KAPPA, (1.7, -1.7)), *zip(KAPPA, cycle((1.7, -1.7)), strict=False)))
+@pytest.mark.parametrize(("kappa", "turns"), long_but([0, 3, 7, 8], product(KAPPA, (1.7, -1.7))))
 def test_adlers_equation_against_many_chords(kappa, turns):
     limit, k = 0.25, 1.5
     radius = kappa * limit / k
@@ -211,7 +211,7 @@ CURVED: list[Any] = [
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "parameters", "k", "pressure"),
-    mostly_long(CURVED, CURVED[1], CURVED[3], CURVED[5]),
+    long_but([3, 5], CURVED),
 )
 def test_extrapolated_steps_converge_to_the_exact_path(law, parameters, k, pressure):
     path = Path.random(seed=1, points=2, scale=0.3, pressure=pressure, dimension=3 if law == "von-mises" else 2)
@@ -283,7 +283,7 @@ def test_slip_that_begins_at_a_tip_has_no_direction() -> None:
         simulate("sap", Path.linear([[0, 0, 0], [1, 0, 0]]), stiffness=1.0, parameters={"mu": 1}, method="exact")
 
 
-@pytest.mark.parametrize("load", [1.0, 1e-10, 1e-17])
+@pytest.mark.parametrize("load", long_at([1], [1.0, 1e-10, 1e-17]))
 def test_a_friction_in_which_digits_cancel_keeps_them(load: float) -> None:
     """1 - exp(-x) has no digit of its own at a small x; under one pressure Shaw's law is Coulomb's of the same radius."""
     path = Path.circle(0.5 * load, points=9, pressure=-load)

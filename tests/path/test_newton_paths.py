@@ -137,7 +137,7 @@ def test_many_points_take_the_steps_of_the_search_too(name, monkeypatch):
         assert np.abs(found.history(point).to_array() - right.history(point).to_array()).max() < 1e-13
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_step_that_cannot_be_vouched_for_ends_the_run_as_it_does_elsewhere():
     bent = Criterion("bent", "norm(a, b)**2 - 3*a*b - 1/10", {}, forces=("a", "b"), pressure=None)  # not convex, without end
     path = Path.linear([[0.0, 0.0], [0.05, 0.0], [0.9, -0.6], [-1.5, 2.0], [3.0, 0.1]])

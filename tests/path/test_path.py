@@ -93,7 +93,7 @@ def errors(method, steps):
     return np.array(found)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("method", "order"), mostly_long([("implicit", 1), ("extrapolated", 2)], ("implicit", 1)))
 def test_order_of_convergence(method, order):
     found = errors(method, (256, 512, 1024))
@@ -272,7 +272,7 @@ def test_an_interrupted_run_goes_on_to_the_same_last_digit(method, after):
         walk(seed=4, method=method, substeps=5, start=part)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_line_needs_no_solver_and_a_general_projection_finds_the_same():
     code = (
         "import sys, duhem; from duhem import Path, simulate;"

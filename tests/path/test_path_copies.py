@@ -12,6 +12,7 @@ import sympy as sp
 from duhem import Path, simulate
 from duhem.path import scene_file
 from duhem.path.trajectory import trajectory
+from tests.long import long_but
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 SCENE = """\
@@ -63,7 +64,7 @@ def histories():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("copied", [pickled, copy.deepcopy], ids=["pickle", "deepcopy"])
+@pytest.mark.parametrize("copied", long_but([1], [pickled, copy.deepcopy]), ids=["pickle", "deepcopy"])
 def test_histories_and_their_trajectories_are_the_same_after_copying(copied):
     for history in histories():
         back = copied(history)

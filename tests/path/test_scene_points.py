@@ -16,6 +16,7 @@ from duhem.cli import cli
 from duhem.path import batch as batches
 from duhem.path import scene_file, scene_run
 from duhem.show.growing_file import beside, rows_beside
+from tests.long import long_but
 from tests.path.scenes import TABLE, walk
 
 MU = {"mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
@@ -232,7 +233,7 @@ def test_one_point_is_kept_at_intervals_too(folder, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("sent", long_but([0], [signal.SIGTERM, signal.SIGINT]))
 def test_a_signal_ends_a_process_as_ctrl_c_does(folder, sent):
     """It is stopped at its first step, by itself; the campaign `killed` does so from outside, at moments of chance."""
     code = (

@@ -91,7 +91,7 @@ def test_stress_slip_and_energies_between_the_knots_fit_each_other(name):
     assert np.abs(np.cumsum((middle * dslip).sum(axis=1)) - states.dissipation[1:]).max() < 2e-5 * states.work[-1]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("seed", "coupling"), mostly_long([(10, 0.0), (36, 0.0), (10, 1e-15), (36, 1e-15)], (36, 1e-15)))
 def test_states_between_the_knots_agree_with_thirty_digits(seed, coupling):
     draw = np.random.default_rng(seed)
@@ -168,7 +168,7 @@ def test_an_interrupted_run_has_a_curve_too():
     assert np.array_equal(part.to_array(), whole.to_array()[: len(part)])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_run_that_draws_nothing_does_not_load_the_curve():
     code = (
         "import sys; from duhem import Path, simulate;"

@@ -35,7 +35,7 @@ def test_witnesses_are_legible(law: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("letters", [pytest.param(12, marks=pytest.mark.long), 40], ids=str)
+@pytest.mark.parametrize("letters", mostly_long([12, 40]), ids=str)
 def test_names_of_many_letters_keep_to_their_own_panel(letters: int) -> None:
     forces = ("s" * letters, "w" * letters)
     axes = plot(duhem.Criterion(name="l", g=f"norm({', '.join(forces)}) - 0.3*abs(sigma_n)", forces=forces))

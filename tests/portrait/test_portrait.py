@@ -346,6 +346,7 @@ def test_a_cone_is_not_cut_off_along_its_axis(slope: float, high: float) -> None
     assert window[:2] == (-2.5, 0.0) and window[2] < -high and high < window[3] < 1.5 * high
 
 
+@pytest.mark.long
 def test_axes_that_are_given_take_the_first_sections() -> None:
     from matplotlib.figure import Figure
 

@@ -10,6 +10,7 @@ import pytest
 
 import duhem
 from duhem.projection.result import Status
+from tests.long import long_at
 from tests.oracles.projection import Exact, closest
 from tests.projection.declared_shapes import FIGURE_5, MU, WITH_SHAPE, values
 
@@ -17,7 +18,9 @@ pytestmark = pytest.mark.usefixtures("many_digits")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("k", [np.eye(2), np.diag([1.0, 7.0]), np.array([[2.0, 1.0], [1.0, 3.0]])], ids=["isotropic", "diagonal", "full"])
+@pytest.mark.parametrize(
+    "k", long_at([1], [np.eye(2), np.diag([1.0, 7.0]), np.array([[2.0, 1.0], [1.0, 3.0]])]), ids=["isotropic", "diagonal", "full"]
+)
 def test_tangents_are_derivatives_of_the_exact_step(k: np.ndarray) -> None:
     rng = np.random.default_rng(11)
     trial, load = rng.normal(size=(25, 2)), rng.uniform(0.1, 3.0, 25)

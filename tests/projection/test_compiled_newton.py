@@ -22,7 +22,7 @@ from duhem.projection.result import Solution, Status
 from duhem.projection.scaled_formula import scaled
 from duhem.projection.validation import posed, setting
 from duhem.projection.whitened_body import whitening
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 from tests.projection.drawn_questions import LAWS, drawn
 
 STRESSES = ("yield_stress", "c")  # the parameters in Pa of the laws that are put in other units
@@ -61,7 +61,7 @@ def _as_text(question: Increment) -> tuple[Solution, np.ndarray]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("full", [False, True], ids=["diagonal", "full"])
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", long_but([0, 2, 4, 5, 7, 8, 11, 13], LAWS))
 def test_it_is_the_search(name: str, full: bool) -> None:
     question = _question(name, 25, 3, full=full)
     found, state = _as_text(question)
@@ -138,7 +138,7 @@ INSIDE_ELSEWHERE = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(INSIDE_ELSEWHERE, "off", "cone", "octant"))
+@pytest.mark.parametrize("name", long_but([0, 5], INSIDE_ELSEWHERE))
 def test_where_the_origin_is_no_inner_point_another_is_found(name: str) -> None:
     g, forces = INSIDE_ELSEWHERE[name]
     law = Criterion(name=name, g=g, forces=tuple(forces.split()), pressure=None)

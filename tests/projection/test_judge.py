@@ -21,7 +21,7 @@ from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Solution, Status
 from duhem.projection.stiffness_factors import factors
 from duhem.projection.validation import increment as checked
-from tests.long import mostly_long
+from tests.long import long_at, long_but, mostly_long
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 nan, inf = float("nan"), float("inf")
@@ -48,16 +48,19 @@ def _turned(by: float) -> Spoil:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("spoil", "residual"),
-    [
-        (lambda s: replace(s, stress=s.stress * (1 + 1e-6)), "feasibility"),
-        (lambda s: replace(s, multiplier=-s.multiplier), "multiplier_sign"),
-        (lambda s: replace(s, stress=s.stress * 0.9), "complementarity"),
-        (lambda s: replace(s, slip=s.slip * (1 + 1e-6)), "stationarity"),
-        (lambda s: replace(s, multiplier=s.multiplier * 1.001), "stationarity"),
-        (_turned(1e-5), "stationarity"),
-        (_turned(0.7), "variational"),
-        (lambda s: replace(s, slip=0 * s.slip, multiplier=0 * s.multiplier), "stationarity"),
-    ],
+    long_but(
+        [0, 2, 3, 7],
+        [
+            (lambda s: replace(s, stress=s.stress * (1 + 1e-6)), "feasibility"),
+            (lambda s: replace(s, multiplier=-s.multiplier), "multiplier_sign"),
+            (lambda s: replace(s, stress=s.stress * 0.9), "complementarity"),
+            (lambda s: replace(s, slip=s.slip * (1 + 1e-6)), "stationarity"),
+            (lambda s: replace(s, multiplier=s.multiplier * 1.001), "stationarity"),
+            (_turned(1e-5), "stationarity"),
+            (_turned(0.7), "variational"),
+            (lambda s: replace(s, slip=0 * s.slip, multiplier=0 * s.multiplier), "stationarity"),
+        ],
+    ),
     ids=["outside", "negative", "inside", "slip", "multiplier", "turned", "far", "no-slip"],
 )
 def test_a_wrong_answer_is_inaccurate(monkeypatch: pytest.MonkeyPatch, spoil: Spoil, residual: str) -> None:
@@ -151,7 +154,7 @@ def test_residuals_are_pure_numbers() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", mostly_long(range(12), *range(0, 12, 3)))
+@pytest.mark.parametrize("seed", long_but([0, 6], range(12)))
 def test_no_right_answer_is_called_inaccurate(seed: int) -> None:
     """mu ratio 1e8, |sigma_n| 1e-200 ... 1e200, trials to 1e16 radii, stiffness of condition 1e12 in any unit."""
     rng = np.random.default_rng(seed)
@@ -180,7 +183,7 @@ def test_no_right_answer_is_called_inaccurate(seed: int) -> None:
         ((12.0, 12.0, 1e-6, 1e-6), (1.0, 1.0), (4.0, 2e-6), -1.0),
     ],
 )
-@pytest.mark.parametrize("shift", [1e-2, 1e-4, 1e-5])
+@pytest.mark.parametrize("shift", long_at([1], [1e-2, 1e-4, 1e-5]))
 def test_a_stress_shifted_along_a_flat_side_is_inaccurate(
     mu: tuple[float, ...], k: tuple[float, float], trial: tuple[float, float], pressure: float, shift: float
 ) -> None:
@@ -218,7 +221,6 @@ PERTURBED: list[tuple[str, dict[str, Any], float | None]] = [
     ("law", "parameters", "pressure", "condition"),
     mostly_long(
         [(*case, condition) for case in PERTURBED for condition in (1.0, 1e6)],
-        (*PERTURBED[0], 1e6),
         (*PERTURBED[3], 1.0),
     ),
     ids=lambda x: x if isinstance(x, str) else "",
@@ -275,8 +277,8 @@ DRAWN = ("polygon", "quartic", "limacon", "matchstick", "superellipse", "cone", 
     mostly_long(
         [(*case, method) for method in METHODS for case in POINTS],
         *((*case, "closed-form") for case in POINTS),
-        *((*case, "newton") for case in POINTS if case[0] != "quartic"),
-        *((*case, "cvxpy") for case in POINTS[1:9:2]),
+        *((*case, "newton") for case in (*POINTS[:3], *POINTS[7::2])),
+        *((*case, "cvxpy") for case in (POINTS[1], POINTS[7])),
     ),
     ids=lambda x: x if isinstance(x, str) else getattr(x, "name", ""),
 )

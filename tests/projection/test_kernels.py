@@ -20,6 +20,7 @@ from duhem.projection.in_blocks import BLOCK
 from duhem.projection.quadrants import Quarters
 from duhem.projection.result import Status
 from duhem.projection.validation import increment
+from tests.long import long_but
 from tests.oracles.projection import Exact, closest
 from tests.projection.declared_shapes import EPS, FIGURE_5, MU, WITH_SHAPE, off, values
 
@@ -93,7 +94,7 @@ _closest = cache(closest)  # for both kernels
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", long_but(range(16), range(60)))
 def test_diagonal_stiffness_componentwise(seed: int, solved: Kernel) -> None:
     """mu ratio up to 1e8, k ratio up to 1e12, |sigma_n| from 1e-290 to 1e290."""
     rng = np.random.default_rng(seed)
@@ -137,7 +138,7 @@ def test_at_the_evolute_cusp(power: int, ratio: float, solved: Kernel) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", long_but(range(10), range(30)))
 def test_full_stiffness_normwise(seed: int, solved: Kernel) -> None:
     """Condition up to 1e12; the result may lie in another quadrant than its trial."""
     rng = np.random.default_rng(1000 + seed)
@@ -233,7 +234,7 @@ def test_compiled_kernel_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", WITH_SHAPE)
+@pytest.mark.parametrize("name", long_but([1, 3, 4, 7], WITH_SHAPE))
 def test_compiled_kernel_agrees(name: str) -> None:
     pytest.importorskip("numba")
     rng = np.random.default_rng(5)

@@ -22,7 +22,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Array, Solution, Status
 from duhem.projection.validation import increment
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 from tests.projection.loop_as_text import as_text
 
 VOUCHED = 1e-6  # of the largest component of a slip
@@ -108,7 +108,7 @@ AT = [(name, k) for name, k in product(CORNERS, STIFF) if len(STIFF[k]) == len(C
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "k"), mostly_long(AT, ("needle", "one of two"), ("apex", "one"), ("bent edge", "turned")))
+@pytest.mark.parametrize(("name", "k"), long_but([2, 15], AT))
 def test_at_a_corner_a_slip_is_told_if_it_is_right(name: str, k: str) -> None:
     rng, corner = np.random.default_rng(1), CORNERS[name]
     question, right = corner.answers(STIFF[k], rng)
@@ -206,7 +206,7 @@ ANGLES = np.array([1.0, 30.0, 1000.0])  # from the tip, in shares of how thin K 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "power", "thin", "k"), mostly_long(THIN, THIN[0], THIN[3]))
+@pytest.mark.parametrize(("law", "power", "thin", "k"), long_but([0], THIN))
 def test_where_k_is_thin_it_is_asked_how_far_its_closest_point_is(law: str, power: float, thin: float, k: str, monkeypatch: Any) -> None:
     """Exact answers of a K that is larger by a share of itself: of its boundary's distance nothing shows where K is thin.
 

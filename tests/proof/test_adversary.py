@@ -120,6 +120,9 @@ DEAR = (  # most of the time of all
     *("branch-by-another", "norm-with-branch-root", "cubic-switch", "odd-powers"),
     *("hidden-square-root", "pole-at-one-value", "redundant-minimum", "pole-against"),
     *("redundant-maximum", "square-of-ramp", "quartic-under-pressure", "thin-flow"),
+    *("outside-ball", "outside-disc-weighted", "outside-disc-pressure", "square-of-ramp-against", "touching-discs", "concave-power"),
+    *("norm-of-maximum", "punctured-disc", "quartic-weighted", "annulus", "size-reaches-zero"),
+    *("lozenge turned out", "empty by a range", "turned back by tan(2)"),
 )
 
 

@@ -18,7 +18,7 @@ from tests.oracles.level_curve import curvature_form, on_line
 from tests.oracles.real_line import T, nonnegative_on_the_line
 
 COUNT = 54
-EVERY_RUN = (*range(9), 11, 12, 13)  # a law of each family, and one of which claims are false; the others are asked for
+EVERY_RUN = (*range(1, 5), 6, 8, 11, 13)  # a law of each family but three dear ones, and of two another; the others are asked for
 
 
 @cache
@@ -49,7 +49,7 @@ def test_few_claims_stay_open(places: Sequence[int]) -> None:
     assert marks.count("open") <= len(marks) // 50
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_campaign_repeats_itself() -> None:
     first = drawn(27)[:9]
     assert [t.law for t in trials(9, seed=2)] == [t.law for t in first]

@@ -13,6 +13,7 @@ from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.decide.question import Answer
 from duhem.proof.decide.smt import by_smt
+from tests.long import long_but
 
 x, y = symbol("x"), symbol("y")
 
@@ -63,7 +64,7 @@ def _consistent(answer: Answer, goal: sp.Expr, given: list[tuple[sp.Expr, str]],
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", long_but([1, 4, 6, 10, 13, 16, 18, 22, 26, 27, 31, 34, 37, 39], range(40)))
 def test_along_a_random_curve(seed: int) -> None:
     rng = random.Random(f"plane/{seed}")
     curve, goal = _poly(rng, rng.choice([2, 3, 4])) - 1, _poly(rng, rng.choice([1, 2, 3]))

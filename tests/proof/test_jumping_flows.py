@@ -4,6 +4,7 @@ import pytest
 
 from duhem import Criterion, Domain, verify
 from duhem.proof.verdict import Trust, Verdict
+from tests.long import long_at
 
 POSITIVE = Domain(positive=True)
 
@@ -21,15 +22,18 @@ def test_a_slip_that_jumps_across_the_axis_dissipates():
 
 @pytest.mark.parametrize(
     "flow, g, forces",
-    [
-        (("where(s - x > 0, 1, -1)", "-x/c - where(s - x > 0, 1, -1)", "-1"), "abs(s - x) - r - k", ("s", "x", "r")),
-        (("where(s - x > 0, -1, 1)", "x/c + where(s - x > 0, 1, -1)", "-1"), "abs(s - x) - r - k", ("s", "x", "r")),
-        # on a = 0 alone it turns back
-        pytest.param(("a", "where(a > 0, b, where(a < 0, b, -b))"), "a**2 + b**2 - k", ("a", "b"), marks=pytest.mark.slow),
-        (("a", "where(a >= 0, where(a <= 0, -b, b), b)"), "a**2 + b**2 - k", ("a", "b")),
-        # g jumps, and the boundary is not where it is 0
-        pytest.param(("1", "0"), "where(a > -1, norm(a, b) - 2 - k, 1)", ("a", "b"), marks=pytest.mark.slow),
-    ],
+    long_at(
+        [4],
+        [
+            (("where(s - x > 0, 1, -1)", "-x/c - where(s - x > 0, 1, -1)", "-1"), "abs(s - x) - r - k", ("s", "x", "r")),
+            (("where(s - x > 0, -1, 1)", "x/c + where(s - x > 0, 1, -1)", "-1"), "abs(s - x) - r - k", ("s", "x", "r")),
+            # on a = 0 alone it turns back
+            pytest.param(("a", "where(a > 0, b, where(a < 0, b, -b))"), "a**2 + b**2 - k", ("a", "b"), marks=pytest.mark.slow),
+            (("a", "where(a >= 0, where(a <= 0, -b, b), b)"), "a**2 + b**2 - k", ("a", "b")),
+            # g jumps, and the boundary is not where it is 0
+            pytest.param(("1", "0"), "where(a > -1, norm(a, b) - 2 - k, 1)", ("a", "b"), marks=pytest.mark.slow),
+        ],
+    ),
 )
 def test_one_that_turns_back_is_not_proved_to(flow, g, forces):
     assert dissipation(flow, g, forces).verdict is not Verdict.PROVED

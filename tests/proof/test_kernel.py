@@ -139,15 +139,18 @@ def drawn(seed: int, count: int, tries: int = 30, most: int = 10) -> tuple[int, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", mostly_long([150, 400], 150))
+@pytest.mark.parametrize("count", mostly_long([60, 400], 60))
 def test_what_is_shown_of_drawn_formulas_holds_at_drawn_points(count: int) -> None:
     shown, wrong = drawn(1, count)
     assert wrong == []
     assert shown > 0.15 * count  # else the question was empty
 
 
+DEAR = ("lozenge turned out", "hyperbola by a hair", "outside-disc-weighted", "outside-disc-pressure", "pole-at-one-value", "odd-powers")
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
+@pytest.mark.parametrize("row", mostly_long(ROWS, *(row for row in ROWS if row.name not in DEAR)), ids=lambda row: row.name)
 def test_nothing_false_is_confirmed(row: AdversaryLaw) -> None:
     made = row.law()
     given = {n: {"min": d.low, "max": d.high} if not d.positive else {"positive": True, "max": d.high} for n, d in made.parameters.items()}

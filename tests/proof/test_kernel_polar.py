@@ -19,7 +19,7 @@ from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.signs import RAY, line, nonnegative_on_the_line, parts, roots
 from duhem.proof.kernel.signs import nonnegative as nonnegative_over
 from duhem.proof.kernel.term import NotWritten, Term, parse
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 
 F = Fraction
 POSITIVE = {"positive": True}
@@ -104,9 +104,7 @@ REACHES: list[tuple[dict[str, Any], tuple[str, ...], list[F], list[F]]] = [  # d
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("reach",), mostly_long([(one,) for one in REACHES], *((one,) for one in REACHES[::2])), ids=lambda reach: str(reach[0])
-)
+@pytest.mark.parametrize(("reach",), long_but([2], [(one,) for one in REACHES]), ids=lambda reach: str(reach[0]))
 def test_signs_over_a_parameter(reach: tuple[dict[str, Any], tuple[str, ...], list[F], list[F]]) -> None:
     given, constraints, inside, ends = reach
     domain, e, rng, shown = over(law("a - e", *constraints, e=given)), Term("name", name="e"), Random(8), [0, 0]
@@ -174,7 +172,7 @@ THRESHOLDS = [  # formula, forces, a value inside, the threshold
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("g", "forces", "inside", "edge"), THRESHOLDS, ids=lambda v: str(v)[:14])
+@pytest.mark.parametrize(("g", "forces", "inside", "edge"), long_but([*range(3), 6, 7], THRESHOLDS), ids=lambda v: str(v)[:14])
 def test_convex_up_to_the_threshold_and_not_beyond(g: str, forces: tuple[str, ...] | None, inside: F, edge: F) -> None:
     outward = 1 if edge > inside else -1
     for beyond, convex in ((F(0), True), (F(1, 10**9), False), (F(1, 1000), False)):

@@ -21,6 +21,7 @@ from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.square_roots import plain
 from duhem.proof.kernel.term import NotWritten, Term, parse
+from tests.long import long_but
 from tests.proof.test_kernel_facts import said
 
 F = Fraction
@@ -94,7 +95,72 @@ SHOWN = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("text", "expected"), SHOWN)
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    long_but(
+        [
+            0,
+            2,
+            4,
+            6,
+            8,
+            10,
+            12,
+            14,
+            16,
+            18,
+            20,
+            22,
+            24,
+            26,
+            28,
+            30,
+            32,
+            34,
+            36,
+            38,
+            40,
+            42,
+            44,
+            46,
+            48,
+            50,
+            52,
+            54,
+            56,
+            58,
+            60,
+            62,
+            64,
+            66,
+            68,
+            70,
+            72,
+            74,
+            76,
+            78,
+            80,
+            82,
+            84,
+            86,
+            88,
+            90,
+            92,
+            94,
+            96,
+            98,
+            100,
+            102,
+            104,
+            106,
+            108,
+            110,
+            112,
+            114,
+        ],
+        SHOWN,
+    ),
+)
 def test_what_is_shown_of_sections(text: str, expected: str) -> None:
     stated = law(text)
     found = convex_in_deviator(stated.g, over(stated))
@@ -104,14 +170,14 @@ def test_what_is_shown_of_sections(text: str, expected: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "origin", "smooth"),
-    [
+    long_but([0, 3, 4, *range(8, 12), 15], [
         ("sqrt(J2)*(1 + C3/8) - m", True, True), ("sqrt(J2)*(1 + C3/8) - e", True, False), ("sqrt(J2)*(1 + C3/8) + m", False, True),
         ("sqrt(J2)*(1 + C3/8) + a - m", True, False), ("sqrt(J2)*(1 + C3/8) + a", True, False), ("J2*C3 - m", True, True),
         ("sqrt(J2)*cos(acos(C3)/3 - pi/6) - m", True, False), ("C3 + J2 - m", False, False), ("J2 + 1/J2 - m", False, False),
         ("sqrt(J2)*(2 + C3)**0.3 - m", True, True), ("sqrt(J2 + J3**2) - m", True, True), ("sqrt(J2) + abs(J3) - m", True, False),
         ("where(J2 > 0, 5, -1) + sqrt(J2)*(1 + C3/8)", False, False), ("where(J2 <= 0, -1, 5) + sqrt(J2)*(1 + C3/8)", False, False),
         ("exp(sqrt(J2)*(1 + C3/8)) - 2", True, True), ("exp(sqrt(J2)*(1 + C3/8)) - 1", True, False),
-    ],
+    ]),
 )  # fmt: skip
 def test_on_the_axis_sections_are_zero(text: str, origin: bool, smooth: bool) -> None:
     stated = law(text)

@@ -17,6 +17,7 @@ from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.term import parse
+from tests.long import long_at
 from tests.oracles import drawn_formulas
 from tests.proof.test_kernel_facts import said
 
@@ -170,10 +171,10 @@ def test_what_is_left_where_the_deviator_is_zero(text: str, empty: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "right"),
-    [
+    long_at([1, 4], [
         (f"FIRST*{COSINE} - 1", True), (f"FIRST*{COSINE} + 1", False), ("FIRST*J2/LAST - 1", False), (f"{COSINE} - 2", False),
         (f"where(FIRST > 0, 5, -1) + FIRST*{COSINE}", False), (f"where(FIRST <= 0, -1, 5) + FIRST*{COSINE}", False),
-    ],
+    ]),
 )  # fmt: skip
 def test_the_origin_by_continuity(text: str, right: bool) -> None:
     assert (not objection("origin", "evaluation", frozenset(), law(text), {})) is right

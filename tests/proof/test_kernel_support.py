@@ -16,6 +16,7 @@ from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import Term, parse
 from duhem.proof.verdict import Trust
+from tests.long import long_at, long_but
 from tests.oracles import drawn_formulas
 
 SLIPS = {"a": "x", "b": "y", "c": "z"}
@@ -143,7 +144,7 @@ def test_drawn_potentials_are_confirmed_and_what_lies_beside_them_is_not(family:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", long_but([1], FAMILIES))
 def test_what_is_confirmed_is_the_supremum(family: str) -> None:
     rng = Random(family)
     g, potential = FAMILIES[family](rng)
@@ -303,7 +304,7 @@ def test_tampered_evidence_is_refused(evidence: dict[str, Any]) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["superellipse", "tresca", "von-mises"])
+@pytest.mark.parametrize("name", long_at([0], ["superellipse", "tresca", "von-mises"]))
 def test_potentials_of_built_in_laws_are_confirmed(name: str) -> None:
     law = load(name)
     assert isinstance(law, Criterion)

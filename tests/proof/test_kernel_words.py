@@ -109,7 +109,7 @@ def drawn(rng: Random, depth: int) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", mostly_long([90, 250], 90))
+@pytest.mark.parametrize("count", mostly_long([40, 250], 40))
 def test_what_is_shown_of_words_holds_at_drawn_points(count: int) -> None:
     rng, said, wrong = Random(11), 0, list[str]()
     for _ in range(count):

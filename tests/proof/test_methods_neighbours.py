@@ -15,6 +15,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import evidence, refuters
 from duhem.proof.search import dents, long_chords
 from duhem.proof.verdict import Proof
+from tests.long import long_at
 from tests.oracles.prover import composition, convex_sums, degrees, power_share, rounded
 from tests.oracles.prover import evaluation as evaluated
 from tests.oracles.prover.regularity import regularity
@@ -73,15 +74,18 @@ def test_where_the_gradient_may_vanish(g: str, law: dict[str, Any]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "of", "inside"),
-    [
-        ("norm(a - 2, b) - 1", {}, ("2", "0")),
-        ("norm(a - q, b) - q", {"q": BEYOND}, ("q", "0")),
-        ("norm(a - q, b) - q", {"q": UNIT}, None),  # a point
-        ("norm(a - m, b + m/2) - q", {"q": BEYOND, "m": BEYOND}, ("m", "-m/2")),
-        ("norm(a - abs(p), b) - abs(p)/2", {"pressure": "p"}, ("-p", "0")),
-        ("norm(a, b) - 1", {}, None),  # the origin: another's
-        ("sqrt(norm(a - 2, b)) - 1", {}, None),  # not convex
-    ],
+    long_at(
+        [1, 3, 4],
+        [
+            ("norm(a - 2, b) - 1", {}, ("2", "0")),
+            ("norm(a - q, b) - q", {"q": BEYOND}, ("q", "0")),
+            ("norm(a - q, b) - q", {"q": UNIT}, None),  # a point
+            ("norm(a - m, b + m/2) - q", {"q": BEYOND, "m": BEYOND}, ("m", "-m/2")),
+            ("norm(a - abs(p), b) - abs(p)/2", {"pressure": "p"}, ("-p", "0")),
+            ("norm(a, b) - 1", {}, None),  # the origin: another's
+            ("sqrt(norm(a - 2, b)) - 1", {}, None),  # not convex
+        ],
+    ),
 )
 def test_convex_and_negative_at_a_centre(g: str, of: dict[str, Any], inside: tuple[str, str] | None) -> None:
     found = composition._regular_about_its_centre(subject(g, **of))
@@ -164,24 +168,27 @@ LENS = "max(norm(a, b) - 2*(P - P**2)**(2/3), -P, P - 1)"
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "of", "round_"),
-    [
-        (LENS.replace("(P - P**2)", "(P*(1 - P))").replace("2/3", "1/3"), {}, True),
-        (LENS.replace("(P - P**2)", "((P - P**2)*P)").replace("2/3", "1/2"), {}, False),  # rises like P at its end: a tip
-        (LENS.replace("(P - P**2)", "pos(P - P**2)"), {}, True),
-        (LENS.replace("(P - P**2)", "(q*(P - P**2))"), {"q": BEYOND}, True),
-        (LENS.replace("(P - P**2)", "(q*(P - P**2))"), {"q": UNIT}, False),  # a segment
-        (LENS.replace("2*(", "q*("), {"q": BEYOND}, True),
-        (LENS.replace("2*(", "q*("), {"q": UNIT}, False),
-        (LENS.replace("2/3", "q"), {"q": Domain.between("1/4", "1/2")}, True),
-        (LENS.replace("2/3", "q"), {"q": Domain.between("1/4", 1)}, False),  # two cones
-        (LENS.replace("2/3", "q"), {"q": Domain.between(0, "1/2")}, False),  # a cylinder
-        (LENS.replace("norm(a, b)", "a"), {}, False),
-        (LENS.replace("norm(a, b)", "sqrt(norm(a, b))"), {}, False),
-        (LENS.replace("-P,", "-P, norm(a - 1/10, b) - 1/5,"), {}, False),  # cut by a ball
-        (LENS.replace("-P,", "-P, norm(a - 1/10, b) - 2*(P - P**2)**(2/3),"), {}, False),  # cut by another lens
-        (LENS.replace("norm(a, b)", "norm(a, b) - (P - P**2)**(1/3)"), {}, False),
-        ("max(a - 1, -a - 1)", {}, False),
-    ],
+    long_at(
+        [0, 1, 3, 6, 9, 12, 13],
+        [
+            (LENS.replace("(P - P**2)", "(P*(1 - P))").replace("2/3", "1/3"), {}, True),
+            (LENS.replace("(P - P**2)", "((P - P**2)*P)").replace("2/3", "1/2"), {}, False),  # rises like P at its end: a tip
+            (LENS.replace("(P - P**2)", "pos(P - P**2)"), {}, True),
+            (LENS.replace("(P - P**2)", "(q*(P - P**2))"), {"q": BEYOND}, True),
+            (LENS.replace("(P - P**2)", "(q*(P - P**2))"), {"q": UNIT}, False),  # a segment
+            (LENS.replace("2*(", "q*("), {"q": BEYOND}, True),
+            (LENS.replace("2*(", "q*("), {"q": UNIT}, False),
+            (LENS.replace("2/3", "q"), {"q": Domain.between("1/4", "1/2")}, True),
+            (LENS.replace("2/3", "q"), {"q": Domain.between("1/4", 1)}, False),  # two cones
+            (LENS.replace("2/3", "q"), {"q": Domain.between(0, "1/2")}, False),  # a cylinder
+            (LENS.replace("norm(a, b)", "a"), {}, False),
+            (LENS.replace("norm(a, b)", "sqrt(norm(a, b))"), {}, False),
+            (LENS.replace("-P,", "-P, norm(a - 1/10, b) - 1/5,"), {}, False),  # cut by a ball
+            (LENS.replace("-P,", "-P, norm(a - 1/10, b) - 2*(P - P**2)**(2/3),"), {}, False),  # cut by another lens
+            (LENS.replace("norm(a, b)", "norm(a, b) - (P - P**2)**(1/3)"), {}, False),
+            ("max(a - 1, -a - 1)", {}, False),
+        ],
+    ),
 )
 def test_what_ends_round_and_what_does_not(g: str, of: dict[str, Any], round_: bool) -> None:
     assert (rounded.smoothness(subject(g.replace("P", P), "abp", **of)) is not None) is round_

@@ -176,9 +176,11 @@ INADMISSIBLE = [
 
 
 MUTANTS = [*EQUIVALENT, *INADMISSIBLE]
-DEAR = (  # half of the time of all; of their kind another stays
+DEAR = (  # most of the time of all; of their kind another stays
     *("the normal to another length", "coefficients exchanged in the flow", "one component of the flow left out"),
     *("the flow along the boundary of a disk", "the flow reversed", "squares lost in the flow", "a flat g away from the origin"),
+    *("the normal written out as the flow", "a maximum for a norm: corners", "the flow turned by a right angle"),
+    *("a sign lost in the flow", "square roots for squares", "an inward seam on one side", "mu for 1/mu in one quadrant"),
 )
 
 
@@ -454,8 +456,11 @@ TELLING = {
 }
 
 
+TOLD_LATE = ("unknown taken for proved", "a chord whose ends are not looked at")  # of a dear question alone; of their kind others stay
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", MUTATIONS)
+@pytest.mark.parametrize("name", mostly_long(MUTATIONS, *(name for name in MUTATIONS if name not in TOLD_LATE)))
 def test_mutants_of_duhem_are_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     MUTATIONS[name](monkeypatch)
     assert next(_faults(TELLING.get(name, 0)), None) is not None

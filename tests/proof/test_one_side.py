@@ -14,6 +14,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.methods.refuters import convexity_at_far_points
+from tests.long import long_but
 from tests.oracles.prover.curvature import convex_in_its_region
 from tests.oracles.reevaluation import confirmed
 
@@ -55,7 +56,7 @@ def subject(criterion: Criterion) -> FormulaSubject:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("g", "convex"), CASES)
+@pytest.mark.parametrize(("g", "convex"), long_but([0, 1, 4, 5, *range(10, 13), 15, 16, 18, 19], CASES))
 def test_one_side_is_a_half_space(g: str, convex: bool) -> None:
     assert convex_in_its_region(subject(law(g))).quasiconvex is convex
     assert convex or not convexity(StatedLaw.read(law_as_text(law(g))), {})

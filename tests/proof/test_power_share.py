@@ -12,7 +12,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.verdict import Trust, Verdict
-from tests.long import mostly_slow
+from tests.long import long_but, mostly_slow
 from tests.oracles.prover import power_share
 
 J2 = "((a-b)**2 + (b-c)**2 + (c-a)**2)/6"
@@ -57,7 +57,7 @@ def confirmed(law: Criterion, share: str, rest: str) -> bool:
     return not objection("dissipation", "power-share", frozenset(), stated(law_as_text(law)), {"share": share, "rest": rest})
 
 
-@pytest.mark.parametrize("law", mostly_slow(SHOWN, SHOWN[0]))
+@pytest.mark.parametrize("law", long_but([1, 3, 4], mostly_slow(SHOWN, SHOWN[0])))
 def test_the_power_is_a_share_of_g_and_something_more(law: Criterion) -> None:
     found = power_share.dissipation(FormulaSubject(law))
     assert found is not None and found.proof is not None
@@ -65,7 +65,7 @@ def test_the_power_is_a_share_of_g_and_something_more(law: Criterion) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", NOT_SHOWN)
+@pytest.mark.parametrize("law", long_but([1, 3, 5, 6, 8], NOT_SHOWN))
 def test_what_only_looks_so(law: Criterion) -> None:
     assert power_share.dissipation(FormulaSubject(law)) is None
 

@@ -14,20 +14,21 @@ from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.verdict import Trust
 from tests.campaigns.restrictions import restrictions, weaker
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 
 QUICK = ("antoni2007", "box", "coulomb", "cohesive", "orthotropic", "quartic", "superellipse", "tresca", "von-mises")
 
 
-def test_restrictions_of_quick_laws_are_not_weaker() -> None:
+@pytest.mark.parametrize("count", mostly_long([4, 12], 4))
+def test_restrictions_of_quick_laws_are_not_weaker(count: int) -> None:
     whole: dict[str, Any] = {}
-    for asked in restrictions(12, 7, QUICK):
+    for asked in restrictions(count, 7, QUICK):
         known = whole.setdefault(asked.law, {r.claim: r for r in verify(asked.law).results})
         assert weaker(asked, known) == [], str(asked)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("claim", mostly_long(["convexity", "smoothness", "normality", "dissipation"], "smoothness"))
+@pytest.mark.parametrize("claim", long_but([3], ["convexity", "smoothness", "normality", "dissipation"]))
 def test_one_claim_alone_keeps_its_trust(claim: str) -> None:
     """What its rule rests on is proved on the way, and is in the certificate."""
     found = verify("puck", claims=claim)
@@ -73,13 +74,13 @@ def test_a_proof_over_wider_domains_is_one_of_a_part(certificate: dict[str, Any]
 
 @pytest.mark.parametrize(
     "over",
-    [
+    long_but([0, 5], [
         {"mu_b": {"positive": True}, "p": {"min": "2", "max": None}},  # the part is not in it
         {"mu_b": {"min": "1/10", "max": "1"}, "p": {"min": "1", "max": None}},
         {"mu_b": {"min": "-1"}, "p": {"min": "1", "max": None}},  # where the law divides by 0
         {"mu_b": {"positive": True}, "q": {"min": "1", "max": None}},
         {"sigma_a": {"positive": True}}, {"p": "1"}, ["p"], "p", 1, {},
-    ],
+    ]),
 )  # fmt: skip
 def test_a_proof_over_other_domains_is_none(certificate: dict[str, Any], over: Any) -> None:
     assert not recheck(with_domains(certificate, over))["duality"].confirmed

@@ -18,7 +18,7 @@ from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.verdict import Trust, Verdict
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 from tests.proof import small_laws
 from tests.proof.composed import by_kernel, by_prover
 
@@ -84,7 +84,10 @@ def law(g: str, kind: str, parameters: dict[str, Domain]) -> Criterion:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("g", "parameters", "convex"), mostly_long(CASES, *CASES[:3], *CASES[4:]))
+@pytest.mark.parametrize(
+    ("g", "parameters", "convex"),
+    long_but([2, 4, 7, 9, 17, *range(19, 34)], CASES),
+)
 def test_the_kernel_knows_the_threshold(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     shown = by_kernel(law(g, "principal", parameters))
     assert (shown.defined and shown.quasiconvex) is convex
@@ -100,7 +103,7 @@ def test_ends_of_ranges_are_limits_only_where_nothing_else_ties_the_parameters()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("g", [WILLAM, LODE])
+@pytest.mark.parametrize("g", long_but([0], [WILLAM, LODE]))
 @pytest.mark.parametrize(("value", "convex"), [("0.55", True), ("0.45", False)])
 def test_so_it_does_in_six_components(g: str, value: str, convex: bool) -> None:
     shown = by_kernel(law(g + TIP, "3d", e(value, value)))
@@ -111,7 +114,7 @@ TIED = [case for case in CASES if case[1]["e"].value is not None]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("g", "parameters", "convex"), mostly_long(TIED, TIED[0], TIED[16]))
+@pytest.mark.parametrize(("g", "parameters", "convex"), long_but([1, 16], TIED))
 def test_the_prover_knows_it_too(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     """That a formula has a value everywhere it asks elsewhere."""
     has_value = not any(zero in g for zero in (f"{PRINTED + TIP}", f"J2(s)/{FIRST} - e", ">= 0")) or "where(J2(s) > 0" in g

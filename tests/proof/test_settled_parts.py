@@ -10,6 +10,7 @@ import pytest
 from duhem import Criterion, Domain, verify
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.domain import StatedLaw
+from tests.long import long_at, long_but
 
 X = "(max(a, b, c) - (a + b + c)/3)"
 J = "((a - b)**2 + (b - c)**2 + (c - a)**2)"
@@ -38,7 +39,7 @@ def refused(claim: str, rule: str, g: str, settled: frozenset[str] = frozenset()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("g", JUMPING)
+@pytest.mark.parametrize("g", long_but([0, 2], JUMPING))
 def test_what_jumps_at_the_end_of_a_range_is_not_its_limit(g: str) -> None:
     assert refused("convexity", "composition", g)
 
@@ -51,11 +52,11 @@ def test_such_a_law_is_refuted_at_that_end() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
-    [
+    long_but([0, 3, 4, 7], [
         f"exp(1/0)*{J} - 1", f"exp(log(-1 - q**2))*{J} - 1", f"exp(sqrt(q - 1/2))*{J} - 1", f"exp(log(-1))*{X} - 1",
         "(max(a*b/b, b, c) - (a + b + c)/3)**2 - 1", "(max(a + b**2/b - b, b, c) - (a + b + c)/3)**2 - 1",
         f"where({J} > 0, {J}, 0*log(a)) - 1", f"where({J} > 0, {J}, 1/0*0) - 1",
-    ],
+    ]),
 )  # fmt: skip
 def test_what_has_no_value_is_asked_before_it_cancels(g: str) -> None:
     for claim, rule in (("convexity", "composition"), ("origin", "evaluation"), ("smoothness", "composition")):
@@ -70,11 +71,14 @@ def test_nothing_is_put_in_a_comparison_by_continuity() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
-    [
-        "max(-t, t - 1, -2*t - 4, u**3 - (3*t - 1 - t**3)*(t + 1))",
-        "max(-t, t - 1, 3 - 4*t, u**3 - (7/16*t - 119/320 - (t - 3/4)**3)*(t + 1))",
-        "max(-t, t - 1, 1/3 - t, t - 2/3, u - abs(6*abs(t - 1/3) + 4*abs(2/3 - t) - 5/3))",
-    ],
+    long_at(
+        [1],
+        [
+            "max(-t, t - 1, -2*t - 4, u**3 - (3*t - 1 - t**3)*(t + 1))",
+            "max(-t, t - 1, 3 - 4*t, u**3 - (7/16*t - 119/320 - (t - 3/4)**3)*(t + 1))",
+            "max(-t, t - 1, 1/3 - t, t - 2/3, u - abs(6*abs(t - 1/3) + 4*abs(2/3 - t) - 5/3))",
+        ],
+    ),
 )
 def test_a_function_concave_between_all_loads_is_not_asked_beyond_them(g: str) -> None:
     assert refused("convexity", "composition", g)

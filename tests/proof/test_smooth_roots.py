@@ -11,7 +11,7 @@ from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
-from tests.long import mostly_slow
+from tests.long import long_but, mostly_slow
 from tests.oracles.prover import composition
 from tests.oracles.prover.even_roots import even, freed
 from tests.oracles.prover.regularity import regularity
@@ -51,13 +51,13 @@ CORNERED = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", mostly_slow(SMOOTH, SMOOTH[-1]), ids=lambda law: law.written[:40])
+@pytest.mark.parametrize("law", long_but([1, 2, 5, 6], mostly_slow(SMOOTH, SMOOTH[-1])), ids=lambda law: law.written[:40])
 def test_even_in_a_root_is_smooth(law: Criterion) -> None:
     assert not objection("smoothness", "composition", frozenset(), stated(law_as_text(law)), {})
     assert composition.smoothness(FormulaSubject(law)) is not None
 
 
-@pytest.mark.parametrize("law", mostly_slow(CORNERED, CORNERED[-1]), ids=lambda law: law.written[:40])
+@pytest.mark.parametrize("law", long_but([1, 3, 4, 6, 9, 10], mostly_slow(CORNERED, CORNERED[-1])), ids=lambda law: law.written[:40])
 def test_a_corner_beside_it_is_seen(law: Criterion) -> None:
     """Whether or not K is convex, which would be asked too."""
     text, subject = stated(law_as_text(law)), FormulaSubject(law)

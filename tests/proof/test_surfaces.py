@@ -143,7 +143,7 @@ def test_a_flow_needs_a_value_on_its_own_surface_alone() -> None:
     assert not found(law(at_boundary, ("t - 1", "")), "dissipation")["dissipation"].startswith("proved")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_polygons_of_surfaces() -> None:
     for polygon in drawn(3, 5):
         truth = polygon.truth()

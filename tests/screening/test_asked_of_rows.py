@@ -150,7 +150,7 @@ def test_of_a_routine_that_never_answers_nothing_is_said_to_be_solved():
     assert solved.verdict == "not_applicable" and json.loads(solved.witness) == {"reason": "no increment was answered"}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_same_cases_are_drawn_whatever_was_loaded_before(tmp_path, monkeypatch):
     """A module of the package that a row loads, with numbers that Hypothesis would draw."""
     (tmp_path / "late.py").write_text(f"NUMBERS = {[*range(100, 1000)]}\n")

@@ -13,7 +13,7 @@ from duhem.testing.checks.dents import Dents
 from duhem.testing.checks.query import Query
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 from tests.testing.test_atlas_increments import ENTRIES
 from tests.testing.test_properties import ALWAYS, AT_VALUES
 
@@ -67,7 +67,7 @@ KEPT = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "seed"), mostly_long(EVERY, *KEPT))
+@pytest.mark.parametrize(("name", "seed"), long_but([18, 76, 152, 212], EVERY))
 def test_a_dent_is_found_at_every_seed_and_told_by_stresses_that_show_it(name: str, seed: int) -> None:
     law = DENTED[name]
     (failure,) = asked(law, seed).failures

@@ -15,7 +15,7 @@ from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.simplified import unrounded
 from duhem.testing.failures.departure import departure
 from duhem.testing.failures.diagnosis import Part, diagnoses, registered_suggestions
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 from tests.oracles.routines import (
     ELLIPSE,
     MU,
@@ -236,7 +236,7 @@ def remembers(what: str) -> Routine:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("what", ["pressure", "stiffness", "parameters"])
+@pytest.mark.parametrize("what", long_but([0], ["pressure", "stiffness", "parameters"]))
 @pytest.mark.parametrize("seed", mostly_long(range(6), 0))
 def test_what_is_kept_of_the_first_call_is_told_and_shown_by_the_whole_run(what: str, seed: int) -> None:
     run = {"checks": ["feasibility", "variational-inequality", "complementarity"], "max_examples": 7, "rows": 12, "seed": seed}
@@ -269,7 +269,7 @@ def test_what_a_stiffness_of_the_first_call_says_too_is_told_without_it(seed: in
     assert failure.alone and failure.diagnosis.startswith("radial return"), str(failure)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_of_the_first_call_what_is_kept_alone_is_named() -> None:
     def only(key: Callable[[Array, float], object]) -> Routine:
         kept: dict[object, float] = {}
@@ -289,7 +289,7 @@ def test_of_the_first_call_what_is_kept_alone_is_named() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("factor", [0.9, -1.0, 0.0, 2.0])
+@pytest.mark.parametrize("factor", long_but([3], [0.9, -1.0, 0.0, 2.0]))
 def test_what_is_wrong_without_stress_too_is_shown_where_its_cause_can_be_told(factor: float) -> None:
     update = with_extras(tangent=lambda c: factor * c)
     report = conformance("orthotropic", update, ELLIPSE, checks=["slope"], max_examples=4, rows=12, tries=40, seed=0)

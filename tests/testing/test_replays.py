@@ -18,7 +18,7 @@ from duhem.expression import Norm
 from duhem.law import registry
 from duhem.law.shapes import Disk
 from duhem.testing import Report, conformance, pointwise, projection
-from tests.long import mostly_long
+from tests.long import long_at, long_but, mostly_long
 from tests.oracles.routines import DISK, nothing
 
 WRONG = """
@@ -88,7 +88,7 @@ def failing(update: Callable[..., object], **options: object) -> Report:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("routine", ROUTINES)
+@pytest.mark.parametrize("routine", long_but([1, 3, 4], ROUTINES))
 def test_a_replay_fails_with_the_bug_and_passes_without(routine: str, friction: Callable[[float], object], tmp_path: Path) -> None:
     (file,) = failing(ROUTINES[routine](friction(2.0))).write_replays(tmp_path / "replays")
     assert file.name.startswith("test_my_friction_") and file.name.endswith("_feasibility.py")
@@ -98,7 +98,7 @@ def test_a_replay_fails_with_the_bug_and_passes_without(routine: str, friction: 
     runpy.run_path(str(file))["test_feasibility"]()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_shows_after_other_calls_alone_is_drawn_again(friction: Callable[[float], object], tmp_path: Path) -> None:
     box = duhem.Criterion("box", "max(abs(sigma_a), abs(sigma_b)) + mu*sigma_n", {"mu": duhem.Domain(positive=True)})
     asked = {"checks": ["variational-inequality", "repeatability"], "stiffness": 1.0, "max_examples": 5, "tries": 20, "seed": 3}
@@ -168,7 +168,7 @@ def ellipse_of_its_own(sigma_a, sigma_b, sigma_n, mu):
     return Norm(2 * sigma_a, sigma_b) - mu * abs(sigma_n)
 
 
-@pytest.mark.parametrize("kind", ["a file", "a value", "fixed", "registered", "closed form"])
+@pytest.mark.parametrize("kind", long_at([0, 3], ["a file", "a value", "fixed", "registered", "closed form"]))
 def test_what_is_printed_takes_the_law_that_was_tested(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -23,7 +23,7 @@ from duhem.testing.failures.causes import CAUSES, by_cause
 from duhem.testing.routines.unfinished import Unfinished
 from duhem.testing.run import ConformanceRun
 from duhem.testing.without_law import FreeRun, free_checks
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 from tests.oracles.routines import DISK, ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
 
 # -- visited -----------------------------------------------------------------------------------------------------------
@@ -117,7 +117,7 @@ def rows_share() -> Callable[..., object]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("made", [remembers_slip, rows_share])
+@pytest.mark.parametrize("made", long_but([1], [remembers_slip, rows_share]))
 def test_a_routine_with_a_memory_is_told_to_have_one(made: Callable[[], Callable[..., object]]) -> None:
     asked = ["repeatability", "idempotence", "firmness", "variational-inequality"]
     report = conformance("orthotropic", made(), ELLIPSE, checks=asked, max_examples=2, rows=8, every=1, tries=5, seed=1)
@@ -174,7 +174,7 @@ def other_alone(trial: Array, pressure: Array, stiffness: Array) -> Array:
         (other_alone, "between the answer among others and that to the increment alone"),
     ],
 )
-@pytest.mark.parametrize("every", [1, 7])
+@pytest.mark.parametrize("every", long_but([1], [1, 7]))
 def test_one_increment_alone_is_asked_too(update: Callable[..., object], said: str, every: int) -> None:
     asked = ["answers", "repeatability", "feasibility"]
     report = conformance("orthotropic", update, ELLIPSE, checks=asked, max_examples=4, every=every, tries=20, seed=1)
@@ -332,7 +332,7 @@ def test_what_raises_beside_the_trial_is_told_by_its_own_increment(
     assert violation(name, "box", update, failure.case, open_parameters=()) == failure.message
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_routine_that_raises_is_asked_for_it_few_times(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each of those calls may cost a process."""
 

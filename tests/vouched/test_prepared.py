@@ -48,6 +48,7 @@ def test_it_answers_as_the_call_does(law: str, stiffness: Any, parameters: dict[
         assert (multiplier, status) == (asked.multiplier[i], asked.status[i]) and isinstance(multiplier, float)
 
 
+@pytest.mark.long
 def test_threads_may_share_it() -> None:
     trial, pressure = drawn("antoni2007", 200)
     prepared = duhem.prepare("antoni2007", [1.0, 2.0], FLAGSHIP)
