@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import duhem
-from duhem import InputError, MissingExtraError, Path, simulate
+from duhem import Criterion, InputError, MissingExtraError, Path, simulate
 from duhem.path import Interrupted
 from duhem.path.integrators import INTEGRATORS
 from tests.long import mostly_long
@@ -270,6 +270,27 @@ def test_an_interrupted_run_goes_on_to_the_same_last_digit(method, after):
     assert np.array_equal(rest.to_array(), whole.to_array())
     with pytest.raises(InputError, match="another run"):
         walk(seed=4, method=method, substeps=5, start=part)
+
+
+@pytest.mark.parametrize("other", [{"stiffness": 2.0}, {"parameters": {"mu": 0.31}}, {"stress": [0.2, 0.0]}, {"method": "exact"}], ids=str)
+def test_a_part_of_another_run_is_refused(other):
+    values, pressure = np.array([[0, 0], [0.1, 0], [0.5, 0.2], [0.3, 0.9], [0, 0.0]]), np.array([-1, -1.5, -0.7, -2, -1.0])
+    given = {"stiffness": 1.0, "parameters": {"mu": 0.3}, "stress": [0.1, 0.1]}
+    part = simulate("coulomb", Path.linear(values[:3], pressure=pressure[:3]), **given)
+    whole = Path.linear(values, pressure=pressure)
+    right = simulate("coulomb", whole, **given)
+    for again in (given, {name: value for name, value in given.items() if name != "stress"}):  # a start tells its stress
+        assert np.array_equal(simulate("coulomb", whole, start=part, **again).to_array(), right.to_array())
+    with pytest.raises(InputError, match="another run"):
+        simulate("coulomb", whole, start=part, **given | other)
+
+
+def test_where_no_stress_is_outside_k_a_part_tells_its_own():
+    law = Criterion("shifted", "norm(a - sin(sigma_n), b - cos(sigma_n)) - 3/10", {}, forces=("a", "b"))
+    values, stress = [[0, 0], [1, 0], [0, 1], [1, 1]], [np.sin(-1.0), np.cos(-1.0)]
+    part = simulate(law, Path.linear(values[:3], pressure=-1.0), stress=stress, stiffness=1.0)
+    rest = simulate(law, Path.linear(values, pressure=-1.0), start=part, stiffness=1.0)
+    assert np.array_equal(rest.to_array(), simulate(law, Path.linear(values, pressure=-1.0), stress=stress, stiffness=1.0).to_array())
 
 
 @pytest.mark.long

@@ -12,6 +12,8 @@ import pytest
 
 import duhem
 from duhem.errors import InputError
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
 from duhem.projection import closed_form, known_points
 from duhem.projection.closed_form import CLOSED_FORM
 from duhem.projection.one_increment import OneIncrement
@@ -135,6 +137,16 @@ def test_compiled_answers_are_the_same(name: str) -> None:
     numbers = compiled._one.numbers(trial[0], None if pressure is None else -1.0)
     assert numbers is not None and compiled._one.answer(*numbers) is not None
     assert compiled(trial, pressure).status.tolist() == plain(trial, pressure).status.tolist()
+
+
+@pytest.mark.parametrize("power", [1.7, 1.3, 2.5])
+def test_a_power_that_is_no_real_number_is_left_to_arrays(power: float) -> None:
+    law = Criterion("open powers", "abs(sigma_a)**m + abs(sigma_b)**m - abs(sigma_n)**m", {"m": Domain.between(1)})
+    trials = [[-0.9, 1e-9], [1e4, 1.0], [3.0, -2e-7], [-50.0, 142.0]]
+    for trial in trials:
+        one, many = (duhem.project(law, [trial] * n if n > 1 else trial, -0.5, 1.0, {"m": power}) for n in (1, 500))
+        assert one.status.tolist() == many.status[:1].tolist() == [Status.SLIP]
+        np.testing.assert_allclose(one.stress[0], many.stress[0], atol=1e-9)
 
 
 def test_a_method_that_is_not_compiled_says_so() -> None:

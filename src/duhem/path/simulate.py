@@ -29,6 +29,8 @@ __all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "driven", "simulate"]
 
 Checkpoint = tuple[float, Callable[[History], object]]  # seconds, and who is given what is done
 
+_SAME = 1e-9  # of the largest stress that is added up: rounding is less, and another stiffness more
+
 
 class Interrupted(KeyboardInterrupt):
     """A run that was stopped; ``history`` is what was done, from which :func:`driven` goes on.
@@ -114,9 +116,9 @@ def driven(
     if run.compiled:
         advance, why = _compiled(method), f"{why}, compiled"
     with np.errstate(all="ignore"):
-        ledger = Ledger.begun(len(plan.path.time), plan.path.values[0], _first(plan, run.stress), plan.compliance)
+        ledger = Ledger.begun(len(plan.path.time), plan.path.values[0], _begun(plan, run, start), plan.compliance)
     if start is not None:
-        _go_on(ledger, plan, start)
+        _go_on(ledger, plan, method, start)
     steps = len(plan.path.time) - 1
     try:
         rows = advance(plan, ledger)
@@ -178,6 +180,13 @@ def _outside(plan: Plan, stress: Array) -> int | None:
     return int(out[0]) if out.size else None
 
 
+def _begun(plan: Plan, run: Run, start: History | None) -> Array:
+    """The stress at the first knot: that of the part to go on from, where none is given."""
+    if start is None or run.stress is not None or start.stress.shape[1:] != plan.path.values.shape[1:] or not len(start):
+        return _first(plan, run.stress)
+    return _first(plan, start.stress[0])
+
+
 def _first(plan: Plan, given: ArrayLike | None) -> Array:
     law = plan.increment.law
     d = len(law.forces)
@@ -217,11 +226,22 @@ def _prescribed(plan: Plan) -> History:
     return _whole(ledger, plan, "prescribed stress", "inside K the slip stays what it was")
 
 
-def _go_on(ledger: Ledger, plan: Plan, start: History) -> None:
-    """Copy the rows of an earlier part of the run into the ledger."""
+def _go_on(ledger: Ledger, plan: Plan, method: str, start: History) -> None:
+    """Copy the rows of an earlier part of the run into the ledger; InputError where it is none, as far as it tells."""
     n, path = len(start), plan.path
     pairs = ((start.time, path.time), (start.pressure, plan.increment.pressure), (start.displacement, path.values))
     same = 1 <= n <= len(path.time) and all(np.array_equal(old, new[:n]) for old, new in pairs)
-    if not same or start.law != plan.increment.law.name:
+    same = same and start.law == plan.increment.law.name and np.array_equal(start.stress[0], ledger.stress[0])
+    if same and start.plan is not None:
+        old, new = start.plan, plan
+        same = old.increment.g == new.increment.g and old.projection == new.projection and start.method == method
+    if not same or not _elastic(start, plan):
         raise InputError("the history to go on from belongs to another run", where="start", remedy="start afresh")
     ledger.resume(start)
+
+
+def _elastic(start: History, plan: Plan) -> bool:
+    """Whether its stresses are k (u - u_in) with the stiffness of the plan, to rounding."""
+    moved, slipped = times(start.displacement, plan.stiffness), times(start.slip, plan.stiffness)
+    size = np.maximum(np.maximum(np.abs(moved).max(), np.abs(slipped).max()), np.abs(start.stress).max())
+    return bool(np.abs(moved - slipped - start.stress).max() <= _SAME * size)

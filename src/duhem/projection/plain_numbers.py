@@ -6,6 +6,7 @@ operation that has no value raises, where an array has nan, and who called takes
 
 from __future__ import annotations
 
+import ast
 import math
 from collections.abc import Callable, Sequence
 from functools import lru_cache
@@ -61,10 +62,25 @@ def one(number: float) -> PlainArray:
 
 @lru_cache(maxsize=128)
 def interpreted(text: str, entry: str) -> Callable[..., Any]:
-    """The function ``entry`` of the text."""
-    run: Any = interpreted_text(text, entry)
+    """The function ``entry`` of the text; a power that is no real number raises, where Python would take it for a complex one."""
+    tree = ast.parse(text)
+    for function in tree.body:
+        if isinstance(function, ast.FunctionDef):
+            _RealPowers().visit(function)
+    run: Any = interpreted_text(ast.unparse(ast.fix_missing_locations(tree)), entry)
     run.__globals__.update(_FUNCTIONS)
     return run
+
+
+class _RealPowers(ast.NodeTransformer):
+    """Hands powers to ``real_power``."""
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        """A power as a call."""
+        self.generic_visit(node)
+        if isinstance(node.op, ast.Pow):
+            return ast.copy_location(ast.Call(ast.Name("real_power", ast.Load()), [node.left, node.right], []), node)
+        return node
 
 
 class _FromRow:
@@ -86,6 +102,7 @@ _FUNCTIONS = {
     **{name: getattr(math, name) for name in _SAME},
     **{f"arc{name}": getattr(math, f"a{name}") for name in _INVERSE},
     "maximum": max,
+    "real_power": math.pow,
     "minimum": min,
     "from_row": _FromRow,
     "np": SimpleNamespace(
