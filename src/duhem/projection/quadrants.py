@@ -18,7 +18,7 @@ from duhem.projection.plain_numbers import FAULTS, PlainArray, row, table
 from duhem.projection.quarter_ellipse import CLOSE, NEAR, SAFE, SEAM, SURE, formulas
 from duhem.projection.result import Array
 
-__all__ = ["Quarters", "clamped", "plain_closest", "project", "stacked"]
+__all__ = ["Quarters", "clamped", "plain_clamped", "plain_closest", "project", "stacked"]
 
 _FORMULAS = formulas()
 _CLOSEST = closest(lambda function: function, formulas(where=lambda condition, a, b: a if condition else b, sqrt=math.sqrt))
@@ -392,3 +392,19 @@ def clamped(trial: Array, mu: Array, load: Array, stiffness: float) -> tuple[Arr
     slipped = np.where(slips, np.ldexp(excess, scale) / stiffness, 0.0)
     stress = np.where(slips, np.copysign(mu * load, trial), trial)
     return stress, np.copysign(slipped, trial), mu * slipped
+
+
+def plain_clamped(trial: float, mu: float, load: float, stiffness: float) -> tuple[float, float, float] | None:
+    """The same of one force on plain numbers; None where an operation has no value."""
+    size = abs(trial)
+    try:
+        scale = math.frexp(max(size, load))[1]
+        size, e = math.ldexp(size, -scale), math.ldexp(load, -scale)
+        limit, low = _FORMULAS.product(mu, e)
+        excess = (size - limit) - low
+        if not excess > 0.0:
+            return trial, math.copysign(0.0, trial), mu * 0.0
+        slipped = math.ldexp(excess, scale) / stiffness
+    except FAULTS:
+        return None
+    return math.copysign(mu * load, trial), math.copysign(slipped, trial), mu * slipped
