@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from duhem.path import exact, one_row
 from duhem.path.batch import Share
-from duhem.path.closest import Closest, closest
+from duhem.path.closest import Closest, closest_points, vouched
 from duhem.path.exact import Piece
 from duhem.path.ledger import Gains, Ledger
 from duhem.path.one_row import ClosestPoint, RowStep, closest_point
@@ -159,7 +159,7 @@ def gains(k: Array, c: Array, before: Array, stress: Array, slip: Array, multipl
 
 def _why(method: str, plan: Plan) -> str:
     """How the closest point is found."""
-    return f"{closest(plan, STEPS[method].halves)[1]}{STEPS[method].said}"
+    return f"{closest_points(Share.alone(plan), plan.projection)[1]}{STEPS[method].said}"
 
 
 def _advance(method: str, plan: Plan, ledger: Ledger) -> Iterator[int]:
@@ -178,8 +178,9 @@ def steps(method: str, plan: Plan) -> tuple[Step, RowStep | None]:
     """The step of one path, of several rows and of one; None for this where arrays do it."""
     way = STEPS[method]
     block = Share.alone(plan, way.halves)
-    point = closest_point(block, plan.projection)
-    return way.rows(block, closest(plan, way.halves)[0]), None if point is None else way.row(block, point)
+    at, _ = closest_points(block, plan.projection)
+    point = closest_point(block, plan.projection, at)
+    return way.rows(block, vouched(at)), None if point is None else way.row(block, point)
 
 
 def stretch(plan: Plan, ledger: Ledger, made: tuple[Step, RowStep | None], anchor: int, ahead: int) -> bool:

@@ -11,9 +11,11 @@ from math import isfinite
 from operator import add, sub
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from duhem.law.shapes import Interval
 from duhem.path.batch import Share
-from duhem.path.closest import ShapeNumbers, shape_numbers
+from duhem.path.closest import Closest, ShapeNumbers, shape_numbers
 from duhem.projection import quadrants
 from duhem.projection.one_increment import OneIncrement
 from duhem.projection.projector import Projector
@@ -23,7 +25,8 @@ __all__ = ["RowStep", "RowStepped", "closest_point", "extrapolated", "implicit"]
 
 Vector = Sequence[float]
 Matrix = Sequence[Vector]
-ClosestPoint = Callable[[Vector, int], tuple[Vector, Vector, float] | None]  # of a trial stress at a knot: stress, slip and multiplier
+Answer = tuple[Vector, Vector, float]  # stress, slip and multiplier
+ClosestPoint = Callable[[Vector, int], Answer | None]  # of a trial stress at a knot
 
 
 class RowStepped(NamedTuple):
@@ -43,12 +46,27 @@ RowStep = Callable[[Vector, int, Vector, int], RowStepped | None]
 # -- the closest point -------------------------------------------------------------------------------------------------
 
 
-def closest_point(block: Share, method: str) -> ClosestPoint | None:
-    """The closest point of the one point of a block at one of its knots; None where plain numbers do not do."""
+def closest_point(block: Share, method: str, by_arrays: Closest) -> ClosestPoint | None:
+    """The closest point of the one point of a block at one of its knots; None where plain numbers do not do.
+
+    What has no answer on them is asked of arrays, and has none where it is lost.
+    """
     shape = shape_numbers(block) if method in ("auto", "closed-form") else None
     if shape is None:
-        return _judged(block, method)
-    return (_on_interval if isinstance(block.members[0].law.closed_form, Interval) else _on_quarters)(block, shape)
+        plain = _judged(block, method)
+    else:
+        plain = (_on_interval if isinstance(block.members[0].law.closed_form, Interval) else _on_quarters)(block, shape)
+    if plain is None:
+        return None
+    which = np.zeros(1, dtype=np.intp)
+
+    def at(trial: Vector, knot: int) -> Answer | None:
+        if (answer := plain(trial, knot)) is not None:
+            return answer
+        found = by_arrays(np.array([trial]), knot, which)
+        return None if found.lost.any() else (found.stress[0].tolist(), found.slip[0].tolist(), float(found.multiplier[0]))
+
+    return at
 
 
 def _on_quarters(block: Share, shape: ShapeNumbers) -> ClosestPoint | None:
@@ -58,7 +76,7 @@ def _on_quarters(block: Share, shape: ShapeNumbers) -> ClosestPoint | None:
     load, share, centre = (_along(array) for array in (shape.load, shape.share, shape.centre))
     moved = bool(shape.centre.any())
 
-    def at(trial: Vector, knot: int) -> tuple[Vector, Vector, float] | None:
+    def at(trial: Vector, knot: int) -> Answer | None:
         middle = centre(knot)
         found = quadrants.plain_closest(quarters, list(map(sub, trial, middle)) if moved else trial, load(knot))
         if found is None or not isfinite(found[2]):
@@ -75,7 +93,7 @@ def _on_interval(block: Share, shape: ShapeNumbers) -> ClosestPoint:
     load, share = _along(shape.load), _along(shape.share)
     (plus, minus), k = shape.coefficients[0].tolist(), float(block.members[0].stiffness[0, 0])
 
-    def at(trial: Vector, knot: int) -> tuple[Vector, Vector, float] | None:
+    def at(trial: Vector, knot: int) -> Answer | None:
         found = quadrants.plain_clamped(trial[0], minus if trial[0] < 0.0 else plus, load(knot), k)
         if found is None or not isfinite(found[2]):
             return None
@@ -101,7 +119,7 @@ def _judged(block: Share, method: str) -> ClosestPoint | None:
     one = OneIncrement(prepared.setting, prepared.method, convex=prepared.method.convex or known is not None)
     load = None if pressure is None else _along(pressure)
 
-    def at(trial: Vector, knot: int) -> tuple[Vector, Vector, float] | None:
+    def at(trial: Vector, knot: int) -> Answer | None:
         if (numbers := one.numbers(trial, None if load is None else load(knot))) is None or (found := one.answer(*numbers)) is None:
             return None
         return found.stress, found.slip, found.multiplier
