@@ -23,7 +23,19 @@ from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Projection, Status
 
-__all__ = ["LOST", "Closest", "ClosestPoints", "ShapeNumbers", "closest_points", "outside", "shape_name", "shape_numbers", "vouched"]
+__all__ = [
+    "LOST",
+    "Closest",
+    "ClosestPoints",
+    "ShapeNumbers",
+    "closest_by",
+    "closest_points",
+    "outside",
+    "shape_by",
+    "shape_name",
+    "shape_numbers",
+    "vouched",
+]
 
 LOST = (Status.INACCURATE, Status.FAILED)
 _TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
@@ -118,9 +130,18 @@ def shape_name(law: Criterion) -> str:
     return "closed form on four quarter ellipses"
 
 
+def shape_by(block: Share, method: str) -> ShapeNumbers | None:
+    """The numbers of the shape by which a method finds the closest points of a block; None where it asks a projection."""
+    return shape_numbers(block) if method in ("auto", "closed-form") else None
+
+
 def closest_points(block: Share, method: str, compiled: bool = False) -> tuple[Closest, str]:
     """The closest points of a block's rows, and the name of the method."""
-    shape = shape_numbers(block) if method in ("auto", "closed-form") else None
+    return closest_by(block, method, shape_by(block, method), compiled)
+
+
+def closest_by(block: Share, method: str, shape: ShapeNumbers | None, compiled: bool = False) -> tuple[Closest, str]:
+    """The same where it is known by which shape."""
     if shape is None:
         return _by_projection(block, method, compiled)
     law = block.members[0].law

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.shapes import Interval
 from duhem.path.batch import Share
-from duhem.path.closest import LOST, ClosestPoints, ShapeNumbers, shape_numbers
+from duhem.path.closest import LOST, ClosestPoints, ShapeNumbers, shape_by
 from duhem.path.compiled_steps import loops
 from duhem.path.history import SUMS, Histories
 from duhem.path.integrators import gains, steps, stretch
@@ -44,7 +44,7 @@ _FEW = 64  # steps after one that the loop did not take
 def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """As the implicit integrator's, in long stretches.  InputError for what has no compiled loop."""
     share = Share.alone(plan)
-    shape = shape_numbers(share) if plan.projection in ("auto", "closed-form") else None
+    shape = shape_by(share, plan.projection)
     return _by_loop(plan, ledger) if shape is None else _by_shape(plan, ledger, share, shape)
 
 

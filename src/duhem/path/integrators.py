@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from duhem.path import exact, one_row
 from duhem.path.batch import Share
-from duhem.path.closest import Closest, closest_points, vouched
+from duhem.path.closest import Closest, closest_by, closest_points, shape_by, vouched
 from duhem.path.exact import Piece
 from duhem.path.ledger import Gains, Ledger
 from duhem.path.one_row import ClosestPoint, RowStep, closest_point
@@ -178,8 +178,9 @@ def steps(method: str, plan: Plan) -> tuple[Step, RowStep | None]:
     """The step of one path, of several rows and of one; None for this where arrays do it."""
     way = STEPS[method]
     block = Share.alone(plan, way.halves)
-    at, _ = closest_points(block, plan.projection)
-    point = closest_point(block, plan.projection, at)
+    shape = shape_by(block, plan.projection)
+    at, _ = closest_by(block, plan.projection, shape)
+    point = closest_point(block, plan.projection, shape, at)
     return way.rows(block, vouched(at)), None if point is None else way.row(block, point)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from duhem.law.shapes import Interval
 from duhem.path.batch import Share
-from duhem.path.closest import Closest, ShapeNumbers, shape_numbers
+from duhem.path.closest import Closest, ShapeNumbers
 from duhem.projection import quadrants
 from duhem.projection.one_increment import OneIncrement
 from duhem.projection.projector import Projector
@@ -46,12 +46,11 @@ RowStep = Callable[[Vector, int, Vector, int], RowStepped | None]
 # -- the closest point -------------------------------------------------------------------------------------------------
 
 
-def closest_point(block: Share, method: str, by_arrays: Closest) -> ClosestPoint | None:
+def closest_point(block: Share, method: str, shape: ShapeNumbers | None, by_arrays: Closest) -> ClosestPoint | None:
     """The closest point of the one point of a block at one of its knots; None where plain numbers do not do.
 
     What has no answer on them is asked of arrays, and has none where it is lost.
     """
-    shape = shape_numbers(block) if method in ("auto", "closed-form") else None
     if shape is None:
         plain = _judged(block, method)
     else:
@@ -111,12 +110,14 @@ def _along(array: Array) -> Callable[[int], Any]:
 
 
 def _judged(block: Share, method: str) -> ClosestPoint | None:
-    """By a method for any law, each answer judged; None where somebody has asked and K is not shown to be convex."""
+    """By a method for any law, each answer judged; None without plain numbers, and where K is asked about and not shown to be convex."""
     member, pressure = block.members[0], block.paths.pressure
     prepared, known = Projector.of(member.law, member.stiffness, member.parameters, method), member.convexity
     if not (prepared.method.convex or known is None or known.loaded):
         return None
     one = OneIncrement(prepared.setting, prepared.method, convex=prepared.method.convex or known is not None)
+    if not one.made():
+        return None
     load = None if pressure is None else _along(pressure)
 
     def at(trial: Vector, knot: int) -> Answer | None:
