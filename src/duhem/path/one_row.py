@@ -110,13 +110,11 @@ def _along(array: Array) -> Callable[[int], Any]:
 
 
 def _judged(block: Share, method: str) -> ClosestPoint | None:
-    """By a method for any law, each answer judged; None without plain numbers, and where K is asked about and not shown to be convex."""
+    """By a method for any law, each answer judged; None without plain numbers, and where K is not shown to be convex."""
     member, pressure = block.members[0], block.paths.pressure
     prepared, known = Projector.of(member.law, member.stiffness, member.parameters, method), member.convexity
-    if not (prepared.method.convex or known is None or known.loaded):
-        return None
-    one = OneIncrement(prepared.setting, prepared.method, convex=prepared.method.convex or known is not None)
-    if not one.made():
+    one = OneIncrement(prepared.setting, prepared.method)
+    if not (prepared.method.convex or (known is not None and known.loaded)) or not one.made():
         return None
     load = None if pressure is None else _along(pressure)
 

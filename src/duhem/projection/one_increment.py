@@ -25,7 +25,6 @@ from duhem.projection.variational import Variational
 
 __all__ = ["OneIncrement", "PointAnswer", "as_projection"]
 
-_MOST_LOOKS = 64
 _WHOLE = 2**53  # of a larger integer a double may be another number
 
 
@@ -42,19 +41,15 @@ class PointAnswer(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class OneIncrement:
-    """The law, stiffness and parameters of ``setting`` and the ``method``; ``compiled`` by numba.
-
-    ``convex``: K is known to be so; else points of K are looked at close to each answer that slips.
-    """
+    """The law, stiffness and parameters of ``setting`` and the ``method``, of which K is known to be convex; ``compiled`` by numba."""
 
     setting: Increment
     method: Method[Any]
     compiled: bool = False
-    convex: bool = True
 
     def __getstate__(self) -> dict[str, Any]:
         """What is kept for the next call is made anew where it is unpickled."""
-        return {"setting": self.setting, "method": self.method, "compiled": self.compiled, "convex": self.convex}
+        return {"setting": self.setting, "method": self.method, "compiled": self.compiled}
 
     def made(self) -> bool:
         """Whether there is a way on plain numbers: it is made now, and compiled, and not by the first answer."""
@@ -74,11 +69,9 @@ class OneIncrement:
 
     def answer(self, trial: Sequence[float], pressure: float) -> PointAnswer | None:
         """The judged answer to such numbers; None where arrays are to be asked."""
-        if self._closest is None or (found := self._closest(trial, pressure)) is None:
+        if self._closest is None or (look := self._look(pressure)) is None or (found := self._closest(trial, pressure)) is None:
             return None
         stress, slip, multiplier = found
-        if (look := self._look(pressure, self.convex or not (multiplier or any(slip)))) is None:  # to stick is to be closest
-            return None
         dissipation, status, residuals = look(trial, pressure, stress, slip, multiplier)
         return None if status == UNJUDGED else PointAnswer(stress, slip, multiplier, dissipation, Status(status), residuals)
 
@@ -91,22 +84,20 @@ class OneIncrement:
         return plain(self.setting, self.compiled)
 
     @cached_property
-    def _looks(self) -> dict[tuple[bool, float], Look | None]:
+    def _looks(self) -> dict[int, Look | None]:
         return {}
 
-    def _look(self, pressure: float, convex: bool = True) -> Look | None:
-        """The judge's loop with the points of K that are known at the power of two within the pressure, or at the pressure itself."""
-        key = convex, math.frexp(pressure)[1] if convex else pressure
-        if key not in self._looks:
-            if not convex and len(self._looks) >= _MOST_LOOKS:
-                self._looks.clear()
+    def _look(self, pressure: float) -> Look | None:
+        """The judge's loop with the points of K that are known at the power of two within the pressure."""
+        exponent = math.frexp(pressure)[1]
+        if exponent not in self._looks:
             law, own = self.setting.law, self.setting
             g = level(own.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
             asked = Increment(law, own.g, own.trial, np.array([pressure]), own.stiffness, own.diagonal, own.parameters)
-            known = Variational.of(asked, g, Metric.of(own.stiffness), convex)
+            known = Variational.of(asked, g, Metric.of(own.stiffness), convex=True)
             made = compiled_look if self.compiled else plain_look
-            self._looks[key] = made(g, law.force_symbols(), own.stiffness, known)
-        return self._looks[key]
+            self._looks[exponent] = made(g, law.force_symbols(), own.stiffness, known)
+        return self._looks[exponent]
 
 
 def _plain(numbers: Any) -> list[float] | None:
