@@ -51,7 +51,7 @@ def parts(batch: Batch, method: str, threads: int = 1, into: Histories | None = 
     """
     if not first:
         check(batch)
-    halves = STEPS[method][0] if method in STEPS else 1
+    halves = STEPS[method].halves if method in STEPS else 1
     blocks = iter([block for block in batch.blocks() if block[0] >= first])
 
     def work(block: tuple[int, int]) -> Histories:
@@ -110,10 +110,9 @@ def _filled(batch: Batch, block: Share, method: str, out: Histories) -> str:
 
         if (left := compiled_run.looped(block, batch.projection, out)) is not None:
             points, why = left, f"{why}, compiled"
-    _, step, said = STEPS[method]
     if points.size:
-        _abreast(block, points, step(block, at), out)
-    return f"{why}{said}"
+        _abreast(block, points, STEPS[method].rows(block, at), out)
+    return f"{why}{STEPS[method].said}"
 
 
 def _abreast(block: Share, points: Which, step: Step, out: Histories) -> None:

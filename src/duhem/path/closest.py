@@ -17,14 +17,25 @@ from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Disk, Interval, Quadrants
 from duhem.path.batch import Share
 from duhem.path.paths import Knot, Which, in_rows
-from duhem.path.run import Plan
 from duhem.projection import closed_form, compiled, quadrants
 from duhem.projection.coefficients import centre, in_columns
 from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Projection, Status
 
-__all__ = ["LOST", "Closest", "ClosestPoints", "ShapeNumbers", "closest", "closest_points", "outside", "shape_name", "shape_numbers"]
+__all__ = [
+    "LOST",
+    "Closest",
+    "ClosestPoints",
+    "ShapeNumbers",
+    "closest_by",
+    "closest_points",
+    "outside",
+    "shape_by",
+    "shape_name",
+    "shape_numbers",
+    "vouched",
+]
 
 LOST = (Status.INACCURATE, Status.FAILED)
 _TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
@@ -119,9 +130,18 @@ def shape_name(law: Criterion) -> str:
     return "closed form on four quarter ellipses"
 
 
+def shape_by(block: Share, method: str) -> ShapeNumbers | None:
+    """The numbers of the shape by which a method finds the closest points of a block; None where it asks a projection."""
+    return shape_numbers(block) if method in ("auto", "closed-form") else None
+
+
 def closest_points(block: Share, method: str, compiled: bool = False) -> tuple[Closest, str]:
     """The closest points of a block's rows, and the name of the method."""
-    shape = shape_numbers(block) if method in ("auto", "closed-form") else None
+    return closest_by(block, method, shape_by(block, method), compiled)
+
+
+def closest_by(block: Share, method: str, shape: ShapeNumbers | None, compiled: bool = False) -> tuple[Closest, str]:
+    """The same where it is known by which shape."""
     if shape is None:
         return _by_projection(block, method, compiled)
     law = block.members[0].law
@@ -129,11 +149,10 @@ def closest_points(block: Share, method: str, compiled: bool = False) -> tuple[C
     return at, shape_name(law)
 
 
-def closest(plan: Plan, halves: int = 1) -> tuple[Closest, str]:
-    """The same of one path, at the knots of its ``halves``: a row that is not found ends the run, with the error that says why."""
-    at, why = closest_points(Share.alone(plan, halves), plan.projection)
+def vouched(at: Closest) -> Closest:
+    """The same of one path: a row that is not found ends the run, with the error that says why."""
 
-    def vouched(trial: Array, knot: Knot, which: Which) -> ClosestPoints:
+    def closest(trial: Array, knot: Knot, which: Which) -> ClosestPoints:
         found = at(trial, knot, which)
         if found.judged is None or not found.lost.any():
             return found
@@ -149,7 +168,7 @@ def closest(plan: Plan, halves: int = 1) -> tuple[Closest, str]:
             raise DuhemError(what, where=f"step {row}", remedy=remedy)
         return found
 
-    return vouched, why
+    return closest
 
 
 def outside(block: Share, method: str, stress: Array, knot: Knot, which: Which) -> NDArray[np.bool_]:

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.shapes import Interval
 from duhem.path.batch import Share
-from duhem.path.closest import LOST, ClosestPoints, ShapeNumbers, shape_numbers
+from duhem.path.closest import LOST, ClosestPoints, ShapeNumbers, shape_by
 from duhem.path.compiled_steps import loops
 from duhem.path.history import SUMS, Histories
-from duhem.path.integrators import gains, stepping, stretch
+from duhem.path.integrators import gains, steps, stretch
 from duhem.path.ledger import Ledger, States
 from duhem.path.paths import Paths, Which
 from duhem.path.run import Plan
@@ -44,7 +44,7 @@ _FEW = 64  # steps after one that the loop did not take
 def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """As the implicit integrator's, in long stretches.  InputError for what has no compiled loop."""
     share = Share.alone(plan)
-    shape = shape_numbers(share) if plan.projection in ("auto", "closed-form") else None
+    shape = shape_by(share, plan.projection)
     return _by_loop(plan, ledger) if shape is None else _by_shape(plan, ledger, share, shape)
 
 
@@ -155,7 +155,7 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """One path by the loop that is made for its law."""
     if isinstance(made := _loop(plan.increment, plan.projection), str):
         raise _missing(made)
-    step, paths, one = stepping("implicit", plan), Share.alone(plan).paths, np.zeros(1, dtype=np.intp)
+    both, paths, one = steps("implicit", plan), Share.alone(plan).paths, np.zeros(1, dtype=np.intp)
     values, m = plan.path.values, len(plan.path.values)
     anchor, ahead = ledger.anchor, _STEPS
     while ledger.done < m:
@@ -167,7 +167,7 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
             anchor = first + int(np.flatnonzero(slips)[-1]) if slips.any() else anchor
         ahead = min(2 * ahead, _STEPS)
         if not n:  # one step by the search, which ends the run if it finds nothing
-            anchor, ahead = first if stretch(plan, ledger, step, anchor, 1) else anchor, _FEW
+            anchor, ahead = first if stretch(plan, ledger, both, anchor, 1) else anchor, _FEW
         yield ledger.done
 
 

@@ -23,16 +23,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.path import exact
+from duhem.path import exact, one_row
 from duhem.path.batch import Share
-from duhem.path.closest import Closest, closest
+from duhem.path.closest import Closest, closest_by, closest_points, shape_by, vouched
 from duhem.path.exact import Piece
 from duhem.path.ledger import Gains, Ledger
+from duhem.path.one_row import ClosestPoint, RowStep, closest_point
 from duhem.path.paths import Knot, Which
 from duhem.path.run import Plan, energy, inner, times
+from duhem.projection.in_blocks import FEW
 from duhem.projection.result import Array
 
-__all__ = ["INTEGRATORS", "STEPS", "Integrator", "Step", "Stepped", "gains", "stepping", "stretch"]
+__all__ = ["INTEGRATORS", "STEPS", "Integrator", "Step", "Stepped", "Stepping", "gains", "steps", "stretch"]
 
 _MOST_AHEAD = 4096
 
@@ -116,10 +118,26 @@ def extrapolated(block: Share, at: Closest) -> Step:
     return step
 
 
-STEPS: Mapping[str, tuple[int, Callable[[Share, Closest], Step], str]] = MappingProxyType(
-    {"implicit": (1, implicit, ""), "extrapolated": (2, extrapolated, ", extrapolated from whole and half steps")}
+@dataclass(frozen=True)
+class Stepping:
+    """One way of stepping, as a value.
+
+    ``halves``: into how many rows a step of the path is cut; ``rows`` and ``row`` are the step, of many rows and of one on plain
+    numbers; ``said`` is what is said of it beside the method of the closest point.
+    """
+
+    halves: int
+    rows: Callable[[Share, Closest], Step]
+    row: Callable[[Share, ClosestPoint], RowStep]
+    said: str = ""
+
+
+STEPS: Mapping[str, Stepping] = MappingProxyType(
+    {
+        "implicit": Stepping(1, implicit, one_row.implicit),
+        "extrapolated": Stepping(2, extrapolated, one_row.extrapolated, ", extrapolated from whole and half steps"),
+    }
 )
-"""Into how many rows a step of the path is cut, the step, and what is said of it beside the method of the closest point."""
 
 
 def energies(k: Array, stress: Array, slip: Array, du: Array) -> tuple[Array, Array, Array]:
@@ -141,32 +159,46 @@ def gains(k: Array, c: Array, before: Array, stress: Array, slip: Array, multipl
 
 def _why(method: str, plan: Plan) -> str:
     """How the closest point is found."""
-    halves, _, said = STEPS[method]
-    return f"{closest(plan, halves)[1]}{said}"
+    return f"{closest_points(Share.alone(plan), plan.projection)[1]}{STEPS[method].said}"
 
 
 def _advance(method: str, plan: Plan, ledger: Ledger) -> Iterator[int]:
     """Fill the ledger row by row; yields the number of rows done.  Stretches without slip are taken in blocks."""
-    step = stepping(method, plan)
+    made = steps(method, plan)
     anchor, ahead = ledger.anchor, 1
     while ledger.done < len(plan.path.values):
-        if stretch(plan, ledger, step, anchor, ahead):
+        if stretch(plan, ledger, made, anchor, ahead):
             anchor, ahead = ledger.done - 1, 1
         else:
             ahead = min(2 * ahead, _MOST_AHEAD)
         yield ledger.done
 
 
-def stepping(method: str, plan: Plan) -> Step:
-    """The step of one path."""
-    halves, made, _ = STEPS[method]
-    return made(Share.alone(plan, halves), closest(plan, halves)[0])
+def steps(method: str, plan: Plan) -> tuple[Step, RowStep | None]:
+    """The step of one path, of several rows and of one; None for this where arrays do it."""
+    way = STEPS[method]
+    block = Share.alone(plan, way.halves)
+    shape = shape_by(block, plan.projection)
+    at, _ = closest_by(block, plan.projection, shape)
+    point = closest_point(block, plan.projection, shape, at)
+    return way.rows(block, vouched(at)), None if point is None else way.row(block, point)
 
 
-def stretch(plan: Plan, ledger: Ledger, step: Step, anchor: int, ahead: int) -> bool:
+def stretch(plan: Plan, ledger: Ledger, made: tuple[Step, RowStep | None], anchor: int, ahead: int) -> bool:
     """The next rows up to the first that slips, no more than ``ahead``, from the row ``anchor`` that last slipped; whether one does."""
     first, values = ledger.done, plan.path.values
-    knots = np.arange(first, min(first + ahead, len(values)))
+    last = min(first + ahead, len(values))
+    step, one = made
+    if one is not None and ahead <= FEW:
+        anchor_stress, before = ledger.stress[anchor].tolist(), ledger.stress[first - 1].tolist()
+        while ledger.done < last and (row := one(anchor_stress, anchor, before, ledger.done)) is not None:
+            ledger.row(row)
+            if row.slips:
+                return True
+            before = row.stress
+        if ledger.done > first:
+            return False
+    knots = np.arange(first, last)
     found = step(ledger.stress[anchor], values[anchor], ledger.stress[first - 1 : first], knots, np.zeros_like(knots))
     slips = np.flatnonzero(found.slips)
     n = int(slips[0]) + 1 if slips.size else len(knots)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import add
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.path.batch import Share
 from duhem.path.history import SUMS, Histories, History
+from duhem.path.one_row import RowStepped
 from duhem.path.paths import Which
 from duhem.path.run import Plan, energy, times
 from duhem.projection.declared_ranges import beyond
@@ -81,6 +83,15 @@ class Ledger:
         np.add.accumulate(self.added[..., i:last], axis=-1, out=self.added[..., i:last])
         self.balance[..., i + 1 : last] = gains[2] - (self.psi[..., i + 1 : last] - self.psi[..., i : last - 1]) - gains[1] - gains[3]
         self.done = last
+
+    def row(self, made: RowStepped) -> None:
+        """One row of one path, from plain numbers."""
+        i, (_, lost, work, numerical) = self.done, made.gains
+        self.stress[i], self.psi[i] = made.stress, made.psi
+        self.slip[i] = list(map(add, self.slip[i - 1].tolist(), made.slip))
+        self.added[:, i] = list(map(add, self.added[:, i - 1].tolist(), made.gains))
+        self.balance[i] = work - (made.psi - float(self.psi[i - 1])) - lost - numerical
+        self.done = i + 1
 
     def keep(self, out: Histories, points: Which | int) -> None:
         """Write the kept knots of the rows done into the histories of these points; the balance is summed since the kept knot before."""

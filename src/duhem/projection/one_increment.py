@@ -53,7 +53,7 @@ class OneIncrement:
 
     def made(self) -> bool:
         """Whether there is a way on plain numbers: it is made now, and compiled, and not by the first answer."""
-        return self._closest is not None and self._look(-1.0) is not None
+        return self._closest is not None and self._look(-1.0 if self.setting.law.pressure else 0.0) is not None
 
     def numbers(self, trial: Any, pressure: Any) -> tuple[list[float], float] | None:
         """A trial stress (d,) and a pressure below 0, or 0.0 for a law without one; None where these are anything else."""

@@ -16,7 +16,7 @@ __all__ = ["closest"]
 def closest(compile: Callable[[Any], Any], plain: Formulas) -> Callable[..., None]:
     """The closest point to one trial, whatever its numbers; each function is passed through ``compile``."""
     quotient, product, excess, close_excess = plain.quotient, plain.product, plain.excess, plain.close_excess
-    direction, multiplier_of, on_grid = plain.direction, plain.multiplier, plain.on_grid
+    direction, multiplier_of, on_grid, of_bits = plain.direction, plain.multiplier, plain.on_grid, plain.of_bits
 
     @compile
     def ratios(t1: float, t2: float, mu1: float, mu2: float, e: float) -> Any:
@@ -57,7 +57,7 @@ def closest(compile: Callable[[Any], Any], plain: Formulas) -> Callable[..., Non
                 missed = a if q & 1 else -a
             if mu[q, 1] != mu[q ^ 2, 1]:
                 missed = max(missed, b if q & 2 else -b)
-            if c > 0.0 and np.isfinite(c) and missed < best:
+            if 0.0 < c < np.inf and missed < best:
                 best, w1, w2, z, used = missed, a, b, c, q
             if best < -SURE:
                 break
@@ -74,7 +74,7 @@ def closest(compile: Callable[[Any], Any], plain: Formulas) -> Callable[..., Non
     ) -> None:
         stress[n, 0], stress[n, 1] = mu1 * e * w1, mu2 * e * w2
         if -900 < power < 900:
-            factor = np.int64((np.int64(power) + 1023) << 52).view(np.float64)  # 2^power without a call
+            factor = of_bits((np.int64(power) + 1023) << 52)  # 2^power without a call
             lam[n], slip[n, 0], slip[n, 1] = z * factor, z * (w1 / mu1) * factor, z * (w2 / mu2) * factor
         else:
             lam[n] = math.ldexp(z, power)
@@ -110,7 +110,7 @@ def closest(compile: Callable[[Any], Any], plain: Formulas) -> Callable[..., Non
             if first[q] == 1:
                 p1, p2, l2 = p2, p1, l1
             if ratio[0] == ratio[1] == ratio[2] == ratio[3] == 1.0:  # the closest point lies on the ray of the trial
-                length = np.hypot(p1, p2)
+                length = float(np.hypot(p1, p2))
                 w1, w2 = p1 / length, p2 / length
             else:
                 w1, w2 = direction(p1, p2, l2, e, ratio[q])

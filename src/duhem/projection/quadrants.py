@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import lru_cache
+from struct import Struct
 from typing import Any
 
 import numpy as np
@@ -14,14 +15,22 @@ from numpy.typing import NDArray
 
 from duhem.projection.in_blocks import FEW
 from duhem.projection.one_point import closest
-from duhem.projection.plain_numbers import FAULTS, PlainArray, row, table
+from duhem.projection.plain_numbers import FAULTS, PlainArray, table
 from duhem.projection.quarter_ellipse import CLOSE, NEAR, SAFE, SEAM, SURE, formulas
 from duhem.projection.result import Array
 
-__all__ = ["Quarters", "clamped", "plain_closest", "project", "stacked"]
+__all__ = ["Quarters", "clamped", "plain_clamped", "plain_closest", "project", "stacked"]
 
+_DOUBLE, _WORD = Struct("<d"), Struct("<q")
 _FORMULAS = formulas()
-_CLOSEST = closest(lambda function: function, formulas(where=lambda condition, a, b: a if condition else b, sqrt=math.sqrt))
+_CLOSEST = closest(
+    lambda function: function,
+    formulas(
+        where=lambda condition, a, b: a if condition else b,
+        sqrt=math.sqrt,
+        bits=(lambda x: _WORD.unpack(_DOUBLE.pack(x))[0], lambda bits: _DOUBLE.unpack(_WORD.pack(bits))[0]),
+    ),
+)
 _DIGITS = 120
 _MANY = 1_024  # points of which quarters are worth a loop over them
 
@@ -147,9 +156,9 @@ def _one_by_one(trial: Array, load: Array, quarters: Quarters, stress: Array, sl
 
 def plain_closest(quarters: Quarters, trial: Sequence[float], load: float) -> tuple[list[float], list[float], float] | None:
     """Stress, slip and multiplier of the gauge for one trial on plain numbers; None where an operation has no value."""
-    s, moved, weight = PlainArray(), PlainArray(), PlainArray()
+    s, moved, weight = dict[tuple[int, int], float](), dict[tuple[int, int], float](), dict[int, float]()
     try:
-        _CLOSEST(0, row(trial), {0: load}, *_tables(quarters), s, moved, weight)
+        _CLOSEST(0, {(0, 0): trial[0], (0, 1): trial[1]}, {0: load}, *_tables(quarters), s, moved, weight)
     except FAULTS:
         return None
     return [s[0, 0], s[0, 1]], [moved[0, 0], moved[0, 1]], weight[0]
@@ -392,3 +401,19 @@ def clamped(trial: Array, mu: Array, load: Array, stiffness: float) -> tuple[Arr
     slipped = np.where(slips, np.ldexp(excess, scale) / stiffness, 0.0)
     stress = np.where(slips, np.copysign(mu * load, trial), trial)
     return stress, np.copysign(slipped, trial), mu * slipped
+
+
+def plain_clamped(trial: float, mu: float, load: float, stiffness: float) -> tuple[float, float, float] | None:
+    """The same of one force on plain numbers; None where an operation has no value."""
+    size = abs(trial)
+    try:
+        scale = math.frexp(max(size, load))[1]
+        size, e = math.ldexp(size, -scale), math.ldexp(load, -scale)
+        limit, low = _FORMULAS.product(mu, e)
+        excess = (size - limit) - low
+        if not excess > 0.0:
+            return trial, math.copysign(0.0, trial), mu * 0.0
+        slipped = math.ldexp(excess, scale) / stiffness
+    except FAULTS:
+        return None
+    return math.copysign(mu * load, trial), math.copysign(slipped, trial), mu * slipped

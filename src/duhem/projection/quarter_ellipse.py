@@ -45,6 +45,7 @@ class Formulas:
     ``direction(p1, p2, l2, e, r)``: (w_1, w_2), in three parts: ``start`` gives whether axis 1 is the nearer, the quartic
     beta h^4 + three h^3 + one h - beta and a first h; ``root(beta, three, one, h)`` its h; ``turned(near, h)`` (w_1, w_2).
     ``multiplier(F, w1, w2, e, r)``: z = c_1 lambda.
+    ``of_bits(n)``: the number whose 64 bits are those of n.
     """
 
     product: Callable[..., Any]
@@ -57,6 +58,7 @@ class Formulas:
     root: Callable[..., Any]
     turned: Callable[..., Any]
     multiplier: Callable[..., Any]
+    of_bits: Callable[..., Any]
 
 
 Compiler = Callable[[Any], Any]
@@ -66,19 +68,30 @@ def _plain(function: Any) -> Any:
     return function
 
 
+def _bits(x: Any) -> Any:
+    return np.float64(x).view(np.int64)
+
+
+def _of_bits(bits: Any) -> Any:
+    return np.int64(bits).view(np.float64)
+
+
 def formulas(
     compile: Compiler = _plain,
     where: Callable[..., Any] = np.where,
     exact: Callable[..., Any] | None = None,
     loose: Compiler | None = None,
     sqrt: Callable[[Any], Any] = np.sqrt,
+    bits: tuple[Compiler, Compiler] = (_bits, _of_bits),
 ) -> Formulas:
     """The formulas, each passed through ``compile``; ``where(condition, a, b)`` chooses for what they are applied to.
 
     ``exact``: the product where there is a shorter way to it.  ``loose``: compiles what no error-free sum depends on,
-    where products and sums may be rounded together; ``compile`` if left out.  ``sqrt``: the root of what they are applied to.
+    where products and sums may be rounded together; ``compile`` if left out.  ``sqrt``: the root of what they are applied to;
+    ``bits``: its 64 bits as a whole number, and the number of such bits.
     """
     loose = compile if loose is None else loose
+    bits_of, of_bits = map(compile, bits)
 
     @compile
     def split_product(a: Any, b: Any) -> Any:
@@ -178,13 +191,13 @@ def formulas(
 
         The division is a product and a shift, which vector units have.
         """
-        upper = np.float64(x).view(np.int64) >> 32
-        return np.int64(((upper * _ONE_THIRD >> 32) + _THIRD) << 32).view(np.float64)
+        upper = bits_of(x) >> 32
+        return of_bits(((upper * _ONE_THIRD >> 32) + _THIRD) << 32)
 
     @compile
     def square_root(x: Any) -> Any:
         """To 5 % likewise, of a number that is not negative."""
-        return np.int64((np.float64(x).view(np.int64) >> 1) + _HALF).view(np.float64)
+        return of_bits((bits_of(x) >> 1) + _HALF)
 
     @loose
     def start(p1: Any, p2: Any, l2: Any, e: Any, r: Any) -> Any:
@@ -246,4 +259,4 @@ def formulas(
         g1, g2 = e * (u1 + u2), u1 + r * u2
         return f / (g1 + sqrt(g1 * g1 + f * g2))
 
-    return Formulas(product, quotient, excess, close_excess, on_grid, direction, start, root, turned, multiplier)
+    return Formulas(product, quotient, excess, close_excess, on_grid, direction, start, root, turned, multiplier, of_bits)

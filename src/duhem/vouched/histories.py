@@ -92,7 +92,7 @@ def simulate(
     ``compiled`` runs implicit steps through numba (extra ``fast``; it compiles for ten to thirty seconds at its first use), whole
     stretches at once, of one path or many points by any law; of extrapolated steps of many points it finds the closest
     points.  The last digits may differ.  One path takes some 1e6 steps a second so, on a shape that is not declared 1e5 to 1e6; without
-    it some thousands, on a shape that is not declared some hundred; extrapolated a fifth of these.
+    it some 2e4, on a shape that is not declared 5e2 to 2e3; extrapolated a third of these.
     """
     check_convex(convex)
     known = load_formula(law)
