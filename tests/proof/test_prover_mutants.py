@@ -374,7 +374,7 @@ def test_a_lie_is_not_confirmed(lie: Lie) -> None:
 def test_a_proof_stands_no_better_than_what_it_rests_on(own: str, premise: Trust, stands: Trust) -> None:
     """The flow of a law of its own: the kernel has no rule for it here, so that the method's own word counts."""
     law = Criterion("turned", "norm(a, b) - 1", forces=("a", "b"), pressure=None, flow=("a - b", "a + b"))
-    confirmations = Confirmations(law, {"convexity": Standing(premise)})
+    confirmations = Confirmations(law, standings={"convexity": Standing(premise)})
     standing = confirmations.of("normality", Evidence(Verdict.PROVED, own, ""), ["convexity"])
     assert standing is not None and standing.trust is stands
 
@@ -382,6 +382,6 @@ def test_a_proof_stands_no_better_than_what_it_rests_on(own: str, premise: Trust
 @pytest.mark.parametrize("premise", list(Trust))
 def test_a_consequence_stands_as_what_it_rests_on(premise: Trust) -> None:
     law = Criterion("disc", "norm(a, b) - 1", forces=("a", "b"), pressure=None)
-    confirmations = Confirmations(law, {"convexity": Standing(premise)})
+    confirmations = Confirmations(law, standings={"convexity": Standing(premise)})
     standing = confirmations.of("normality", Evidence(Verdict.PROVED, "anything (smt-z3)", ""), ["convexity"])
     assert standing is not None and standing.trust is premise

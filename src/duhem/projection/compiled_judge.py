@@ -200,7 +200,7 @@ def _text(level: Level, forces: tuple[sp.Symbol, ...], convex: bool) -> _Loop | 
     functions = jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0]
     rest = formula.expr.replace(Norm, lambda *_: sp.S.Zero)  # with a tip where norms are 0 and forces are left to hold them up
     corners = jets.kinks > 0 or not rest.free_symbols.isdisjoint(forces)
-    known = {"CONVEX": int(convex), "CORNERS": int(corners), "LOOKED": int(corners or not convex)}
+    known = {"CONVEX": int(convex), "CORNERS": int(corners)}
     text = module_text(formula, len(forces), jets, functions, sources, ("judge", "chunk"), **known)
     own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
     return _Loop(text, (*data[1:], *own))

@@ -27,7 +27,6 @@ D = 0  # how many forces the law has
 KINKS = PAIRS = 0  # how many kinks, and eigenvalues that may be double
 CONVEX = 0  # whether K is known to be convex
 CORNERS = 1  # whether it may have corners or tips
-LOOKED = 1  # whether either is so, and a slip may need more than sums
 
 
 def known(p: float, q: Any, b: Any) -> Any:
@@ -132,16 +131,13 @@ def chunk(
         if state == LEFT:
             continue
         other = 0.0
-        if LOOKED > 0:
-            if state == BENT or seen[OVER, j] > 0.0 or CONVEX == 0:
-                fine, other = one_slip(
-                    j, v, a, at, seen, largest, pressed, pressed_off, constants, of_slip, to_stress, beside, tips, ways, reaches, good,
-                    certain,
-                )  # fmt: skip
-                if not fine:
-                    continue
-        elif state == BENT or seen[OVER, j] > 0.0:
-            continue
+        if state == BENT or seen[OVER, j] > 0.0 or CONVEX == 0:
+            fine, other = one_slip(
+                j, v, a, at, seen, largest, pressed, pressed_off, constants, of_slip, to_stress, beside, tips, ways, reaches, good,
+                certain,
+            )  # fmt: skip
+            if not fine:
+                continue
         off = max(seen[OFF, j], seen[BALANCE, j])
         if off <= ACCURACY and seen[FEASIBLE, j] <= ACCURACY and seen[COMPLETE, j] <= ACCURACY and other <= ACCURACY:
             status[n] = SLIP

@@ -159,7 +159,8 @@ def _prepared(
     law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None, method: str | Method[Any], convex: str
 ) -> Prepared:
     """Made once for increments that follow one another, where the arguments are plain numbers."""
-    if type(stiffness) in _PLAIN and (parameters is None or all(type(value) in _PLAIN for value in parameters.values())):
+    named = parameters is None or (type(parameters) is dict and all(type(value) in _PLAIN for value in parameters.values()))
+    if named and type(stiffness) in _PLAIN:
         given: Hashable = stiffness, None if parameters is None else tuple(parameters.items())
         return _kept(law, given, Projector.chosen(_setting(law, given), method), convex)
     return Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex)
