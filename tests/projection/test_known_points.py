@@ -10,7 +10,10 @@ import pytest
 from duhem.law.formula_law import Criterion
 from duhem.projection.known_points import beyond_tangents, tips
 from duhem.projection.level import Level, level
+from duhem.projection.metric import Metric
 from duhem.projection.projector import Projector
+from duhem.projection.validation import increment
+from duhem.projection.variational import Variational
 
 
 def of(law: Criterion | str, **values: float) -> Level:
@@ -62,3 +65,17 @@ def test_a_pressure_that_is_new_costs_few_evaluations() -> None:
         counted = Counted()
         assert tips(counted, 2, pressure)[1, 0] == pytest.approx(-0.3 * pressure, rel=2e-12, abs=0.0)  # type: ignore[arg-type]
         assert counted.calls <= 11
+
+
+@pytest.mark.parametrize("convex", [True, False])
+@pytest.mark.parametrize("pressure", [-1.0, -1.99, -1.5e-3])
+def test_what_is_known_where_k_may_not_be_convex_is_of_the_pressure_itself(pressure: float, convex: bool) -> None:
+    """Points scaled from another pressure would mostly lie outside K where it does not grow in proportion, and speak against nothing."""
+    law = Criterion("two discs", "min(norm(a - 2, b), norm(a + 2, b)) - 1 + p/3", forces=("a", "b"), pressure="p")
+    asked = increment(law, [[5.0, 1.0]], pressure, 1.0, {})
+    g = level(asked.g, law.force_symbols(), law.symbols()["p"])
+    known = Variational.of(asked, g, Metric.of(asked.stiffness), convex)
+    assert (known.largest == pressure) == (not convex or pressure == -1.0)
+    if not convex:
+        seen = known.tips[known.tips.any(axis=1)]  # no stress stands for what is not known
+        assert len(seen) > 100 and (g(*seen.T, np.full(len(seen), pressure)) < 0.0).all()

@@ -29,9 +29,9 @@ _QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that
 
 @dataclass(frozen=True, eq=False)
 class Variational:
-    """``tips`` (T, d) are points of K at the pressure ``largest`` or close to it, ``reaches`` (T, d) they in the metric of k.
+    """``tips`` (T, d) are points of K at the pressure ``largest``, ``reaches`` (T, d) they in the metric of k.
 
-    ``convex``: K need not be looked at close to each answer.  ``increment`` has the law for more digits.
+    ``largest`` is the largest of the pressures; of few points on a convex K the power of two within it.  ``convex``: K need not be looked at close to each answer.  ``increment`` has the law for more digits.
     """
 
     level: Level
@@ -46,7 +46,7 @@ class Variational:
     def of(cls, increment: Increment, level: Level, metric: Metric, convex: bool) -> Variational:
         d, pressed = level.forces, increment.law.pressure is not None
         largest = float(increment.pressure.min(initial=0.0))
-        if len(increment.pressure) <= FEW_SEARCHED:  # points that come one after the other have the tips of the same few pressures
+        if convex and len(increment.pressure) <= FEW_SEARCHED:  # points that come one after the other share the tips of few pressures
             largest = -math.ldexp(1.0, math.frexp(largest)[1] - 1) if largest else 0.0
         known = tips(level, d, largest if pressed else None)
         if not convex:
@@ -56,7 +56,7 @@ class Variational:
 
     @property
     def around_origin(self) -> bool:
-        """Whether K at the largest pressure goes on from no stress: then the sets {g <= e} are looked at from there."""
+        """Whether K at that pressure goes on from no stress: then the sets {g <= e} are looked at from there."""
         return bool(self.tips.any())
 
     def part(self, pressure: Array) -> Array:
