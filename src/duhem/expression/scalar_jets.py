@@ -44,7 +44,8 @@ class ScalarJets:
     ``piece(v, x, q, natural, choices, c, slopes, m, bends)`` does both and fills the matrix ``bends`` of ``m`` with the second
     derivatives; where ``natural``, the row ``c`` of ``choices`` (``kinks`` small integers) is written, else it names the piece.
     Where ``natural`` is 2 + k, the natural piece is taken with one of three (``c``) in the place of eigenvalue k of ``pairs``, which all
-    are K's at an edge where it is double; ``pair_piece(v, x, q, natural, c, slopes)`` does the same without second derivatives.
+    are K's at an edge where it is double; ``pair_piece(v, x, q, natural, c, slopes)`` does the same without second derivatives, and is
+    empty without pairs.
     ``constants`` follow the others in ``q``: the fractions of the formula, which are mostly values of parameters, so that one text
     serves them all.
     """
@@ -72,13 +73,16 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
     bends = [f"    m[bends, {i}, {j}] = {bent.get((min(i, j), max(i, j)), '0.0')}" for i in d for j in d]
     head = "def piece(v, x, q, natural, choices, c, slopes, m, bends):"
     piece = [head, *whole.live([*slopes, *bends, jet.value]), *slopes, *bends, f"    return {jet.value}"]
-    gradient, pair_piece = ["def gradient(v, x, q, slopes):"], ["def pair_piece(v, x, q, natural, c, slopes):"]
-    for lines, of_pair in ((gradient, False), (pair_piece, True)):
+
+    def first_order(head: str, of_pair: bool) -> list[str]:
         plain = _Writer(len(forces), numbers, named=False, of_pair=of_pair)
         once = fold(formula, plain.table(), plain.leaf(forces, others))
-        slopes = [f"    v[slopes, {i}] = {once.slopes.get(i, '0.0')}" for i in d]
-        ends = [*slopes, f"    return {once.value}" if of_pair else "    return"]
-        lines += [*plain.live(ends), *ends]
+        ends = [f"    v[slopes, {i}] = {once.slopes.get(i, '0.0')}" for i in d]
+        ends.append(f"    return {once.value}" if of_pair else "    return")
+        return [head, *plain.live(ends), *ends]
+
+    gradient = first_order("def gradient(v, x, q, slopes):", of_pair=False)
+    pair_piece = first_order("def pair_piece(v, x, q, natural, c, slopes):", of_pair=True) if whole.shifted else []
     texts = ["\n".join(lines) for lines in (level, gradient, pair_piece, piece)]
     return ScalarJets(texts[0], texts[1], texts[2], texts[3], whole.kinks, len(whole.shifted), tuple(map(float, numbers)))
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from duhem.errors import DuhemError, InputError
 from duhem.path.batch import Batch, Share
-from duhem.path.closest import closest_points, outside, shape_name, shape_numbers
+from duhem.path.closest import closest_by, outside, shape_by
 from duhem.path.history import STATES, SUMS, Histories
 from duhem.path.integrators import INTEGRATORS, STEPS, Step
 from duhem.path.ledger import Ledger, States
@@ -96,18 +96,14 @@ def _filled(batch: Batch, block: Share, method: str, out: Histories) -> str:
     """Fill the histories of one block but for what is prescribed; it says how."""
     if method not in STEPS:
         return [_alone(block, i, batch.projection, method, out) for i in range(len(block))][-1]
-    if batch.compiled and method == "implicit" and batch.projection in ("auto", "closed-form"):
-        from duhem.path import compiled_run
-
-        shape = shape_numbers(block)
-        if shape is not None and compiled_run.reason(block, shape) is None:
-            compiled_run.fill(block, shape, out)
-            return f"{shape_name(batch.law)}, compiled"
-    at, why = closest_points(block, batch.projection, batch.compiled)
-    points = np.arange(len(block))
+    shape, points = shape_by(block, batch.projection), np.arange(len(block))
+    at, why = closest_by(block, batch.projection, shape, batch.compiled)
     if batch.compiled and method == "implicit":
         from duhem.path import compiled_run
 
+        if shape is not None and compiled_run.reason(block, shape) is None:
+            compiled_run.fill(block, shape, out)
+            return f"{why}, compiled"
         if (left := compiled_run.looped(block, batch.projection, out)) is not None:
             points, why = left, f"{why}, compiled"
     if points.size:

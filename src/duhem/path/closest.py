@@ -20,6 +20,7 @@ from duhem.path.paths import Knot, Which, in_rows
 from duhem.projection import closed_form, compiled, quadrants
 from duhem.projection.coefficients import centre, in_columns
 from duhem.projection.increment import Increment
+from duhem.projection.method import Compiling
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Projection, Status
 
@@ -217,7 +218,7 @@ def _finite(stress: Array, slip: Array, multiplier: Array) -> ClosestPoints:
 def _by_projection(block: Share, method: str, fast: bool) -> tuple[Closest, str]:
     """Through :class:`duhem.projection.projector.Projector`, which judges each answer."""
     prepared = [Projector.of(member.law, member.stiffness, member.parameters, method) for member in block.members]
-    options = {"compiled": True} if fast and prepared[0].method.name in ("closed-form", "newton") else {}
+    options = {"compiled": fast} if issubclass(prepared[0].method.options, Compiling) else {}
 
     def at(trial: Array, knot: Knot, which: Which) -> ClosestPoints:
         found = ClosestPoints(np.empty_like(trial), np.empty_like(trial), np.empty(len(trial)), np.zeros(len(trial), dtype=np.int8))

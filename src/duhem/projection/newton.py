@@ -75,18 +75,19 @@ def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
 
     The law is taken as convex.  At corners the slip is a sum over the pieces that meet, and so is the multiplier.
     """
-    from duhem.projection.compiled_newton import solved, solved_one_by_one
-
-    if isinstance(options, NewtonOptions) and options.compiled:
-        solution, left = solved(increment, options.threads)
-    elif len(increment.trial) <= FEW_SEARCHED:
-        solution, left = solved_one_by_one(increment)
-    else:
-        solution, left = search(increment), np.arange(0)
+    fast = options if isinstance(options, NewtonOptions) and options.compiled else None
+    if fast is None and len(increment.trial) > FEW_SEARCHED:
+        solution = search(increment)
         if increment.g.has(EigMax) and (lost := np.flatnonzero(solution.failed)).size:  # an edge of equal eigenvalues is round
+            from duhem.projection.compiled_newton import solved_one_by_one
+
             again, unsolved = solved_one_by_one(_some(increment, lost))
             _put(solution, lost, again)
             solution.failed[lost[unsolved]] = True
+        return solution
+    from duhem.projection.compiled_newton import solved, solved_one_by_one
+
+    solution, left = solved_one_by_one(increment) if fast is None else solved(increment, fast.threads)
     if left.size:
         _put(solution, left, search(_some(increment, left)))
     return solution

@@ -61,9 +61,9 @@ def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
     The closest point is then as near as that: so corners count, and bends too sharp for the digits of a stress
     (|x|^p, p near 1), and on a flat side a slip that is off by an angle does not.
     """
-    at = suspect
-    best = off_edge(level, metric, at.stress, at.pressure, at.size, at.slip, at.multiplier, at.scale / at.grain)
-    left = np.flatnonzero(~(best <= 10.0 * _CLOSEST[0] * at.grain))
+    point = suspect.stress, suspect.pressure, suspect.size, suspect.slip, suspect.multiplier
+    best = off_edge(level, metric, *point, suspect.scale / suspect.grain)
+    left = np.flatnonzero(~(best <= 10.0 * _CLOSEST[0] * suspect.grain))
     ways = beside(suspect.stress.shape[1])
     askew = [(share, _askew(ways, turn)) for turn in range(_TURNS) for share in _CLOSEST] if level.jets.kinks else []
     for share, way in [*((share, ways) for share in _BESIDE), *askew]:
