@@ -89,7 +89,7 @@ def simulate(
     300 where long paths are each point's own.
     ``threads`` share the work and change no number; ``on_step`` hears of points.  ``exact`` takes one point after the other.
 
-    ``compiled`` runs implicit steps through numba (extra ``fast``; it compiles for ten to thirty seconds at its first use), whole
+    ``compiled`` runs implicit steps through numba (extra ``fast``; its first use compiles for 15 to 80 seconds), whole
     stretches at once, of one path or many points by any law; of extrapolated steps of many points it finds the closest
     points.  The last digits may differ.  One path takes some 1e6 steps a second so, on a shape that is not declared 1e5 to 1e6; without
     it some 2e4, on a shape that is not declared 5e2 to 2e3; extrapolated a third of these.
