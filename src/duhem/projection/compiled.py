@@ -38,7 +38,7 @@ def plain_closest(quarters: Quarters) -> Callable[[Sequence[float], float], tupl
     """The same for one trial and its load, plain numbers; none of the quarters is flat."""
     q = quarters
     constants = q.mu, np.ascontiguousarray(q.axes), np.ascontiguousarray(q.axes_low), q.ratio, q.compliance, q.power, q.first
-    run = kernel().settled(np.zeros((1, 2)), np.ones(1), *constants, np.empty((1, 2)), np.empty((1, 2)), np.empty(1))
+    run = kernel().specialised(np.zeros((1, 2)), np.ones(1), *constants, np.empty((1, 2)), np.empty((1, 2)), np.empty(1))
 
     def closest(trial: Sequence[float], load: float) -> tuple[list[float], list[float], float]:
         stress, slip, multiplier = np.empty((1, 2)), np.empty((1, 2)), np.empty(1)

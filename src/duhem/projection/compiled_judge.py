@@ -58,10 +58,8 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
     n, loop = len(solution.multiplier), _text(judge.level, increment.law.force_symbols(), judge.known.convex)
     if loop is None or not judge.known.around_origin:
         return Told.nothing(n)
-    run, constants = (
-        compiled_text(loop.text, "judge", judge_kernel.INLINED),
-        _constants(loop, judge.level, increment.stiffness, judge.known),
-    )
+    run = compiled_text(loop.text, "judge", judge_kernel.INLINED)
+    constants = _constants(loop, judge.level, increment.stiffness, judge.known)
     keep_freed_memory(n)
     dissipation, status, residuals = np.empty(n), np.empty(n, dtype=np.int8), np.zeros((5, n))  # a page of zeros costs nothing till written
 
@@ -77,7 +75,7 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
 
 def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> Told:
     """The same without a compiler, for few points."""
-    n, said = len(solution.multiplier), Told.nothing(len(solution.multiplier))
+    said = Told.nothing(len(solution.multiplier))
     look = plain_look(judge.level, increment.law.force_symbols(), increment.stiffness, judge.known)
     if look is None:
         return said
@@ -88,7 +86,7 @@ def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> T
         said.status[i] = UNJUDGED if solution.failed[i] else status
         for values, value in zip(residuals, off, strict=True):
             values[i] = value
-    return replace(said, left=np.flatnonzero(said.status == UNJUDGED)) if n else said
+    return replace(said, left=np.flatnonzero(said.status == UNJUDGED))
 
 
 Look = Callable[[Sequence[float], float, Sequence[float], Sequence[float], float], tuple[float, int, Sequence[float]]]
@@ -124,20 +122,20 @@ def compiled_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array,
     loop, d = _text(level, forces, known.convex), len(forces)
     if loop is None or not known.around_origin:
         return None
-    compiled, given = compiled_text(loop.text, "judge", judge_kernel.INLINED), _constants(loop, level, stiffness, known)
+    compiled, constants = compiled_text(loop.text, "judge", judge_kernel.INLINED), _constants(loop, level, stiffness, known)
 
     def asked(*numbers: Any) -> tuple[Any, ...]:
         trial, pressure, stress, slip, multiplier = map(np.array, numbers)
         read = _read(trial[None]), _read(pressure[None])
-        return (*read, *given, stress[None], slip[None], multiplier[None], np.empty(1), np.empty(1, dtype=np.int8), np.zeros((5, 1)))
+        return (*read, *constants, stress[None], slip[None], multiplier[None], np.empty(1), np.empty(1, dtype=np.int8), np.zeros((5, 1)))
 
     nothing = [0.0] * d
-    run = compiled.settled(*asked(nothing, -1.0, nothing, nothing, 0.0))
+    run = compiled.specialised(*asked(nothing, -1.0, nothing, nothing, 0.0))
 
     def look(trial: Sequence[float], pressure: float, stress: Sequence[float], slip: Sequence[float], multiplier: float) -> Any:
-        all_ = asked(trial, pressure, stress, slip, multiplier)
-        run(*all_)
-        work, status, off = all_[-3:]
+        given = asked(trial, pressure, stress, slip, multiplier)
+        run(*given)
+        work, status, off = given[-3:]
         return float(work[0]), int(status[0]), off[:, 0].tolist()
 
     return look

@@ -125,7 +125,6 @@ def plain_closest(increment: Increment) -> PlainClosest | None:
     if (loop := Loop.of(increment, plain=True)) is None:
         return None
     numbers, mean, d = (loop.constants.tolist(), table(loop.root), table(loop.inverse), loop.formula.degree), loop.mean, len(loop.root)
-
     data = loop.data_at_one()
 
     def closest(trial: Sequence[float], pressure: float) -> Any:
@@ -152,7 +151,7 @@ def compiled_closest(increment: Increment) -> PlainClosest | None:
 
     assert isinstance(loop.run, CompiledText)
     data = loop.data_at_one()
-    run = loop.run.settled(np.zeros((1, d)), data(-1.0), *numbers, *room())
+    run = loop.run.specialised(np.zeros((1, d)), data(-1.0), *numbers, *room())
 
     def closest(trial: Sequence[float], pressure: float) -> Any:
         stress, slip, multiplier, state = room()

@@ -337,17 +337,14 @@ def one_slip(
     for i in range(D):
         v[S, i], v[POINT, i], v[MOVED, i] = at[CHUNK + j, i], seen[POINTS + i, j], seen[MOVES + i, j]
     if seen[STATE, j] == BENT:
-        if CORNERS > 0:
-            q, off = sized(data, unit) + constants, np.inf
-            if PAIRS > 0:
-                off = edged(v, a, q, of_slip, seen[GIVEN, j], size / unit, distance, room, good)
-            if not off <= SUSPECT:
-                off = cornered(v, a, q, beside, of_slip, to_stress, seen[GIVEN, j], size / unit, distance, room, good)
-            if not (off <= SUSPECT and 2.0 * (seen[SHALLOW, j] + off * room) <= certain * room):
-                return False, 0.0
-            seen[OFF, j] = off
-        else:
+        q, off = sized(data, unit) + constants, np.inf
+        if PAIRS > 0:
+            off = edged(v, a, q, of_slip, seen[GIVEN, j], size / unit, distance, room, good)
+        if CORNERS > 0 and not off <= SUSPECT:
+            off = cornered(v, a, q, beside, of_slip, to_stress, seen[GIVEN, j], size / unit, distance, room, good)
+        if not (off <= SUSPECT and 2.0 * (seen[SHALLOW, j] + off * room) <= certain * room):
             return False, 0.0
+        seen[OFF, j] = off
     if seen[OVER, j] > 0.0:
         part = pressure / largest if largest != 0.0 else 1.0
         over = excess(v, POINT, MOVED, part, tips, ways, reaches, data, constants, 1.0 / size, distance + room, room)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import inspect
 import logging
@@ -62,8 +63,8 @@ class CompiledText:
                 return self._first(known, arguments)
         return run(*arguments)
 
-    def settled(self, *arguments: Any) -> Callable[..., Any]:
-        """What runs for arguments of the same kinds as these, with which it is called: nothing is looked up again."""
+    def specialised(self, *arguments: Any) -> Callable[..., Any]:
+        """The machine code for arguments of the kinds of these, which it is called with once: nothing is looked up again."""
         self(*arguments)
         return self._runs.get(machine_code.kinds(arguments), self)
 
@@ -78,9 +79,7 @@ class CompiledText:
         """Compiled by numba, or found where that keeps it, and kept for the next process."""
         with self._lock:
             compiled = self._by_numba
-        _LOG.warning(
-            "numba compiles the %s of a law: some ten to forty seconds, once; then the code is kept on disk", _MEANT.get(self._name, "loop")
-        )
+        _LOG.warning("waiting for numba: to compile the %s of a law takes 15 to 60 seconds, once", _MEANT.get(self._name, "loop"))
         result = compiled(*arguments)
         self._runs[known] = compiled
         if self._kept is not None and (path := machine_code.place(self._kept, self._name, known)) is not None:
@@ -111,8 +110,8 @@ class CompiledText:
         return numba.njit(error_model="numpy", cache=kept is not None, nogil=True)(space[self._name])
 
 
-def interpreted_text(text: str, entry: str) -> Callable[..., None]:
-    """The function ``entry`` of our own text as Python runs it: for what is called too seldom to be worth compiling."""
+def interpreted_text(text: str | ast.Module, entry: str) -> Callable[..., None]:
+    """The function ``entry`` of our own text, parsed or not, as Python runs it: for what is called too seldom to be worth compiling."""
     space: dict[str, Any] = {}
     exec(compile(text, "<generated>", "exec"), space)
     run: Callable[..., None] = space[entry]

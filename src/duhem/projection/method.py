@@ -26,12 +26,12 @@ class Options:
 class Compiling(Options):
     """Those of a method that can be compiled, by numba: ``compiled``, and on how many ``threads``.
 
-    ``compiled`` left out: from 100,000 points on, where numba is installed.  There it pays after some calls, and whether it is done
-    never depends on what is already on disk.  ``threads`` left out: all there are where it is compiled, else one; NumPy's passes are
-    so short that two threads mostly wait for each other.  What is returned does not depend on their number.  Residuals and statuses
-    of 4,096 points and more are compiled with it.  The first increment of a law waits for the compiler, some ten to forty seconds, and
-    a warning of the logger ``duhem`` says so; then the code is kept on disk (DUHEM_CACHE_DIR, else the user's folder for such
-    things), and the next process loads it.  A missing numba raises MissingExtraError.
+    ``compiled`` left out: from 100,000 points on, where numba is installed.  Whether it is done never depends on what is already on
+    disk.  ``threads`` left out: all there are where it is compiled, else one; NumPy's passes are so short that two threads mostly wait
+    for each other.  What is returned does not depend on their number.  Residuals and statuses of 4,096 points and more are compiled
+    with it.  The first increment of a law waits for the compiler, some 40 to 80 seconds, and a warning of the logger ``duhem`` says so;
+    then the code is kept on disk (DUHEM_CACHE_DIR, else the user's folder for such things), and the next process loads it.  A missing
+    numba raises MissingExtraError.
     """
 
     compiled: bool | None = None
@@ -41,7 +41,7 @@ class Compiling(Options):
         if self.threads is not None and not (isinstance(self.threads, int) and self.threads >= 1):
             raise InputError(f"threads is {self.threads!r}", where="threads", remedy="give a whole number from 1 on, or leave it out")
 
-    def settled(self, points: int) -> Self:
+    def decided(self, points: int) -> Self:
         """With ``compiled`` said for so many points, where it was left out."""
         return self if self.compiled is not None else replace(self, compiled=points >= WORTH_COMPILING and find_spec("numba") is not None)
 
@@ -51,7 +51,7 @@ class Compiling(Options):
         return self.threads if self.compiled else self.threads or 1
 
 
-WORTH_COMPILING = 100_000  # points: what the compiler takes is saved within some hundred calls
+WORTH_COMPILING = 100_000  # points: some fifty calls save what the compiler takes by Newton's method, a thousand by the closed form
 
 Own = TypeVar("Own", bound=Options)
 
@@ -68,8 +68,9 @@ class Method(Generic[Own]):
     d sigma/d u (N, d, d) in Pa/m and d sigma/d sigma_n (N, d), None for a law without pressure; no tangent at all is None.
     ``options`` is the type of the options.  ``convex``: where the method can be used K is convex, by a declared shape or by rules
     of composition; else the judge looks for points of K that speak against it.  ``again`` is asked where the judge refuses what
-    ``solve`` found of few points.  ``plain(question, compiled)`` is the closest point to one trial on plain numbers, of the same
-    digits and sooner than ``solve`` for one point, run by Python or compiled; None where there is none.
+    ``solve`` found of few points.  ``plain(question, compiled)`` is the closest point to one trial on plain numbers, sooner than
+    ``solve`` for one point, run by Python or compiled; None where there is none.  It belongs to the ``solve`` beside it, in one module:
+    a method that was given another ``solve`` is asked by that alone.
     """
 
     name: str

@@ -1,7 +1,7 @@
 """One increment on plain numbers: for who asks for one after the other, and for whom arrays take longer to call than to compute.
 
-The closest point and the judge's loop are those of many points, run by Python.  What they leave, and what is not plainly a question of
-one point of finite numbers, goes the way of arrays, which says what is wrong with it.
+The closest point and the judge's loop are those of many points, run by Python or compiled.  What they leave, and what is not plainly
+a question of one point of finite numbers, goes the way of arrays, which says what is wrong with it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from duhem.projection.metric import Metric
 from duhem.projection.result import Projection, Residuals, Status
 from duhem.projection.variational import Variational
 
-__all__ = ["OneIncrement", "PointAnswer", "as_projection"]
+__all__ = ["OneIncrement", "PointAnswer"]
 
 _WHOLE = 2**53  # of a larger integer a double may be another number
 
@@ -75,6 +75,21 @@ class OneIncrement:
         dissipation, status, residuals = look(trial, pressure, stress, slip, multiplier)
         return None if status == UNJUDGED else PointAnswer(stress, slip, multiplier, dissipation, Status(status), residuals)
 
+    def projection(self, found: PointAnswer, why: str) -> Projection:
+        """The answer as that of one point among many; ``why`` the method was taken."""
+        return Projection(
+            stress=np.array([found.stress]),
+            slip=np.array([found.slip]),
+            multiplier=np.array([found.multiplier]),
+            dissipation=np.array([found.dissipation]),
+            status=np.array([found.status], dtype=np.int8),
+            method=self.method.name,
+            why=why,
+            residuals=Residuals(*(np.array([off]) for off in found.residuals)),
+            forces=self.setting.law.forces,
+            compiled=self.compiled,
+        )
+
     @cached_property
     def _closest(self) -> PlainClosest | None:
         """None for a law with ranges, in which an answer may lie or not, and for a method that solves in a way of its own."""
@@ -116,18 +131,3 @@ def _plain(numbers: Any) -> list[float] | None:
     else:
         return None
     return found if all(map(math.isfinite, found)) else None
-
-
-def as_projection(found: PointAnswer, method: Method[Any], why: str, forces: tuple[str, ...]) -> Projection:
-    """The answer as that of one point among many."""
-    return Projection(
-        stress=np.array([found.stress]),
-        slip=np.array([found.slip]),
-        multiplier=np.array([found.multiplier]),
-        dissipation=np.array([found.dissipation]),
-        status=np.array([found.status], dtype=np.int8),
-        method=method.name,
-        why=why,
-        residuals=Residuals(*(np.array([off]) for off in found.residuals)),
-        forces=forces,
-    )

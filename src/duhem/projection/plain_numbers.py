@@ -1,6 +1,6 @@
 """Our own text as Python runs it, on plain numbers: for so few points that arrays take longer to call than to compute.
 
-What a compiler is given runs here unchanged.  Its arrays are tables of numbers by their places, its functions those of ``math``: an
+What a compiler is given runs here.  Its arrays are tables of numbers by their places, its functions and powers those of ``math``: an
 operation that has no value raises, where an array has nan, and who called takes the point another way.
 """
 
@@ -67,7 +67,7 @@ def interpreted(text: str, entry: str) -> Callable[..., Any]:
     for function in tree.body:
         if isinstance(function, ast.FunctionDef):
             _RealPowers().visit(function)
-    run: Any = interpreted_text(ast.unparse(ast.fix_missing_locations(tree)), entry)
+    run: Any = interpreted_text(ast.fix_missing_locations(tree), entry)
     run.__globals__.update(_FUNCTIONS)
     return run
 
@@ -102,8 +102,8 @@ _FUNCTIONS = {
     **{name: getattr(math, name) for name in _SAME},
     **{f"arc{name}": getattr(math, f"a{name}") for name in _INVERSE},
     "maximum": max,
-    "real_power": math.pow,
     "minimum": min,
+    "real_power": math.pow,
     "from_row": _FromRow,
     "np": SimpleNamespace(
         inf=math.inf, nan=math.nan, empty=lambda shape, *_: PlainArray(shape), int8=np.int8, int64=np.int64, float64=np.float64

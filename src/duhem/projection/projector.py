@@ -86,7 +86,7 @@ class Projector:
             raise InputError(f"method {method.name} has no tangent", where="tangent", remedy=remedy)
         given = method.options_of(options)
         if isinstance(given, Compiling):
-            given = given.settled(len(question.pressure))
+            given = given.decided(len(question.pressure))
         solution, vouched = method.solve(question, given), self._vouched(question)
         judge, sure = Judge.of(question, solution, self._taken_as_convex(question)), bool(vouched.all())
         told = _told(question, solution, judge, given) if sure else Told.nothing(len(vouched))

@@ -31,7 +31,8 @@ _QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that
 class Variational:
     """``tips`` (T, d) are points of K at the pressure ``largest``, ``reaches`` (T, d) they in the metric of k.
 
-    ``largest`` is the largest of the pressures; of few points on a convex K the power of two within it.  ``convex``: K need not be looked at close to each answer.  ``increment`` has the law for more digits.
+    ``largest`` is the largest of the pressures; of few points on a convex K the power of two within it.  ``convex``: K need not be
+    looked at close to each answer.  ``increment`` has the law for more digits.
     """
 
     level: Level

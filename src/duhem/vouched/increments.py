@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,11 +17,13 @@ from duhem.law.convex import check_convex
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method
-from duhem.projection.one_increment import OneIncrement, PointAnswer, as_projection
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Status
 from duhem.projection.validation import posed, setting
 from duhem.vouched.convexity import asked
+
+if TYPE_CHECKING:
+    from duhem.projection.one_increment import OneIncrement, PointAnswer
 
 __all__ = ["Prepared", "SlipIncrement", "prepare", "project"]
 
@@ -59,7 +61,7 @@ class Prepared:
     def project(self, trial: ArrayLike, pressure: ArrayLike | None = None, tangent: bool = False, **options: Any) -> Projection:
         """The same with residuals, dissipation and, where it is asked for, the ``tangent``: what :func:`duhem.project` returns."""
         if not (tangent or options) and (one := self._answer(trial, pressure)) is not None:
-            return as_projection(one, self.projector.method, self.projector.why, self.projector.setting.law.forces)
+            return self._one.projection(one, self.projector.why)
         return self._project(trial, pressure, tangent, **options)
 
     def _project(self, trial: ArrayLike, pressure: ArrayLike | None, tangent: bool = False, **options: Any) -> Projection:
@@ -73,11 +75,15 @@ class Prepared:
 
     def _answer(self, trial: ArrayLike, pressure: ArrayLike | None) -> PointAnswer | None:
         """That of one loaded point of a K that is shown to be convex."""
+        if isinstance(trial, np.ndarray) and trial.ndim != 1:
+            return None
         numbers = self._one.numbers(trial, pressure)
         return self._one.answer(*numbers) if numbers is not None and self._shown_convex else None
 
     @cached_property
     def _one(self) -> OneIncrement:
+        from duhem.projection.one_increment import OneIncrement
+
         return OneIncrement(self.projector.setting, self.projector.method, self.compiled)
 
     @cached_property
@@ -101,8 +107,8 @@ def prepare(
     Arguments, units and errors are those of :func:`duhem.project`, which stands on it.  Whether K is convex is asked here, where the
     method does not show it, so that no increment waits for the answer but the first one at sigma_n = 0.
 
-    ``compiled``: by numba (extra ``fast``), which takes ten to forty seconds the first time that a law is prepared on a machine, and
-    then answers one point some ten times sooner.  InputError for a method that is not compiled.
+    ``compiled``: by numba (extra ``fast``), which takes 40 to 80 seconds the first time that a law is prepared on a machine, and then
+    answers one point five to ten times sooner.  InputError for a method that is not compiled.
     """
     check_convex(convex)
     prepared = Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex, compiled)
@@ -159,26 +165,21 @@ def _prepared(
     law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None, method: str | Method[Any], convex: str
 ) -> Prepared:
     """Made once for increments that follow one another, where the arguments are plain numbers."""
-    named = parameters is None or (type(parameters) is dict and all(type(value) in _PLAIN for value in parameters.values()))
-    if named and type(stiffness) in _PLAIN:
-        given: Hashable = stiffness, None if parameters is None else tuple(parameters.items())
-        return _kept(law, given, Projector.chosen(_setting(law, given), method), convex)
+    named = {} if parameters is None else parameters
+    if type(named) is dict and {type(stiffness), *map(type, named.values())} <= {float, int}:
+        numbers: Any = stiffness, tuple(named.items())
+        return _kept(law, *numbers, Projector.chosen(_setting(law, *numbers), method), convex)
     return Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex)
 
 
-_PLAIN = float, int
+Numbers = tuple[tuple[str, float], ...]
 
 
-@lru_cache(maxsize=256, typed=True)
-def _setting(law: Criterion, given: Any) -> Increment:
-    return setting(law, *_given(given))
+@lru_cache(maxsize=256)
+def _setting(law: Criterion, stiffness: float, parameters: Numbers) -> Increment:
+    return setting(law, stiffness, dict(parameters))
 
 
-@lru_cache(maxsize=256, typed=True)
-def _kept(law: Criterion, given: Any, chosen: tuple[Method[Any], str], convex: str) -> Prepared:
-    return Prepared(Projector(_setting(law, given), *chosen), _given(given)[1], convex)
-
-
-def _given(given: Any) -> tuple[Any, dict[str, Any] | None]:
-    """Stiffness and parameters again."""
-    return given[0], None if given[1] is None else dict(given[1])
+@lru_cache(maxsize=256)
+def _kept(law: Criterion, stiffness: float, parameters: Numbers, chosen: tuple[Method[Any], str], convex: str) -> Prepared:
+    return Prepared(Projector(_setting(law, stiffness, parameters), *chosen), dict(parameters), convex)
