@@ -10,7 +10,6 @@ import numpy as np
 
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import scalar_jets
-from duhem.expression.vocabulary import EigMax
 from duhem.projection import corner_kernel, edge_kernel
 from duhem.projection.level import Level
 from duhem.projection.metric import Metric
@@ -47,9 +46,7 @@ def off_edge(
 
 @lru_cache(maxsize=256)
 def _edged(level: Level) -> tuple[Callable[..., float], tuple[float, ...]] | None:
-    """The function of the law and the constants of its formula; None for a law without eigenvalues."""
-    if not level.scaled.expr.has(EigMax):
-        return None
+    """The function of the law and the constants of its formula; None where these have no text or cannot be double."""
     forces, others = level.bounds.symbols[: level.forces], level.bounds.symbols[level.forces :]
     try:
         jets = scalar_jets(level.scaled.expr, forces, others)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import hashlib
 import inspect
-import logging
 import os
 import sys
 from collections.abc import Callable
@@ -24,7 +23,6 @@ from duhem.projection import machine_code
 __all__ = ["CompiledText", "compiled_text", "interpreted_text"]
 
 
-_LOG = logging.getLogger("duhem")
 _MEANT = {"solve": "closest point", "judge": "check of answers"}
 
 
@@ -79,7 +77,11 @@ class CompiledText:
         """Compiled by numba, or found where that keeps it, and kept for the next process."""
         with self._lock:
             compiled = self._by_numba
-        _LOG.warning("waiting for numba: to compile the %s of a law takes 15 to 60 seconds, once", _MEANT.get(self._name, "loop"))
+        import logging  # which numba has loaded
+
+        logging.getLogger("duhem").warning(
+            "waiting for numba: to compile the %s of a law takes 15 to 60 seconds, once", _MEANT.get(self._name, "loop")
+        )
         result = compiled(*arguments)
         self._runs[known] = compiled
         if self._kept is not None and (path := machine_code.place(self._kept, self._name, known)) is not None:

@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.projection.edge_normals import off_edge
+from duhem.expression.vocabulary import EigMax
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.level import Level
 from duhem.projection.metric import ROUNDING, Metric
@@ -61,8 +61,12 @@ def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
     The closest point is then as near as that: so corners count, and bends too sharp for the digits of a stress
     (|x|^p, p near 1), and on a flat side a slip that is off by an angle does not.
     """
-    point = suspect.stress, suspect.pressure, suspect.size, suspect.slip, suspect.multiplier
-    best = off_edge(level, metric, *point, suspect.scale / suspect.grain)
+    best = np.full(len(suspect.slip), np.inf)
+    if level.scaled.expr.has(EigMax):
+        from duhem.projection.edge_normals import off_edge
+
+        point = suspect.stress, suspect.pressure, suspect.size, suspect.slip, suspect.multiplier
+        best = off_edge(level, metric, *point, suspect.scale / suspect.grain)
     left = np.flatnonzero(~(best <= 10.0 * _CLOSEST[0] * suspect.grain))
     ways = beside(suspect.stress.shape[1])
     askew = [(share, _askew(ways, turn)) for turn in range(_TURNS) for share in _CLOSEST] if level.jets.kinks else []
