@@ -134,7 +134,9 @@ def test_compiled_answers_are_the_same(name: str) -> None:
         assert one.status == other.status
         for a, b in zip(one[:3], other[:3], strict=True):
             np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-13 * np.abs(t).max())
-    numbers = compiled._one.numbers(trial[0], None if pressure is None else -1.0)
+    load = None if pressure is None else -1.0
+    assert compiled.project(trial[0], load).compiled and not plain.project(trial[0], load).compiled
+    numbers = compiled._one.numbers(trial[0], load)
     assert numbers is not None and compiled._one.answer(*numbers) is not None
     assert compiled(trial, pressure).status.tolist() == plain(trial, pressure).status.tolist()
 
