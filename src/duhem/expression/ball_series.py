@@ -28,7 +28,7 @@ def compiled(exprs: Sequence[sp.Expr], symbols: Iterable[sp.Symbol]) -> Callable
     """The formulas as one function of the symbols' series; walked once, run in the precision of each call."""
     rows = {sp.Tuple: lambda _, *parts: parts, **TABLE}
     recording = recorded(sp.Tuple(*exprs), symbols, bound(rows), lambda node: partial(_known, node))
-    return lambda *values: tuple(recording.run(values)[recording.last])
+    return lambda *values: tuple(recording.value(values))
 
 
 def derivatives(value: Any, order: int) -> list[Any]:

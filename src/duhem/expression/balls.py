@@ -58,7 +58,7 @@ def enclose(expr: sp.Basic, values: Mapping[sp.Symbol, Any]) -> Any:
 def compiled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Callable[..., Any]:
     """:func:`enclose` as a function of one ball a symbol, in their order; walk once, call often, in any working precision."""
     recording = recorded(expr, symbols, bound(TABLE), lambda node: partial(_leaf, node, {}))
-    return lambda *values: recording.run(values)[recording.last]
+    return lambda *values: recording.value(values)
 
 
 def constant(node: Any) -> Any:

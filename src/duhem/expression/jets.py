@@ -36,7 +36,7 @@ from duhem.expression.shifted_jets import eigmax as shifted_eigmax
 from duhem.expression.shifted_jets import norm as shifted_norm
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["TABLE", "Choices", "Jet", "JetProgram", "formula", "program"]
+__all__ = ["KINKED", "TABLE", "Choices", "Jet", "JetProgram", "formula", "program"]
 
 Choices = NDArray[np.int8]
 
@@ -80,7 +80,7 @@ class JetProgram:
         given = [Jet(columns[i], units[i].T, None, order) for i in range(d)]  # column by column in memory, and so is what comes of them
         given += [Jet(v, order=order) for v in others]
         with np.errstate(all="ignore"):
-            last = self.recording.run(given, noted)[self.recording.last]
+            last = self.recording.value(given, noted)
             value = np.broadcast_to(last.value, (n,))
             gradient = np.zeros((n, size)) if last.gradient is None else last.gradient
             if not second:
@@ -115,7 +115,7 @@ def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...], strict: bool) -> JetP
         return lambda node: partial(row, node, next(shifts))
 
     rows = {**TABLE, **_AT_ZERO} if strict else TABLE
-    table = {kind: (kinked if kind in _KINKED else shifted if row in _SHIFTED else smooth)(row) for kind, row in rows.items()}
+    table = {kind: (kinked if kind in KINKED else shifted if row in _SHIFTED else smooth)(row) for kind, row in rows.items()}
     recording = recorded(recognised(expr), order, table, lambda node: partial(_same, Jet(np.array(_number(node)))))
     return JetProgram(next(met), next(shifts), strict, recording)
 
@@ -368,7 +368,7 @@ _SMOOTH: Table[Jet] = {
     sp.StrictLessThan: _comparison(np.less),
     sp.LessThan: _comparison(np.less_equal),
 }
-_KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}
+KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}
 _AT_ZERO: Table[Jet] = {Norm: _norm_at_zero, PNorm: _pnorm_at_zero}
 _SHIFTED = (_eigmax, *_AT_ZERO.values())
-TABLE: Table[Jet] = {**_SMOOTH, **_KINKED}
+TABLE: Table[Jet] = {**_SMOOTH, **KINKED}

@@ -43,7 +43,7 @@ def compiled(exprs: Sequence[sp.Basic], symbols: Iterable[sp.Symbol], context: A
     recording = recorded(sp.Tuple(*exprs), symbols, bound(rows), lambda node: partial(constant, context, node))
 
     def run(*values: Any) -> list[Any]:
-        found: list[Any] = recording.run([number(context, v) for v in values])[recording.last]
+        found: list[Any] = recording.value([number(context, v) for v in values])
         return found
 
     return run

@@ -23,10 +23,14 @@ Step = Callable[..., Any]
 
 @dataclass(frozen=True)
 class Recording:
-    """Functions with what takes their arguments from the registers; the first are the symbols', each step fills the next."""
+    """Functions with what takes their arguments from the registers; the first are the symbols', each step fills the next.
+
+    ``spent``: after each step the registers that no later one takes.
+    """
 
     steps: tuple[tuple[Step, Callable[[list[Any]], Sequence[Any]]], ...]
     last: int
+    spent: tuple[tuple[int, ...], ...]
 
     def run(self, values: Iterable[Any], *notes: Any) -> list[Any]:
         """All registers, from one value for each symbol; the formula's is number ``last``.  Every step is told the ``notes`` first."""
@@ -34,6 +38,15 @@ class Recording:
         for step, taken in self.steps:
             registers.append(step(*notes, *taken(registers)))
         return registers
+
+    def value(self, values: Iterable[Any], *notes: Any) -> Any:
+        """The formula's register alone; memory of those that are spent goes to the next, so that it stays in the cache."""
+        registers = list(values)
+        for (step, taken), spent in zip(self.steps, self.spent, strict=True):
+            registers.append(step(*notes, *taken(registers)))
+            for place in spent:
+                registers[place] = None
+        return registers[self.last]
 
 
 def recorded(expr: sp.Basic, symbols: Iterable[sp.Symbol], table: Table[Step], constant: Callable[[Any], Step]) -> Recording:
@@ -44,8 +57,10 @@ def recorded(expr: sp.Basic, symbols: Iterable[sp.Symbol], table: Table[Step], c
     """
     order = tuple(symbols)
     steps: list[tuple[Step, Callable[[list[Any]], Sequence[Any]]]] = []
+    used = dict[int, int]()
 
     def register(step: Step, arguments: tuple[int, ...]) -> int:
+        used.update(dict.fromkeys(arguments, len(steps)))
         steps.append((step, _taking(arguments)))
         return len(order) + len(steps) - 1
 
@@ -56,7 +71,10 @@ def recorded(expr: sp.Basic, symbols: Iterable[sp.Symbol], table: Table[Step], c
         return order.index(node) if node in order else register(constant(node), ())
 
     last = fold(expr, {kind: recorder(step_of) for kind, step_of in table.items()}, leaf)
-    return Recording(tuple(steps), last)
+    spent: list[list[int]] = [[] for _ in steps]
+    for place in used.keys() - {last}:
+        spent[used[place]].append(place)
+    return Recording(tuple(steps), last, tuple(map(tuple, spent)))
 
 
 def _taking(places: tuple[int, ...]) -> Callable[[list[Any]], Sequence[Any]]:

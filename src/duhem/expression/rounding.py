@@ -58,8 +58,7 @@ class BoundedProgram:
     def found(self, values: Sequence[Array], bounds: Sequence[Array | float]) -> Bounded:
         """The same, numbers where nothing differs from point to point."""
         with np.errstate(all="ignore"):
-            registers = self.recording.run([Bounded(v, b) for v, b in zip(values, bounds, strict=True)])
-        return Bounded(*registers[self.recording.last])
+            return Bounded(*self.recording.value([Bounded(v, b) for v, b in zip(values, bounds, strict=True)]))
 
 
 @lru_cache(maxsize=256)

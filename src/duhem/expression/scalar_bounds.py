@@ -82,7 +82,7 @@ def scalar_bounds(
     recording = recorded(recognised(expr), (*forces, *others), bound(TABLE), number)
     try:
         with np.errstate(all="ignore"):
-            value, off = recording.run(given)[recording.last]
+            value, off = recording.value(given)
     except TypeError:
         raise InputError(f"the rounding of {expr} takes more than lines") from None
     text = [f"def {name}(v, x, q, b):", *lines, f"    return {_text(value)}, {_text(off)}"]

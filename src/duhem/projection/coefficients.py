@@ -80,9 +80,9 @@ def of_one_pressure(increment: Increment, entry: object) -> Callable[[float], fl
     value = _at(increment.law, entry, values)
     if isinstance(value, float):
         return lambda _: value
-    run, last = value.recording.run, value.recording.last
+    found = value.recording.value
     numbers = [np.float64(x) for x in values]
-    return lambda pressure: float(run([np.float64(pressure), *numbers])[last]) + 0.0
+    return lambda pressure: float(found([np.float64(pressure), *numbers])) + 0.0
 
 
 def uniform(increment: Increment, entry: object) -> float | None:

@@ -13,7 +13,7 @@ from typing import Any, cast
 import numpy as np
 
 from duhem.projection import one_point, quadrants, quarter_ellipse
-from duhem.projection.kept_code import CompiledText, compiled_text
+from duhem.projection.kept_code import WITHIN, CompiledText, compiled_text
 from duhem.projection.quadrants import Quarters
 from duhem.projection.quarter_ellipse import CLOSE, SAFE, formulas
 from duhem.projection.result import Array
@@ -80,8 +80,8 @@ def kernels() -> tuple[Callable[..., None], Callable[..., None]]:
     """
     import numba
 
-    jit: Callable[[Any], Any] = numba.njit(error_model="numpy", forceinline=True)
-    loose: Callable[[Any], Any] = numba.njit(error_model="numpy", forceinline=True, fastmath={"contract"})
+    jit: Callable[[Any], Any] = numba.njit(forceinline=True, **WITHIN)
+    loose: Callable[[Any], Any] = numba.njit(forceinline=True, fastmath={"contract"}, **WITHIN)
     rounded_once = _fused(numba)
 
     @jit
@@ -154,7 +154,7 @@ def kernels() -> tuple[Callable[..., None], Callable[..., None]]:
             slip[2 * i], slip[2 * i + 1] = where(slips, z * (w1 * n1), 0.0), where(slips, z * (w2 * n2), 0.0)
             multiplier[i] = where(z <= SAFE**4, z, np.nan)
 
-    @numba.njit(error_model="numpy")  # type: ignore[untyped-decorator,unused-ignore]
+    @numba.njit(**WITHIN)  # type: ignore[untyped-decorator,unused-ignore]
     def run(
         trial: Any, load: Any, mu: Any, axes: Any, low: Any, ratio: Any, compliance: Any, power: Any, first: Any,
         stress: Any, slip: Any, multiplier: Any,
@@ -162,9 +162,10 @@ def kernels() -> tuple[Callable[..., None], Callable[..., None]]:
         """In chunks on vectors; what that leaves open, and every point where the axes are oblique, one by one."""
         flat_trial, flat_stress, flat_slip = trial.reshape(-1), stress.reshape(-1), slip.reshape(-1)
         seen = np.empty((9, _CHUNK))
-        unit, inverse, straight = np.empty(4), 1.0 / mu, mu.min() > 1.0 / SAFE and mu.max() < SAFE
+        unit, inverse, straight = np.empty(4), 1.0 / mu, True
         for q in range(4):
             straight = straight and first[q] >= 0 and -900 < power[q] < 900
+            straight = straight and 1.0 / SAFE < mu[q, 0] < SAFE and 1.0 / SAFE < mu[q, 1] < SAFE
             unit[q] = math.ldexp(compliance[q], power[q])
         for begin in range(0, load.shape[0], _CHUNK):
             stop = min(begin + _CHUNK, load.shape[0])

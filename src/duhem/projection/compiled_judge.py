@@ -15,6 +15,7 @@ import numpy as np
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.jets import KINKED
 from duhem.expression.rounding import bounded
 from duhem.expression.scalar_bounds import scalar_bounds
 from duhem.expression.scalar_jets import scalar_jets
@@ -30,6 +31,7 @@ from duhem.projection.metric import Metric
 from duhem.projection.module_text import module_text, over_unit
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
+from duhem.projection.pasted_text import pasted
 from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, one, row, table
 from duhem.projection.residuals import Judge
 from duhem.projection.result import Array, Residuals, Solution
@@ -66,7 +68,7 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
     def fill(block: slice) -> None:
         given = _read(increment.trial[block]), _read(increment.pressure[block])
         got = solution.stress[block], solution.slip[block], solution.multiplier[block]
-        run(*given, *constants, *got, dissipation[block], status[block], residuals[:, block])
+        run(*given, *constants, *got, dissipation[block], status[block], tuple(residuals[:, block]))
 
     in_blocks(n, _BLOCK, fill, threads)
     status[solution.failed] = UNJUDGED
@@ -106,13 +108,14 @@ def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array, kn
     constants = *loop.constants, *tables, _table(beside(d).tobytes(), d), *tips, *_figures(level, known.metric)
 
     def look(trial: Sequence[float], pressure: float, stress: Sequence[float], slip: Sequence[float], multiplier: float) -> Any:
-        work, status, off, *room = [PlainArray() for _ in range(8)]
+        work, status, *room = [PlainArray() for _ in range(7)]
+        off = tuple(PlainArray() for _ in range(5))
         got = row(stress), row(slip), one(multiplier)
         try:
             run(row(trial), one(pressure), known.largest, *constants, *got, work, status, off, *room)
         except FAULTS:
             status[0] = UNJUDGED
-        return work[0], status[0], [off[k, 0] for k in range(5)]
+        return work[0], status[0], [each[0] for each in off]
 
     return look
 
@@ -127,7 +130,8 @@ def compiled_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array,
     def asked(*numbers: Any) -> tuple[Any, ...]:
         trial, pressure, stress, slip, multiplier = map(np.array, numbers)
         read = _read(trial[None]), _read(pressure[None])
-        return (*read, *constants, stress[None], slip[None], multiplier[None], np.empty(1), np.empty(1, dtype=np.int8), np.zeros((5, 1)))
+        room = np.empty(1), np.empty(1, dtype=np.int8), tuple(np.zeros((5, 1)))
+        return (*read, *constants, stress[None], slip[None], multiplier[None], *room)
 
     nothing = [0.0] * d
     run = compiled.specialised(*asked(nothing, -1.0, nothing, nothing, 0.0))
@@ -136,7 +140,7 @@ def compiled_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array,
         given = asked(trial, pressure, stress, slip, multiplier)
         run(*given)
         work, status, off = given[-3:]
-        return float(work[0]), int(status[0]), off[:, 0].tolist()
+        return float(work[0]), int(status[0]), [float(each[0]) for each in off]
 
     return look
 
@@ -196,10 +200,10 @@ def _text(level: Level, forces: tuple[sp.Symbol, ...], convex: bool) -> _Loop | 
         return None
     sources = (below, grown, length, eliminated, corner_kernel, edge_kernel, known_points_kernel, judge_kernel)
     functions = jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0]
-    rest = formula.expr.replace(Norm, lambda *_: sp.S.Zero)  # with a tip where norms are 0 and forces are left to hold them up
-    corners = jets.kinks > 0 or not rest.free_symbols.isdisjoint(forces)
+    rest = formula.expr.replace(Norm, lambda *_: sp.Dummy(real=True))  # with a tip where norms are 0 and forces are left to hold them up
+    corners = rest.has(*KINKED) or not rest.free_symbols.isdisjoint(forces)
     known = {"CONVEX": int(convex), "CORNERS": int(corners)}
-    text = module_text(formula, len(forces), jets, functions, sources, ("judge", "chunk"), **known)
+    text = pasted(module_text(formula, len(forces), jets, functions, sources, ("judge", "chunk"), **known), judge_kernel.INLINED)
     own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
     return _Loop(text, (*data[1:], *own))
 

@@ -88,9 +88,9 @@ def judge(
     of_slip: Any, of_stress: Any, to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float,
     certain: float, degree: float, stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any,
 ) -> None:  # fmt: skip
-    """Dissipation, status (``UNJUDGED`` where it is left open) and residuals, a row of ``found`` each, of every point.
+    """Dissipation, status (``UNJUDGED`` where it is left open) and residuals, an array of ``found`` each, of every point.
 
-    ``found`` is full of zeros, and what is zero is not written.  The constants of the ``pressed`` data, then those of h, and what they
+    They are full of zeros, and what is zero is not written.  The constants of the ``pressed`` data, then those of h, and what they
     are off by.  Lengths are taken over powers of two, ``unit`` of a stress and ``size`` of all of the metric; ``per`` is 1/size.
     ``largest`` the pressure at which the ``tips`` of K are known, ``ways`` and ``reaches`` their directions and lengths in
     the metric; ``beside`` ways off a point, where the normals of a corner are looked for; the matrices as in
@@ -103,7 +103,8 @@ def judge(
         chunk(
             trial[here], pressure[here], largest, pressed, pressed_off, constants, constants_off, stiffness, of_slip, of_stress, to_stress,
             beside, tips, ways, reaches, blur, good, certain, degree, stress[here], slip[here], multiplier[here],
-            dissipation[here], status[here], found[:, here], v, a, at, seen, which,
+            dissipation[here], status[here], (found[0][here], found[1][here], found[2][here], found[3][here], found[4][here]),
+            v, a, at, seen, which,
         )  # fmt: skip
 
 
@@ -116,8 +117,6 @@ def chunk(
     """The same of a chunk of points, with room for what is worked out: few points go through it without a compiler."""
     levels(pressure, pressed, pressed_off, constants, constants_off, stress, at, seen)
     count = sorted_(trial, stress, slip, multiplier, seen, dissipation, status, which)
-    if count == 0:
-        return
     taken(count, which, trial, pressure, stress, slip, multiplier, at, seen)
     seen_in_metric(count, pressed, pressed_off, constants, of_slip, of_stress, at, seen)
     if degree != 1.0:
@@ -141,11 +140,11 @@ def chunk(
         off = max(seen[OFF, j], seen[BALANCE, j])
         if off <= ACCURACY and seen[FEASIBLE, j] <= ACCURACY and seen[COMPLETE, j] <= ACCURACY and other <= ACCURACY:
             status[n] = SLIP
-            found[2, n], found[3, n] = seen[COMPLETE, j], off
+            found[2][n], found[3][n] = seen[COMPLETE, j], off
             if seen[FEASIBLE, j] != 0.0:
-                found[0, n] = seen[FEASIBLE, j]
+                found[0][n] = seen[FEASIBLE, j]
             if other != 0.0:
-                found[4, n] = other
+                found[4][n] = other
 
 
 def levels(pressure: Any, pressed: Any, pressed_off: Any, constants: Any, constants_off: Any, stress: Any, at: Any, seen: Any) -> None:

@@ -20,8 +20,10 @@ from typing import Any
 from duhem.errors import MissingExtraError
 from duhem.projection import machine_code
 
-__all__ = ["CompiledText", "compiled_text", "interpreted_text"]
+__all__ = ["WITHIN", "CompiledText", "compiled_text", "interpreted_text"]
 
+WITHIN = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""What numba is told of functions that compiled code alone calls."""
 
 _MEANT = {"solve": "closest point", "judge": "check of answers"}
 
@@ -105,10 +107,9 @@ class CompiledText:
             compile(text, str(kept or "<generated>"), "exec"), space
         )  # our own text: of the user's formula it has SymPy's numbers and our names
         functions = [name for name, value in space.items() if inspect.isfunction(value) and value.__module__ == module.__name__]
-        within = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # compiled code alone calls them
         for name in functions:
             if name != self._name:
-                space[name] = numba.njit(forceinline=name in self._inlined, **within)(space[name])
+                space[name] = numba.njit(forceinline=name in self._inlined, **WITHIN)(space[name])
         return numba.njit(error_model="numpy", cache=kept is not None, nogil=True)(space[self._name])
 
 

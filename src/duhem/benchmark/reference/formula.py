@@ -78,7 +78,7 @@ class PreciseFormula:
     def read(self, point: Sequence[Any], choices: Choices | None = None) -> Reading:
         """The formula at ``point``; ``choices`` names the branch of each kink, which else is the one that holds."""
         notes = _Notes(choices)
-        value = self._recording.run(point, notes)[self._recording.last]
+        value = self._recording.value(point, notes)
         return Reading(value, tuple(notes.taken), tuple(notes.margins))
 
 
