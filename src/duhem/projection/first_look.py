@@ -19,7 +19,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.level import Level, Placed
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
-from duhem.projection.row_by_row import columns_times, dot, widest
+from duhem.projection.row_by_row import any_of, columns_times, dot, widest
 from duhem.projection.scaled_formula import power_of_two
 from duhem.projection.variational import Variational
 
@@ -36,14 +36,14 @@ _NONE = np.empty(0, dtype=np.intp)
 class _Moved:
     """Points ``at`` (M,) of a block that move; ``size`` the unit of ``there``, ``value`` h and ``hidden`` a bound of its rounding."""
 
+    there: Placed
     at: NDArray[np.intp]
     trial: Array
-    pressure: Array
     stress: Array
     slip: Array
+    pressure: Array
     multiplier: Array
     size: Array
-    there: Placed
     value: Array
     hidden: Array
 
@@ -82,9 +82,8 @@ class FirstLook:
 
     def _block(self, trial: Array, pressure: Array, got: Solution, out: Residuals) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """The same of one block."""
-        moved = got.multiplier != 0.0
-        for t, s, d in zip(trial.T, got.stress.T, got.slip.T, strict=True):
-            moved |= (s != t) | (d != 0.0)
+        moved = any_of((got.stress != trial) | (got.slip != 0.0))
+        moved |= got.multiplier != 0.0
         size = power_of_two(widest(got.stress))
         there = self.level.placed(got.stress, pressure, size)
         value, hidden = there.bounded()
@@ -92,8 +91,9 @@ class FirstLook:
         at = np.flatnonzero(moved)
         if not at.size:
             return still, at
-        some = _Moved(at, trial.take(at, axis=0), pressure.take(at), got.stress.take(at, axis=0), got.slip.take(at, axis=0),
-                      got.multiplier.take(at), size.take(at), there.of(at), value.take(at), hidden.take(at))  # fmt: skip
+        vectors = (np.ascontiguousarray(x.take(at, axis=0).T).T for x in (trial, got.stress, got.slip))  # column by column in memory
+        numbers = (x.take(at) for x in (pressure, got.multiplier, size, value, hidden))
+        some = _Moved(there.of(at), at, *vectors, *numbers)
         plain = self._moved(some, out)
         return still, at[:0] if plain.all() else at[~plain]
 

@@ -99,7 +99,7 @@ class Placed:
     def of(self, at: NDArray[np.intp]) -> Placed:
         """Some of the points."""
         data = tuple((v.take(at), b if isinstance(b, float) else b.take(at)) for v, b in self.data)
-        return Placed(self.level, np.stack([x.take(at) for x in self.s]), data)
+        return Placed(self.level, self.s.take(at, axis=1), data)
 
     def bounded(self) -> tuple[Array, Array]:
         """h (N,) and a bound of its rounding."""

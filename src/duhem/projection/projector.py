@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from functools import partial, reduce
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from duhem.projection.nearer_points import nearness
 from duhem.projection.recovered_slip import recovered
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
-from duhem.projection.row_by_row import dot
+from duhem.projection.row_by_row import any_of, dot
 from duhem.projection.told import Told
 from duhem.projection.validation import posed, setting
 
@@ -92,7 +92,8 @@ class Projector:
         told = _told(question, solution, judge, given) if sure else Told.nothing(len(vouched))
         threads = given.sharing if isinstance(given, Compiling) else 1
         found, settle = told.residuals, partial(_settle, question, told, vouched)
-        closely, seen = judge.look(solution, found, told.left, threads, partial(settle, solution, found) if sure else None)
+        plainly = partial(_settle_plainly, question, told, vouched, solution) if sure else None
+        closely, seen = judge.look(solution, found, told.left, threads, plainly)
         self._held(question, solution, found)
         left = closely if sure else np.arange(len(vouched))
         if left.size:
@@ -172,26 +173,30 @@ def _told(question: Increment, solution: Solution, judge: Judge, given: Options)
     return Told.nothing(n)
 
 
-def _settle(
-    question: Increment, told: Told, vouched: NDArray[np.bool_], solution: Solution, found: Residuals, block: slice | NDArray[np.intp]
-) -> None:
-    """Dissipation and status of a block of points; ``vouched`` (N,) where to be stationary is to be closest."""
-    stress, slip = solution.stress[block], solution.slip[block]
+def _settle_plainly(question: Increment, told: Told, vouched: NDArray[np.bool_], solution: Solution, block: slice) -> None:
+    """Dissipation and status of a block of points, of which those that are not plainly right are settled afterwards."""
+    slip = solution.slip[block]
     with np.errstate(all="ignore"):
-        told.dissipation[block] = dot(stress, slip)
-        told.status[block] = reduce(np.logical_or, (slip != 0.0).T, solution.multiplier[block] > 0.0)  # to stick is 0, to slip 1
-        each = [getattr(found, field.name)[block] for field in fields(Residuals)]
-        right = reduce(np.logical_and, [x <= ACCURACY for x in each], vouched[block] & ~solution.failed[block])
-        if question.law.domain or not right.all():
-            others = np.arange(len(told.status))[block]
-            others = others if question.law.domain else others[~right]
-            told.status[others] = _status(question, solution, found, others, vouched[others])
+        told.dissipation[block] = dot(solution.stress[block], slip)
+    told.status[block] = any_of(slip != 0.0) | (solution.multiplier[block] > 0.0)  # to stick is 0, to slip 1
+    others = np.arange(block.start, block.stop) if question.law.domain else np.flatnonzero(solution.failed[block]) + block.start
+    if others.size:
+        told.status[others] = _status(question, solution, told.residuals, others, vouched[others])
+
+
+def _settle(
+    question: Increment, told: Told, vouched: NDArray[np.bool_], solution: Solution, found: Residuals, at: NDArray[np.intp]
+) -> None:
+    """Dissipation and status of points ``at``; ``vouched`` (N,) where to be stationary is to be closest."""
+    with np.errstate(all="ignore"):
+        told.dissipation[at] = dot(solution.stress[at], solution.slip[at])
+        told.status[at] = _status(question, solution, found, at, vouched[at])
 
 
 def _status(
     question: Increment, solution: Solution, found: Residuals, block: NDArray[np.intp], vouched: NDArray[np.bool_]
 ) -> NDArray[np.int8]:
-    """What each point of a block counts as: the same for those that are plainly right as above, and for all others."""
+    """What each point of a block counts as."""
     slips = (solution.multiplier[block] > 0.0) | (solution.slip[block] != 0.0).any(axis=1)
     worst = _worst(found, block)
     finite = np.isfinite(solution.stress[block]).all(axis=1) & np.isfinite(solution.slip[block]).all(axis=1)

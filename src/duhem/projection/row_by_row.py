@@ -6,11 +6,12 @@ from collections.abc import Iterable
 from functools import reduce
 
 import numpy as np
+from numpy.typing import NDArray
 
 from duhem.expression.length import length as components_length
 from duhem.projection.result import Array
 
-__all__ = ["columns_times", "dot", "length", "products", "share", "times", "unit", "widest"]
+__all__ = ["any_of", "columns_times", "dot", "length", "products", "share", "times", "unit", "widest"]
 
 
 def columns_times(columns: Iterable[Array], matrix: Array) -> Array:
@@ -27,11 +28,7 @@ def columns_times(columns: Iterable[Array], matrix: Array) -> Array:
 
 def dot(first: Array, second: Array) -> Array:
     """Scalar products (N,), column by column, as in :func:`widest`."""
-    parts = (a * b for a, b in zip(first.T, second.T, strict=True))
-    found = next(parts)
-    for part in parts:
-        found += part
-    return found
+    return reduce(np.add, (first * second).T)
 
 
 def length(vectors: Array) -> Array:
@@ -54,6 +51,13 @@ def unit(vectors: Array) -> tuple[Array, Array]:
     size = widest(vectors)
     far = length(vectors / size[:, None])
     return vectors / size[:, None] / far[:, None], far * size
+
+
+def any_of(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether one of each row (N, d) holds; rows as long as a word are looked at as words."""
+    if rows.shape[1] in (1, 2, 4, 8):
+        return np.ascontiguousarray(rows).view(f"u{rows.shape[1]}")[:, 0] != 0
+    return reduce(np.logical_or, rows.T)
 
 
 def widest(vectors: Array) -> Array:

@@ -28,6 +28,7 @@ __all__ = ["Datum", "ScaledFormula", "grown", "may_cancel", "of_pressure_alone",
 _DIGITS = 40  # of a root of a number
 _TELLING = 2.0**-40  # of a datum: a value whose rounding may be more than this share of it has lost digits
 _BITS = 1600  # of the balls that give them back
+_LEAST = 2.0**-1022  # a number with an exponent of its own
 _EXPONENT = np.int64(0x7FF << 52)  # of a double, in its bits
 
 
@@ -112,6 +113,8 @@ def of_pressure_alone(expr: sp.Expr, given: Mapping[sp.Symbol, Array]) -> Bounde
     Digits that cancel, as in 1 - exp(-x) at a small x, are worked out in balls.
     """
     value, off = bounded(expr, tuple(given)).found(list(given.values()), [0.0] * len(given))
+    if isinstance(off, float) and off == 0.0:
+        return Bounded(value, off)
     lost = np.logical_not(off <= _TELLING * np.abs(value))
     if not np.any(lost):
         return Bounded(value, off)
@@ -146,7 +149,7 @@ def _in_balls(expr: sp.Expr, known: tuple[sp.Symbol, ...]) -> Callable[..., Any]
 def power_of_two(size: Array) -> Array:
     """The power of two below, 1 of what is not a positive number: scaling by it is exact."""
     found = np.asarray((np.ascontiguousarray(size).view(np.int64) & _EXPONENT).view(np.float64))  # a number without its digits
-    if not (found.min(initial=1.0) > 0.0 and size.min(initial=1.0) > 0.0 and found.max(initial=1.0) < np.inf):
+    if not (size.min(initial=1.0) >= _LEAST and size.max(initial=1.0) < np.inf):
         sound = np.isfinite(size) & (size > 0.0)
         return np.where(sound, np.ldexp(1.0, np.frexp(np.where(sound, size, 1.0))[1] - 1), 1.0)
     return found
