@@ -265,7 +265,9 @@ def test_a_recording_is_the_fold() -> None:
     rows = {kind: lambda node, *parts: (type(node).__name__, *parts) for kind in NODES}
     plain = recorded(formula, (x, y, z), bound(rows), lambda node: lambda: str(node))
     leaf = {x: "x", y: "y", z: "z"}
-    assert plain.run("xyz")[plain.last] == fold(formula, rows, lambda node: leaf.get(node, str(node)))
+    folded = fold(formula, rows, lambda node: leaf.get(node, str(node)))
+    assert plain.run("xyz")[plain.last] == plain.value("xyz") == folded
+    assert sorted(place for spent in plain.spent for place in spent) == sorted({*range(len(plain.steps) + 3)} - {plain.last})
     assert len(plain.steps) == len({node for node in sp.preorder_traversal(formula) if node not in leaf})
     heard: list[Any] = []
     table: dict[type, Any] = {kind: lambda _: lambda note, *parts: heard.append(note) for kind in NODES}

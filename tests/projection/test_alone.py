@@ -13,7 +13,7 @@ from duhem.projection.level import level
 from duhem.projection.metric import Metric
 from duhem.projection.nearer_points import _NearerSearch
 from duhem.projection.result import Projection, Residuals
-from duhem.projection.row_by_row import times
+from duhem.projection.row_by_row import any_of, times
 from duhem.projection.stationarity import _solved
 from tests.campaigns.number_families import BUILT_IN, beyond
 from tests.long import mostly_long
@@ -74,3 +74,12 @@ def test_k_is_looked_at_by_pressures_of_its_own() -> None:
     together = looks(pressure)
     assert together == {-0.3: -0.25, -40.0: -32.0, 0.0: 0.0, -0.26: -0.25, -3.1: -2.0, -1e9: -(2.0**29)}
     assert all(looks(np.array([one])) == {one: look} for one, look in together.items())
+
+
+@pytest.mark.parametrize("d", [1, 2, 3, 4, 6, 8])
+def test_one_of_each_row_is_seen(d: int) -> None:
+    """As words or column by column, whatever the order in memory."""
+    rows = np.random.default_rng(1).random((200, d)) < 0.2
+    for given in (rows, np.asfortranarray(rows), rows[::2]):
+        np.testing.assert_array_equal(any_of(given), given.any(axis=1))
+    assert any_of(rows[:0]).shape == (0,)

@@ -32,7 +32,7 @@ from duhem.projection.module_text import module_text, over_unit
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
 from duhem.projection.pasted_text import pasted
-from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, one, row, table
+from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, line, table
 from duhem.projection.residuals import Judge
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import unit
@@ -67,7 +67,7 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
 
     def fill(block: slice) -> None:
         given = _read(increment.trial[block]), _read(increment.pressure[block])
-        got = solution.stress[block], solution.slip[block], solution.multiplier[block]
+        got = map(np.ascontiguousarray, (solution.stress[block], solution.slip[block], solution.multiplier[block]))
         run(*given, *constants, *got, dissipation[block], status[block], tuple(residuals[:, block]))
 
     in_blocks(n, _BLOCK, fill, threads)
@@ -110,9 +110,9 @@ def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array, kn
     def look(trial: Sequence[float], pressure: float, stress: Sequence[float], slip: Sequence[float], multiplier: float) -> Any:
         work, status, *room = [PlainArray() for _ in range(7)]
         off = tuple(PlainArray() for _ in range(5))
-        got = row(stress), row(slip), one(multiplier)
+        got = line(stress), line(slip), line([multiplier])
         try:
-            run(row(trial), one(pressure), known.largest, *constants, *got, work, status, off, *room)
+            run(line(trial), line([pressure]), known.largest, *constants, *got, work, status, off, *room)
         except FAULTS:
             status[0] = UNJUDGED
         return work[0], status[0], [each[0] for each in off]

@@ -98,11 +98,13 @@ def judge(
     """
     v, a = np.empty((ROOMS, D)), np.empty((CORNER, 2 * D + 1))
     at, seen, which = np.empty((D, 3 * CHUNK)).T, np.zeros((ROWS, CHUNK)), np.empty(CHUNK + 1, np.int64)
-    for begin in range(0, trial.shape[0], CHUNK):
-        here = slice(begin, min(begin + CHUNK, trial.shape[0]))
+    flat_trial, flat_stress, flat_slip = trial.reshape(-1), stress.reshape(-1), slip.reshape(-1)  # of a known stride
+    for begin in range(0, pressure.shape[0], CHUNK):
+        stop = min(begin + CHUNK, pressure.shape[0])
+        here, each = slice(begin, stop), slice(D * begin, D * stop)
         chunk(
-            trial[here], pressure[here], largest, pressed, pressed_off, constants, constants_off, stiffness, of_slip, of_stress, to_stress,
-            beside, tips, ways, reaches, blur, good, certain, degree, stress[here], slip[here], multiplier[here],
+            flat_trial[each], pressure[here], largest, pressed, pressed_off, constants, constants_off, stiffness, of_slip, of_stress,
+            to_stress, beside, tips, ways, reaches, blur, good, certain, degree, flat_stress[each], flat_slip[each], multiplier[here],
             dissipation[here], status[here], (found[0][here], found[1][here], found[2][here], found[3][here], found[4][here]),
             v, a, at, seen, which,
         )  # fmt: skip
@@ -152,7 +154,7 @@ def levels(pressure: Any, pressed: Any, pressed_off: Any, constants: Any, consta
     for x in range(pressure.shape[0]):
         big = 0.0
         for i in range(D):
-            at[x, i] = stress[x, i]
+            at[x, i] = stress[D * x + i]
             big = max(big, abs(at[x, i]))
         unit = below(big) if (big > 0.0) & (big < np.inf) else 1.0
         per = 1.0 / unit  # exact, and a product is sooner done
@@ -169,19 +171,24 @@ def levels(pressure: Any, pressed: Any, pressed_off: Any, constants: Any, consta
 
 def sorted_(trial: Any, stress: Any, slip: Any, multiplier: Any, seen: Any, dissipation: Any, status: Any, which: Any) -> int:
     """Dissipation of every point and status of those that stick for sure; how many moved, and which."""
+    for x in range(multiplier.shape[0]):
+        work = stress[D * x] * slip[D * x]
+        for i in range(1, D):
+            work += stress[D * x + i] * slip[D * x + i]
+        dissipation[x] = work
+    for x in range(multiplier.shape[0]):
+        moved = multiplier[x] != 0.0
+        for i in range(D):
+            moved = moved | (slip[D * x + i] != 0.0) | (stress[D * x + i] != trial[D * x + i])
+        seen[STATE, x] = 1.0 if moved else 0.0
+    for x in range(multiplier.shape[0]):
+        value, hidden = seen[EVERY + 1, x], seen[EVERY + 2, x]
+        within = (value > -np.inf) & (value < -2.0 * hidden) & (seen[STATE, x] == 0.0)
+        status[x] = STICK if within else UNJUDGED
     count = 0
     for x in range(multiplier.shape[0]):
-        work, moved = stress[x, 0] * slip[x, 0], multiplier[x] != 0.0
-        for i in range(1, D):
-            work += stress[x, i] * slip[x, i]
-        for i in range(D):
-            moved = moved | (slip[x, i] != 0.0) | (stress[x, i] != trial[x, i])
-        dissipation[x] = work
-        value, hidden = seen[EVERY + 1, x], seen[EVERY + 2, x]
-        within = (value > -np.inf) & (value < -2.0 * hidden)
-        status[x] = STICK if within & (not moved) else UNJUDGED
         which[count] = x
-        count += 1 if moved else 0
+        count += 1 if seen[STATE, x] > 0.0 else 0
     return count
 
 
@@ -191,7 +198,7 @@ def taken(count: int, which: Any, trial: Any, pressure: Any, stress: Any, slip: 
         x = which[j]
         for i in range(D):
             at[CHUNK + j, i] = at[x, i]
-            seen[TRIAL + i, j], seen[STRESS + i, j], seen[SLIPPED + i, j] = trial[x, i], stress[x, i], slip[x, i]
+            seen[TRIAL + i, j], seen[STRESS + i, j], seen[SLIPPED + i, j] = trial[D * x + i], stress[D * x + i], slip[D * x + i]
         seen[UNIT, j], seen[LEVEL, j], seen[HIDDEN, j] = seen[EVERY, x], seen[EVERY + 1, x], seen[EVERY + 2, x]
         seen[RISE, j], seen[PRESSURE, j], seen[GIVEN, j] = seen[EVERY + 3, x], pressure[x], multiplier[x]
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from duhem.projection.kept_code import interpreted_text
 
-__all__ = ["FAULTS", "PlainArray", "interpreted", "one", "row", "table"]
+__all__ = ["FAULTS", "PlainArray", "interpreted", "line", "row", "table"]
 
 FAULTS = ArithmeticError, ValueError
 """What an operation without a value raises."""
@@ -53,10 +53,10 @@ def row(numbers: Sequence[float]) -> PlainArray:
     return found
 
 
-def one(number: float) -> PlainArray:
-    """A list of one number."""
-    found = PlainArray((1,))
-    found[0] = number
+def line(numbers: Sequence[float]) -> PlainArray:
+    """A list of numbers."""
+    found = PlainArray((len(numbers),))
+    found.update(enumerate(numbers))
     return found
 
 
