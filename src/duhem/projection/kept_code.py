@@ -17,10 +17,13 @@ from threading import Lock
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from duhem.errors import MissingExtraError
 from duhem.projection import machine_code
 
-__all__ = ["CompiledText", "compiled_text", "interpreted_text"]
+__all__ = ["CompiledText", "compiled_text", "interpreted_text", "only_read"]
 
 
 _MEANT = {"solve": "closest point", "judge": "check of answers"}
@@ -38,6 +41,13 @@ def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Compi
     if inlined:  # other machine code, and what is kept is found by its text alone
         text = f"{text}\n# where they are called: {', '.join(inlined)}\n"
     return CompiledText(text, entry, inlined)
+
+
+def only_read(given: NDArray[Any]) -> NDArray[Any]:
+    """The array whole, and not to be written to, as compiled text takes what it reads: each kind of array is compiled for by itself."""
+    whole = np.ascontiguousarray(given).view()
+    whole.setflags(write=False)
+    return whole
 
 
 class CompiledText:
