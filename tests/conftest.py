@@ -28,6 +28,10 @@ gc.disable()  # until all tests are collected
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # each of the many processes that tests start would compile duhem anew
 
 SLOW = 50  # quick tests take as long as a slow one
+KEPT_IN_COMMON = {  # a file: another, whose tests keep in a module of both what these ask for again
+    "tests/derivation/test_printing.py": "tests/derivation/test_derivation.py",
+    "tests/test_map.py": "tests/test_structure.py",
+}
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -35,10 +39,15 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """All tests of a file go to one worker: what a file computes once and keeps is not computed again by another worker."""
     from xdist.scheduler import LoadFileScheduling
 
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = super()._split_scope(nodeid)
+            return KEPT_IN_COMMON.get(file, file)
+
     if config.getvalue("dist") != "load":
         return None
     config.option.loadscopereorder = False  # the order is that of the items, below
-    return LoadFileScheduling(config, log)
+    return Scheduling(config, log)
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-__all__ = ["ROOT", "Module", "Package", "circles"]
+__all__ = ["HERE", "ROOT", "Module", "Package", "circles"]
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "duhem"
@@ -207,6 +207,9 @@ class Package:
     def sizes(self) -> dict[str, int]:
         """Code lines of every module, the longest first."""
         return dict(sorted(((name, module.code_lines()) for name, module in self.modules.items()), key=lambda entry: -entry[1]))
+
+
+HERE = Package()  # read once, for all tests that count in it
 
 
 def _pads(node: ast.AST) -> bool:

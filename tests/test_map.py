@@ -8,10 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.structure import Package
+from tests.structure import HERE as PACKAGE
 
 ROOT = Path(__file__).parents[1]
-PACKAGE = Package()
 ARCHITECTURE = (ROOT / "ARCHITECTURE.md").read_text("utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
 

@@ -5,6 +5,7 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -38,13 +39,13 @@ def test_there_are_blocks_to_check() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("block", blocks("console"), ids=lambda block: block.splitlines()[0].removeprefix("$ "))
 @pytest.mark.usefixtures("folder")
-def test_output_is_what_the_program_prints(block: str) -> None:
+def test_output_is_what_the_program_prints(block: str, run: Callable[..., tuple[int, str, str]]) -> None:
     prompt, _, expected = block.partition("\n")
     dollar, program, *arguments = shlex.split(prompt)
     assert (dollar, program) == ("$", "duhem")
-    done = subprocess.run([sys.executable, "-m", "duhem", *arguments], capture_output=True, text=True, timeout=120)
-    assert done.returncode in (0, 1), done.stderr
-    assert agrees(expected, done.stdout), done.stdout
+    code, said, wrong = run(*arguments)
+    assert code in (0, 1), wrong
+    assert agrees(expected, said), said
 
 
 @pytest.mark.slow

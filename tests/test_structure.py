@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.structure import HERE as PACKAGE
 from tests.structure import ROOT, Package, circles
-
-PACKAGE = Package()
 
 
 def test_few_rooms_and_few_rows() -> None:

@@ -4,36 +4,62 @@
     python -m tests.campaigns.export coulomb hill48     these, of the atlas too
     python -m tests.campaigns.export --group metals     a group of the atlas
     python -m tests.campaigns.export --no-suite         without the property tests
+    python -m tests.campaigns.export --points 100000    of all laws, the atlas's too: so many increments held against duhem.project
 
 A row a law, at the simplest admitted values of its parameters; exit code 1 where an answer is wrong.
 
 unsolved   how many of the trial stresses, 1.05 to 10 times beyond K, with three stiffnesses, have the status 2; the status 5, no tangent
 apart      how far the stresses are from those of duhem.project, relative to the trial, and the tangents from differences
 suite      the checks of duhem.testing over the whole domain of the parameters but for exponents, with the share that is not solved
+
+With --points: at how many increments the routine and duhem.project both have an answer, and both a tangent; how far the stresses lie
+apart at most, relative to the trial, and the tangents, relative to the stiffness, but where the stress has no derivative and the tangent
+is one of several; how many either alone has an answer to, and how many either alone has a tangent to; and the routine's processor time
+an increment, of the quickest block.
 """
 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import sys
+import time
+from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import sympy as sp
 
 import duhem
 from duhem.errors import DuhemError
+from duhem.export.c_file import c_file
+from duhem.export.header import identifier
 from duhem.export.routine import routine
 from duhem.law import catalogue
 from duhem.law.atlas.entry import entries
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array, Status
+from duhem.proof.verification import verify
 from duhem.testing import checks_for, conformance, pressures
 from tests.campaigns.increments import at_simplest, pressure_of, trials
-from tests.export.shared_library import OPTIMISED, Compiled, compiled
+from tests.export.shared_library import OPTIMISED, Compiled, compiled, compiler, shared
 
-__all__ = ["measured"]
+__all__ = ["agreement", "measured"]
 
+_STRESS, _TANGENT, _BLOCK = 1e-12, 1e-9, 10_000
+_MANY = """
+void many(long count, const double *trial, double pressure, const double *stiffness, double *stress, double *tangent, int *status);
+
+void many(long count, const double *trial, double pressure, const double *stiffness, double *stress, double *tangent, int *status)
+{{
+    double slip[{d}], dissipation;
+    for (long i = 0; i < count; i++)
+        status[i] = {name}_increment(
+            trial + {d} * i, pressure, stiffness, 0, stress + {d} * i, slip, &dissipation, tangent + {d} * {d} * i);
+}}
+"""
 _WRONG, _SETTLED, _TURNED = 1e-7, 1e-3, 5e-3
 
 
@@ -66,6 +92,55 @@ def measured(name: str, suite: bool) -> tuple[list[str], bool]:
         )
     cells = [f"{100 * unsolved:.1f} %, {100 * unknown:.1f} %", f"{far:.0e}, {turned:.0e}", _suite(name) if suite else "-"]
     return cells, far > _WRONG or turned > _TURNED or cells[2].startswith("FAILS")
+
+
+def agreement(name: str, points: int) -> tuple[str, bool]:
+    """The row of a law whose routine and duhem.project answer the same ``points`` increments, and whether they are too far apart."""
+    try:
+        law = at_simplest(name)
+        text = c_file(verify(law, claims=["convexity"]))
+    except DuhemError as reason:
+        return f"not exported: {str(reason).partition(';')[0]}", False
+    d, pressure, ways, own = len(law.forces), pressure_of(law), stiffnesses(len(law.forces)), identifier(law.name)
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / f"{own}.c"
+        file.write_text(text + _MANY.format(d=d, name=own), "utf-8")
+        many = shared([file], *OPTIMISED, with_=compiler("CC", "cc", "gcc", "clang")).many
+    place = ctypes.c_void_p
+    many.argtypes, many.restype = [ctypes.c_long, place, ctypes.c_double, *[place] * 4], None
+    every = trials(law, -(-points // 9))[: points // 3]
+    counts, stresses, tangents, quickest = Counter[str](), 0.0, 0.0, np.inf
+    for k in ways:
+        for start in range(0, len(every), _BLOCK):
+            asked = np.ascontiguousarray(every[start : start + _BLOCK])
+            stress, tangent, status = np.empty_like(asked), np.empty((len(asked), d, d)), np.empty(len(asked), np.int32)
+            began = time.thread_time()
+            many(len(asked), asked.ctypes.data, pressure or 0.0, *(x.ctypes.data for x in (k, stress, tangent, status)))
+            quickest = min(quickest, (time.thread_time() - began) / len(asked))
+            known = duhem.project(law, asked, pressure, k, tangent=True)
+            assert known.tangent is not None
+            here, there = (status < 2) | (status > 3), (known.status <= Status.SLIP) | (known.status == Status.OUTSIDE)
+            far = np.abs(stress - known.stress).max(axis=1) / np.abs(asked).max(axis=1)
+            turned = np.abs(tangent - known.tangent).max(axis=(1, 2)) / np.abs(k).max()
+            known_here, known_there = np.isfinite(tangent).all(axis=(1, 2)), np.isfinite(known.tangent).all(axis=(1, 2))
+            both = here & there
+            told = {"both": both, "tangents": both & known_here & known_there, "C alone": here & ~there, "Python alone": there & ~here}
+            told |= {"tangent of C alone": both & known_here & ~known_there, "tangent of Python alone": both & known_there & ~known_here}
+            told["one of several"] = told["tangents"] & (turned > _TANGENT)
+            for row in np.flatnonzero(told["one of several"]):
+                told["one of several"][row] = _several(law, asked[row], pressure, k)
+            stresses = max(stresses, float(far[both].max(initial=0.0)))
+            tangents = max(tangents, float(turned[told["tangents"] & ~told["one of several"]].max(initial=0.0)))
+            counts.update({said: int(rows.sum()) for said, rows in told.items() if rows.any()})
+    said = ", ".join(f"{counts[what]} {what}" for what in sorted(counts))
+    return f"{stresses:.0e}, {tangents:.0e}  {1e9 * quickest:5.0f} ns  {said}", stresses > _STRESS or tangents > _TANGENT
+
+
+def _several(law: Criterion, trial: Array, pressure: float | None, k: Array) -> bool:
+    """Whether the tangents beside a trial are not one: the stress has no derivative there."""
+    axes = 1e-6 * np.abs(trial).max() * np.eye(len(trial))
+    beside = duhem.project(law, trial + np.vstack([axes, -axes]), pressure, k, tangent=True).tangent
+    return bool(np.nanmax(np.ptp(beside, axis=0)) > _SETTLED * np.abs(k).max())
 
 
 def _turned(run: Compiled, trial: Array, pressure: float, k: Array, tangent: Array) -> float:
@@ -114,10 +189,17 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("--group")
     parser.add_argument("--no-suite", action="store_true")
+    parser.add_argument("--points", type=int)
     asked = parser.parse_args(arguments)
-    names = asked.names or ([each.name for each in entries(asked.group)] if asked.group else catalogue.names())
+    known = [] if asked.group else list(catalogue.names())
+    names = asked.names or known + [each.name for each in entries(asked.group) if asked.group or asked.points]
     wrong = []
     for name in names:
+        if asked.points:
+            row, bad = agreement(name, asked.points)
+            wrong += [name] * bad
+            print(f"{name:<22} {row}{'  APART' * bad}", flush=True)
+            continue
         cells, bad = measured(name, not asked.no_suite)
         wrong += [name] * bad
         print(f"{name:<22} {cells[0]:<15} {cells[1]:<16} {cells[2]}{'  WRONG' * bad}", flush=True)

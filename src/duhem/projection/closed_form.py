@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
-from functools import lru_cache, partial
+from functools import lru_cache
 from math import isfinite
 from typing import Any
 
@@ -20,7 +20,7 @@ from duhem.projection.closed_form_tangent import tangent
 from duhem.projection.coefficients import Coefficients, centre, coefficients, declared, of_one_pressure, of_pressure, own_entries, uniform
 from duhem.projection.in_blocks import BLOCK, in_blocks
 from duhem.projection.increment import Increment
-from duhem.projection.method import Compiling, Method, PlainClosest
+from duhem.projection.method import ClosestPoint, Compiling, Method
 from duhem.projection.quadrants import Quarters, plain_closest
 from duhem.projection.result import Array, Solution
 
@@ -99,7 +99,7 @@ def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solut
     return solution
 
 
-def plain(increment: Increment, compiled: bool = False) -> PlainClosest | None:
+def plain(increment: Increment, compiled: bool = False) -> ClosestPoint | None:
     """The closest point to one trial on plain numbers; None for a shape in one force, one that is moved and one that may be empty."""
     shape, found = declared(increment), coefficients(increment)
     slope = uniform(increment, shape.slope)
@@ -108,15 +108,20 @@ def plain(increment: Increment, compiled: bool = False) -> PlainClosest | None:
     quarters, load = _quarters(found.mu, increment.stiffness.tobytes()), of_one_pressure(increment, shape.load)
     share = (slope if slope > 0.0 else 1.0) * found.scale
     if compiled:
-        from duhem.projection.compiled import plain_closest as compiled_closest
+        from duhem.projection.compiled import compiled_closest
 
-        at: Callable[[Sequence[float], float], Any] = compiled_closest(quarters)
-    else:
-        at = partial(plain_closest, quarters)
+        at = compiled_closest(quarters)
+
+        def by_numba(trial: Array, pressure: Array) -> Any:
+            stress, slip, multiplier = at(trial, load(pressure.item()))
+            multiplier[0] = own = multiplier.item() / share
+            return (stress, slip, multiplier) if isfinite(own) else None
+
+        return by_numba
 
     def closest(trial: Sequence[float], pressure: float) -> Any:
         with np.errstate(all="ignore"):
-            answer = at(trial, load(pressure))
+            answer = plain_closest(quarters, trial, load(pressure))
         if answer is None or not isfinite(answer[2]):
             return None
         stress, slip, multiplier = answer

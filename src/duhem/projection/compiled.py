@@ -6,46 +6,51 @@ import hashlib
 import inspect
 import math
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cache
 from typing import Any, cast
 
 import numpy as np
 
 from duhem.projection import one_point, quadrants, quarter_ellipse
-from duhem.projection.kept_code import WITHIN, CompiledText, compiled_text
+from duhem.projection.kept_code import WITHIN, CompiledText, compiled_text, only_read
 from duhem.projection.quadrants import Quarters
 from duhem.projection.quarter_ellipse import CLOSE, SAFE, formulas
 from duhem.projection.result import Array
 
-__all__ = ["kernel", "kernels", "plain_closest", "project"]
+__all__ = ["compiled_closest", "kernel", "kernels", "project"]
 
 _CHUNK = 504  # points looked at together: their numbers stay in the nearest cache, and rows of them apart in it
 
 
 def project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
     """As :func:`duhem.projection.quadrants.project`; MissingExtraError without numba."""
-    q, run = quarters, kernel()
-    if q.flat.any():  # a segment is a clamp: nothing to gain
-        quadrants.project(trial, load, q, stress, slip, multiplier)
+    run = kernel()
+    if quarters.flat.any():  # a segment is a clamp: nothing to gain
+        quadrants.project(trial, load, quarters, stress, slip, multiplier)
         return
-    axes = (np.ascontiguousarray(q.axes), np.ascontiguousarray(q.axes_low))
-    trial, load = np.ascontiguousarray(trial), np.ascontiguousarray(load)
-    run(trial, load, q.mu, *axes, q.ratio, q.compliance, q.power, q.first, stress, slip, multiplier)
+    run(only_read(trial), only_read(load), *_constants(quarters), stress, slip, multiplier)
 
 
-def plain_closest(quarters: Quarters) -> Callable[[Sequence[float], float], tuple[list[float], list[float], float]]:
-    """The same for one trial and its load, plain numbers; none of the quarters is flat."""
-    q = quarters
-    constants = q.mu, np.ascontiguousarray(q.axes), np.ascontiguousarray(q.axes_low), q.ratio, q.compliance, q.power, q.first
-    run = kernel().specialised(np.zeros((1, 2)), np.ones(1), *constants, np.empty((1, 2)), np.empty((1, 2)), np.empty(1))
+def compiled_closest(quarters: Quarters) -> Callable[[Array, float], tuple[Array, Array, Array]]:
+    """The same for one trial (1, 2) and its load; none of the quarters is flat."""
+    constants = _constants(quarters)
+    run = kernel().specialised(only_read(np.zeros((1, 2))), only_read(np.ones(1)), *constants, *_room())
 
-    def closest(trial: Sequence[float], load: float) -> tuple[list[float], list[float], float]:
-        stress, slip, multiplier = np.empty((1, 2)), np.empty((1, 2)), np.empty(1)
-        run(np.array([trial]), np.array([load]), *constants, stress, slip, multiplier)
-        return stress[0].tolist(), slip[0].tolist(), float(multiplier[0])
+    def closest(trial: Array, load: float) -> tuple[Array, Array, Array]:
+        stress, slip, multiplier = _room()
+        run(trial, only_read(np.array([load])), *constants, stress, slip, multiplier)
+        return stress, slip, multiplier
 
     return closest
+
+
+def _room() -> tuple[Array, Array, Array]:
+    return np.empty((1, 2)), np.empty((1, 2)), np.empty(1)
+
+
+def _constants(q: Quarters) -> tuple[Array, ...]:
+    return tuple(only_read(x) for x in (q.mu, q.axes, q.axes_low, q.ratio, q.compliance, q.power, q.first))
 
 
 _KEPT = """\

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.jets import KINKED
@@ -25,7 +26,7 @@ from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.in_blocks import in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
-from duhem.projection.kept_code import compiled_text
+from duhem.projection.kept_code import compiled_text, only_read
 from duhem.projection.level import Level
 from duhem.projection.metric import Metric
 from duhem.projection.module_text import module_text, over_unit
@@ -61,18 +62,23 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
     if loop is None or not judge.known.around_origin:
         return Told.nothing(n)
     run = compiled_text(loop.text, "judge", judge_kernel.INLINED)
-    constants = _constants(loop, judge.level, increment.stiffness, judge.known)
+    packed = _packed(loop, judge.level, increment.stiffness, judge.known)
     keep_freed_memory(n)
-    dissipation, status, residuals = np.empty(n), np.empty(n, dtype=np.int8), np.zeros((5, n))  # a page of zeros costs nothing till written
+    dissipation, status, residuals = _room(n)
 
     def fill(block: slice) -> None:
-        given = _read(increment.trial[block]), _read(increment.pressure[block])
+        given = only_read(increment.trial[block]), only_read(increment.pressure[block])
         got = map(np.ascontiguousarray, (solution.stress[block], solution.slip[block], solution.multiplier[block]))
-        run(*given, *constants, *got, dissipation[block], status[block], tuple(residuals[:, block]))
+        run(*given, *packed, *got, dissipation[block], status[block], tuple(residuals[:, block]))
 
     in_blocks(n, _BLOCK, fill, threads)
     status[solution.failed] = UNJUDGED
     return Told(dissipation, status, Residuals(*residuals), np.flatnonzero(status == UNJUDGED))
+
+
+def _room(n: int) -> tuple[Array, NDArray[np.int8], Array]:
+    """Dissipation, status and residuals of n points; the loop is given each row of these, of one kind whether or not it is a part."""
+    return np.empty(n), np.empty(n, dtype=np.int8), np.zeros((5, n))  # a page of zeros costs nothing till written
 
 
 def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> Told:
@@ -91,11 +97,12 @@ def told_one_by_one(increment: Increment, solution: Solution, judge: Judge) -> T
     return replace(said, left=np.flatnonzero(said.status == UNJUDGED))
 
 
-Look = Callable[[Sequence[float], float, Sequence[float], Sequence[float], float], tuple[float, int, Sequence[float]]]
+Look = Callable[[Any, Any, Any, Any, Any], tuple[float, int, Sequence[float]]]
+"""Dissipation, status and residuals of one answer: (trial, pressure, stress, slip, multiplier), plain numbers, or arrays of one point."""
 
 
 def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array, known: Variational) -> Look | None:
-    """What the loop says of one answer on plain numbers: (trial, pressure, stress, slip, multiplier) -> dissipation, status, residuals.
+    """What the loop says of one answer on plain numbers.
 
     None for a word that the loop lacks and a K without the origin.
     """
@@ -121,26 +128,19 @@ def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array, kn
 
 
 def compiled_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array, known: Variational) -> Look | None:
-    """The same compiled; MissingExtraError without numba."""
+    """The same of arrays that are only read, compiled; MissingExtraError without numba."""
     loop, d = _text(level, forces, known.convex), len(forces)
     if loop is None or not known.around_origin:
         return None
-    compiled, constants = compiled_text(loop.text, "judge", judge_kernel.INLINED), _constants(loop, level, stiffness, known)
+    numbers, rows = _packed(loop, level, stiffness, known)
+    compiled, nothing = compiled_text(loop.text, "judge", judge_kernel.INLINED), (np.zeros((1, d)), np.zeros(1))
+    work, status, off = _room(1)
+    run = compiled.specialised(*map(only_read, nothing), numbers, rows, np.zeros((1, d)), *nothing, work, status, tuple(off))
 
-    def asked(*numbers: Any) -> tuple[Any, ...]:
-        trial, pressure, stress, slip, multiplier = map(np.array, numbers)
-        read = _read(trial[None]), _read(pressure[None])
-        room = np.empty(1), np.empty(1, dtype=np.int8), tuple(np.zeros((5, 1)))
-        return (*read, *constants, stress[None], slip[None], multiplier[None], *room)
-
-    nothing = [0.0] * d
-    run = compiled.specialised(*asked(nothing, -1.0, nothing, nothing, 0.0))
-
-    def look(trial: Sequence[float], pressure: float, stress: Sequence[float], slip: Sequence[float], multiplier: float) -> Any:
-        given = asked(trial, pressure, stress, slip, multiplier)
-        run(*given)
-        work, status, off = given[-3:]
-        return float(work[0]), int(status[0]), [float(each[0]) for each in off]
+    def look(trial: Array, pressure: Array, stress: Array, slip: Array, multiplier: Array) -> Any:
+        work, status, off = _room(1)
+        run(trial, pressure, numbers, rows, stress, slip, multiplier, work, status, tuple(off))
+        return work.item(), status.item(), off[:, 0]
 
     return look
 
@@ -149,12 +149,22 @@ def _matrices(stiffness: Array, metric: Metric) -> tuple[Array, ...]:
     return stiffness, metric.of_slip, metric.of_stress, metric.to_stress
 
 
-def _constants(loop: _Loop, level: Level, stiffness: Array, known: Variational) -> tuple[Any, ...]:
-    """What the compiled loop takes between the points that are asked about and their answers."""
-    d = len(stiffness)
-    matrices = [_read(m) for m in _matrices(stiffness, known.metric)]
-    tips = _seen(known.tips.tobytes(), known.metric.of_stress.tobytes(), d)
-    return known.largest, *loop.constants, *matrices, _read(beside(d)), *tips, *_figures(level, known.metric)
+def _packed(loop: _Loop, level: Level, stiffness: Array, known: Variational) -> tuple[Array, Array]:
+    """``numbers`` and ``rows`` of the compiled loop: all that it takes beside points and their answers."""
+    tips, ways, reaches = _seen(known.tips.tobytes(), known.metric.of_stress.tobytes(), len(stiffness))
+    figures = known.largest, *_figures(level, known.metric)
+    numbers = np.array([*figures, *(x for constants in loop.constants for x in constants), *reaches])
+    return only_read(numbers), only_read(np.vstack([*_matrices(stiffness, known.metric), tips, ways, beside(len(stiffness))]))
+
+
+def _unpacked(constants: tuple[Numbers, Numbers, Numbers, Numbers]) -> str:
+    """The same back again, as text."""
+    first, parts = 5, list[str]()
+    for numbers in constants:
+        parts.append(f"({''.join(f'numbers[{first + k}], ' for k in range(len(numbers)))})")
+        first += len(numbers)
+    figures = ", ".join(f"numbers[{k}]" for k in range(5))
+    return f"def unpacked(numbers):\n    return {figures}, {', '.join(parts)}, numbers[{first}:]"
 
 
 def _figures(level: Level, metric: Metric) -> tuple[float, float, float, float]:
@@ -171,20 +181,13 @@ def _seen_tables(tips: bytes, of_stress: bytes, d: int) -> tuple[PlainArray, ...
     return tuple(table(x) for x in _seen(tips, of_stress, d))
 
 
-def _read(given: Array) -> Array:
-    """Whole, and not to be written to, as most are: each kind of array is compiled for by itself."""
-    whole = np.ascontiguousarray(given).view()
-    whole.flags.writeable = False
-    return whole
-
-
 @lru_cache(maxsize=256)
 def _seen(tips: bytes, of_stress: bytes, d: int) -> tuple[Array, Array, Array]:
     """Points (n, d) with their directions and lengths in the metric."""
     points = np.frombuffer(tips).reshape(-1, d)
     with np.errstate(all="ignore"):  # the origin has no way
         ways, reaches = map(np.nan_to_num, unit(points @ np.frombuffer(of_stress).reshape(d, d)))
-    return points, _read(ways), _read(reaches)
+    return points, only_read(ways), only_read(reaches)
 
 
 @lru_cache(maxsize=256)
@@ -199,13 +202,14 @@ def _text(level: Level, forces: tuple[sp.Symbol, ...], convex: bool) -> _Loop | 
     except InputError:  # a word without text
         return None
     sources = (below, grown, length, eliminated, corner_kernel, edge_kernel, known_points_kernel, judge_kernel)
-    functions = jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0]
+    own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
+    constants = (*data[1:], *own)
+    functions = jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0], _unpacked(constants)
     rest = formula.expr.replace(Norm, lambda *_: sp.Dummy(real=True))  # with a tip where norms are 0 and forces are left to hold them up
     corners = rest.has(*KINKED) or not rest.free_symbols.isdisjoint(forces)
     known = {"CONVEX": int(convex), "CORNERS": int(corners)}
     text = pasted(module_text(formula, len(forces), jets, functions, sources, ("judge", "chunk"), **known), judge_kernel.INLINED)
-    own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
-    return _Loop(text, (*data[1:], *own))
+    return _Loop(text, constants)
 
 
 def _data(formula: ScaledFormula) -> tuple[str, Numbers, Numbers]:

@@ -21,8 +21,8 @@ from duhem.expression.scalar_jets import ScalarJets, scalar_jets
 from duhem.projection import newton_apex, newton_kernel, newton_pair, newton_start, newton_step
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
-from duhem.projection.kept_code import CompiledText, compiled_text
-from duhem.projection.method import PlainClosest
+from duhem.projection.kept_code import CompiledText, compiled_text, only_read
+from duhem.projection.method import ClosestPoint
 from duhem.projection.module_text import module_text
 from duhem.projection.newton_kernel import INLINED, LEFT
 from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, row, table
@@ -61,9 +61,8 @@ class Loop:
             return None
         text, inlined, formula, constants = made
         mean, root = whitening(increment)
-        inverse = np.ascontiguousarray(np.linalg.inv(root))
         run = interpreted(text, entry) if plain else compiled_text(text, entry, inlined)
-        return cls(run, formula, constants, np.ascontiguousarray(root), inverse, mean)
+        return cls(run, formula, constants, only_read(root), only_read(np.linalg.inv(root)), mean)
 
     def data(self, pressure: Array) -> Array:
         """What the formula holds besides the forces at each pressure (n, data)."""
@@ -73,8 +72,8 @@ class Loop:
     def data_at_one(self) -> Callable[[float], Array]:
         """The same at one pressure (1, data); once, where no pressure enters."""
         if self.formula.pressure is not None:
-            return lambda pressure: np.ascontiguousarray(self.data(np.array([pressure])))
-        known = np.ascontiguousarray(self.data(np.zeros(1)))
+            return lambda pressure: only_read(self.data(np.array([pressure])))
+        known = only_read(self.data(np.zeros(1)))
         return lambda _: known
 
 
@@ -93,7 +92,7 @@ def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, 
     state = np.empty(n, dtype=np.int8)
 
     def fill(block: slice) -> None:
-        given = np.ascontiguousarray(increment.trial[block]), np.ascontiguousarray(loop.data(increment.pressure[block]))
+        given = only_read(increment.trial[block]), only_read(loop.data(increment.pressure[block]))
         out = found.stress[block], found.slip[block], found.multiplier[block], state[block]
         loop.run(*given, loop.constants, loop.root, loop.inverse, loop.formula.degree, *out)
 
@@ -120,7 +119,7 @@ def solved_one_by_one(increment: Increment) -> tuple[Solution, NDArray[np.intp]]
     return found, np.array(left, dtype=np.intp)
 
 
-def plain_closest(increment: Increment) -> PlainClosest | None:
+def plain_closest(increment: Increment) -> ClosestPoint | None:
     """The closest point to one trial on plain numbers, at any point of such an increment; None for a word that the loop lacks."""
     if (loop := Loop.of(increment, plain=True)) is None:
         return None
@@ -140,23 +139,28 @@ def plain_closest(increment: Increment) -> PlainClosest | None:
     return closest
 
 
-def compiled_closest(increment: Increment) -> PlainClosest | None:
-    """The same compiled; MissingExtraError without numba."""
+def compiled_closest(increment: Increment) -> ClosestPoint | None:
+    """The same compiled, of arrays of one point; MissingExtraError without numba."""
     if (loop := Loop.of(increment)) is None:
         return None
     numbers, mean, d = (loop.constants, loop.root, loop.inverse, loop.formula.degree), loop.mean, len(loop.root)
 
     def room() -> tuple[Array, Array, Array, NDArray[np.int8]]:
-        return np.empty((1, d)), np.zeros((1, d)), np.zeros(1), np.empty(1, dtype=np.int8)
+        return np.empty((1, d)), np.empty((1, d)), np.empty(1), np.empty(1, dtype=np.int8)
 
     assert isinstance(loop.run, CompiledText)
     data = loop.data_at_one()
-    run = loop.run.specialised(np.zeros((1, d)), data(-1.0), *numbers, *room())
+    run = loop.run.specialised(only_read(np.zeros((1, d))), data(-1.0), *numbers, *room())
 
-    def closest(trial: Sequence[float], pressure: float) -> Any:
+    def closest(trial: Array, pressure: Array) -> Any:
         stress, slip, multiplier, state = room()
-        run(np.array([trial]), data(pressure), *numbers, stress, slip, multiplier, state)
-        return None if state[0] == LEFT else (stress[0].tolist(), (slip[0] / mean).tolist(), float(multiplier[0]) / mean)
+        run(trial, data(pressure.item()), *numbers, stress, slip, multiplier, state)
+        if state.item() == LEFT:
+            return None
+        if mean != 1.0:
+            slip /= mean
+            multiplier[0] = multiplier.item() / mean
+        return stress, slip, multiplier
 
     return closest
 

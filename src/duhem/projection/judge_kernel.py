@@ -54,8 +54,13 @@ def gradient(v: Any, x: int, q: Any, slopes: int) -> None:
     raise NotImplementedError
 
 
+def unpacked(numbers: Any) -> Any:
+    """What stands in ``numbers``: five of them, four tuples, and the lengths of ways to known points."""
+    raise NotImplementedError
+
+
 INLINED = ("below", "bounded", "chunk", "gradient", "hypot", "known", "levels", "lengths", "looked", "seen_in_metric", "shares", "sized",
-           "sorted_", "taken", "tried", "unstressed")  # fmt: skip
+           "sorted_", "taken", "tried", "unpacked", "unstressed")  # fmt: skip
 """Functions that every point goes through, so that the compiler knows the rows they work on apart."""
 
 # -- compiled from here ----------------------------------------------------------------------------------------
@@ -84,18 +89,21 @@ def hypot(a: float, b: float) -> float:
 
 
 def judge(
-    trial: Any, pressure: Any, largest: float, pressed: Any, pressed_off: Any, constants: Any, constants_off: Any, stiffness: Any,
-    of_slip: Any, of_stress: Any, to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float,
-    certain: float, degree: float, stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any,
-) -> None:  # fmt: skip
+    trial: Any, pressure: Any, numbers: Any, rows: Any, stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any
+) -> None:
     """Dissipation, status (``UNJUDGED`` where it is left open) and residuals, an array of ``found`` each, of every point.
 
-    They are full of zeros, and what is zero is not written.  The constants of the ``pressed`` data, then those of h, and what they
-    are off by.  Lengths are taken over powers of two, ``unit`` of a stress and ``size`` of all of the metric; ``per`` is 1/size.
+    They are full of zeros, and what is zero is not written.  ``numbers`` and ``rows`` hold what a law, its parameters and the
+    stiffness settle (:func:`unpacked`): the constants of the ``pressed`` data, then those of h, and what they are off by;
     ``largest`` the pressure at which the ``tips`` of K are known, ``ways`` and ``reaches`` their directions and lengths in
     the metric; ``beside`` ways off a point, where the normals of a corner are looked for; the matrices as in
-    :class:`duhem.projection.metric.Metric`.
+    :class:`duhem.projection.metric.Metric`.  Lengths are taken over powers of two, ``unit`` of a stress and ``size`` of all of the
+    metric; ``per`` is 1/size.
     """
+    largest, blur, good, certain, degree, pressed, pressed_off, constants, constants_off, reaches = unpacked(numbers)
+    stiffness, of_slip, of_stress, to_stress = rows[:D], rows[D : 2 * D], rows[2 * D : 3 * D], rows[3 * D : 4 * D]
+    first = 4 * D + reaches.shape[0]
+    tips, ways, beside = rows[4 * D : first], rows[first : first + reaches.shape[0]], rows[first + reaches.shape[0] :]
     v, a = np.empty((ROOMS, D)), np.empty((CORNER, 2 * D + 1))
     at, seen, which = np.empty((D, 3 * CHUNK)).T, np.zeros((ROWS, CHUNK)), np.empty(CHUNK + 1, np.int64)
     flat_trial, flat_stress, flat_slip = trial.reshape(-1), stress.reshape(-1), slip.reshape(-1)  # of a known stride

@@ -17,10 +17,13 @@ from threading import Lock
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from duhem.errors import MissingExtraError
 from duhem.projection import machine_code
 
-__all__ = ["WITHIN", "CompiledText", "compiled_text", "interpreted_text"]
+__all__ = ["WITHIN", "CompiledText", "compiled_text", "interpreted_text", "only_read"]
 
 WITHIN = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """What numba is told of functions that compiled code alone calls."""
@@ -40,6 +43,13 @@ def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Compi
     if inlined:  # other machine code, and what is kept is found by its text alone
         text = f"{text}\n# where they are called: {', '.join(inlined)}\n"
     return CompiledText(text, entry, inlined)
+
+
+def only_read(given: NDArray[Any]) -> NDArray[Any]:
+    """The array whole, and not to be written to, as compiled text takes what it reads: each kind of array is compiled for by itself."""
+    whole = np.ascontiguousarray(given).view()
+    whole.setflags(write=False)
+    return whole
 
 
 class CompiledText:

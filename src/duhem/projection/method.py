@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from importlib.util import find_spec
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from duhem.projection.increment import Increment
     from duhem.projection.result import Array, Solution
 
-__all__ = ["WORTH_COMPILING", "Compiling", "Method", "Options", "PlainClosest"]
+__all__ = ["WORTH_COMPILING", "ClosestPoint", "Compiling", "Method", "Options"]
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,11 @@ WORTH_COMPILING = 100_000  # points: some fifty calls save what the compiler tak
 
 Own = TypeVar("Own", bound=Options)
 
-PlainClosest = Callable[[Sequence[float], float], tuple[Sequence[float], Sequence[float], float] | None]
-"""Stress, slip and multiplier from a trial stress and a pressure, all plain numbers; None where arrays are to be asked."""
+ClosestPoint = Callable[[Any, Any], tuple[Any, Any, Any] | None]
+"""Stress, slip and multiplier of one point from its trial stress and pressure; None where many points are to be asked.
+
+Sequences of numbers and numbers; where it is compiled, arrays of one point, (1, d) and (1,), of which those given are only read.
+"""
 
 
 @dataclass(frozen=True)
@@ -68,8 +71,8 @@ class Method(Generic[Own]):
     d sigma/d u (N, d, d) in Pa/m and d sigma/d sigma_n (N, d), None for a law without pressure; no tangent at all is None.
     ``options`` is the type of the options.  ``convex``: where the method can be used K is convex, by a declared shape or by rules
     of composition; else the judge looks for points of K that speak against it.  ``again`` is asked where the judge refuses what
-    ``solve`` found of few points.  ``plain(question, compiled)`` is the closest point to one trial on plain numbers, sooner than
-    ``solve`` for one point, run by Python or compiled; None where there is none.  It belongs to the ``solve`` beside it, in one module:
+    ``solve`` found of few points.  ``plain(question, compiled)`` is the closest point to one trial, sooner than ``solve`` for one
+    point, run by Python on plain numbers or compiled; None where there is none.  It belongs to the ``solve`` beside it, in one module:
     a method that was given another ``solve`` is asked by that alone.
     """
 
@@ -80,7 +83,7 @@ class Method(Generic[Own]):
     tangent: Callable[[Increment, Solution], tuple[Array, Array | None]] | None = None
     convex: bool = False
     again: Callable[[Increment, Own], Solution] | None = None
-    plain: Callable[[Increment, bool], PlainClosest | None] | None = None
+    plain: Callable[[Increment, bool], ClosestPoint | None] | None = None
 
     def options_of(self, given: Mapping[str, Any]) -> Own:
         """Options by name; InputError for one that the method does not have, naming those it has."""

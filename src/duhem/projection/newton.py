@@ -26,7 +26,7 @@ from duhem.projection.in_blocks import FEW_SEARCHED
 from duhem.projection.increment import Increment
 from duhem.projection.inner_points import inner_points
 from duhem.projection.many_digits import closest
-from duhem.projection.method import Compiling, Method, Options, PlainClosest
+from duhem.projection.method import ClosestPoint, Compiling, Method, Options
 from duhem.projection.result import Array, Solution
 from duhem.projection.row_by_row import times
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
@@ -390,7 +390,7 @@ def _try_meets(found: _Found, k: Body, s: Array, at: Index, outer: HalfSpaces, c
         _accept(found, k, refine(k, s[who], times(outer.point[who], k.root.T), who, choices), who, outer, cuts)
 
 
-def plain(increment: Increment, compiled: bool = False) -> PlainClosest | None:
+def plain(increment: Increment, compiled: bool = False) -> ClosestPoint | None:
     """The closest point to one trial by the law's loop on plain numbers; None for a word that the loop lacks."""
     from duhem.projection.compiled_newton import compiled_closest, plain_closest
 

@@ -18,13 +18,14 @@ from duhem.projection.compiled_judge import Look, compiled_look, plain_look
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.level import level
-from duhem.projection.method import Method, PlainClosest
+from duhem.projection.method import ClosestPoint, Method
 from duhem.projection.metric import Metric
 from duhem.projection.result import Projection, Residuals, Status
 from duhem.projection.variational import Variational
 
 __all__ = ["OneIncrement", "PointAnswer"]
 
+_STATUSES = tuple(Status)  # sooner than a call of the class
 _WHOLE = 2**53  # of a larger integer a double may be another number
 
 
@@ -69,11 +70,23 @@ class OneIncrement:
 
     def answer(self, trial: Sequence[float], pressure: float) -> PointAnswer | None:
         """The judged answer to such numbers; None where arrays are to be asked."""
-        if self._closest is None or (look := self._look(pressure)) is None or (found := self._closest(trial, pressure)) is None:
+        if self._closest is None or (look := self._look(pressure)) is None:
+            return None
+        point: Any = trial
+        load: Any = pressure
+        if self.compiled:
+            point, load = np.array([trial]), np.array([pressure])
+            point.setflags(write=False)
+            load.setflags(write=False)
+        if (found := self._closest(point, load)) is None:
             return None
         stress, slip, multiplier = found
-        dissipation, status, residuals = look(trial, pressure, stress, slip, multiplier)
-        return None if status == UNJUDGED else PointAnswer(stress, slip, multiplier, dissipation, Status(status), residuals)
+        dissipation, status, residuals = look(point, load, stress, slip, multiplier)
+        if status == UNJUDGED:
+            return None
+        if self.compiled:
+            stress, slip, multiplier = stress[0], slip[0], multiplier.item()
+        return PointAnswer(stress, slip, multiplier, dissipation, _STATUSES[status], residuals)
 
     def projection(self, found: PointAnswer, why: str) -> Projection:
         """The answer as that of one point among many; ``why`` the method was taken."""
@@ -91,7 +104,7 @@ class OneIncrement:
         )
 
     @cached_property
-    def _closest(self) -> PlainClosest | None:
+    def _closest(self) -> ClosestPoint | None:
         """None for a law with ranges, in which an answer may lie or not, and for a method that solves in a way of its own."""
         plain, solve = self.method.plain, self.method.solve
         if self.setting.law.domain or plain is None or plain.__module__ != solve.__module__:

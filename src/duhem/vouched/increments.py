@@ -52,7 +52,7 @@ class Prepared:
     def __call__(self, trial: ArrayLike, pressure: ArrayLike | None = None) -> SlipIncrement:
         """The slip increments to ``trial``, (d,) or (N, d), under ``pressure``, one number or (N,); errors as :func:`duhem.project`."""
         if (one := self._answer(trial, pressure)) is not None:
-            return SlipIncrement(np.array(one.stress), np.array(one.slip), float(one.multiplier), one.status)
+            return SlipIncrement(np.asarray(one.stress), np.asarray(one.slip), float(one.multiplier), one.status)
         found = self._project(trial, pressure)
         if np.ndim(trial) == 1 and len(found.multiplier) == 1:
             return SlipIncrement(found.stress[0], found.slip[0], float(found.multiplier[0]), Status(int(found.status[0])))

@@ -212,9 +212,14 @@ class StatedCurve(NamedTuple):
     def some_signs(self, term: Term) -> set[Sign]:
         """Its signs at a few angles and one choice of parameters, where it has any."""
         found, here = set[Sign](), {name: Enclosure.between(value, value) for name, value in self.point().items()}
+        steps, end = Steps(), term
+        try:  # a part that stands in many places is enclosed once an angle
+            (end,) = _parts((term,), steps, {_COSINE.name, _SINE.name, "pi", *here})
+        except NotWritten:
+            steps.clear()
         for half, t in product((1, -1), (Fraction(k, 7) for k in range(-6, 7))):
             with suppress(ValueError, ZeroDivisionError):
-                found.add(enclosed(term, here | _circle(half, t, t)).sign)
+                found.add(_followed(steps, [end], here | _circle(half, t, t))[0])
         return found
 
     def around(self) -> _Around:
@@ -288,12 +293,17 @@ def _parts(terms: tuple[Term, ...], steps: Steps, known: set[str]) -> list[Term]
     return list(map(enter, terms))
 
 
+def _followed(steps: Steps, ends: list[Term], box: dict[str, Enclosure]) -> list[Sign]:
+    """The signs of the ends over a box, which the parts join."""
+    for name, formula in steps:
+        box[name] = enclosed(formula, box)
+    return [enclosed(end, box).sign for end in ends]
+
+
 def _half_plane(steps: Steps, ends: list[Term], box: dict[str, Enclosure]) -> int | None:
     """0 to 3 where, the first of three being > 0, of the others x > 0, y > 0, x < 0, y < 0 over a box; None where nothing is shown."""
     try:
-        for name, formula in steps:
-            box[name] = enclosed(formula, box)
-        positive, x, y = (enclosed(end, box).sign for end in ends)
+        positive, x, y = _followed(steps, ends, box)
     except (ZeroDivisionError, ValueError):
         return None
     signs = ((x, POSITIVE), (y, POSITIVE), (x, NEGATIVE), (y, NEGATIVE)) if positive == POSITIVE else ()
