@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar
 import duhem
 from duhem.law.formula_law import Criterion
 from duhem.projection import newton
+from duhem.projection.compiled_newton import plain_closest
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Solution
 from duhem.projection.validation import increment
@@ -183,3 +184,26 @@ def test_a_law_that_takes_an_angle_has_its_limit_at_no_stress(compiled: bool) ->
     end = duhem.simulate(ANGLED, loop, stiffness=1.0, compiled=compiled).stress[-1]
     radius, angle = np.hypot(*end), np.arctan2(end[1], end[0])
     assert radius * (1.0 + np.cos(2.0 * angle) / 10.0) == pytest.approx(0.3, rel=1e-14)
+
+
+@pytest.mark.parametrize("stiffness", [(1.0, 1.0), (1.0, 10.0), (10.0, 1.0)])
+def test_beside_a_tip_of_a_saddle_the_loop_finds_no_normal_that_is_none(stiffness: tuple[float, float]) -> None:
+    """Rothrock's teardrop is a piece of x^2 - y^2 <= 0 beside its tip, where that has every direction for a gradient."""
+    law, k = duhem.load("teardrop"), np.diag(stiffness)
+    rng = np.random.default_rng(0)
+    across = rng.uniform(-1.0, 1.0, (300, 2)) * [1.0, 1e-2]  # slips to one side and to the other, and close to the edges of K there
+    asked = np.vstack([across, across[:, ::-1], rng.standard_normal((300, 2))]) * 10.0 ** rng.uniform(-1.0, 1.0, (900, 1)) @ k
+    closest = plain_closest(increment(law, asked, None, k, None))
+    assert closest is not None
+    size = np.linspace(-2.0, 0.0, 4001)  # s1 + s2, to which each side of K has its difference
+    aside = -size / 2.0 * np.sqrt(1.0 + size / 2.0)
+    inside = np.vstack([np.column_stack([size / 2.0 + sign * aside, size / 2.0 - sign * aside]) for sign in (-1.0, 1.0)])
+    tips = unknown = 0
+    for trial in asked.tolist():
+        if (found := closest(trial, 0.0)) is None:
+            unknown += 1
+            continue
+        stress, slip = np.array(found[0]), np.array(found[1])
+        assert ((inside - stress) @ slip).max() <= 1e-7 * np.linalg.norm(slip)
+        tips += not stress.any()
+    assert tips > 100 and unknown <= 9

@@ -43,11 +43,12 @@ from duhem.projection.newton_step import (
     whitened,
 )  # fmt: skip
 
-__all__ = ["apex"]
+__all__ = ["apex", "overtopped"]
 
 # -- compiled from here ----------------------------------------------------------------------------------------
 
 CUTS, ASIDES, EVEN, REACHED = 40, 12, 4e-16, 1e-14  # so far beyond K, relative to 1 + |u|, is in K
+BEYOND, RAISE = (0.3, 0.03, 0.003, 1e-4, 1e-6), 1e-6  # of the way to the point inside K; of that, over the plane
 FLAT, SHARP = 1e-10, 1e-4  # of a normal beside the span of others; of a corner: its volume times the least share of the way
 
 
@@ -67,7 +68,7 @@ def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> 
             far = max(far, abs(v[BEST, i] - v[X, i]))
         if far <= REACHED * (1.0 + length(v, BEST)):
             if count == D and cornered(v, m, a, inverse):
-                return True
+                return not overtopped(v, q, root, inverse)
             break
         high = piece(v, X, q, NATURAL, held, D, RAW, m, RAWBEND)
         slope = whitened(v, root)
@@ -83,6 +84,33 @@ def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> 
             break
     for i in range(D):
         v[U, i] = v[BEST, i]
+    return False
+
+
+def overtopped(v: Any, q: Any, root: Any, inverse: Any) -> bool:
+    """Whether K goes beyond the plane through the stress across the rest of the way: with the point inside K, or along the plane.
+
+    Beside a tip of K a formula may have normals that K has not, closer to it than doubles tell: x^2 - y^2 has every one.
+    """
+    times(inverse, v, CENTRE, STEP)
+    away, far, over = length(v, REST), 0.0, 0.0
+    for i in range(D):
+        far += (v[STEP, i] - v[U, i]) * (v[STEP, i] - v[U, i])
+        over += (v[STEP, i] - v[U, i]) * v[REST, i]
+    if over > 0.0:
+        return True
+    for axis in range(D):
+        across = sqrt(max(1.0 - (v[REST, axis] / away) * (v[REST, axis] / away), 0.0))
+        for sense in (-1.0, 1.0):
+            for share in BEYOND:
+                for i in range(D):
+                    flat = (1.0 if i == axis else 0.0) - v[REST, axis] * v[REST, i] / (away * away)
+                    v[STEP, i] = share * sqrt(far) * (sense * flat / across + RAISE * v[REST, i] / away) if across > 0.0 else 0.0
+                times(root, v, STEP, RAW)
+                for i in range(D):
+                    v[RAW, i] += v[X, i]
+                if across > 0.0 and level(v, RAW, q) < 0.0:
+                    return True
     return False
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy import sqrt
 
-from duhem.projection.newton_apex import apex
+from duhem.projection.newton_apex import apex, overtopped
 from duhem.projection.newton_pair import spread
 from duhem.projection.newton_start import DATA, NAMED, NATURAL, PAIR, begun, level, piece
 from duhem.projection.newton_step import (
@@ -67,6 +67,7 @@ ANGLE, LOOSE, DEPTH, TIP, ORIGIN = 1e-12, 1e-10, 1e-14, 1e-14, 1e-12  # as in th
 STEPS, HALVINGS, ROUNDS = 40, 7, 8
 SHORT, LONG = 12, 400  # states that are looked at: beside an edge of equal eigenvalues a way that leads nowhere is long
 PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
+PINCHED = 1e8  # bends of a hundred-millionth of the way may be a tip's
 SETTLED, ROUNDED = 1e-15, 2e-16  # what is between them a step takes away that is not looked at again
 
 
@@ -133,7 +134,7 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
         if KINKS > 0:  # along a seam without a corner the piece may change from step to step
             for i in range(D):
                 v[X, i] = v[FIRST, i]
-            if isfinite(newton(v, m, a, q, held, 1, NATURAL, LONG, root, inverse)) and optimal(v, m, q, held, 1, root):
+            if isfinite(newton(v, m, a, q, held, 1, NATURAL, LONG, root, inverse)) and optimal(v, m, q, held, 1, root, inverse):
                 count = 1
                 break
         if apex(v, m, a, q, held, root, inverse):
@@ -168,7 +169,7 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inv
             count -= 1
             for k in range(KINKS):
                 held[least, k] = held[count, k]
-        elif optimal(v, m, q, held, count, root):
+        elif optimal(v, m, q, held, count, root, inverse):
             return count
         elif KINKS == 0:  # of a smooth law there is no other piece
             return 0
@@ -187,7 +188,11 @@ def paired(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inve
     for k in range(PAIRS):
         for i in range(D):
             v[X, i] = v[FIRST, i]
-        if isfinite(newton(v, m, a, q, held, 3, PAIR + k, most, root, inverse)) and spread(v, m) and optimal(v, m, q, held, 3, root):
+        if (
+            isfinite(newton(v, m, a, q, held, 3, PAIR + k, most, root, inverse))
+            and spread(v, m)
+            and optimal(v, m, q, held, 3, root, inverse)
+        ):
             return 3
     return 0
 
@@ -227,7 +232,7 @@ def added(held: Any, count: int) -> bool:
     return True
 
 
-def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any) -> bool:
+def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, inverse: Any) -> bool:
     """Whether the stress satisfies the optimality conditions of a convex K; notes the piece that holds there."""
     reach, curved, away, deep = 1.0 + length(v, U), 0.0, length(v, REST), 0.0
     for i in range(D):
@@ -244,9 +249,12 @@ def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any) -> bool:
                 apart += off * off
             if not abs(v[LEVELS, j] - v[LEVELS, b]) <= DEPTH * reach * min(sqrt(apart), 1.0):
                 return False
-    fits = KINKS == 0 or followed(v, m, q, held, count, root, DEPTH * reach)
     turned = turn(v, m, count) / (1.0 + away)
-    return fits and turned <= min(max(1e-15 * reach * curved, ANGLE), LOOSE) and deep <= DEPTH * reach
+    if not (turned <= min(max(1e-15 * reach * curved, ANGLE), LOOSE) and deep <= DEPTH * reach):
+        return False
+    if curved > PINCHED * (1.0 + away) and overtopped(v, q, root, inverse):
+        return False
+    return KINKS == 0 or followed(v, m, q, held, count, root, DEPTH * reach)
 
 
 def followed(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, depth: float) -> bool:
