@@ -32,7 +32,7 @@ from duhem.projection.normal_cones import off_cone
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, length, share, widest
 from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.variational import Variational
+from duhem.projection.variational import LOW, Variational
 
 __all__ = ["Judge", "residuals"]
 
@@ -249,6 +249,11 @@ class Judge:
         height, bent = dot(slope, stress / units[:, None]) * units, bool(self.level.jets.kinks) and self.known.around_origin
         if bent:
             height = np.minimum(height, self.level.rise(pressure, units) * units)
+        if (low := np.flatnonzero(~(height > LOW * reach) & self.known.around_origin)).size:
+            few = stress[low], slope[low], pressure[low], units[low]
+            room, steep = length(few[0] @ self.metric.of_stress), length(few[1] @ self.metric.of_slip)
+            more = self.known.rise(few[0] / few[3][:, None], *few[1:], room, multiplier[low] * steep)
+            height[low] = np.fmax(height[low], more * units[low])
         alike = np.where(height > 0.0, reach / height, np.inf) if self.known.around_origin else np.full(len(reach), np.inf)
         alike = np.where(reach > 0.0, alike, 1.0)
         if (few := np.flatnonzero(~(missing * alike <= self.metric.certain))).size:
