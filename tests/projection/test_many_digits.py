@@ -19,6 +19,7 @@ from duhem.projection.validation import increment
 from tests.campaigns.number_families import FAMILIES, Question, mp
 from tests.campaigns.numbers import Count, answers, distance, tally
 from tests.long import long_but, mostly_long
+from tests.projection.test_apexes import APEXES, trials
 
 
 def flat(formula: str) -> Criterion:
@@ -138,6 +139,29 @@ def test_the_closest_point_in_many_digits(start: tuple[float, float]) -> None:
     assert stress.tolist() == [0.3, 0.1]
     assert slip == pytest.approx([1.7, 0.4 / 3], rel=1e-15)
     assert multiplier == pytest.approx(0.3 * 1.7 + 0.1 * 0.4 / 3, rel=1e-15)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "values", "apex", "wide"), APEXES)
+def test_the_apex_of_bent_sides_in_many_digits(name: str, values: dict[str, Any], apex: float, wide: float) -> None:
+    """Its half-spaces are found in turn, beside the given stress and then where they meet, which is where K ends."""
+    asked = trials(apex, wide)[[0, 3, 8, 11]]
+    question = increment(duhem.load(name).fix(values), asked, None, 1.0, None)
+    size = 2.0 ** np.floor(np.log2(abs(apex)))
+    for trial in asked:
+        found = closest(close_look(question), trial, 0.0, question.stiffness, np.full(3, apex) * (1.0 + 4e-16), 0.0, size, patient=False)
+        assert found is not None
+        np.testing.assert_allclose(found[0], apex, rtol=4e-16)
+        np.testing.assert_allclose(found[1], trial - apex, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("far", [1.0, 1e6])
+def test_the_tip_of_a_cone_in_the_origin_is_no_stress_in_many_digits(far: float) -> None:
+    law = Criterion("cone", "norm(a, b) - c", forces=("a", "b", "c"), pressure=None)
+    question = increment(law, far * np.array([[0.3, -0.2, -1.0], [0.3, 0.2, -0.1]]), None, 1.0, {})
+    found = [closest(close_look(question), t, 0.0, question.stiffness, np.zeros(3), 0.0, 0.25 * far) for t in question.trial]
+    assert found[0] is not None and found[0][0].tolist() == [0.0] * 3 and found[0][1].tolist() == question.trial[0].tolist()
+    assert found[1] is None or found[1][0].any()
 
 
 @pytest.mark.slow
