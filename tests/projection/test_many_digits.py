@@ -10,7 +10,7 @@ import pytest
 
 import duhem
 from duhem.law.formula_law import Criterion
-from duhem.projection import closed_form, newton, recovered_slip
+from duhem.projection import closed_form, newton, referee
 from duhem.projection.close_look import close_look
 from duhem.projection.many_digits import closest
 from duhem.projection.residuals import Judge, residuals
@@ -77,17 +77,20 @@ def test_what_the_judge_looked_for_is_not_looked_for_again(monkeypatch: pytest.M
     wrong = Solution(stress, slip, slip.sum(axis=1), np.zeros(2, dtype=bool))
     found = residuals(question, wrong)
     _, seen = Judge.of(question, wrong, True).look(wrong, Residuals(*(np.zeros(2) for _ in range(5))))
-    assert list(seen) == [1]
-
-    def again(*_: object, **__: object) -> None:
-        raise AssertionError("looked for again")
-
-    monkeypatch.setattr(recovered_slip, "closest", again)
-    put_right, judged = recovered_slip.recovered(question, wrong, found, residuals, seen)
+    assert list(seen) == [1] and seen[1] is not None
+    put_right, judged = referee.put_right(question, wrong, found, residuals, seen)
     assert (judged.worst() <= ACCURACY).all()
     assert put_right.stress == pytest.approx(np.array([[0.5, 0.0], [1.0, 1.0]]), rel=1e-12)
-    with pytest.raises(AssertionError, match="looked for again"):
-        recovered_slip.recovered(question, wrong, found, residuals, {})
+    starts = list[Any]()
+
+    def again(_: object, __: object, ___: object, ____: object, start: Any, *_____: object, **______: object) -> None:
+        starts.append(start)
+
+    monkeypatch.setattr(referee, "closest", again)
+    referee.put_right(question, wrong, found, residuals, seen)
+    assert not any(np.array_equal(start, stress[1]) for start in starts)
+    referee.put_right(question, wrong, found, residuals, {1: None})
+    assert np.array_equal(starts[-1], stress[1])
 
 
 @pytest.mark.slow

@@ -67,6 +67,8 @@ def closest(
         x = [flint.arb(x) / unit for x in start.tolist()]
         m = flint.arb(multiplier) / unit if 0.0 < multiplier < np.inf else None
         found = point.on_one_piece(x, m, _NEWTON) or point.where_pieces_meet(x)
+        if found is None and point.met is not None:  # a bend too sharp for the given stress
+            found = point.on_one_piece(point.met, None, _NEWTON)
         if found is None and patient:
             found = point.on_one_piece(x, None, _DAMPED, damped=True)
         if found is None:
@@ -94,6 +96,7 @@ class _Point:
         self.look, self.pressure, self.size = look, pressure, size
         self.t, self.k, self.step = t, k, step
         self.k_matrix = flint.arb_mat(k)
+        self.met: Vector | None = None  # where half-spaces met last
 
     def level(self, x: Vector) -> Any:
         return self.look.ball(x, self.pressure, self.size).mid()
@@ -213,6 +216,7 @@ class _Point:
             if chosen is None:
                 return None
             y, pressing, weights = chosen
+            self.met = y
         return None
 
     def _beside(self, x: Vector, y: Vector) -> _Plane | None:
