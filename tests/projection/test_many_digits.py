@@ -93,6 +93,21 @@ def test_what_the_judge_looked_for_is_not_looked_for_again(monkeypatch: pytest.M
     assert np.array_equal(starts[-1], stress[1])
 
 
+@pytest.mark.parametrize("how", [1e-5, -1e-5, "turned"])
+def test_what_is_plainly_wrong_is_refused_without_many_digits(how: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def looked(*_: object, **__: object) -> None:
+        raise AssertionError("looked for")
+
+    monkeypatch.setattr(referee, "closest", looked)
+    question = increment(duhem.load("superellipse"), [[2.0, 1.0], [-0.5, 0.6]], -1.0, 1.0, {"mu_a": 0.3, "mu_b": 0.1, "p": 4})
+    right = newton.solve(question)
+    stress = right.stress * (1.0 + how) if how != "turned" else right.stress[::-1] * [-1.0, 1.0]
+    wrong = replace(right, stress=stress, slip=question.trial - stress)
+    own = replace(newton.NEWTON, name="own", again=None, solve=lambda *_: wrong)
+    done = duhem.project("superellipse", question.trial, -1.0, 1.0, {"mu_a": 0.3, "mu_b": 0.1, "p": 4}, method=own)
+    assert (done.status == Status.INACCURATE).all()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1e6, 1e8])
 def test_a_cone_program_is_put_right_in_components(ratio: float) -> None:

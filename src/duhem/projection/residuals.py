@@ -189,7 +189,7 @@ class Judge:
         cone = turned.copy()  # the length of boundary that has the slip for a normal
         if (suspect := np.flatnonzero(~(off <= _SUSPECT))).size:
             some = suspect[~far_off[suspect]]
-            lengths = moved / room[:, None], multiplier / (room * size), room * size, rounding / room, reach == 0.0, np.ones(at.size)
+            lengths = moved / room[:, None], multiplier / (room * size), room * size, rounding / room, reach == 0.0
             found = off_cone(self.level, self.metric, Suspect(stress, pressure, units, *lengths).of(some))
             off[some], cone[some] = np.fmin(off[some], found), np.fmin(cone[some], _AROUND * found * room[some])
             hard = suspect[known[suspect] & (reach[suspect] > 0.0)]
