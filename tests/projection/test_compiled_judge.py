@@ -79,6 +79,32 @@ def test_what_is_wrong_is_left_to_the_judge(name: str, how: str, monkeypatch: py
             assert not judged.size
 
 
+ON_THE_BOUNDARY = {
+    "sap": Criterion("cone", "norm(a, b) - c", forces=("a", "b", "c"), pressure=None),
+    "parabola": Criterion("parabola", "max(a - 1, b - 1, a + b + (a - b)**2/8)", forces=("a", "b"), pressure=None),
+    "wedge": Criterion("wedge", "abs(a) - b/2", forces=("a", "b"), pressure=None),
+}
+
+
+@pytest.mark.parametrize("name", ON_THE_BOUNDARY)
+def test_where_no_stress_is_on_the_boundary_k_is_seen_from_within(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ordinary points pass both looks, and what is off by more than is vouched for passes neither."""
+    law = ON_THE_BOUNDARY[name]
+    trial = np.array([[1.0, 0.3, 0.2], [-0.5, 2.0, 1.7], [3.0, -2.0, 9.0], [0.1, 0.02, 0.03]])[:, -len(law.forces) :]
+    question = posed(setting(law, 1.0, {}), np.abs(trial) if name == "parabola" else trial * [*[4.0] * (len(law.forces) - 1), 1.0], None)
+    right = newton.solve(question)
+    slips = (np.abs(right.stress) > 1e-3).any(axis=1) & (right.multiplier > 0.0)
+    assert slips.sum() >= 2
+    for off in (0.0, 1.5e-7, 1e-5):
+        given = replace(right, stress=right.stress * (1.0 - off))
+        told, judge = as_text(monkeypatch, question, given, convex=True), Judge.of(question, given, True)
+        assert told.left is not None
+        with np.errstate(all="ignore"):
+            _, left = judge.first.left(question, given, Residuals(*(np.zeros(len(trial)) for _ in range(5))))
+        for some in (told.left, left):
+            assert np.isin(np.flatnonzero(slips), some).all() if off else not np.isin(np.flatnonzero(slips), some).any()
+
+
 @pytest.mark.parametrize("name", ["antoni2007", "box"])
 def test_a_point_is_told_the_same_in_any_chunk(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     question = _question(name, 8)

@@ -10,7 +10,7 @@ import pytest
 
 import duhem
 from duhem.law.formula_law import Criterion
-from duhem.projection import closed_form, newton, recovered_slip
+from duhem.projection import closed_form, newton, referee
 from duhem.projection.close_look import close_look
 from duhem.projection.many_digits import closest
 from duhem.projection.residuals import Judge, residuals
@@ -19,6 +19,7 @@ from duhem.projection.validation import increment
 from tests.campaigns.number_families import FAMILIES, Question, mp
 from tests.campaigns.numbers import Count, answers, distance, tally
 from tests.long import long_but, mostly_long
+from tests.projection.test_apexes import APEXES, trials
 
 
 def flat(formula: str) -> Criterion:
@@ -76,17 +77,35 @@ def test_what_the_judge_looked_for_is_not_looked_for_again(monkeypatch: pytest.M
     wrong = Solution(stress, slip, slip.sum(axis=1), np.zeros(2, dtype=bool))
     found = residuals(question, wrong)
     _, seen = Judge.of(question, wrong, True).look(wrong, Residuals(*(np.zeros(2) for _ in range(5))))
-    assert list(seen) == [1]
-
-    def again(*_: object, **__: object) -> None:
-        raise AssertionError("looked for again")
-
-    monkeypatch.setattr(recovered_slip, "closest", again)
-    put_right, judged = recovered_slip.recovered(question, wrong, found, residuals, seen)
+    assert list(seen) == [1] and seen[1] is not None
+    put_right, judged = referee.put_right(question, wrong, found, residuals, seen)
     assert (judged.worst() <= ACCURACY).all()
     assert put_right.stress == pytest.approx(np.array([[0.5, 0.0], [1.0, 1.0]]), rel=1e-12)
-    with pytest.raises(AssertionError, match="looked for again"):
-        recovered_slip.recovered(question, wrong, found, residuals, {})
+    starts = list[Any]()
+
+    def again(_: object, __: object, ___: object, ____: object, start: Any, *_____: object, **______: object) -> None:
+        starts.append(start)
+
+    monkeypatch.setattr(referee, "closest", again)
+    referee.put_right(question, wrong, found, residuals, seen)
+    assert not any(np.array_equal(start, stress[1]) for start in starts)
+    referee.put_right(question, wrong, found, residuals, {1: None})
+    assert np.array_equal(starts[-1], stress[1])
+
+
+@pytest.mark.parametrize("how", [1e-5, -1e-5, "turned"])
+def test_what_is_plainly_wrong_is_refused_without_many_digits(how: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def looked(*_: object, **__: object) -> None:
+        raise AssertionError("looked for")
+
+    monkeypatch.setattr(referee, "closest", looked)
+    question = increment(duhem.load("superellipse"), [[2.0, 1.0], [-0.5, 0.6]], -1.0, 1.0, {"mu_a": 0.3, "mu_b": 0.1, "p": 4})
+    right = newton.solve(question)
+    stress = right.stress * (1.0 + how) if how != "turned" else right.stress[::-1] * [-1.0, 1.0]
+    wrong = replace(right, stress=stress, slip=question.trial - stress)
+    own = replace(newton.NEWTON, name="own", again=None, solve=lambda *_: wrong)
+    done = duhem.project("superellipse", question.trial, -1.0, 1.0, {"mu_a": 0.3, "mu_b": 0.1, "p": 4}, method=own)
+    assert (done.status == Status.INACCURATE).all()
 
 
 @pytest.mark.slow
@@ -138,6 +157,29 @@ def test_the_closest_point_in_many_digits(start: tuple[float, float]) -> None:
     assert stress.tolist() == [0.3, 0.1]
     assert slip == pytest.approx([1.7, 0.4 / 3], rel=1e-15)
     assert multiplier == pytest.approx(0.3 * 1.7 + 0.1 * 0.4 / 3, rel=1e-15)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "values", "apex", "wide"), APEXES)
+def test_the_apex_of_bent_sides_in_many_digits(name: str, values: dict[str, Any], apex: float, wide: float) -> None:
+    """Its half-spaces are found in turn, beside the given stress and then where they meet, which is where K ends."""
+    asked = trials(apex, wide)[[0, 3, 8, 11]]
+    question = increment(duhem.load(name).fix(values), asked, None, 1.0, None)
+    size = 2.0 ** np.floor(np.log2(abs(apex)))
+    for trial in asked:
+        found = closest(close_look(question), trial, 0.0, question.stiffness, np.full(3, apex) * (1.0 + 4e-16), 0.0, size, patient=False)
+        assert found is not None
+        np.testing.assert_allclose(found[0], apex, rtol=4e-16)
+        np.testing.assert_allclose(found[1], trial - apex, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("far", [1.0, 1e6])
+def test_the_tip_of_a_cone_in_the_origin_is_no_stress_in_many_digits(far: float) -> None:
+    law = Criterion("cone", "norm(a, b) - c", forces=("a", "b", "c"), pressure=None)
+    question = increment(law, far * np.array([[0.3, -0.2, -1.0], [0.3, 0.2, -0.1]]), None, 1.0, {})
+    found = [closest(close_look(question), t, 0.0, question.stiffness, np.zeros(3), 0.0, 0.25 * far) for t in question.trial]
+    assert found[0] is not None and found[0][0].tolist() == [0.0] * 3 and found[0][1].tolist() == question.trial[0].tolist()
+    assert found[1] is None or found[1][0].any()
 
 
 @pytest.mark.slow

@@ -112,7 +112,7 @@ def test_a_multiplier_that_is_not_beyond_doubles_is_asked_for() -> None:
 @pytest.mark.parametrize("law", ["coulomb", "limacon", "superellipse"])
 @pytest.mark.parametrize("share", [1e-15, 1e-13, 1e-11, 1e-9])
 def test_slips_next_to_the_boundary_have_their_digits(law: str, share: float) -> None:
-    """The method's own are lost, which the judge sees; what is returned is from the multiplier and the normal."""
+    """The method's own are lost, which the judge sees; what is returned is that of the closest point in many digits."""
     parameters = {"coulomb": {"mu": 0.5}, "limacon": {"mu": 0.5, "e": 0}, "superellipse": {"mu_a": 0.5, "mu_b": 0.5, "p": 2}}[law]
     asked = disk(law, parameters, -1.0, mp.mpf(0.5), [1 + share], 8.0)
     question = increment(duhem.load(law), asked.trial, -1.0, 8.0, parameters)

@@ -34,7 +34,7 @@ from duhem.projection import conic_solvers
 from duhem.projection.conic_solvers import Rungs
 from duhem.projection.increment import Increment
 from duhem.projection.method import Method, Options
-from duhem.projection.recovered_slip import recovered
+from duhem.projection.referee import put_right
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
@@ -119,7 +119,7 @@ def _bettered(increment: Increment, solution: Solution, options: CvxpyOptions) -
     """
     judged, found = partial(residuals, convex=True), Residuals(*(np.zeros(len(solution.multiplier)) for _ in fields(Residuals)))
     _, seen = Judge.of(increment, solution, convex=True).look(solution, found)
-    solution, found = recovered(increment, solution, found, judged, seen)
+    solution, found = put_right(increment, solution, found, judged, seen)
     worst = found.worst()
     for tolerance in conic_solvers.tolerances(options.solver)[1 : 1 + _AGAIN]:
         at = np.flatnonzero(~solution.failed & (worst > _POOR))

@@ -21,7 +21,7 @@ from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import any_of, columns_times, dot, widest
 from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.variational import Variational
+from duhem.projection.variational import LOW, Variational
 
 __all__ = ["FirstLook"]
 
@@ -110,9 +110,12 @@ class FirstLook:
         room, far, height = np.sqrt(room2, out=room2), np.sqrt(far2, out=far2), dot(slopes.T, of.there.s.T)
         if self.level.jets.kinks:  # a piece that is as high may be flatter
             np.minimum(height, of.there.rise(), out=height)
-        plain &= (height > 0.0) & self.known.around_origin
         unit, value = _length(normal), np.abs(of.value)
         unit *= room
+        if (low := np.flatnonzero(~(height * of.size > LOW * unit))).size:
+            there = of.there.s.T[low], slopes.T[low], of.pressure[low], of.size[low], room[low], far[low]
+            height[low] = np.fmax(height[low], self.known.rise(*there))
+        plain &= (height > 0.0) & self.known.around_origin
         np.divide(of.size, unit, out=unit)  # of h, as a share of the stress
         depth, sunk, ratio = value * unit, of.hidden / height, far / room
         gap = _length(columns_times(missed, metric.of_stress))

@@ -49,6 +49,11 @@ def unstressed(v: Any, x: int, q: Any, b: Any) -> tuple[float, float]:
     raise NotImplementedError
 
 
+def level(v: Any, x: int, q: Any) -> float:
+    """h there, without a bound."""
+    raise NotImplementedError
+
+
 def gradient(v: Any, x: int, q: Any, slopes: int) -> None:
     """dh/ds there into the row ``slopes``."""
     raise NotImplementedError
@@ -59,8 +64,8 @@ def unpacked(numbers: Any) -> Any:
     raise NotImplementedError
 
 
-INLINED = ("below", "bounded", "chunk", "gradient", "hypot", "known", "levels", "lengths", "looked", "seen_in_metric", "shares", "sized",
-           "sorted_", "taken", "tried", "unpacked", "unstressed")  # fmt: skip
+INLINED = ("below", "bounded", "chunk", "gradient", "heights", "hypot", "known", "levels", "lengths", "looked", "seen_in_metric",
+           "shares", "sized", "sorted_", "taken", "tried", "unpacked", "unstressed")  # fmt: skip
 """Functions that every point goes through, so that the compiler knows the rows they work on apart."""
 
 # -- compiled from here ----------------------------------------------------------------------------------------
@@ -68,15 +73,17 @@ INLINED = ("below", "bounded", "chunk", "gradient", "hypot", "known", "levels", 
 STICK, SLIP, UNJUDGED = 0, 1, -1
 ROUNDING, NOISE, HIDDEN_SHARE, SUSPECT, SHORT, ACCURACY = 4e-15, 0.5e-13, 0.5e-9, 0.5e-9, 20.0, 0.5e-7
 ENDS = 2.0**-1017, 2.0**1020
+LOW = 0.01  # of what h changes by over a stress: of less is said how far it rises from elsewhere
+FARTHEST = 8.0  # sizes of a stress, that such a place is out at most
 CHUNK = 128  # points: so few that their rows stay in the nearest cache
 # Rows of seen: of every point its unit, level, what rounding hides of it and how far it is up from no stress; of the slips the same,
 # then pressure and multiplier, the length of the gradient, the unit of lengths and the lengths over it, what is off in them, residuals,
-# whether a known point may be beyond, and what to think of it; by components trial, stress and slip, then aim, stress, k slip and
-# lambda k n in the metric.
+# whether a known point may be beyond, what to think of it, and by how much h rises from a point inside K and over which length; by
+# components trial, stress and slip, then aim, stress, k slip and lambda k n in the metric.
 EVERY = 0
 UNIT, LEVEL, HIDDEN, RISE, PRESSURE, GIVEN, STEEP, SIZE, AIM, ROOM, DISTANCE, GAP, TURNED = 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16
-SHALLOW, OFF, BALANCE, FEASIBLE, COMPLETE, OVER, WORK, FAR, STATE, TRIAL = 17, 18, 19, 20, 21, 22, 23, 24, 25, 26
-STRESS, SLIPPED, AIMS, POINTS, MOVES, PULLS, ROWS = D + 26, 2 * D + 26, 3 * D + 26, 4 * D + 26, 5 * D + 26, 6 * D + 26, 7 * D + 26
+SHALLOW, OFF, BALANCE, FEASIBLE, COMPLETE, OVER, WORK, FAR, STATE, HEIGHT, REACH, TRIAL = 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28
+STRESS, SLIPPED, AIMS, POINTS, MOVES, PULLS, ROWS = D + 28, 2 * D + 28, 3 * D + 28, 4 * D + 28, 5 * D + 28, 6 * D + 28, 7 * D + 28
 LEFT, PLAIN, BENT = 0.0, 1.0, 2.0
 S, POINT, MOVED, ROOMS = 0, 3, 4, 10  # rows of v, for one slip
 
@@ -132,6 +139,7 @@ def chunk(
     if degree != 1.0:
         regrown(count, degree, seen)
     lengths(count, seen)
+    heights(count, largest, pressed, pressed_off, constants, of_stress, tips, at, seen)
     shares(count, blur, good, certain, of_slip, at, seen)
     looked(count, stiffness, of_stress, seen)
     tried(count, largest, ways, reaches, seen)
@@ -266,6 +274,45 @@ def lengths(count: int, seen: Any) -> None:
         seen[DISTANCE, j], seen[ROOM, j] = sqrt(distance), sqrt(room)
 
 
+def heights(
+    count: int, largest: float, pressed: Any, pressed_off: Any, constants: Any, of_stress: Any, tips: Any, at: Any, seen: Any
+) -> None:  # fmt: skip
+    """By how much h rises from no stress to each stress; from another point of K where that is on its boundary, or nearly."""
+    for j in range(count):
+        height = inner = 0.0
+        for i in range(D):
+            part = at[2 * CHUNK + j, i] * at[CHUNK + j, i]
+            height += part
+            inner += abs(part)
+        height = height if (KINKS == 0) | (height <= seen[RISE, j]) else seen[RISE, j]  # a piece that is as high may be flatter
+        seen[HEIGHT, j], seen[REACH, j] = height if height > LOW * inner else np.nan, seen[ROOM, j]
+    for j in range(count):
+        if not seen[HEIGHT, j] > 0.0:
+            data, _ = known(seen[PRESSURE, j], pressed, pressed_off)
+            part, q = seen[PRESSURE, j] / largest if largest != 0.0 else 1.0, sized(data, seen[UNIT, j]) + constants
+            from_within(j, part, q, of_stress, tips, at, seen)
+
+
+def from_within(j: int, part: float, q: Any, of_stress: Any, tips: Any, at: Any, seen: Any) -> None:
+    """The same from a mean of the known points of K on the axes, not with equal weights: a formula may have no value in the middle."""
+    unit, size, steep, height, square = seen[UNIT, j], seen[SIZE, j], seen[STEEP, j], 0.0, 0.0
+    for i in range(D):
+        at[j, i] = 0.0
+        for t in range(2 * D + 1):
+            at[j, i] += t * min(max(part * tips[t, i] / unit, -FARTHEST), FARTHEST) / (D * (2 * D + 1))
+        height += at[2 * CHUNK + j, i] * (at[CHUNK + j, i] - at[j, i])
+    for i in range(D):
+        one = 0.0
+        for k in range(D):
+            one += (at[CHUNK + j, k] - at[j, k]) * of_stress[k, i]
+        square += one * one
+    rise, reach = -level(at, j, q), sqrt(square) * (unit / size)
+    if rise > 0.0 and height > 0.0 and reach > 0.0:
+        bend = 2.0 * max(height - rise, 0.0) * (unit / size) / steep * seen[DISTANCE, j] / (reach * reach)  # as of a parabola
+        seen[HEIGHT, j] = min(height, rise) if KINKS > 0 else height
+        seen[REACH, j] = reach * sqrt(1.0 + bend)
+
+
 def shares(count: int, blur: float, good: float, certain: float, of_slip: Any, at: Any, seen: Any) -> None:
     """Residuals of the level and of the slip's direction, and whether the slip is plainly right."""
     for j in range(count):
@@ -274,17 +321,14 @@ def shares(count: int, blur: float, good: float, certain: float, of_slip: Any, a
         per, far, whole = 1.0 / size, seen[UNIT, j] / size, distance + room
         a_level = far / (steep * room)
         hidden, depth = seen[HIDDEN, j] * a_level, abs(value) * a_level * room
-        rounding = inner = height = 0.0
+        height, rounding, inner = seen[HEIGHT, j], 0.0, 0.0
         for i in range(D):
             one = 0.0
             for k in range(D):
                 one += abs(seen[SLIPPED + k, j]) * abs(of_slip[k, i])
             rounding += (one * per) * (one * per)
-            part = at[2 * CHUNK + j, i] * at[CHUNK + j, i]
-            inner += abs(part)
-            height += part
-        height = height if (KINKS == 0) | (height <= seen[RISE, j]) else seen[RISE, j]  # a piece that is as high may be flatter
-        shallow = (abs(value) + seen[HIDDEN, j]) / height * room + seen[GAP, j] + blur * whole
+            inner += abs(at[2 * CHUNK + j, i] * at[CHUNK + j, i])
+        shallow = (abs(value) + seen[HIDDEN, j]) / height * seen[REACH, j] + seen[GAP, j] + blur * whole
         off = turned / (whole if 2.0 * turned <= ROUNDING * sqrt(rounding) else room)
         long = distance > SHORT * room
         sound = (room > 0.0) & (distance > 0.0) & (height > 0.0) & (seen[GIVEN, j] >= 0.0)

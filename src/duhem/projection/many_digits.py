@@ -37,6 +37,8 @@ _NOTHING = 2.0**-200  # of a stress
 _SAME = 2.0**-40  # of a slope: what the two sides of a point differ by where g is smooth
 _LEFT = 2.0**-350  # of the largest component: less is what differences leave
 _ASIDE = 2.0**-60  # half-spaces are looked for this close to the given stress
+_FAR = 2.0**-20  # from there a point is not beside it
+_THERE = 2.0**-100  # of the point where they meet: what touches K this close to it is one of K's there
 
 
 def closest(
@@ -65,11 +67,14 @@ def closest(
         x = [flint.arb(x) / unit for x in start.tolist()]
         m = flint.arb(multiplier) / unit if 0.0 < multiplier < np.inf else None
         found = point.on_one_piece(x, m, _NEWTON) or point.where_pieces_meet(x)
+        if found is None and point.met is not None:  # a bend too sharp for the given stress
+            found = point.on_one_piece(point.met, None, _NEWTON)
         if found is None and patient:
             found = point.on_one_piece(x, None, _DAMPED, damped=True)
         if found is None:
             return None
         stress, pull, m = found
+        stress = [x if abs(x) > _NOTHING else 0 * x for x in stress]
         return _nearest_doubles(stress, unit), _nearest_doubles(pull, unit), float((m * unit).mid())
 
 
@@ -91,6 +96,7 @@ class _Point:
         self.look, self.pressure, self.size = look, pressure, size
         self.t, self.k, self.step = t, k, step
         self.k_matrix = flint.arb_mat(k)
+        self.met: Vector | None = None  # where half-spaces met last
 
     def level(self, x: Vector) -> Any:
         return self.look.ball(x, self.pressure, self.size).mid()
@@ -196,11 +202,13 @@ class _Point:
             entering = max(pool, key=lambda plane: plane.excess(y), default=None)
             if entering is None or not entering.excess(y) > _NOTHING:
                 beyond = self.level(y)
+                if not _known([beyond]):  # 0/0 at an apex
+                    beyond = self.level([c + self.step * w for c, w in zip(y, skew, strict=True)])
                 if not _known([beyond]):
                     return None
                 if beyond <= _NOTHING * max((plane.steep for plane in pressing), default=0):  # a level is no length
                     return self._vouched(y, pressing, weights)
-                entering = self._plane([c + beyond * _ASIDE * w for c, w in zip(y, skew, strict=True)])
+                entering = self._beside(x, y) or self._plane([c + beyond * _ASIDE * w for c, w in zip(y, skew, strict=True)])
                 if entering is None or not entering.excess(y) > 0:
                     return None
                 pool.append(entering)
@@ -208,7 +216,15 @@ class _Point:
             if chosen is None:
                 return None
             y, pressing, weights = chosen
+            self.met = y
         return None
+
+    def _beside(self, x: Vector, y: Vector) -> _Plane | None:
+        """The half-space that holds K beside ``x`` on the way to a ``y`` far off, if it leaves ``y`` out: the next side of an apex."""
+        way = [b - a for a, b in zip(x, y, strict=True)]
+        far = max(abs(c) for c in way).mid()
+        plane = self._plane([(a + _ASIDE * c / far).mid() for a, c in zip(x, way, strict=True)]) if far > _FAR else None
+        return plane if plane is not None and plane.excess(y) > _NOTHING else None
 
     def _plane(self, x: Vector) -> _Plane | None:
         here = self.level(x)
@@ -238,7 +254,7 @@ class _Point:
         for plane in planes:
             way = [a - b for a, b in zip(plane.touch, y, strict=True)]
             far = max(abs(c) for c in way)
-            if far > 0:
+            if far > _THERE:
                 near = [c + _ASIDE * _ASIDE * w / far for c, w in zip(y, way, strict=True)]
                 n = self.slope(near, self.level(near))
                 if not _known(n) or max(abs(a - b) for a, b in zip(n, plane.normal, strict=True)) > _SAME * plane.steep:

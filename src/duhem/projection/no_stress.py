@@ -46,6 +46,6 @@ def off_no_stress(increment: Increment, level: Level, metric: Metric, got: Solut
         multiplier = level.multiplier(got.multiplier[at], size) / np.maximum(reach, far / _NEAR)
         rounding = ROUNDING * length(moved)
         tip = np.ones(at.size, dtype=np.bool_)
-        there = Suspect(stress[at], pressure[at], size, moved, multiplier, reach, rounding, tip, np.ones(at.size))
+        there = Suspect(stress[at], pressure[at], size, moved, multiplier, reach, rounding, tip)
         off[at] = np.maximum(off[at], np.where(inside[at] > 0.0, 0.0, off_cone(level, metric, there)))
     return inside, off

@@ -37,8 +37,7 @@ class Suspect:
     """Points (M,) whose slip is not along the gradient at their stress; ``slip``, its ``rounding`` and ``multiplier`` over ``scale``.
 
     ``scale`` is the length of the stress, of the trial at the ``tip`` of a cone, where the stress is zero; ``size`` the unit R of
-    the level, and ``multiplier`` that of its gradient.  ``grain`` is what a length of boundary counts, 1 as a share of the stress.
-    ``slip`` and lengths are those of the metric of k.
+    the level, and ``multiplier`` that of its gradient.  ``slip`` and lengths are those of the metric of k.
     """
 
     stress: Array
@@ -49,7 +48,6 @@ class Suspect:
     scale: Array
     rounding: Array
     tip: NDArray[np.bool_]
-    grain: Array
 
     def of(self, at: NDArray[np.intp]) -> Suspect:
         return Suspect(*(getattr(self, f.name)[at] for f in fields(self)))
@@ -66,22 +64,19 @@ def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
         from duhem.projection.edge_normals import off_edge
 
         point = suspect.stress, suspect.pressure, suspect.size, suspect.slip, suspect.multiplier
-        best = off_edge(level, metric, *point, suspect.scale / suspect.grain)
-    left = np.flatnonzero(~(best <= 10.0 * _CLOSEST[0] * suspect.grain))
+        best = off_edge(level, metric, *point, suspect.scale)
+    left = np.flatnonzero(~(best <= 10.0 * _CLOSEST[0]))
     ways = beside(suspect.stress.shape[1])
     askew = [(share, _askew(ways, turn)) for turn in range(_TURNS) for share in _CLOSEST] if level.jets.kinks else []
     for share, way in [*((share, ways) for share in _BESIDE), *askew]:
         if not left.size:
             break
-        near = share * suspect.grain[left]
-        found = np.maximum(_off_normals(level, metric, suspect.of(left), share * way), near)
-        best[left] = np.fmin(best[left], found)
-        left = left[~(best[left] <= 10.0 * near)]
-    left = np.flatnonzero(~(best <= 10.0 * _APEX[-1] * suspect.grain))  # also where sides far about the stress come close to the slip
+        best[left] = np.fmin(best[left], np.maximum(_off_normals(level, metric, suspect.of(left), share * way), share))
+        left = left[~(best[left] <= 10.0 * share)]
+    left = np.flatnonzero(~(best <= 10.0 * _APEX[-1]))  # also where sides far about the stress come close to the slip
     for share in _APEX if left.size and suspect.slip.shape[1] > 1 else ():
-        near = share * suspect.grain[left]
-        best[left] = np.fmin(best[left], np.maximum(_off_tangents(level, metric, suspect.of(left), share, share * ways), near))
-        left = left[~(best[left] <= 10.0 * near)]
+        best[left] = np.fmin(best[left], np.maximum(_off_tangents(level, metric, suspect.of(left), share, share * ways), share))
+        left = left[~(best[left] <= 10.0 * share)]
     return best
 
 
@@ -178,7 +173,7 @@ class _Cones:
         meet = length(np.einsum("ncd,nc->nd", inverse, self.heights))
         sides = np.moveaxis(self.normals, 2, 0)
         sharp = reduce(np.fmin, [dot(a, b) for a, b in combinations(sides, 2)], np.ones(len(usable))) < 0.0
-        meet = np.where(sharp & ~at.tip, meet, 0.0) * at.grain  # where the sides meet, which may be far off at a sharp corner
+        meet = np.where(sharp & ~at.tip, meet, 0.0)  # where the sides meet, which may be far off at a sharp corner
         total = (weights / self.steep).sum(axis=1)
         amount = np.where(thin, 0.0, np.abs(total / at.multiplier - 1.0))
         rest = np.where(rest <= at.rounding, 0.0, rest)

@@ -20,7 +20,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.nearer_points import nearness
-from duhem.projection.recovered_slip import recovered
+from duhem.projection.referee import put_right
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
 from duhem.projection.row_by_row import any_of, dot
@@ -97,7 +97,7 @@ class Projector:
         self._held(question, solution, found)
         left = closely if sure else np.arange(len(vouched))
         if left.size:
-            solution, found = recovered(question, solution, found, self._judged, seen)
+            solution, found = put_right(question, solution, found, self._judged, seen)
             in_blocks(left.size, BLOCK, lambda part: settle(solution, found, left[part]), threads)
         if len(vouched) <= FEW_SEARCHED:
             self._asked_again(question, solution, found, told)

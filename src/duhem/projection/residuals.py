@@ -12,27 +12,26 @@ stress; where that bound hides what is asked, g and its slope are looked up in a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.expression.vocabulary import EigMax
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.boundary_shift import shifts
-from duhem.projection.close_look import as_pairs, close_look
-from duhem.projection.component_errors import Doubt, by_components
+from duhem.projection.close_look import as_pairs, close_look, pushed_back
 from duhem.projection.first_look import FirstLook
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, level
-from duhem.projection.lost_slip import AROUND, LEAST, Moves, lost
-from duhem.projection.many_digits import Closest
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.no_stress import off_no_stress
-from duhem.projection.normal_cones import off_cone
+from duhem.projection.normal_cones import Suspect, off_cone
+from duhem.projection.referee import LEAST, SLIP, Closest, beside, departures
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, length, share, widest
 from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.variational import Variational
+from duhem.projection.variational import LOW, Variational
 
 __all__ = ["Judge", "residuals"]
 
@@ -41,11 +40,13 @@ _SUSPECT = 1e-9  # a normal farther off than this is looked at again, as the nor
 _HIDDEN = 1e-9  # of a stress: where rounding of g hides as much of the boundary, its slope is not known either
 _NOISE = 1e-13  # less than this, and the slope of g is as good as any
 _ENDS = 2.0**-1018, 2.0**1021  # of the range of doubles, less a few digits
-_SHORT = 10.0  # of a stress: of longer slips its digits are those of the trial
 _ENDLESS = 2.0**500  # times as far as the boundary: nobody knows
 _FLAT = 2.0**-30  # of what g changes by over the stress: of less rounding may be all
 _BESIDE = 2.0**-990  # a stress beside none
-_SLIP = 0.1  # what a relative error of a slip counts: it is vouched for to ten times the accuracy of stresses
+_BLIND = 1e-9  # of the stress: at the end of a shorter slip rounding of doubles may choose the wrong one of two pieces
+_AROUND = 3.0  # times as far as a corner is beside the stress: as it is a diagonal off, and the closest point as far again
+_CLOSE = 1e-3  # how far an answer may be off for the closest point to be looked for beside it
+_UNKNOWN = 10.0 * ACCURACY  # nobody knows how far off a point is
 
 
 def residuals(increment: Increment, solution: Solution, convex: bool = False) -> Residuals:
@@ -65,6 +66,7 @@ class Judge:
         law = increment.law
         self.increment, self.stiffness = increment, increment.stiffness
         self.level: Level = level(increment.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+        self.pieces = bool(self.level.jets.kinks) or self.level.scaled.expr.has(EigMax)
         self.metric = Metric.of(increment.stiffness)
         self.known = Variational.of(increment, self.level, self.metric, convex)
         self.first = FirstLook(self.level, self.stiffness, self.metric, self.known)
@@ -81,7 +83,7 @@ class Judge:
         at: NDArray[np.intp] | None = None,
         threads: int | None = 1,
         then: Callable[[slice], None] | None = None,
-    ) -> tuple[NDArray[np.intp], dict[int, Closest]]:
+    ) -> tuple[NDArray[np.intp], dict[int, Closest | None]]:
         """The residuals into ``out``, which is zero; where points ``at`` are given, of these alone, and each of them closely.
 
         ``threads`` share the first look at all points; None for as many as there are.  ``then`` is told each block after it.  Returned
@@ -90,11 +92,11 @@ class Judge:
         if at is not None and not at.size:
             return at, {}
         keep_freed_memory(len(solution.multiplier) if at is None else at.size)
-        seen = dict[int, Closest]()
+        seen = dict[int, Closest | None]()
         with np.errstate(all="ignore"):
             still, moved = self.first.left(self.increment, solution, out, threads, then) if at is None else self._sorted(solution, at)
             for some in _in_parts(still):
-                self._still(some, solution.stress.take(some, axis=0), self.increment.pressure[some], out)
+                seen |= self._still(some, solution.stress.take(some, axis=0), self.increment.pressure[some], solution, out)
             for some in _in_parts(moved):
                 seen |= self._moved(some, self.increment.trial.take(some, axis=0), self.increment.pressure[some], solution, out)
         return np.concatenate([still, moved]), seen
@@ -105,7 +107,8 @@ class Judge:
         moved = (solution.multiplier[at] != 0.0) | (widest(solution.slip.take(at, axis=0)) != 0.0) | (widest(away) != 0.0)
         return at[~moved], at[moved]
 
-    def _still(self, at: NDArray[np.intp], stress: Array, pressure: Array, out: Residuals) -> None:
+    def _still(self, at: NDArray[np.intp], stress: Array, pressure: Array, got: Solution, out: Residuals) -> dict[int, Closest | None]:
+        """The residuals of points that stick, and what was seen beside those of which a slip is lost."""
         size = power_of_two(widest(stress))
         g, hidden = self.level.bounded(stress, pressure, size)
         close, unknown = np.flatnonzero(~(np.abs(g) > hidden)), np.zeros(at.size, dtype=np.bool_)
@@ -130,7 +133,9 @@ class Judge:
             slopes, point = np.where(np.isnan(slope[over]), plain, slope[over]), stress[over] / size[over, None]
             out.feasibility[at[over]] = share(g[over], dot(np.abs(slopes), np.abs(point)))
             depth = share(share(g[over], length(slopes @ self.metric.of_slip)), length(point @ self.metric.of_stress))
-            out.stationarity[at[over]] = _SLIP * np.minimum(depth / LEAST, 1.0)
+            out.stationarity[at[over]] = SLIP * np.minimum(depth / LEAST, 1.0)
+        lost = np.flatnonzero((out.stationarity[at] > ACCURACY) & (out.feasibility[at] <= ACCURACY) & ~got.failed[at])
+        return dict(zip(at[lost].tolist(), self._beside(at[lost], got, np.zeros(lost.size), size[lost])[2], strict=True))
 
     def _looked_up(self, stress: Array, pressure: Array, size: Array, steep: Array | float = 1.0) -> tuple[Array, Array]:
         """g in units of the stress, as good as a double can tell, 0 where no digit of it shows, and what it is off by.
@@ -140,7 +145,7 @@ class Judge:
         value, bound = close_look(self.increment).level(as_pairs(stress, size), pressure, size, steep)
         return np.where(np.abs(value) <= bound, 0.0, value), bound
 
-    def _moved(self, at: NDArray[np.intp], trial: Array, pressure: Array, got: Solution, out: Residuals) -> dict[int, Closest]:
+    def _moved(self, at: NDArray[np.intp], trial: Array, pressure: Array, got: Solution, out: Residuals) -> dict[int, Closest | None]:
         """The residuals of points that move, and what was seen beside them."""
         stress, slip = got.stress.take(at, axis=0), got.slip.take(at, axis=0)
         units = power_of_two(np.where(widest(stress) > 0.0, widest(stress), widest(trial)))
@@ -155,8 +160,8 @@ class Judge:
         steep = length(slope @ self.metric.of_slip)
         hidden = share(share(hidden, steep) * (units / size), room)
         far = np.maximum(distance / room, 1.0)
-        looked = np.flatnonzero(~((hidden <= _NOISE) | (hidden * far <= _HIDDEN)))
-        if looked.size:
+        known = ~((hidden <= _NOISE) | (hidden * far <= _HIDDEN))
+        if (looked := np.flatnonzero(known)).size:
             g, slope, steep = g.copy(), slope.copy(), steep.copy()
             g[looked], _ = self._looked_up(stress[looked], pressure[looked], units[looked])
             points = as_pairs(stress[looked], units[looked])
@@ -178,35 +183,29 @@ class Judge:
         rounding = ROUNDING * length(np.abs(slip) @ np.abs(self.metric.of_slip) / size[:, None])
         turned = length(moved - pull)
         off = np.where(turned <= rounding, share(turned, whole), share(turned, room))  # far from K a small angle can be a long way on it
-        known = np.zeros(at.size, dtype=np.bool_)
-        known[looked] = True
-        least = (depth + hidden * room) / np.minimum(distance, room)
-        spread = self._spread(stress, pressure, units, slope, multiplier, steep * reach * size, least)
-        depth, hidden = depth * spread, hidden * spread
-        lengths = (aim, point, moved, multiplier, slope, steep, hidden, depth, spread, turned, rounding)
-        moves = Moves(trial, stress, slip, pressure, units, size, *lengths, known)
-        bent = np.zeros(at.size, dtype=np.bool_)
+        least = np.minimum(distance, room)
+        spread = self._spread(stress, pressure, units, slope, multiplier, steep * reach * size, (depth + hidden * room) / least)
+        far_off = (out.feasibility[at] > _UNKNOWN) | (out.complementarity[at] > _UNKNOWN)  # wrong, whatever is beside
+        cone = turned.copy()  # the length of boundary that has the slip for a normal
         if (suspect := np.flatnonzero(~(off <= _SUSPECT))).size:
-            plain, close = suspect[~known[suspect]], suspect[known[suspect]]
-            off[plain] = np.fmin(off[plain], off_cone(self.level, self.metric, moves.suspect(plain, room[plain])))
-            off[close] = np.fmin(off[close], _HIDDEN)  # it is looked for in many digits
-            bent[close] = True
+            some = suspect[~far_off[suspect]]
+            lengths = moved / room[:, None], multiplier / (room * size), room * size, rounding / room, reach == 0.0
+            found = off_cone(self.level, self.metric, Suspect(stress, pressure, units, *lengths).of(some))
+            off[some], cone[some] = np.fmin(off[some], found), np.fmin(cone[some], _AROUND * found * room[some])
+            hard = suspect[known[suspect] & (reach[suspect] > 0.0)]
+            off[hard] = np.fmin(off[hard], _HIDDEN)  # it is looked for in many digits
         out.stationarity[at] = np.maximum(balance, off)
-        good = self.metric.good * distance
-        missing = gap + depth + hidden * room + self.metric.blur * whole
-        sure = (missing <= good) & (turned <= good)
-        near = distance < _SHORT * room  # of longer slips the difference of stresses says it all
-        if (short := np.flatnonzero(~sure & near)).size:
-            gone = lost(self.increment, self.level, self.metric, moves.of(short), room[short], distance[short])
-            out.stationarity[at[short]] = np.maximum(out.stationarity[at[short]], _SLIP * gone)
-        unsure = ~(missing + turned <= self.metric.certain * room) | (out.stationarity[at] > ACCURACY)
-        doubt, seen = np.flatnonzero(unsure & ~got.failed[at]), dict[int, Closest]()
-        if doubt.size:
-            cone = np.where(turned <= rounding, turned, np.where(bent, np.inf, np.fmin(turned, AROUND * off * room)))
-            lacking = moves.of(doubt), missing[doubt], cone[doubt], (depth + hidden * room)[doubt]
-            some = Doubt(*lacking, near[doubt], balance[doubt], off[doubt], out.stationarity[at[doubt]])
-            out.stationarity[at[doubt]], ends = by_components(self.increment, self.level, self.metric, some)
-            seen = {int(at[doubt[i]]): point for i, point in ends.items()}
+        across = np.where(reach > 0.0, (depth + hidden * room) * spread, 0.0)  # how near no stress is to the boundary is asked below
+        missing = gap + across + self.metric.blur * whole
+        certain = self.metric.certain
+        sure = (missing + cone <= certain * least) & (out.stationarity[at] <= ACCURACY)
+        passes = (missing + cone <= certain * room) & (cone <= certain * least) & (out.stationarity[at] <= ACCURACY) & (reach > 0.0)
+        short = ~sure & passes & ((distance * (certain / ACCURACY) > _BLIND * room) | (not self.pieces))
+        if (some := np.flatnonzero(short)).size:  # what is left of a difference of stresses: more digits tell where the slip leads
+            ends = pushed_back(trial[some], slip[some], self.stiffness, units[some])
+            value, bound = close_look(self.increment).level(ends, pressure[some], units[some])
+            missing[some] = share(np.abs(value) + bound, steep[some]) * (units / size)[some] * spread[some]
+            sure[some] = (missing + cone)[some] <= certain * least[some]
         if (none := np.flatnonzero((reach == 0.0) & (distance > 0.0))).size:
             asked = replace(self.increment, trial=trial[none], pressure=pressure[none])
             inside, astray = off_no_stress(
@@ -219,7 +218,47 @@ class Judge:
         out.variational[at] = self.known.excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
         if not self.known.convex:
             out.variational[at] = np.fmax(out.variational[at], self.known.beside(pressure, point, moved, size, whole, room)) + 0.0 * whole
-        return seen
+        near = ~far_off & (share(np.fmin(off * room, turned), whole) <= _CLOSE) & (share(gap, length(aim) + reach) <= _CLOSE)
+        rounding_alone = (distance >= room) & (cone + across <= certain * room)  # of a long way from afar may be in doubt
+        left = np.flatnonzero(~sure)
+        unknown = np.where(rounding_alone, 0.0, _UNKNOWN)[left]
+        return self._refereed(at[left], multiplier[left], units[left], balance[left], near[left], unknown, got, out)
+
+    def _refereed(
+        self,
+        at: NDArray[np.intp],
+        multiplier: Array,
+        units: Array,
+        balance: Array,
+        near: NDArray[np.bool_],
+        unknown: Array,
+        got: Solution,
+        out: Residuals,
+    ) -> dict[int, Closest | None]:
+        """Stationarity of points that doubles do not decide, and what is beside them.
+
+        It is looked for, at some milliseconds a point, where the answer is ``near`` to one: elsewhere it is wrong already.
+        ``unknown`` is the least residual where none is found.
+        """
+        given = out.stationarity[at]
+        known = np.isfinite(got.stress[at]).all(axis=1) & np.isfinite(got.slip[at]).all(axis=1)
+        close = known & near & ~got.failed[at]
+        out.stationarity[at] = np.maximum(given, unknown)
+        if not (few := np.flatnonzero(close)).size:
+            return {}
+        question, answer, points = self._beside(at[few], got, multiplier[few], units[few])
+        off = departures(question, answer, multiplier[few], points)
+        told = np.maximum(np.where(np.isnan(off), given[few], off), balance[few])
+        out.stationarity[at[few]] = np.where(np.isinf(off), out.stationarity[at[few]], told)
+        return dict(zip(at[few].tolist(), points, strict=True))
+
+    def _beside(
+        self, at: NDArray[np.intp], got: Solution, multiplier: Array, units: Array
+    ) -> tuple[Increment, Solution, list[Closest | None]]:
+        """The question and answer of some points, and what is beside them."""
+        question = replace(self.increment, trial=self.increment.trial[at], pressure=self.increment.pressure[at])
+        answer = Solution(*(getattr(got, f.name)[at] for f in fields(got)))
+        return question, answer, beside(question, answer, multiplier, units)
 
     def _nearer(self, trial: Array, pressure: Array) -> NDArray[np.bool_]:
         """Whether a point of K beside no stress, on the way to the trial (M, d), is shown to be nearer to it than no stress is."""
@@ -249,6 +288,10 @@ class Judge:
         height, bent = dot(slope, stress / units[:, None]) * units, bool(self.level.jets.kinks) and self.known.around_origin
         if bent:
             height = np.minimum(height, self.level.rise(pressure, units) * units)
+        if (low := np.flatnonzero(~(height > LOW * reach) & self.known.around_origin)).size:
+            s, way, unit = stress[low] / units[low, None], slope[low], units[low]
+            room, far = length(stress[low] @ self.metric.of_stress), multiplier[low] * length(way @ self.metric.of_slip)
+            height[low] = np.fmax(height[low], self.known.rise(s, way, pressure[low], unit, room, far) * unit)
         alike = np.where(height > 0.0, reach / height, np.inf) if self.known.around_origin else np.full(len(reach), np.inf)
         alike = np.where(reach > 0.0, alike, 1.0)
         if (few := np.flatnonzero(~(missing * alike <= self.metric.certain))).size:

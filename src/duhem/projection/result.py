@@ -85,8 +85,8 @@ class Projection(Shown):
 
     ``slip`` = k^-1 (sigma_tr - sigma) = lambda dg/dsigma (in m for stiffness in Pa/m); ``multiplier`` lambda >= 0;
     ``dissipation`` sigma . slip >= 0; ``status`` one :class:`Status` a point; ``method`` the one that was taken, ``why`` the
-    reason; next to the boundary, where the difference sigma_tr - sigma keeps no digits, a slip is taken from lambda and the
-    normals, whatever the method, and vouched for to 1e-6 of its largest component, or so that k slip is right to 1e-27 of the
+    reason; next to the boundary, where the difference sigma_tr - sigma keeps no digits, a slip is that of the closest
+    point in many digits, whatever the method, and vouched for to 1e-6 of its largest component, or so that k slip is right to 1e-27 of the
     stress; ``tangent`` d sigma/d u (N, d, d) and ``tangent_pressure`` d sigma/d sigma_n (N, d) where asked for; ``forces`` names the
     components; ``compiled`` whether loops were taken that numba compiles.  A multiplier beyond doubles is 0 or inf.
 

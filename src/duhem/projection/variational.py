@@ -19,11 +19,13 @@ from duhem.projection.known_points import beyond_tangents, raised, tips
 from duhem.projection.level import Level
 from duhem.projection.metric import Metric
 from duhem.projection.result import ACCURACY, Array
-from duhem.projection.row_by_row import columns_times, dot, share, unit, widest
+from duhem.projection.row_by_row import columns_times, dot, length, share, unit, widest
 from duhem.projection.scaled_formula import power_of_two
 
-__all__ = ["Variational"]
+__all__ = ["LOW", "Variational"]
 
+LOW = 0.01  # of what h changes by over a stress: of less is said how far it rises from elsewhere
+_FARTHEST = 8.0  # sizes of a stress, that such a place is out at most
 _QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that occur
 
 
@@ -63,6 +65,23 @@ class Variational:
     def part(self, pressure: Array) -> Array:
         """The pressures as parts of the one at which the tips are known."""
         return np.ones(pressure.size) if self.largest == 0.0 else pressure / self.largest
+
+    def rise(self, s: Array, slope: Array, pressure: Array, units: Array, room: Array, far: Array) -> Array:
+        """By how much h rises to stresses ``s`` (M, d) in ``units``, as over their own lengths; nan where nothing is known.
+
+        It rises from a mean of the known points of K on the axes, not with equal weights: a formula may have no value in the middle.
+        ``slope`` is dh/ds, ``room`` and ``far`` are the lengths of stress and slip in the metric.  How far the closest point goes
+        with the boundary is told by a parabola on the way from that place, where the sets {h <= e} are not alike seen from there.
+        """
+        d, part = s.shape[1], self.part(pressure) / units
+        centre = np.zeros_like(s)
+        for weight, tip in enumerate(self.tips[: 2 * d + 1]):
+            centre += weight / (d * (2 * d + 1)) * np.clip(part[:, None] * tip, -_FARTHEST, _FARTHEST)
+        rise = -self.level.value(*centre.T, *self.level.scaled.values(pressure, units).values())
+        height, reach = dot(slope, s - centre), length((s - centre) @ self.metric.of_stress) * units
+        bend = 2.0 * np.maximum(height - rise, 0.0) * units / length(slope @ self.metric.of_slip) * far / reach**2
+        low = np.minimum(height, rise) if self.level.jets.kinks else height  # a piece that is as high may be flatter
+        return np.where((rise > 0.0) & (height > 0.0), low * room / (reach * np.sqrt(1.0 + bend)), np.nan)
 
     def beyond(self, pressure: Array, point: Array, moved: Array) -> NDArray[np.intp]:
         """The points (d, N) with one of the tips beyond the plane across the slip, whether or not it lies in K."""
