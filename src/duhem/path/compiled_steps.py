@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from duhem.path import step_formulas
-from duhem.path.step_formulas import written
+from duhem.path.step_formulas import FORMULAS, written
 from duhem.projection import compiled, one_point, quadrants, quarter_ellipse
 from duhem.projection.compiled import kernels
 from duhem.projection.kept_code import compiled_text
@@ -87,7 +87,7 @@ def made() -> Loops:
         return a if condition else b
 
     product = formulas(jit, where).product
-    drawn, made_of, left = (jit(written(2, name)) for name in ("pulled", "booked", "balance"))
+    drawn, made_of, left = (jit(written(FORMULAS[name], 2)) for name in ("pulled", "booked", "balance"))
 
     @jit
     def taken(array: Any, begin: int, size: int, knot: int, s: Any, row: int) -> None:

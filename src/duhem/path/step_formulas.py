@@ -18,7 +18,7 @@ import numpy as np
 from duhem.expression.scalar_bounds import Name
 from duhem.projection.kept_code import interpreted_text
 
-__all__ = ["FORMULAS", "balance", "booked", "doubled", "energy", "on_numbers", "pulled", "summed", "times", "written"]
+__all__ = ["FORMULAS", "balance", "booked", "doubled", "energy", "inner", "on_numbers", "pulled", "slipped", "summed", "times", "written"]
 
 Vector = Any  # (d, n)
 Numbers = Any  # (n,)
@@ -87,7 +87,13 @@ def summed(
     parts = [(found[2], *_energies(k, found[0], found[1], way)) for found, way in ((first, middle - start), (second, end - middle))]
     two = [a + b for a, b in zip(*parts, strict=True)]
     multiplier, lost, numerical = (np.where(2.0 * two[i] >= one[i], 2.0 * two[i] - one[i], two[i]) for i in (0, 1, 3))
-    return du - times(back - before, c), energy(back, c), (multiplier, lost, 2.0 * two[2] - one[2], numerical)  # work has either sign
+    added = multiplier, lost, 2.0 * two[2] - one[2], numerical  # work has either sign
+    return *slipped(before, back, start, end, c), added
+
+
+def slipped(before: Vector, stress: Vector, start: Vector, end: Vector, c: Any) -> tuple[Vector, Numbers]:
+    """The slip of a step, what is not elastic of its displacement, and psi at its end."""
+    return end - start - times(stress - before, c), energy(stress, c)
 
 
 def _energies(k: Any, stress: Vector, slip: Vector, du: Vector) -> tuple[Numbers, Numbers, Numbers]:
@@ -99,33 +105,33 @@ def balance(was: Numbers, psi: Numbers, added: Energies) -> Numbers:
     return added[2] - (psi - was) - added[1] - added[3]
 
 
-FORMULAS = MappingProxyType({each.__name__: each for each in (pulled, booked, doubled, summed, balance)})
+FORMULAS = MappingProxyType({each.__name__: each for each in (pulled, booked, doubled, summed, slipped, balance)})
 """Those that one row and compiled loops have as lines."""
 
 
 @lru_cache(maxsize=16)
 def on_numbers(d: int) -> SimpleNamespace:
-    """Functions of plain numbers in d components, vectors and matrices being tuples or lists of them."""
-    return SimpleNamespace(**{name: interpreted_text(_written(formula, d), name) for name, formula in FORMULAS.items()})
+    """They all as :func:`written`."""
+    return SimpleNamespace(**{name: written(formula, d) for name, formula in FORMULAS.items()})
 
 
-def written(d: int, entry: str) -> Callable[..., Any]:
-    """One of them, for a compiler."""
-    return interpreted_text(_written(FORMULAS[entry], d), entry)
+@lru_cache(maxsize=128)
+def written(formula: Callable[..., Any], d: int) -> Callable[..., Any]:
+    """A formula in d components as a function of plain numbers, vectors and matrices being tuples or lists of them.
 
-
-def _written(formula: Callable[..., Any], d: int) -> str:
-    """The formula run over names."""
+    It is run over names, and what it does to them are its lines.
+    """
     lines: list[str] = []
     asked = list(inspect.signature(formula).parameters)
     given = [_named(_SHAPES.get(name, "vector"), name, d, lines) for name in asked]
     found = formula(*given)
     head = [f"    {_listed(each)} = {name}" for name, each in zip(asked, given, strict=True)]
-    return "\n".join([f"def {formula.__name__}({', '.join(asked)}):", *head, *lines, f"    return {_listed(found)}\n"])
+    text = [f"def {formula.__name__}({', '.join(asked)}):", *head, *lines, f"    return {_listed(found)}"]
+    return interpreted_text("\n".join(text), formula.__name__)
 
 
 _SHAPES = {"k": "matrix", "c": "matrix", "added": "energies"}
-_SHAPES |= dict.fromkeys(("first", "second", "whole"), "answer") | dict.fromkeys(("multiplier", "slips", "psi", "was"), "number")
+_SHAPES |= dict.fromkeys(("first", "second", "whole"), "answer") | dict.fromkeys(("multiplier", "slips", "psi", "was", "opening"), "number")
 
 
 def _named(shape: str, name: str, d: int, lines: list[str]) -> Any:
