@@ -35,7 +35,7 @@ class Followed(NamedTuple):
     time: float
     state: State
     first: bool
-    steps: Sequence[_Step]
+    steps: Sequence[_Stride]
 
     def at(self, time: float) -> Array:
         """The state on the way, and at the end the one that was integrated."""
@@ -45,7 +45,7 @@ class Followed(NamedTuple):
 
 
 @dataclass(eq=False)
-class _Step:
+class _Stride:
     """One step from a time over a size: its slopes are those of 13 stages."""
 
     slope: Slope
@@ -76,7 +76,7 @@ class _Step:
 def followed(slope: Slope, time: float, state: State, atol: State, events: Sequence[Event], kept: bool) -> Followed:
     """From ``time`` to 1, or to the first event on the way; ``kept``: with all steps, for what lies between.  DuhemError where it fails."""
     n = len(state)
-    step, steps, last = _step(n), list[_Step](), slope(time, state)
+    step, steps, last = _step(n), list[_Stride](), slope(time, state)
     sizes = [(a + _RTOL * abs(x)) for a, x in zip(atol, state, strict=True)]
     far, fast = (sqrt(sum((x / size) ** 2 for x, size in zip(each, sizes, strict=True))) for each in (state, last))
     h, high = min(0.01 * far / fast if fast > 0.0 else inf, 1.0 - time), inf
@@ -93,7 +93,7 @@ def followed(slope: Slope, time: float, state: State, atol: State, events: Seque
         if not error < 1.0:
             h, high = h * (max(_LEAST, _SAFETY * error**-0.125) if error < inf else _LEAST), 1.0
             continue
-        made = _Step(slope, time, h, state, end, slopes)
+        made = _Stride(slope, time, h, state, end, slopes)
         after = [event(time + h, end) for event in events]
         risen = [i for i, (a, b) in enumerate(zip(before, after, strict=True)) if a <= 0.0 <= b]
         if kept:
@@ -122,7 +122,7 @@ def _error(h: float, state: State, end: State, e5: State, e3: State, atol: State
     return error if isfinite(error) else inf
 
 
-def _rise(event: Event, step: _Step) -> float:
+def _rise(event: Event, step: _Stride) -> float:
     """When an event happens within a step."""
     from scipy.optimize import brentq
 

@@ -147,7 +147,7 @@ def _shared(moved: Move, part: float, share: float, dissipation: float, work: fl
 
 
 def _by_equation(plan: Plan) -> Piece:
-    from duhem.path.slip_equation import Drive, OpenContact, boundary, moves
+    from duhem.path.slip_equation import Motion, OpenContact, boundary, moves
 
     path, increment = plan.path, plan.increment
     on = boundary(increment)
@@ -175,7 +175,7 @@ def _by_equation(plan: Plan) -> Piece:
         if not du.any() and arc is None and increment.pressure[i] == increment.pressure[i - 1]:
             return [(stress, Move(tuple(stress), 0.0, 0.0, 0.0, part)) for part in parts]
         loads = (float(increment.pressure[i - 1]), float(increment.pressure[i]))
-        drive = Drive(lambda tau: tau * du, lambda _: rate) if arc is None else Drive(chord, tangent)
+        drive = Motion(lambda tau: tau * du, lambda _: rate) if arc is None else Motion(chord, tangent)
         if opening is not None and 0.0 in loads:
             reached = opening.moves(np.array(stress), drive, loads, parts)
         else:

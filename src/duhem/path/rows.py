@@ -101,15 +101,20 @@ class ManyRows:
         which: Which,
     ) -> Stepped:
         """What is ``slid`` where rows slip, and the others as they are."""
-        go = np.flatnonzero(sticks.slips & (sticks.lost == 0))
-        if np.ndim(end):  # of one point nothing is asked behind the first slip
+        go = np.flatnonzero(sticks.slips)
+        if np.ndim(end):  # of one point nothing is asked behind the first slip, and what is lost there is asked again, which ends the run
             go = go[:1]
             end = np.asarray(end)[go]
+        else:
+            go = go[sticks.lost[go] == 0]
         whole = sticks._replace(slip=np.zeros_like(sticks.stress), added=np.zeros((4, len(which))))
         whole.added[2] = sticks.added[2]
         if go.size:
             given = before[:, go], [way[:, go] for way in ways], end, which[go]
-            made = slid(*given, *begun(*given))
+            looked = begun(*given)
+            if np.ndim(end) and self.worst(*looked).any():  # beyond double precision, as the trial is
+                return whole
+            made = slid(*given, *looked)
             for name in ("stress", "slip", "psi", "added", "lost"):
                 getattr(whole, name)[..., go] = getattr(made, name)
         return whole

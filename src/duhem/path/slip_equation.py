@@ -39,7 +39,7 @@ from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.projection.scaled_formula import may_cancel, of_pressure_alone, scaled
 
-__all__ = ["Boundary", "Drive", "OpenContact", "boundary", "corner", "moves"]
+__all__ = ["Boundary", "Motion", "OpenContact", "boundary", "corner", "moves"]
 
 _SMOOTHING = (Norm, PNorm)
 _HEAD = f"import numpy as np\nfrom numpy import {', '.join(FUNCTIONS)}\nfrom duhem.expression.principal_axes import principal_axes\n"
@@ -51,7 +51,7 @@ _SAMPLES = np.linspace(0.0, 1.0, 65)
 Values = Callable[[Any, float], list[float]]  # formulas at one stress and pressure; nan or infinite where they are undefined
 
 
-class Drive(NamedTuple):
+class Motion(NamedTuple):
     """A step: the displacement since tau = 0 at tau in [0, 1], and its rate on plain numbers."""
 
     moved: Callable[[float], Array]
@@ -172,7 +172,7 @@ def _derivative(g: sp.Expr, x: sp.Symbol) -> sp.Expr:
     return slope.replace(lambda e: isinstance(e, sp.sign), lambda e: Where(e.args[0] > 0, 1, Where(e.args[0] < 0, -1, 0)))
 
 
-def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, float], parts: Sequence[float]) -> list[Move]:
+def moves(on: Boundary, stress: Array, drive: Motion, pressures: tuple[float, float], parts: Sequence[float]) -> list[Move]:
     """From ``stress`` in K over the step tau in [0, 1], the pressure going straight from the first to the second.
 
     What was done until each of ``parts``, increasing in (0, 1]; those before 1 are read off the method's own interpolation,
@@ -255,7 +255,7 @@ def _running(power: Any, du: Any, normal: Any, opening: Any, k: Any) -> tuple[li
     return [*moved, multiplier, multiplier * inner(power, normal), inner(power, du)], push
 
 
-def _at_rest(k: Array, drive: Drive, tau: float, state: Array, until: float) -> Array:
+def _at_rest(k: Array, drive: Motion, tau: float, state: Array, until: float) -> Array:
     """The state (stress, multiplier, dissipation, work) after no slip from ``tau`` on."""
     d = len(state) - 3
     du = drive.moved(until) - drive.moved(tau)
@@ -266,7 +266,7 @@ def _at_rest(k: Array, drive: Drive, tau: float, state: Array, until: float) -> 
     return new
 
 
-def _leaving(on: Boundary, stress: Array, drive: Drive, load: Callable[[float], float], tau: float) -> float:
+def _leaving(on: Boundary, stress: Array, drive: Motion, load: Callable[[float], float], tau: float) -> float:
     """The first time from ``tau`` at which the stress without slip leaves K; 1 if it does not."""
     from scipy.optimize import brentq
 
@@ -307,7 +307,7 @@ class OpenContact:
                 remedy='use method="implicit"',
             )
 
-    def moves(self, stress: Array, drive: Drive, loads: Pair, parts: Sequence[float]) -> list[Move]:
+    def moves(self, stress: Array, drive: Motion, loads: Pair, parts: Sequence[float]) -> list[Move]:
         """As :func:`moves` where a load is zero."""
         if loads == (0.0, 0.0):
             du = drive.moved(1.0)
@@ -321,7 +321,7 @@ class OpenContact:
             begun = self._bit(stress, drive.moved(first), at[0], first)
         start, share = drive.moved(first), last - first
 
-        between = Drive(
+        between = Motion(
             lambda tau: drive.moved(first + share * tau) - start, lambda tau: [share * rate for rate in drive.rate(first + share * tau)]
         )
         inside = [part for part in parts if first < part < last]
