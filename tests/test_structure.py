@@ -62,7 +62,6 @@ HALVED = {
     "proof.kernel.curve.turns": "boxes that cover the circle",
     "proof.methods.curves._place": "the angle of the greatest deviation",
     "proof.facts.parameter_choices.walk": "no halving: what lies between two values",
-    "path.compiled_steps.booked": "no halving: the mean stress of a step",
     "path.elementary_steps._exit": "no halving: a point between two seams",
     "path.elementary_steps._solved": "a scalar equation in time",
     "proof.search.long_chords._along_rays": "no halving: midpoints of chords",

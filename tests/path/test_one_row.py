@@ -11,7 +11,7 @@ import duhem
 from duhem import Path
 from duhem.path import integrators
 from duhem.path.ledger import Ledger
-from duhem.path.one_row import RowStepped
+from duhem.path.rows import Stepped
 
 FLAGSHIP = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 ELLIPSE = {"mu_a": 0.2, "mu_b": 0.15}
@@ -41,8 +41,8 @@ def tables(case: str, method: str, substeps: int) -> Any:
 def test_plain_numbers_take_the_steps_of_arrays(case: str, method: str, monkeypatch: pytest.MonkeyPatch) -> None:
     rows, booked = list[bool](), Ledger.row
 
-    def row(ledger: Ledger, made: RowStepped) -> None:
-        rows.append(made.slips)
+    def row(ledger: Ledger, made: Stepped) -> None:
+        rows.append(bool(made.slips))
         booked(ledger, made)
 
     monkeypatch.setattr(Ledger, "row", row)

@@ -23,7 +23,7 @@ from duhem.expression.rounding import TABLE as ON_ARRAYS
 from duhem.expression.rounding import Bounded, constant, eigenvalue
 from duhem.expression.vocabulary import EigMax
 
-__all__ = ["FUNCTIONS", "TABLE", "ScalarBounds", "scalar_bounds"]
+__all__ = ["FUNCTIONS", "TABLE", "Name", "ScalarBounds", "scalar_bounds"]
 
 FUNCTIONS = ("arccos", "arccosh", "arcsin", "arcsinh", "arctan", "arctan2", "arctanh", "cos", "cosh", "exp", "expm1", "hypot", "inf",
              "isfinite", "isnan", "log", "log10", "log1p", "maximum", "minimum", "nan", "sin", "sinh", "sqrt", "tan", "tanh")  # fmt: skip
@@ -75,10 +75,10 @@ def scalar_bounds(
             return partial(Bounded, *value)
         constants.setdefault(node, value)
         place = first + list(constants).index(node)
-        return partial(Bounded, _Name(lines, f"q[{place}]", known=value.value), _Name(lines, f"b[{place}]", known=value.bound))
+        return partial(Bounded, Name(lines, f"q[{place}]", known=value.value), Name(lines, f"b[{place}]", known=value.bound))
 
-    given = [Bounded(_Name(lines, f"v[x, {i}]"), 0.0) for i in range(len(forces))]
-    given += [Bounded(_Name(lines, f"q[{k}]"), _Name(lines, f"b[{k}]")) for k in range(len(others))]
+    given = [Bounded(Name(lines, f"v[x, {i}]"), 0.0) for i in range(len(forces))]
+    given += [Bounded(Name(lines, f"q[{k}]"), Name(lines, f"b[{k}]")) for k in range(len(others))]
     recording = recorded(recognised(expr), (*forces, *others), bound(TABLE), number)
     try:
         with np.errstate(all="ignore"):
@@ -89,7 +89,7 @@ def scalar_bounds(
     return ScalarBounds("\n".join(text), tuple(c.value for c in constants.values()), tuple(c.bound for c in constants.values()))
 
 
-class _Name(NDArrayOperatorsMixin):
+class Name(NDArrayOperatorsMixin):
     """A number that is only known when the text runs, under its name; what is done to it is a new line.
 
     ``known``: its value for the formula at hand, on which a row may decide; of other numbers nothing can be decided.
@@ -100,9 +100,9 @@ class _Name(NDArrayOperatorsMixin):
     def __init__(self, lines: list[str], name: str, truth: bool = False, known: Any = None) -> None:
         self.lines, self.name, self.truth, self.known = lines, name, truth, known
 
-    def let(self, text: str, truth: bool = False, known: Any = None) -> _Name:
+    def let(self, text: str, truth: bool = False, known: Any = None) -> Name:
         self.lines.append(f"    t{len(self.lines)} = {text}")
-        return _Name(self.lines, f"t{len(self.lines) - 1}", truth, known)
+        return Name(self.lines, f"t{len(self.lines) - 1}", truth, known)
 
     def __bool__(self) -> bool:
         if self.known is None:
@@ -115,7 +115,7 @@ class _Name(NDArrayOperatorsMixin):
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         if method != "__call__" or options or any(isinstance(x, np.ndarray) and x.ndim for x in inputs):
             return NotImplemented
-        values = [x.known if isinstance(x, _Name) else x for x in inputs]
+        values = [x.known if isinstance(x, Name) else x for x in inputs]
         known = None if any(v is None for v in values) else ufunc(*values)
         texts = [_text(x) for x in inputs]
         if ufunc in _SIGNS:
@@ -130,7 +130,7 @@ class _Name(NDArrayOperatorsMixin):
                 return self.let(f"{texts[0]} * {texts[0]}", known=known)
             case np.invert:
                 return self.let(f"not {texts[0]}", truth=True, known=known)
-        if ufunc in (np.maximum, np.minimum) and not isinstance(inputs[1], _Name):  # nan stays nan
+        if ufunc in (np.maximum, np.minimum) and not isinstance(inputs[1], Name):  # nan stays nan
             return self.let(f"{texts[0]} if not {texts[0]} {'<=' if ufunc is np.maximum else '>='} {texts[1]} else {texts[1]}", known=known)
         if ufunc.__name__ in FUNCTIONS:
             return self.let(f"{ufunc.__name__}({', '.join(texts)})", ufunc in (np.isnan, np.isfinite), known)
@@ -140,14 +140,16 @@ class _Name(NDArrayOperatorsMixin):
         if function is not np.where or len(arguments) != 3 or options:
             return NotImplemented
         condition, yes, no = arguments
-        if not isinstance(condition, _Name):
+        if isinstance(yes, np.ndarray):
+            return np.frompyfunc(partial(np.where, condition), 2, 1)(yes, no)
+        if not isinstance(condition, Name):
             return yes if condition else no
         return self.let(f"{_number(yes)} if {condition.name} else {_number(no)}")
 
 
 def _eigmax(_: Any, *entries: Bounded) -> Bounded:
     """By a function of :mod:`duhem.expression.principal_axes`; a matrix whose entries are all known has no name, and is one of arrays."""
-    named = next((a.value for a in entries if isinstance(a.value, _Name)), None)
+    named = next((a.value for a in entries if isinstance(a.value, Name)), None)
     if named is None:
         return ON_ARRAYS[EigMax](_, *entries)
     return eigenvalue(named.let(f"greatest({', '.join(_text(a.value) for a in entries)})"), entries)
@@ -157,11 +159,11 @@ TABLE: Table[Bounded] = {**ON_ARRAYS, EigMax: _eigmax}
 
 
 def _text(x: Any) -> str:
-    return x.name if isinstance(x, _Name) else repr(bool(x)) if isinstance(x, bool | np.bool_) else _number(x)
+    return x.name if isinstance(x, Name) else repr(bool(x)) if isinstance(x, bool | np.bool_) else _number(x)
 
 
 def _number(x: Any) -> str:
     """A number; the least ones are made normal, because processors take their time for others: as a bound they say as much."""
-    if isinstance(x, _Name):
+    if isinstance(x, Name):
         return f"float({x.name})" if x.truth else x.name
     return f"({max(float(x), _NORMAL) if 0.0 < x < _NORMAL else float(x)!r})"

@@ -13,10 +13,11 @@ from duhem.errors import DuhemError, InputError
 from duhem.path.batch import Batch, Share
 from duhem.path.closest import closest_by, outside, shape_by
 from duhem.path.history import STATES, SUMS, Histories
-from duhem.path.integrators import INTEGRATORS, STEPS, Step
+from duhem.path.integrators import INTEGRATORS, STEPS
 from duhem.path.ledger import Ledger, States
 from duhem.path.loading import between
 from duhem.path.paths import Which
+from duhem.path.rows import Step
 from duhem.path.run import Plan
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.result import Status
@@ -107,7 +108,7 @@ def _filled(batch: Batch, block: Share, method: str, out: Histories) -> str:
         if (left := compiled_run.looped(block, batch.projection, out)) is not None:
             points, why = left, f"{why}, compiled"
     if points.size:
-        _abreast(block, points, STEPS[method].rows(block, at), out)
+        _abreast(block, points, STEPS[method].by_arrays(block, at), out)
     return f"{why}{STEPS[method].said}"
 
 
@@ -117,7 +118,7 @@ def _abreast(block: Share, points: Which, step: Step, out: Histories) -> None:
     which = points
     for knot in range(int(out.knots[-1]) + 1):
         if knot and which.size:
-            states.take(block, which, *step(states.anchor_stress[which], states.anchor[which], states.stress[which], knot, which))
+            states.take(block, which, step(states.anchor_stress[which], states.anchor[which], states.stress[which], knot, which))
             which = which[states.reached[which] == knot]
         if knot in rows:
             states.keep(out, points, rows[knot])

@@ -21,10 +21,11 @@ from duhem.path.batch import Share
 from duhem.path.closest import LOST, ClosestPoints, ShapeNumbers, shape_by
 from duhem.path.compiled_steps import loops
 from duhem.path.history import SUMS, Histories
-from duhem.path.integrators import gains, steps, stretch
+from duhem.path.integrators import steps, stretch
 from duhem.path.ledger import Ledger, States
 from duhem.path.paths import Paths, Which
-from duhem.path.run import Plan
+from duhem.path.run import Plan, columns
+from duhem.path.step_formulas import booked
 from duhem.projection.compiled_newton import Loop
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.increment import Convexity, Increment
@@ -174,9 +175,11 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
 def _book(ledger: Ledger, k: Array, stress: Array, values: Array, found: ClosestPoints, rows: Which) -> NDArray[np.bool_]:
     """Put what was found at ``rows`` (..., m) into the ledger, from the stress and along the m + 1 displacements; which of them slip."""
     slips, near = found.slips()[rows], found.stress[rows]
-    before, du = np.concatenate([stress[..., None, :], near[..., :-1, :]], axis=-2), np.diff(values, axis=-2)
-    slip, multiplier = found.slip[rows], found.multiplier[rows]
-    ledger.rows(near, slip, gains(k, ledger.compliance, before, near, slip, multiplier, slips, du))
+    before, trial = columns(np.concatenate([stress[..., None, :], near[..., :-1, :]], axis=-2)), columns(near)
+    slip, multiplier = columns(found.slip[rows]), found.multiplier[rows].ravel()
+    end, begin, matrices = columns(values[..., 1:, :]), columns(values[..., :-1, :]), (k[:, :, None], ledger.compliance[:, :, None])
+    _, _, added = booked(before, trial, trial, slip, multiplier, slips.ravel(), end, begin, *matrices)
+    ledger.rows(near, found.slip[rows], np.reshape(added, (4, *slips.shape)))
     return slips
 
 

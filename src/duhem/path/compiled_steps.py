@@ -1,7 +1,7 @@
 """Implicit steps through numba, for the shapes a law declares: whole stretches of paths without a word of Python in between.
 
 One loop takes points from knot to knot abreast, so that the compiled kernel of the quarter ellipses sees rows of them; points with
-numbers of their own ask for their closest points one by one.  The sums are those of :mod:`duhem.path.integrators`; the closest points
+numbers of their own ask for their closest points one by one.  The sums are those of :mod:`duhem.path.step_formulas`; the closest points
 differ from NumPy's in the last digits.
 """
 
@@ -18,6 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from duhem.path import step_formulas
+from duhem.path.step_formulas import FORMULAS, written
 from duhem.projection import compiled, one_point, quadrants, quarter_ellipse
 from duhem.projection.compiled import kernels
 from duhem.projection.kept_code import compiled_text
@@ -66,7 +68,7 @@ def loops() -> Loops:
 
     What is kept belongs to the text of the modules that it was made of.
     """
-    texts = map(inspect.getsource, (sys.modules[__name__], compiled, one_point, quadrants, quarter_ellipse))
+    texts = map(inspect.getsource, (sys.modules[__name__], step_formulas, compiled, one_point, quadrants, quarter_ellipse))
     stamp = hashlib.sha256("".join(texts).encode()).hexdigest()
     return Loops(*(compiled_text(_KEPT.format(stamp=stamp, name=field.name, names=_NAMES), "run") for field in fields(Loops)))
 
@@ -85,6 +87,7 @@ def made() -> Loops:
         return a if condition else b
 
     product = formulas(jit, where).product
+    drawn, made_of, left = (jit(written(FORMULAS[name], 2)) for name in ("pulled", "booked", "balance"))
 
     @jit
     def taken(array: Any, begin: int, size: int, knot: int, s: Any, row: int) -> None:
@@ -113,12 +116,10 @@ def made() -> Loops:
     @jit
     def pulled(s: Any, k: Any, size: int, moved: bool, trial: Any) -> None:
         """The displacements in rows 16 and 17, the trial stresses, and those about the centre."""
-        k00, k01, k10, k11 = k[0, 0], k[0, 1], k[1, 0], k[1, 1]
+        stiffness = (k[0, 0], k[0, 1]), (k[1, 0], k[1, 1])
         for j in range(size):
             s[16, j], s[17, j] = s[16, j] * s[26, j], s[17, j] * s[27, j]
-            d1, d2 = s[16, j] - s[6, j], s[17, j] - s[7, j]
-            s[18, j] = s[4, j] + (d1 * k00 + d2 * k10)
-            s[19, j] = s[5, j] + (d1 * k01 + d2 * k11)
+            s[18, j], s[19, j] = drawn((s[4, j], s[5, j]), (s[16, j], s[17, j]), (s[6, j], s[7, j]), stiffness)
         for j in range(size):
             trial[2 * j], trial[2 * j + 1] = s[18, j], s[19, j]
         if moved:
@@ -130,8 +131,7 @@ def made() -> Loops:
     def booked(s: Any, k: Any, c: Any, size: int, moved: bool, stress: Any, slip: Any, lam: Any) -> None:
         """What the step adds.  Rows of ``s``: 0 stress, 2 slip, 4 and 6 anchor, 8 the six sums, 14 on its way, 15 slips, 20 where it was,
         22 steps, 23 centre, 25 the share of the multiplier, 26 the factor of the displacement."""
-        k00, k01, k10, k11 = k[0, 0], k[0, 1], k[1, 0], k[1, 1]
-        c00, c01, c10, c11 = c[0, 0], c[0, 1], c[1, 0], c[1, 1]
+        stiffness, compliance = ((k[0, 0], k[0, 1]), (k[1, 0], k[1, 1])), ((c[0, 0], c[0, 1]), (c[1, 0], c[1, 1]))
         if moved:
             for j in range(size):
                 stress[2 * j] += s[23, j]
@@ -140,17 +140,12 @@ def made() -> Loops:
             p1, p2, multiplier = slip[2 * j], slip[2 * j + 1], lam[j] * s[25, j]
             slips = (p1 != 0.0) | (p2 != 0.0) | (multiplier > 0.0)
             b1, b2, u1, u2, before = s[0, j], s[1, j], s[16, j], s[17, j], s[9, j]
-            t1, t2 = where(slips, stress[2 * j], s[18, j]), where(slips, stress[2 * j + 1], s[19, j])
-            d1, d2 = u1 - s[20, j], u2 - s[21, j]
-            e1, e2, g1, g2 = d1 - p1, d2 - p2, t1 - b1, t2 - b2
-            psi = 0.5 * (t1 * (t1 * c00 + t2 * c10) + t2 * (t1 * c01 + t2 * c11))
-            gained = (0.5 * (b1 + t1)) * (g1 * c00 + g2 * c10) + (0.5 * (b2 + t2)) * (g1 * c01 + g2 * c11)
-            lost = where(slips, t1 * p1 + t2 * p2, 0.0)
-            work = where(slips, t1 * d1 + t2 * d2, gained)
-            numerical = where(slips, 0.5 * (e1 * (e1 * k00 + e2 * k10) + e2 * (e1 * k01 + e2 * k11)), 0.0)
-            balance = s[13, j] + (work - (psi - before) - lost - numerical)
+            trial, near = (s[18, j], s[19, j]), (stress[2 * j], stress[2 * j + 1])
+            way = (u1, u2), (s[20, j], s[21, j])
+            (t1, t2), psi, added = made_of((b1, b2), trial, near, (p1, p2), multiplier, slips, way[0], way[1], stiffness, compliance)
+            balance = s[13, j] + left(before, psi, added)
             q1, q2, multiplier = s[2, j] + p1, s[3, j] + p2, s[8, j] + multiplier
-            lost, work, numerical = s[10, j] + lost, s[11, j] + work, s[12, j] + numerical
+            lost, work, numerical = s[10, j] + added[1], s[11, j] + added[2], s[12, j] + added[3]
             states = (t1 * 0.0 + t2 * 0.0) + (q1 * 0.0 + q2 * 0.0)
             whole = (states + (multiplier * 0.0 + psi * 0.0)) + ((lost * 0.0 + work * 0.0) + (numerical * 0.0 + balance * 0.0))
             go = (s[14, j] > 0.0) & (whole == 0.0)

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import acos, atan, atan2, copysign, cos, exp, expm1, hypot, inf, log, log1p, pi, sin, sqrt, tanh
+from math import acos, atan, atan2, copysign, cos, exp, expm1, hypot, inf, isfinite, log, log1p, pi, sin, sqrt, tanh
 
 __all__ = ["Move", "Pair", "on_disk", "on_ellipse", "on_interval"]
 
@@ -84,7 +84,10 @@ def _exit(s: Pair, q: Pair, e: float, mu: Sequence[float]) -> tuple[float, Pair 
             a, b = r[0] * r[0] + r[1] * r[1], p[0] * r[0] + p[1] * r[1]
             size = hypot(*p)
             c = (size - 1.0) * (size + 1.0)
-            root = sqrt(max(b * b - a * c, 0.0))
+            square = b * b - a * c
+            if not isfinite(square):  # it would pass for rest
+                raise OverflowError("the way to the boundary leaves double precision")
+            root = sqrt(max(square, 0.0))
             tau = (root - b) / a if b <= 0.0 else -c / (b + root)
             tau = min(max(tau, start), end)
             x, y = p[0] + tau * r[0], p[1] + tau * r[1]

@@ -7,6 +7,7 @@ anywhere along the step and not only at its end.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from math import cos, sin
 
 import numpy as np
 
@@ -15,15 +16,17 @@ from duhem.path.batch import Share
 from duhem.path.closest import shape_numbers
 from duhem.path.elementary_steps import Move, on_ellipse, on_interval
 from duhem.path.ledger import Ledger
+from duhem.path.rows import Stepped
 from duhem.path.run import Plan
+from duhem.path.step_formulas import on_numbers
 from duhem.projection.known_points import beyond_tangents
 from duhem.projection.level import level
 from duhem.projection.result import Array
 
 __all__ = ["Piece", "advance", "elementary", "piece", "why"]
 
-Reached = tuple[Array, Move]  # the stress, and what was done since the start of the step; free in parts of the whole step
-Piece = Callable[[Array, int, Sequence[float]], list[Reached]]  # stress at the start, row to reach, increasing parts of the step
+Reached = tuple[Sequence[float], Move]  # the stress, and what was done since the start of the step; free in parts of the whole step
+Piece = Callable[[Sequence[float], int, Sequence[float]], list[Reached]]  # stress at the start, row to reach, increasing parts of the step
 
 
 def elementary(plan: Plan) -> str | None:
@@ -78,17 +81,17 @@ def _not_convex(plan: Plan) -> str:
 
 def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """Fill the ledger row by row; yields the number of rows done."""
-    along = piece(plan)
-    path, c = plan.path, plan.compliance
-    while ledger.done < len(path.values):
+    along, formulas = piece(plan), on_numbers(len(plan.compliance))
+    values, c = plan.path.values, plan.compliance.tolist()
+    while ledger.done < len(values):
         i = ledger.done
-        before = ledger.stress[i - 1]
+        before, (start, end) = ledger.stress[i - 1].tolist(), values[i - 1 : i + 1].tolist()
         with np.errstate(over="raise", invalid="raise", divide="raise"):  # or an overflow on the way would pass for rest
             [(stress, moved)] = along(before, i, (1.0,))
-        du = path.values[i] - path.values[i - 1]
-        slip = np.zeros_like(du) if moved.free >= 1.0 else du - c @ (stress - before)
-        added = (moved.multiplier, moved.dissipation, moved.work, 0.0)
-        ledger.rows(stress[None], slip[None], np.array(added)[:, None])
+        slip, psi = formulas.slipped(before, stress, start, end, c)
+        rests = moved.free >= 1.0
+        slip = [0.0] * len(slip) if rests else slip
+        ledger.row(Stepped(end, stress, slip, psi, (moved.multiplier, moved.dissipation, moved.work, 0.0), not rests, 0))
         yield ledger.done
 
 
@@ -100,32 +103,29 @@ def piece(plan: Plan) -> Piece:
 def _by_shape(plan: Plan) -> Piece:
     shape, path = shape_numbers(Share.alone(plan)), plan.path
     assert shape is not None
-    values, arc, mu = path.values, path.arc, shape.coefficients[0].tolist()
-    load, share, centre = shape.along(len(path.time))
+    values, arc, mu = path.values.tolist(), path.arc, shape.coefficients[0].tolist()
+    load, share, centre = (array.tolist() for array in shape.along(len(path.time)))
     k = np.diagonal(plan.stiffness).tolist()
 
-    def interval(stress: Array, i: int, part: float) -> Reached:
-        loads = (float(load[i - 1]), float(load[i] - (1.0 - part) * (load[i] - load[i - 1])))
-        moved = on_interval(float(stress[0]), part * float(values[i, 0] - values[i - 1, 0]), loads, mu, k[0])
-        return np.array(moved.stress), _shared(moved, part, float(share[i]), 0.0)
+    def interval(stress: Sequence[float], i: int, part: float) -> Reached:
+        loads = (load[i - 1], load[i] - (1.0 - part) * (load[i] - load[i - 1]))
+        moved = on_interval(stress[0], part * (values[i][0] - values[i - 1][0]), loads, mu, k[0])
+        return moved.stress, _shared(moved, part, share[i], 0.0)
 
-    def round_arc(stress: Array, i: int, part: float) -> Reached:
+    def round_arc(stress: Sequence[float], i: int, part: float) -> Reached:
         assert arc is not None
         start = float(arc.angle[i - 1])
-        limit = mu[0] * float(load[i])
-        moved = on_disk((float(stress[0]), float(stress[1])), arc.radius, start, part * (float(arc.angle[i]) - start), limit, k[0])
-        return np.array(moved.stress), _shared(moved, part, mu[0] * float(share[i]), 0.0)
+        limit = mu[0] * load[i]
+        moved = on_disk((stress[0], stress[1]), arc.radius, start, part * (float(arc.angle[i]) - start), limit, k[0])
+        return moved.stress, _shared(moved, part, mu[0] * share[i], 0.0)
 
-    def ellipse(stress: Array, i: int, part: float) -> Reached:
-        middle = centre[i]
-        du = part * (values[i] - values[i - 1])
-        first = stress - middle
-        moved = on_ellipse((first[0], first[1]), (du[0], du[1]), float(load[i]), mu, (k[0], k[1]))
-        end = np.array(moved.stress) + middle
-        if moved.free >= 1.0:
-            end = stress + plan.stiffness @ du
-        at_rest = plan.compliance @ (end - stress)
-        return end, _shared(moved, part, float(share[i]), float(middle @ (du - at_rest)), float(middle @ du))
+    def ellipse(stress: Sequence[float], i: int, part: float) -> Reached:
+        (x, y), (u, v) = centre[i], (part * (end - start) for start, end in zip(values[i - 1], values[i], strict=True))
+        a, b = stress
+        moved = on_ellipse((a - x, b - y), (u, v), load[i], mu, (k[0], k[1]))
+        end = (moved.stress[0] + x, moved.stress[1] + y) if moved.free < 1.0 else (a + k[0] * u, b + k[1] * v)
+        slip = u - (end[0] - a) / k[0], v - (end[1] - b) / k[1]
+        return end, _shared(moved, part, share[i], x * slip[0] + y * slip[1], x * u + y * v)
 
     if isinstance(plan.increment.law.closed_form, Interval):
         return _each(interval)
@@ -136,7 +136,7 @@ def _by_shape(plan: Plan) -> Piece:
     return _each(round_arc)
 
 
-def _each(one: Callable[[Array, int, float], Reached]) -> Piece:
+def _each(one: Callable[[Sequence[float], int, float], Reached]) -> Piece:
     """Every part of a step anew from its start: elementary functions do not care how far it is."""
     return lambda stress, i, parts: [one(stress, i, part) for part in parts]
 
@@ -147,7 +147,7 @@ def _shared(moved: Move, part: float, share: float, dissipation: float, work: fl
 
 
 def _by_equation(plan: Plan) -> Piece:
-    from duhem.path.slip_equation import OpenContact, boundary, moves
+    from duhem.path.slip_equation import Motion, OpenContact, boundary, moves
 
     path, increment = plan.path, plan.increment
     on = boundary(increment)
@@ -155,29 +155,31 @@ def _by_equation(plan: Plan) -> Piece:
     if increment.law.pressure is not None and not increment.pressure.all() and not on.value(np.zeros(len(plan.compliance)), 0.0) < 0.0:
         opening = OpenContact(plan, on)
 
-    def along(stress: Array, i: int, parts: Sequence[float]) -> list[Reached]:
+    def along(stress: Sequence[float], i: int, parts: Sequence[float]) -> list[Reached]:
         du = path.values[i] - path.values[i - 1]
-        arc = path.arc
-
-        def straight(tau: float) -> tuple[Array, Array]:
-            return tau * du, du
-
-        def round_(tau: float) -> tuple[Array, Array]:
-            assert arc is not None
+        if (arc := path.arc) is not None:
             start, sweep = float(arc.angle[i - 1]), float(arc.angle[i] - arc.angle[i - 1])
-            half, angle = 0.5 * tau * sweep, start + tau * sweep
+        rate = du.tolist()
+
+        def chord(tau: float) -> Array:
+            assert arc is not None
+            half = 0.5 * tau * sweep
             way = start + half + 0.5 * np.pi
-            chord = 2.0 * arc.radius * np.sin(half) * np.array([np.cos(way), np.sin(way)])
-            return chord, arc.radius * sweep * np.array([-np.sin(angle), np.cos(angle)])
+            return 2.0 * arc.radius * np.sin(half) * np.array([np.cos(way), np.sin(way)])
+
+        def tangent(tau: float) -> list[float]:
+            assert arc is not None
+            angle = start + tau * sweep
+            return [-arc.radius * sweep * sin(angle), arc.radius * sweep * cos(angle)]
 
         if not du.any() and arc is None and increment.pressure[i] == increment.pressure[i - 1]:
-            return [(stress, Move(tuple(stress.tolist()), 0.0, 0.0, 0.0, part)) for part in parts]
+            return [(stress, Move(tuple(stress), 0.0, 0.0, 0.0, part)) for part in parts]
         loads = (float(increment.pressure[i - 1]), float(increment.pressure[i]))
-        drive = straight if arc is None else round_
+        drive = Motion(lambda tau: tau * du, lambda _: rate) if arc is None else Motion(chord, tangent)
         if opening is not None and 0.0 in loads:
-            reached = opening.moves(stress, drive, loads, parts)
+            reached = opening.moves(np.array(stress), drive, loads, parts)
         else:
-            reached = moves(on, stress, drive, loads, parts)
-        return [(np.array(moved.stress), moved) for moved in reached]
+            reached = moves(on, np.array(stress), drive, loads, parts)
+        return [(moved.stress, moved) for moved in reached]
 
     return along

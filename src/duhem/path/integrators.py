@@ -8,8 +8,8 @@ The implicit step, first order, is the closest point of K at the end of the step
 The extrapolated step, second order, is two half steps and a whole one, extrapolated (Richardson, 1911), then put back into K:
 sigma = P(2 sigma_halves - sigma_whole), with P the closest point, which takes off what the extrapolation left outside.
 
-Both are written once, for rows: many points at one knot of their paths, or one point at knots in turn, up to its first slip.  Trials
-are taken from where a point last slipped, so that no rounding gathers while it sticks.
+Both are written once, for rows: many points at one knot of their paths, one point at knots in turn, up to its first slip, or one row on
+plain numbers.  Trials are taken from where a point last slipped, so that no rounding gathers while it sticks.
 """
 
 from __future__ import annotations
@@ -18,102 +18,75 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from duhem.path import exact, one_row
+from duhem.path import exact
 from duhem.path.batch import Share
 from duhem.path.closest import Closest, closest_by, closest_points, shape_by, vouched
 from duhem.path.exact import Piece
-from duhem.path.ledger import Gains, Ledger
-from duhem.path.one_row import ClosestPoint, RowStep, closest_point
+from duhem.path.ledger import Ledger
+from duhem.path.one_row import OneRow, closest_point
 from duhem.path.paths import Knot, Which
-from duhem.path.run import Plan, energy, inner, times
+from duhem.path.rows import ManyRows, RowsFound, Step, Stepped, Vector, Ways, by_arrays
+from duhem.path.run import Plan
 from duhem.projection.in_blocks import FEW
-from duhem.projection.result import Array
 
-__all__ = ["INTEGRATORS", "STEPS", "Integrator", "Step", "Stepped", "Stepping", "gains", "steps", "stretch"]
+__all__ = ["INTEGRATORS", "STEPS", "Integrator", "Stepping", "steps", "stretch"]
 
+Rows = ManyRows | OneRow
 _MOST_AHEAD = 4096
+_ALONE = np.zeros(1, dtype=np.intp)
 
 
-class Stepped(NamedTuple):
-    """What a step makes of n rows: displacement, stress and slip (n, d), what it adds to the sums, which slip, the status where lost."""
+def implicit(rows: Rows) -> Step:
+    """The implicit step."""
+    k, c, formulas = rows.k, rows.c, rows.formulas
 
-    displacement: Array
-    stress: Array
-    slip: Array
-    gains: Gains
-    slips: NDArray[np.bool_]
-    lost: NDArray[np.int8]
-
-
-Step = Callable[[Array, Array, Array, Knot, Which], Stepped]
-"""(stress and displacement where each row last slipped, stress before, knots, points) -> what the step makes of them; ``before`` has
-one row where these are knots of one point in turn."""
-
-
-def implicit(block: Share, at: Closest) -> Step:
-    """The implicit step of a block's points."""
-    k, c, path = block.members[0].stiffness, block.compliance, block.paths.at
-
-    def step(anchor_stress: Array, anchor: Array, before: Array, knot: Knot, which: Which) -> Stepped:
-        u = path(knot, which)
-        trial = anchor_stress + times(u - anchor, k)
-        found = at(trial, knot, which)
-        slips = found.slips()
-        stress = np.where(slips[:, None], found.stress, trial)
-        if len(before) < len(trial):
-            before = np.concatenate([before, stress[:-1]])
-        du = u - path(knot - 1, which)
-        return Stepped(u, stress, found.slip, gains(k, c, before, stress, found.slip, found.multiplier, slips, du), slips, found.lost)
+    def step(anchor_stress: Vector, anchor: Vector, before: Vector, knot: Knot, which: Which) -> Stepped | None:
+        u = rows.displacement(knot, which)
+        trial = formulas.pulled(anchor_stress, u, anchor, k)
+        if (found := rows.closest(trial, knot, which)) is None:
+            return None
+        stress, slip, multiplier, slips, lost = found
+        start = rows.displacement(knot - 1, which)
+        near, psi, added = formulas.booked(rows.preceding(before, trial), trial, stress, slip, multiplier, slips, u, start, k, c)
+        return Stepped(u, near, slip, psi, added, slips, lost)
 
     return step
 
 
-def extrapolated(block: Share, at: Closest) -> Step:
-    """The extrapolated step, over paths with two rows a step.
+def extrapolated(rows: Rows) -> Step:
+    """The extrapolated step, over paths with two rows a step."""
+    k, c, formulas = rows.k, rows.c, rows.formulas
 
-    Multiplier, dissipation and work are extrapolated alike, but the first two never below zero: where the two estimates of a
-    dissipation are so far apart that this would happen, that of the half steps stands.  The balance of energy holds to
-    the order of the method.
-    """
-    k, c, path = block.members[0].stiffness, block.compliance, block.paths.at
+    def begun(before: Vector, ways: Ways, end: Knot, which: Which) -> tuple[RowsFound, RowsFound] | None:
+        """The first half and the whole step from the stress before."""
+        start, middle, u = ways
+        whole = rows.closest(formulas.pulled(before, u, start, k), end, which)
+        first = rows.closest(formulas.pulled(before, middle, start, k), end - 1, which)
+        return None if first is None or whole is None else (first, whole)
 
-    def step(anchor_stress: Array, anchor: Array, before: Array, knot: Knot, which: Which) -> Stepped:
-        n, end = len(which), 2 * knot
-        start, middle, u = path(end - 2, which), path(end - 1, which), path(end, which)
-        trial = anchor_stress + times(u - anchor, k)
-        half = anchor_stress + times(middle - anchor, k)
-        knots = np.concatenate([np.broadcast_to(end - 1, n), np.broadcast_to(end, n)])
-        looked = at(np.concatenate([half, trial]), knots, np.concatenate([which, which]))
-        seen, lost = looked.slips(), looked.lost.reshape(2, n).max(axis=0)
-        slips = seen[:n] | seen[n:]
-        if len(before) < n:  # nothing is asked behind the first slip
-            n = int(np.argmax(slips)) + 1 if slips.any() else n
-            before = np.concatenate([before, trial[: n - 1]])
-            start, middle, u, trial = (rows[:n] for rows in (start, middle, u, trial))
-            which, slips, lost = which[:n], slips[:n], lost[:n]
-        added = np.zeros((4, n))
-        added[2] = inner(0.5 * (before + trial), times(trial - before, c))
-        stress, slip = trial.copy(), np.zeros_like(trial)
-        if (go := np.flatnonzero(slips & (lost == 0))).size:
-            own, s, last = which[go], before[go], knots[len(knots) // 2 :][go]
-            du, d1, d2 = (u - start)[go], (middle - start)[go], (u - middle)[go]
-            whole = at(s + times(du, k), last, own)
-            first = at(s + times(d1, k), last - 1, own)
-            second = at(first.stress + times(d2, k), last, own)
-            back = at(2.0 * second.stress - whole.stress, last, own)
-            one = np.array([whole.multiplier, *energies(k, whole.stress, whole.slip, du)])
-            parts = [energies(k, found.stress, found.slip, d) for found, d in ((first, d1), (second, d2))]
-            two = np.array([first.multiplier + second.multiplier, *np.add(parts[0], parts[1])])
-            sums = np.where(2.0 * two >= one, 2.0 * two - one, two)
-            sums[2] = 2.0 * two[2] - one[2]  # work has either sign
-            stress[go], slip[go], added[:, go] = back.stress, du - times(back.stress - s, c), sums
-            lost[go] = np.max([found.lost for found in (whole, first, second, back)], axis=0)
-        return Stepped(u, stress, slip, (added[0], added[1], added[2], added[3]), slips, lost)
+    def slid(before: Vector, ways: Ways, end: Knot, which: Which, first: RowsFound, whole: RowsFound) -> Stepped | None:
+        start, middle, u = ways
+        second = rows.closest(formulas.pulled(first.stress, u, middle, k), end, which)
+        back = None if second is None else rows.closest(formulas.doubled(second.stress, whole.stress), end, which)
+        if second is None or back is None:
+            return None
+        slip, psi, added = formulas.summed(before, first[:3], second[:3], whole[:3], back.stress, start, middle, u, k, c)
+        return Stepped(u, back.stress, slip, psi, added, True, rows.worst(whole, first, second, back))
+
+    def step(anchor_stress: Vector, anchor: Vector, before: Vector, knot: Knot, which: Which) -> Stepped | None:
+        end = 2 * knot
+        start, middle, u = (rows.displacement(end - back, which) for back in (2, 1, 0))
+        half, trial = (formulas.pulled(anchor_stress, to, anchor, k) for to in (middle, u))
+        if (looked := rows.both(half, trial, end, which)) is None:
+            return None
+        first, whole = looked
+        before, slips = rows.preceding(before, trial), first.slips | whole.slips
+        near, psi, added = formulas.booked(before, trial, trial, rows.none, 0.0, False, u, u, k, c)
+        sticks = Stepped(u, near, rows.none, psi, added, slips, rows.worst(first, whole))
+        return rows.sliding(sticks, looked, begun, slid, anchor, before, (start, middle, u), end, which)
 
     return step
 
@@ -122,36 +95,25 @@ def extrapolated(block: Share, at: Closest) -> Step:
 class Stepping:
     """One way of stepping, as a value.
 
-    ``halves``: into how many rows a step of the path is cut; ``rows`` and ``row`` are the step, of many rows and of one on plain
-    numbers; ``said`` is what is said of it beside the method of the closest point.
+    ``halves``: into how many rows a step of the path is cut; ``step`` is the step of rows; ``said`` is what is said of it beside the
+    method of the closest point.
     """
 
     halves: int
-    rows: Callable[[Share, Closest], Step]
-    row: Callable[[Share, ClosestPoint], RowStep]
+    step: Callable[[Rows], Step]
     said: str = ""
+
+    def by_arrays(self, block: Share, at: Closest) -> Step:
+        """The step of a block's points, by arrays."""
+        return by_arrays(self.step(ManyRows(block, at)))
 
 
 STEPS: Mapping[str, Stepping] = MappingProxyType(
     {
-        "implicit": Stepping(1, implicit, one_row.implicit),
-        "extrapolated": Stepping(2, extrapolated, one_row.extrapolated, ", extrapolated from whole and half steps"),
+        "implicit": Stepping(1, implicit),
+        "extrapolated": Stepping(2, extrapolated, ", extrapolated from whole and half steps"),
     }
 )
-
-
-def energies(k: Array, stress: Array, slip: Array, du: Array) -> tuple[Array, Array, Array]:
-    """Dissipation sigma . du_in, work sigma . du and du_e . k du_e / 2 of implicit steps, a row each, in Pa m."""
-    return inner(stress, slip), inner(stress, du), energy(du - slip, k)
-
-
-def gains(k: Array, c: Array, before: Array, stress: Array, slip: Array, multiplier: Array, slips: NDArray[np.bool_], du: Array) -> Gains:
-    """What implicit steps add to multiplier, dissipation, work and numerical loss, (n,) each; where nothing slips the work is stored."""
-    dissipation, work, numerical = energies(k, stress, slip, du)
-    if slips.all():
-        return multiplier, dissipation, work, numerical
-    stored = inner(0.5 * (before + stress), times(stress - before, c))
-    return multiplier, np.where(slips, dissipation, 0.0), np.where(slips, work, stored), np.where(slips, numerical, 0.0)
 
 
 # -- along one path ------------------------------------------------------------------------------------------------------
@@ -174,24 +136,24 @@ def _advance(method: str, plan: Plan, ledger: Ledger) -> Iterator[int]:
         yield ledger.done
 
 
-def steps(method: str, plan: Plan) -> tuple[Step, RowStep | None]:
+def steps(method: str, plan: Plan) -> tuple[Step, Step | None]:
     """The step of one path, of several rows and of one; None for this where arrays do it."""
     way = STEPS[method]
     block = Share.alone(plan, way.halves)
     shape = shape_by(block, plan.projection)
     at, _ = closest_by(block, plan.projection, shape)
     point = closest_point(block, plan.projection, shape, at)
-    return way.rows(block, vouched(at)), None if point is None else way.row(block, point)
+    return way.by_arrays(block, vouched(at)), None if point is None else way.step(OneRow(block, point))
 
 
-def stretch(plan: Plan, ledger: Ledger, made: tuple[Step, RowStep | None], anchor: int, ahead: int) -> bool:
+def stretch(plan: Plan, ledger: Ledger, made: tuple[Step, Step | None], anchor: int, ahead: int) -> bool:
     """The next rows up to the first that slips, no more than ``ahead``, from the row ``anchor`` that last slipped; whether one does."""
     first, values = ledger.done, plan.path.values
     last = min(first + ahead, len(values))
     step, one = made
     if one is not None and ahead <= FEW:
-        anchor_stress, before = ledger.stress[anchor].tolist(), ledger.stress[first - 1].tolist()
-        while ledger.done < last and (row := one(anchor_stress, anchor, before, ledger.done)) is not None:
+        begun, before = (ledger.stress[anchor].tolist(), values[anchor].tolist()), ledger.stress[first - 1].tolist()
+        while ledger.done < last and (row := one(*begun, before, ledger.done, _ALONE)) is not None:
             ledger.row(row)
             if row.slips:
                 return True
@@ -199,10 +161,12 @@ def stretch(plan: Plan, ledger: Ledger, made: tuple[Step, RowStep | None], ancho
         if ledger.done > first:
             return False
     knots = np.arange(first, last)
-    found = step(ledger.stress[anchor], values[anchor], ledger.stress[first - 1 : first], knots, np.zeros_like(knots))
+    found = step(
+        ledger.stress[anchor : anchor + 1], values[anchor : anchor + 1], ledger.stress[first - 1 : first], knots, np.zeros_like(knots)
+    )
     slips = np.flatnonzero(found.slips)
     n = int(slips[0]) + 1 if slips.size else len(knots)
-    ledger.rows(found.stress[:n], found.slip[:n], [gain[:n] for gain in found.gains])
+    ledger.rows(found.stress[:n], found.slip[:n], [gain[:n] for gain in found.added])
     return bool(slips.size)
 
 

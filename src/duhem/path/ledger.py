@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from duhem.path.batch import Share
 from duhem.path.history import SUMS, Histories, History
-from duhem.path.one_row import RowStepped
 from duhem.path.paths import Which
+from duhem.path.rows import Stepped
 from duhem.path.run import Plan, energy, times
+from duhem.path.step_formulas import balance
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.result import Array, Status
 
@@ -81,16 +82,16 @@ class Ledger:
         np.add.accumulate(self.slip[..., i:last, :], axis=-2, out=self.slip[..., i:last, :])
         self.added[..., i + 1 : last] = gains
         np.add.accumulate(self.added[..., i:last], axis=-1, out=self.added[..., i:last])
-        self.balance[..., i + 1 : last] = gains[2] - (self.psi[..., i + 1 : last] - self.psi[..., i : last - 1]) - gains[1] - gains[3]
+        self.balance[..., i + 1 : last] = balance(self.psi[..., i : last - 1], self.psi[..., i + 1 : last], gains)
         self.done = last
 
-    def row(self, made: RowStepped) -> None:
+    def row(self, made: Stepped) -> None:
         """One row of one path, from plain numbers."""
-        i, (_, lost, work, numerical) = self.done, made.gains
+        i = self.done
         self.stress[i], self.psi[i] = made.stress, made.psi
         self.slip[i] = list(map(add, self.slip[i - 1].tolist(), made.slip))
-        self.added[:, i] = list(map(add, self.added[:, i - 1].tolist(), made.gains))
-        self.balance[i] = work - (made.psi - float(self.psi[i - 1])) - lost - numerical
+        self.added[:, i] = list(map(add, self.added[:, i - 1].tolist(), made.added))
+        self.balance[i] = balance(float(self.psi[i - 1]), made.psi, made.added)
         self.done = i + 1
 
     def keep(self, out: Histories, points: Which | int) -> None:
@@ -177,21 +178,10 @@ class States:
         blank.psi[:] = energy(stress, block.compliance)
         return blank
 
-    def take(
-        self, block: Share, which: Which, u: Array, stress: Array, slip: Array, gains: Gains, slips: Flags, lost: NDArray[np.int8]
-    ) -> None:
-        """One step of the points ``which``, to the displacements ``u``; those that are ``lost`` stay where they were."""
-        multiplier, dissipation, work, numerical = gains
-        psi = energy(stress, block.compliance)
-        balance = work - (psi - self.psi[which]) - dissipation - numerical
-        added = {
-            "slip": slip,
-            "multiplier": multiplier,
-            "dissipation": dissipation,
-            "work": work,
-            "numerical": numerical,
-            "balance": balance,
-        }
+    def take(self, block: Share, which: Which, made: Stepped) -> None:
+        """One step of the points ``which``; those that are ``lost`` stay where they were."""
+        u, stress, slip, psi, gains, slips, lost = made
+        added = dict(zip(_ADDED, (slip, *gains, balance(self.psi[which], psi, gains)), strict=True))
         new = {name: getattr(self, name)[which] + gain for name, gain in added.items()} | {"stress": stress, "psi": psi}
         finite = np.isfinite(np.column_stack(list(new.values()))).all(axis=1)
         ends = np.where(finite | (lost > 0), lost, Status.FAILED)

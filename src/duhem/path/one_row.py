@@ -1,7 +1,6 @@
-"""The steps of one path on plain numbers: where a step has one row, arrays take longer to call than to compute.
+"""One row of one path on plain numbers: where a step has one row, arrays take longer to call than to compute.
 
-The operations and their order are those of :mod:`duhem.path.integrators` for rows, so every digit is the same.  What has no answer on
-plain numbers is None, and arrays are asked.
+What has no answer on plain numbers is None, and arrays are asked.
 """
 
 from __future__ import annotations
@@ -9,38 +8,25 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import isfinite
 from operator import add, sub
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from duhem.law.shapes import Interval
 from duhem.path.batch import Share
 from duhem.path.closest import Closest, ShapeNumbers
+from duhem.path.paths import Knot, Which
+from duhem.path.rows import Looked, RowsFound, Sliding, Stepped, Vector, Ways
+from duhem.path.step_formulas import on_numbers
 from duhem.projection import quadrants
 from duhem.projection.one_increment import OneIncrement
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array
 
-__all__ = ["RowStep", "RowStepped", "closest_point", "extrapolated", "implicit"]
+__all__ = ["ClosestPoint", "OneRow", "closest_point"]
 
-Vector = Sequence[float]
-Matrix = Sequence[Vector]
-Answer = tuple[Vector, Vector, float]  # stress, slip and multiplier
-ClosestPoint = Callable[[Vector, int], Answer | None]  # of a trial stress at a knot
-
-
-class RowStepped(NamedTuple):
-    """What a step makes of one row: stress, slip, psi, what it adds to the sums, and whether it slips."""
-
-    stress: Vector
-    slip: Vector
-    psi: float
-    gains: tuple[float, float, float, float]
-    slips: bool
-
-
-RowStep = Callable[[Vector, int, Vector, int], RowStepped | None]
-"""(stress where the path last slipped, and the row of it, stress before, row) -> what the step makes of it."""
+Answer = tuple[Sequence[float], Sequence[float], float]  # stress, slip and multiplier
+ClosestPoint = Callable[[Vector, Any], Answer | None]  # of a trial stress at a knot
 
 
 # -- the closest point -------------------------------------------------------------------------------------------------
@@ -126,88 +112,50 @@ def _judged(block: Share, method: str) -> ClosestPoint | None:
     return at
 
 
-# -- the steps ---------------------------------------------------------------------------------------------------------
+# -- the rows of steps ---------------------------------------------------------------------------------------------------
 
 
-def implicit(block: Share, at: ClosestPoint) -> RowStep:
-    """The implicit step of the one point of a block."""
-    values, k, c = block.paths.values[0], block.members[0].stiffness.tolist(), block.compliance.tolist()
+class OneRow:
+    """One row of the one point of a block, on plain numbers: vectors are lists or tuples of them."""
 
-    def step(anchor_stress: Vector, anchor: int, before: Vector, row: int) -> RowStepped | None:
-        u, last = values[row].tolist(), values[row - 1].tolist()
-        du = list(map(sub, u, last))
-        trial = _moved(anchor_stress, du if anchor == row - 1 else list(map(sub, u, values[anchor].tolist())), k)
-        if (found := at(trial, row)) is None:
+    def __init__(self, block: Share, at: ClosestPoint) -> None:
+        stiffness = block.members[0].stiffness
+        self.formulas: Any = on_numbers(len(stiffness))
+        self.k, self.c, self.none = stiffness.tolist(), block.compliance.tolist(), [0.0] * len(stiffness)
+        self._values, self._at = block.paths.values[0], at
+
+    def displacement(self, knot: Knot, which: Which) -> Vector:
+        return self._values[knot].tolist()
+
+    def closest(self, trial: Vector, knot: Knot, which: Which) -> RowsFound | None:
+        if (answer := self._at(trial, knot)) is None:
             return None
-        stress, slip, multiplier = found
-        if not _slips(slip, multiplier):
-            return _stuck(before, trial, slip, multiplier, c)
-        return RowStepped(stress, slip, _energy(stress, c), (multiplier, *_energies(k, stress, slip, du)), True)
+        stress, slip, multiplier = answer
+        return RowsFound(stress, slip, multiplier, multiplier > 0.0 or any(slip), 0)
 
-    return step
+    def both(self, half: Vector, trial: Vector, end: Knot, which: Which) -> tuple[RowsFound, RowsFound] | None:
+        first, whole = self.closest(half, end - 1, which), self.closest(trial, end, which)
+        return None if first is None or whole is None else (first, whole)
 
+    def preceding(self, before: Vector, trial: Vector) -> Vector:
+        return before
 
-def extrapolated(block: Share, at: ClosestPoint) -> RowStep:
-    """The extrapolated step; of a path that slips without rest the whole step and the first half are what is looked at."""
-    values, k, c = block.paths.values[0], block.members[0].stiffness.tolist(), block.compliance.tolist()
+    def worst(self, *found: RowsFound) -> int:
+        return 0
 
-    def step(anchor_stress: Vector, anchor: int, before: Vector, row: int) -> RowStepped | None:
-        start, middle, u = values[2 * row - 2 : 2 * row + 1].tolist()
-        fixed = start if anchor == row - 1 else values[2 * anchor].tolist()
-        trial, half = (_moved(anchor_stress, list(map(sub, end, fixed)), k) for end in (u, middle))
-        first, whole = at(half, 2 * row - 1), at(trial, 2 * row)
-        if first is None or whole is None:
-            return None
-        if not (_slips(*first[1:]) or _slips(*whole[1:])):
-            return _stuck(before, trial, [0.0] * len(trial), 0.0, c)
-        du, d1, d2 = (list(map(sub, end, begin)) for end, begin in ((u, start), (middle, start), (u, middle)))
-        if anchor != row - 1:
-            first, whole = at(_moved(before, d1, k), 2 * row - 1), at(_moved(before, du, k), 2 * row)
-        second = None if first is None else at(_moved(first[0], d2, k), 2 * row)
-        if first is None or whole is None or second is None:
-            return None
-        back = at([2.0 * halves - once for halves, once in zip(second[0], whole[0], strict=True)], 2 * row)
-        if back is None:
-            return None
-        one = whole[2], *_energies(k, *whole[:2], du)
-        two = list(map(add, (first[2], *_energies(k, *first[:2], d1)), (second[2], *_energies(k, *second[:2], d2))))
-        multiplier, lost, _, numerical = (2.0 * b - a if 2.0 * b >= a else b for a, b in zip(one, two, strict=True))
-        slip = list(map(sub, du, _times(list(map(sub, back[0], before)), c)))
-        return RowStepped(back[0], slip, _energy(back[0], c), (multiplier, lost, 2.0 * two[2] - one[2], numerical), True)
-
-    return step
-
-
-def _stuck(before: Vector, stress: Vector, slip: Vector, multiplier: float, c: Matrix) -> RowStepped:
-    mean, moved = [0.5 * (a + b) for a, b in zip(before, stress, strict=True)], list(map(sub, stress, before))
-    return RowStepped(stress, slip, _energy(stress, c), (multiplier, 0.0, _inner(mean, _times(moved, c)), 0.0), False)
-
-
-def _slips(slip: Vector, multiplier: float) -> bool:
-    return multiplier > 0.0 or any(x != 0.0 for x in slip)
-
-
-def _moved(stress: Vector, du: Vector, k: Matrix) -> list[float]:
-    return list(map(add, stress, _times(du, k)))
-
-
-def _energies(k: Matrix, stress: Vector, slip: Vector, du: Vector) -> tuple[float, float, float]:
-    return _inner(stress, slip), _inner(stress, du), _energy(list(map(sub, du, slip)), k)
-
-
-def _energy(vector: Vector, matrix: Matrix) -> float:
-    return 0.5 * _inner(vector, _times(vector, matrix))
-
-
-def _inner(vector: Vector, other: Vector) -> float:
-    total = 0.0
-    for x, y in zip(vector, other, strict=True):
-        total += x * y
-    return total
-
-
-def _times(vector: Vector, matrix: Matrix) -> list[float]:
-    found = [0.0 + vector[0] * entry for entry in matrix[0]]
-    for x, entries in zip(vector[1:], matrix[1:], strict=True):
-        found = [total + x * entry for total, entry in zip(found, entries, strict=True)]
-    return found
+    def sliding(
+        self,
+        sticks: Stepped,
+        looked: Looked,
+        begun: Sliding,
+        slid: Sliding,
+        anchor: Vector,
+        before: Vector,
+        ways: Ways,
+        end: Knot,
+        which: Which,
+    ) -> Stepped | None:
+        if not sticks.slips:
+            return sticks
+        found = looked if anchor == ways[0] else begun(before, ways, end, which)
+        return None if found is None else slid(before, ways, end, which, *found)

@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
+from duhem.path import step_formulas
 from duhem.path.loading import Path
 from duhem.path.paths import Paths
 from duhem.projection.increment import Convexity, Increment
 from duhem.projection.result import Array
 from duhem.projection.validation import increment as checked
 
-__all__ = ["Plan", "Run", "energy", "inner", "times"]
+__all__ = ["Plan", "Run", "columns", "energy", "times"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,21 +87,14 @@ class Plan:
 
 def energy(rows: Array, matrix: Array) -> Array:
     """rows . matrix rows / 2 of each row."""
-    return 0.5 * inner(rows, times(rows, matrix))
-
-
-def inner(rows: Array, others: Array) -> Array:
-    """The inner product of each row with its other, added from the first entry on, however many rows there are."""
-    products = rows * others
-    total = 0.0 + products[..., 0]
-    for j in range(1, rows.shape[-1]):
-        total = total + products[..., j]
-    return np.asarray(total)
+    return np.reshape(step_formulas.energy(columns(rows), matrix[:, :, None]), rows.shape[:-1])
 
 
 def times(rows: Array, matrix: Array) -> Array:
-    """rows @ matrix, each row by itself: no row's rounding depends on how many there are."""
-    total = 0.0 + rows[..., 0, None] * matrix[0]
-    for j in range(1, len(matrix)):
-        total = total + rows[..., j, None] * matrix[j]
-    return np.asarray(total)
+    """rows @ matrix of each row."""
+    return np.reshape(step_formulas.times(columns(rows), matrix[:, :, None]).T, rows.shape)
+
+
+def columns(rows: Array) -> Array:
+    """Vectors (..., d) as the columns of formulas, (d, n)."""
+    return rows.reshape(-1, rows.shape[-1]).T

@@ -17,11 +17,12 @@ from duhem.path.batch import MOST_THREADS, Batch, Share
 from duhem.path.batch_run import histories
 from duhem.path.closest import outside
 from duhem.path.history import Histories, History
-from duhem.path.integrators import INTEGRATORS, gains
+from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, checked_count
 from duhem.path.paths import Paths
-from duhem.path.run import Plan, Run, times
+from duhem.path.run import Plan, Run, columns, times
+from duhem.path.step_formulas import booked
 from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.result import Array
 
@@ -220,9 +221,10 @@ def _prescribed(plan: Plan) -> History:
         what = f"at time {plan.path.time[out[0]]:g} {crossed(plan.increment.law, stress[out])}"
         raise InputError(what, where=f"path, step {out[0]}", remedy="stay inside the range, or declare a wider one in the law's domain")
     ledger = Ledger.begun(len(stress), times(stress[0], plan.compliance), stress[0], plan.compliance)
-    none, still = np.zeros(len(stress) - 1), np.zeros_like(stress[1:])
-    added = gains(plan.stiffness, plan.compliance, stress[:-1], stress[1:], still, none, none > 0.0, still)
-    ledger.rows(stress[1:], still, added)
+    before, after, none = columns(stress[:-1]), columns(stress[1:]), np.zeros_like(stress[1:].T)
+    k, c = plan.stiffness[:, :, None], plan.compliance[:, :, None]
+    _, _, added = booked(before, after, after, none, np.zeros(len(stress) - 1), False, none, none, k, c)
+    ledger.rows(stress[1:], np.zeros_like(stress[1:]), added)
     return _whole(ledger, plan, "prescribed stress", "inside K the slip stays what it was")
 
 

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -28,26 +28,34 @@ from duhem.expression import EigMax, Neg, Norm, Pos, Where
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.scalar_jets import FUNCTIONS, scalar_values
+from duhem.path.dormand_prince import Event, followed
 from duhem.path.elementary_steps import Move, Pair
 from duhem.path.run import Plan
+from duhem.path.step_formulas import inner, times, written
 from duhem.projection.increment import Increment
 from duhem.projection.kept_code import interpreted_text
+from duhem.projection.plain_numbers import FAULTS, interpreted
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.projection.scaled_formula import may_cancel, of_pressure_alone, scaled
 
-__all__ = ["Boundary", "Drive", "OpenContact", "boundary", "corner", "moves"]
+__all__ = ["Boundary", "Motion", "OpenContact", "boundary", "corner", "moves"]
 
 _SMOOTHING = (Norm, PNorm)
 _HEAD = f"import numpy as np\nfrom numpy import {', '.join(FUNCTIONS)}\nfrom duhem.expression.principal_axes import principal_axes\n"
-_RTOL = 5e-14
 _MOST_EVENTS = 1000
 _GLANCE = 1e-10
 _BIT = 2.0**-30  # of a step on which contact is lost or regained, which is an implicit one
 _SAMPLES = np.linspace(0.0, 1.0, 65)
 
-Values = Callable[[Array, float], list[Any]]  # formulas at one stress and pressure; nan or infinite where they are undefined
-Drive = Callable[[float], tuple[Array, Array]]  # tau in [0, 1] -> displacement since tau = 0, and its rate
+Values = Callable[[Any, float], list[float]]  # formulas at one stress and pressure; nan or infinite where they are undefined
+
+
+class Motion(NamedTuple):
+    """A step: the displacement since tau = 0 at tau in [0, 1], and its rate on plain numbers."""
+
+    moved: Callable[[float], Array]
+    rate: Callable[[float], Sequence[float]]
 
 
 def corner(increment: Increment) -> str | None:
@@ -82,7 +90,7 @@ class Boundary:
     stiffness: Array
 
     def value(self, stress: Array, pressure: float) -> float:
-        return float(self.g(stress, pressure)[0])
+        return self.g(stress, pressure)[0]
 
     def normal(self, stress: Array, pressure: float) -> Array:
         return np.array(self.slopes(stress, pressure)[:-1])
@@ -125,20 +133,23 @@ def _apart(g: sp.Expr, forces: Sequence[sp.Symbol], pressure: sp.Symbol) -> tupl
 
 
 def _values(formulas: Sequence[sp.Expr], order: Sequence[sp.Symbol], parts: Parts) -> Values:
-    """Formulas as lines of Python over numbers: at one point arrays take ten times as long."""
+    """Formulas as lines of Python over plain numbers: at one point arrays take ten times as long."""
     text, constants = scalar_values("values", formulas, [*order, *parts])
-    run = interpreted_text(f"{_HEAD}{text}\n", "values")
-    fixed = [np.float64(c) for c in constants]
+    run, plain = interpreted_text(f"{_HEAD}{text}\n", "values"), interpreted(f"{_HEAD}{text}\n", "values")
 
     @lru_cache(maxsize=64)
-    def told(pressure: float) -> list[np.float64]:
+    def told(pressure: float) -> list[float]:
         given = {order[-1]: np.array([pressure])}
-        return [np.float64(np.ravel(of_pressure_alone(part, given).value)[0]) for part in parts.values()]
-
-    def at(stress: Array, pressure: float) -> list[Any]:
-        found = [0.0] * len(formulas)
         with np.errstate(all="ignore"):
-            run([*stress, np.float64(pressure), *told(pressure), *fixed], found)
+            return [float(np.ravel(of_pressure_alone(part, given).value)[0]) for part in parts.values()]
+
+    def at(stress: Sequence[float], pressure: float) -> list[float]:
+        found, given = [0.0] * len(formulas), [*map(float, stress), pressure, *(told(pressure) if parts else ()), *constants]
+        try:
+            plain(given, found)
+        except FAULTS:  # what has no value is nan or infinite
+            with np.errstate(all="ignore"):
+                run([*map(np.float64, given)], found)
         return found
 
     return at
@@ -161,46 +172,33 @@ def _derivative(g: sp.Expr, x: sp.Symbol) -> sp.Expr:
     return slope.replace(lambda e: isinstance(e, sp.sign), lambda e: Where(e.args[0] > 0, 1, Where(e.args[0] < 0, -1, 0)))
 
 
-def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, float], parts: Sequence[float]) -> list[Move]:
+def moves(on: Boundary, stress: Array, drive: Motion, pressures: tuple[float, float], parts: Sequence[float]) -> list[Move]:
     """From ``stress`` in K over the step tau in [0, 1], the pressure going straight from the first to the second.
 
     What was done until each of ``parts``, increasing in (0, 1]; those before 1 are read off the method's own interpolation,
     of order 7, and change none of its steps.
     """
-    from scipy.integrate import solve_ivp
-
     k, rate = on.stiffness, pressures[1] - pressures[0]
-    size = float(np.abs(stress).max() + np.abs(k @ drive(1.0)[0]).max()) or 1.0
+    size = float(np.abs(stress).max() + np.abs(k @ drive.moved(1.0)).max()) or 1.0
     length = size / float(np.abs(k).max())
-    d = len(stress)
+    d, rows, running = len(stress), k.tolist(), written(_running, len(stress))
 
     def load(tau: float) -> float:
         return pressures[0] + tau * rate
 
-    def pushed(tau: float, s: Array) -> tuple[Array, Array, Array, float]:
-        du = drive(tau)[1]
-        *normal, opening = on.slopes(s, load(tau))
-        n = np.array(normal)
-        kn = k @ n
-        return du, n, kn, float(kn @ du) + float(opening) * rate
+    def pushed(tau: float, s: Sequence[float]) -> Sequence[Any]:
+        *normal, opening = on.slopes(s[:d], load(tau))
+        return running(s[:d], drive.rate(tau), normal, opening * rate, rows)
 
-    def slipping(tau: float, state: Array) -> Array:
-        du, n, kn, push = pushed(tau, state[:d])
-        multiplier = push / float(n @ kn)
-        power = state[:d]
-        return np.concatenate([k @ du - multiplier * kn, [multiplier, multiplier * float(power @ n), float(power @ du)]])
+    def slipping(tau: float, state: Sequence[float]) -> Sequence[float]:
+        rates: Sequence[float] = pushed(tau, state)[0]
+        return rates
 
-    def unloads(tau: float, state: Array) -> float:
-        return pushed(tau, state[:d])[3]
+    def unloads(tau: float, state: Sequence[float]) -> float:
+        return -pushed(tau, state)[1]
 
-    unloads.terminal, unloads.direction = True, -1.0  # type: ignore[attr-defined]
-
-    def seam(kink: Values, sign: float) -> Callable[[float, Array], float]:
-        def event(tau: float, state: Array) -> float:
-            return sign * float(kink(state[:d], load(tau))[0])
-
-        event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
-        return event
+    def seam(kink: Values, sign: float) -> Event:
+        return lambda tau, state: sign * kink(state[:d], load(tau))[0]
 
     reached: list[Move] = []
 
@@ -214,10 +212,10 @@ def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, flo
             reached.append(Move(tuple(y[:d].tolist()), float(y[d]), float(y[d + 1]), float(y[d + 2]), rested))
 
     tau, state, free = 0.0, np.concatenate([stress, np.zeros(3)]), 0.0
-    atol = np.concatenate([np.full(d, 1e-16 * size), [1e-16 * length, 1e-16 * size * length, 1e-16 * size * length]])
+    atol = [1e-16 * size] * d + [1e-16 * length, 1e-16 * size * length, 1e-16 * size * length]
     released = False
     for _ in range(_MOST_EVENTS):
-        if not released or unloads(tau, state) <= 0.0:
+        if not released or unloads(tau, state.tolist()) >= 0.0:
             stop = _leaving(on, state[:d], drive, load, tau)
             if stop > tau:
                 passed(stop, partial(_at_rest, k, drive, tau, state), free, tau)
@@ -230,29 +228,37 @@ def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, flo
             at = ", ".join(f"{x:g}" for x in state[:d])
             raise DuhemError(f"K has no normal at the stress ({at}), where slip begins", remedy='use method="implicit"')
         state[:d] -= on.value(state[:d], load(tau)) * n / float(n @ n)
-        ahead = state[:d] + _GLANCE * (1.0 - tau) * slipping(tau, state)[:d]  # on a seam, it is watched from where the stress goes
+        ahead = state[:d] + _GLANCE * (1.0 - tau) * np.array(
+            slipping(tau, state.tolist())[:d]
+        )  # on a seam, it is watched from where the stress goes
         soon = load(tau + _GLANCE * (1.0 - tau))
         signs = [float(np.sign(kink(ahead, soon)[0])) for kink in on.seams]
         watched = [seam(kink, -s) for kink, s in zip(on.seams, signs, strict=True) if s != 0.0]
         inner = len(reached) < len(parts) and parts[len(reached)] < 1.0
-        events = [unloads, *watched]
-        run = solve_ivp(slipping, (tau, 1.0), state, method="DOP853", rtol=_RTOL, atol=atol, events=events, dense_output=inner)
-        if run.status < 0 or not np.isfinite(run.y[:, -1]).all():
-            raise DuhemError(f"the slipping stress could not be followed: {run.message}", remedy='use method="implicit"')
-        tau, state = float(run.t[-1]), run.y[:, -1].copy()
-        passed(tau, partial(_interpolated, run), free)
+        run = followed(slipping, tau, state.tolist(), atol, [unloads, *watched], inner)
+        tau, state = run.time, np.array(run.state)
+        passed(tau, run.at, free)
         if tau >= 1.0:
             break
-        released = not run.t_events[0].size
+        released = not run.first
     else:
         raise DuhemError(f"more than {_MOST_EVENTS} events in one step", remedy="take smaller steps")
     return reached
 
 
-def _at_rest(k: Array, drive: Drive, tau: float, state: Array, until: float) -> Array:
+def _running(power: Any, du: Any, normal: Any, opening: Any, k: Any) -> tuple[list[Any], Any]:
+    """The rates of stress, multiplier, dissipation and work while it slips, and what pushes: slip ends where that falls to 0."""
+    kn = times(normal, k)
+    push = inner(kn, du) + opening
+    multiplier = push / inner(normal, kn)
+    moved = [pulled - multiplier * held for pulled, held in zip(times(du, k), kn, strict=True)]
+    return [*moved, multiplier, multiplier * inner(power, normal), inner(power, du)], push
+
+
+def _at_rest(k: Array, drive: Motion, tau: float, state: Array, until: float) -> Array:
     """The state (stress, multiplier, dissipation, work) after no slip from ``tau`` on."""
     d = len(state) - 3
-    du = drive(until)[0] - drive(tau)[0]
+    du = drive.moved(until) - drive.moved(tau)
     dsigma = k @ du
     new = state.copy()
     new[-1] += float((state[:d] + 0.5 * dsigma) @ du)
@@ -260,19 +266,14 @@ def _at_rest(k: Array, drive: Drive, tau: float, state: Array, until: float) -> 
     return new
 
 
-def _interpolated(run: Any, tau: float) -> Array:
-    """The state on the way, and at the end the one that was integrated."""
-    return np.asarray(run.y[:, -1] if tau == run.t[-1] else run.sol(tau))
-
-
-def _leaving(on: Boundary, stress: Array, drive: Drive, load: Callable[[float], float], tau: float) -> float:
+def _leaving(on: Boundary, stress: Array, drive: Motion, load: Callable[[float], float], tau: float) -> float:
     """The first time from ``tau`` at which the stress without slip leaves K; 1 if it does not."""
     from scipy.optimize import brentq
 
-    start = drive(tau)[0]
+    start = drive.moved(tau)
 
     def excess(t: float) -> float:
-        return on.value(stress + on.stiffness @ (drive(t)[0] - start), load(t))
+        return on.value(stress + on.stiffness @ (drive.moved(t) - start), load(t))
 
     slack = abs(on.value(stress, load(tau)))
     times = tau + (1.0 - tau) * _SAMPLES**2  # dense where the last contact was
@@ -306,31 +307,30 @@ class OpenContact:
                 remedy='use method="implicit"',
             )
 
-    def moves(self, stress: Array, drive: Drive, loads: Pair, parts: Sequence[float]) -> list[Move]:
+    def moves(self, stress: Array, drive: Motion, loads: Pair, parts: Sequence[float]) -> list[Move]:
         """As :func:`moves` where a load is zero."""
         if loads == (0.0, 0.0):
-            du = drive(1.0)[0]
-            if not np.array_equal(drive(0.5)[0] * 2.0, du):
+            du = drive.moved(1.0)
+            if not np.array_equal(drive.moved(0.5) * 2.0, du):
                 raise InputError("open contact on an arc", where="path", remedy='use method="implicit", or chords=True')
             return [self._bit(stress, part * du, 0.0, part) for part in parts]
         first, last = (_BIT, 1.0) if loads[0] == 0.0 else (0.0, 1.0 - _BIT)
         at = (loads[1] * _BIT, loads[1]) if loads[0] == 0.0 else (loads[0], loads[0] * _BIT)
         begun = Move(tuple(stress.tolist()), 0.0, 0.0, 0.0, 0.0)
         if first > 0.0:
-            begun = self._bit(stress, drive(first)[0], at[0], first)
-        start = drive(first)[0]
+            begun = self._bit(stress, drive.moved(first), at[0], first)
+        start, share = drive.moved(first), last - first
 
-        def between(tau: float) -> tuple[Array, Array]:
-            u, rate = drive(first + (last - first) * tau)
-            return u - start, (last - first) * rate
-
+        between = Motion(
+            lambda tau: drive.moved(first + share * tau) - start, lambda tau: [share * rate for rate in drive.rate(first + share * tau)]
+        )
         inside = [part for part in parts if first < part < last]
         whole = moves(self.on, np.array(begun.stress), between, at, [*((part - first) / (last - first) for part in inside), 1.0])
         reached = [_after(begun, move, last - first) for move in whole]
         end = reached[-1]
         if last < 1.0:
-            end = _after(end, self._bit(np.array(end.stress), drive(1.0)[0] - drive(last)[0], 0.0, 1.0 - last), 1.0)
-        early = [self._bit(stress, drive(part)[0], part * loads[1], part) for part in parts if part <= first]
+            end = _after(end, self._bit(np.array(end.stress), drive.moved(1.0) - drive.moved(last), 0.0, 1.0 - last), 1.0)
+        early = [self._bit(stress, drive.moved(part), part * loads[1], part) for part in parts if part <= first]
         return [*early, *reached[:-1], *(end for part in parts if part >= last)]
 
     def _bit(self, stress: Array, du: Array, pressure: float, part: float) -> Move:

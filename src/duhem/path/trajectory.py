@@ -80,7 +80,7 @@ def _along(plan: Plan, method: str) -> Piece | None:
     if plan.path.control == "stress":
         values, c = plan.path.values, plan.compliance
 
-        def elastic(stress: Array, i: int, parts: Sequence[float]) -> list[Reached]:
+        def elastic(stress: Sequence[float], i: int, parts: Sequence[float]) -> list[Reached]:
             grown = [part * (values[i] - values[i - 1]) for part in parts]
             works = [float((stress + 0.5 * dsigma) @ c @ dsigma) for dsigma in grown]
             return [(stress + dsigma, Move((), 0.0, 0.0, work, part)) for dsigma, work, part in zip(grown, works, parts, strict=True)]
@@ -95,7 +95,7 @@ def _sampled(along: Piece, history: History, plan: Plan, i: int, even: list[floa
     Where an interval is neither all slip nor all rest, the time it rests is known, so that the change lies that far behind
     its beginning or before its end: one more look at each.  Then up to ``more`` looks between neighbours that are far apart.
     """
-    stress, parts = history.stress[i - 1], np.array([*even, 1.0])
+    stress, parts = history.stress[i - 1].tolist(), np.array([*even, 1.0])
     found = along(stress, i, parts.tolist())
     starts, free = np.array([0.0, *even]), np.array([0.0, *(moved.free for _, moved in found)])
     rest = np.diff(free)
@@ -152,7 +152,7 @@ def _row(history: History, i: int) -> tuple[Array | float, ...]:
 
 def _between(history: History, plan: Plan, i: int, part: float, reached: Reached) -> tuple[Array | float, ...]:
     """The row at a part of step i."""
-    stress, moved = reached
+    stress, moved = np.array(reached[0]), reached[1]
     path, before = plan.path, i - 1
     time, values, pressure = path.between(i, part)
     strained = plan.compliance @ (stress - history.stress[before])
