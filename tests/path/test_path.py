@@ -352,7 +352,7 @@ def test_a_run_ends_at_a_point_that_is_stationary_and_not_closest():
 def test_a_run_ends_there_too_where_half_of_the_step_is_found(method):
     """From a slip on, the whole step goes into the dent and the half beside it."""
     begun = simulate(DENTED, Path.linear([[0, 0], [0, 1]], pressure=-1.0), stiffness=1.0, method=method)
-    knots = [[0, 0], [0, 1], [0, 1] + np.array([-3.0, 0.0]) - begun.stress[-1]]
+    knots = [[0.0, 0.0], [0.0, 1.0], np.array([-3.0, 1.0]) - begun.stress[-1]]
     with pytest.raises(duhem.DuhemError, match="K is not convex there"):
         simulate(DENTED, Path.linear(knots, pressure=-1.0), stiffness=1.0, method=method)
 
