@@ -48,7 +48,7 @@ __all__ = ["apex", "overtopped"]
 # -- compiled from here ----------------------------------------------------------------------------------------
 
 CUTS, ASIDES, EVEN, REACHED = 40, 12, 4e-16, 1e-14  # so far beyond K, relative to 1 + |u|, is in K
-BEYOND, RAISE = (0.3, 0.03, 0.003, 1e-4, 1e-6), 1e-6  # of the way to the point inside K; of that, over the plane
+SHARES, CLOSER, RAISE = 5, 0.07, 1e-6  # places each way, each at this share of the one before; so much of that over the plane
 FLAT, SHARP = 1e-10, 1e-4  # of a normal beside the span of others; of a corner: its volume times the least share of the way
 
 
@@ -100,17 +100,18 @@ def overtopped(v: Any, q: Any, root: Any, inverse: Any) -> bool:
     if over > 0.0:
         return True
     for axis in range(D):
-        across = sqrt(max(1.0 - (v[REST, axis] / away) * (v[REST, axis] / away), 0.0))
-        for sense in (-1.0, 1.0):
-            for share in BEYOND:
-                for i in range(D):
-                    flat = (1.0 if i == axis else 0.0) - v[REST, axis] * v[REST, i] / (away * away)
-                    v[STEP, i] = share * sqrt(far) * (sense * flat / across + RAISE * v[REST, i] / away) if across > 0.0 else 0.0
-                times(root, v, STEP, RAW)
-                for i in range(D):
-                    v[RAW, i] += v[X, i]
-                if across > 0.0 and level(v, RAW, q) < 0.0:
-                    return True
+        along = v[REST, axis] / away
+        across, share = sqrt(max(1.0 - along * along, 0.0)), sqrt(far)
+        for turn in range(2 * SHARES if across > 0.0 else 0):
+            share *= -CLOSER if turn % 2 == 0 else -1.0  # both ways, ever closer
+            for i in range(D):
+                flat = ((1.0 if i == axis else 0.0) - along * v[REST, i] / away) / across
+                v[STEP, i] = share * flat + abs(share) * RAISE * v[REST, i] / away
+            times(root, v, STEP, RAW)
+            for i in range(D):
+                v[RAW, i] += v[X, i]
+            if level(v, RAW, q) < 0.0:
+                return True
     return False
 
 
