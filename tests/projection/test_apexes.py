@@ -191,8 +191,8 @@ def test_beside_a_tip_of_a_saddle_the_loop_finds_no_normal_that_is_none(stiffnes
     """Rothrock's teardrop is a piece of x^2 - y^2 <= 0 beside its tip, where that has every direction for a gradient."""
     law, k = duhem.load("teardrop"), np.diag(stiffness)
     rng = np.random.default_rng(0)
-    across = rng.uniform(-1.0, 1.0, (300, 2)) * [1.0, 1e-2]  # slips to one side and to the other, and close to the edges of K there
-    asked = np.vstack([across, across[:, ::-1], rng.standard_normal((300, 2))]) * 10.0 ** rng.uniform(-1.0, 1.0, (900, 1)) @ k
+    across = rng.uniform(-1.0, 1.0, (120, 2)) * [1.0, 1e-2]  # slips to one side and to the other, and close to the edges of K there
+    asked = np.vstack([across, across[:, ::-1], rng.standard_normal((120, 2))]) * 10.0 ** rng.uniform(-1.0, 1.0, (360, 1)) @ k
     closest = plain_closest(increment(law, asked, None, k, None))
     assert closest is not None
     size = np.linspace(-2.0, 0.0, 4001)  # s1 + s2, to which each side of K has its difference
@@ -206,4 +206,4 @@ def test_beside_a_tip_of_a_saddle_the_loop_finds_no_normal_that_is_none(stiffnes
         stress, slip = np.array(found[0]), np.array(found[1])
         assert ((inside - stress) @ slip).max() <= 1e-7 * np.linalg.norm(slip)
         tips += not stress.any()
-    assert tips > 100 and unknown <= 9
+    assert tips > 40 and unknown <= 4

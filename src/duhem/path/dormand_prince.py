@@ -27,6 +27,7 @@ Event = Callable[[float, State], float]  # it ends the way where it rises throug
 
 _RTOL = 2.5e-14
 _LEAST, _MOST, _SAFETY = 0.2, 10.0, 0.9  # by which a step changes
+_STEPS = 50_000  # some seconds; a very stiff way under a pressure that goes to a billionth takes ten thousand
 
 
 class Followed(NamedTuple):
@@ -81,9 +82,10 @@ def followed(slope: Slope, time: float, state: State, atol: State, events: Seque
     far, fast = (sqrt(sum((x / size) ** 2 for x, size in zip(each, sizes, strict=True))) for each in (state, last))
     h, high = min(0.01 * far / fast if fast > 0.0 else inf, 1.0 - time), inf
     before = [event(time, state) for event in events]
+    tried = 0
     while time < 1.0:
-        h = min(h, 1.0 - time)
-        if h < 10.0 * ulp(time):
+        h, tried = min(h, 1.0 - time), tried + 1
+        if h < 10.0 * ulp(time) or tried > _STEPS:
             raise DuhemError("the slipping stress could not be followed: steps become too small", remedy='use method="implicit"')
         try:
             end, slopes, e5, e3 = step(slope, time, h, state, last)
