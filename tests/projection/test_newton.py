@@ -384,3 +384,35 @@ def test_slopes_whose_squares_are_beyond_doubles(stiffness: np.ndarray, far: flo
     newton, reference = (duhem.project("gurson", trial, method=method, **asked) for method in ("newton", "cvxpy"))
     assert (newton.status == Status.SLIP).all() and np.abs(newton.stress).max() < 10.0
     assert np.allclose(newton.stress, reference.stress, rtol=0.0, atol=1e-5)
+
+
+CAPPED = [  # cones without roots, cut off: the slope of their sides grows along them; the corner, and slip = m dg + n dcap there
+    ("max(x**2 - (y + 1)**2, -y - 1, y - 3)", ("x", "y"), [6.0, 10.0], [4.0, 3.0], 1.0 / 4.0 + 9.0),
+    ("max(x**2 + y**2 - (z + 1)**2, -z - 1, z - 3)", ("x", "y", "z"), [6.0, 8.0, 10.0], [2.4, 3.2, 3.0], 3.0 / 4.0 + 13.0),
+]
+
+
+@pytest.mark.parametrize(("g", "forces", "trial", "corner", "weight"), CAPPED)
+def test_multipliers_at_a_corner_are_those_of_the_slopes_there(g, forces, trial, corner, weight):
+    law = Criterion(name="capped-cone", g=g, forces=forces, pressure=None)
+    for found in (duhem.project(law, trial), duhem.project(law, np.tile(trial, (40, 1)))):
+        assert (found.status == Status.SLIP).all()
+        np.testing.assert_allclose(found.stress, np.broadcast_to(corner, found.stress.shape), rtol=1e-14)
+        np.testing.assert_allclose(found.slip, found.stress * 0.0 + np.subtract(trial, corner), rtol=1e-14)
+        np.testing.assert_allclose(found.multiplier, weight, rtol=1e-13)
+    rng = np.random.default_rng(0)
+    far = rng.standard_normal((60, len(forces))) * 10.0 ** rng.uniform(0, 3, (60, 1))
+    assert (duhem.project(law, far).status <= Status.SLIP).all()
+
+
+@pytest.mark.parametrize("far", [1e1, 1e3, 1e4, 1e6])
+def test_far_from_a_set_that_is_small_and_off_the_origin(far):
+    """No sample of the way from the origin meets it; its multiplier is that of its slope."""
+    law = Criterion(name="off-the-origin", g="(a - 2*abs(p))**2 + 4*b**2 - p**2", forces=("a", "b"), pressure="p")
+    rng = np.random.default_rng(1)
+    trial, pressure, k = rng.standard_normal((60, 2)) * far, -rng.uniform(0.5, 2.0, 60), rng.uniform(0.2, 5.0, 2)
+    found = duhem.project(law, trial, pressure, k)
+    assert (found.status <= Status.SLIP).all()
+    slope = np.stack([2.0 * (found.stress[:, 0] + 2.0 * pressure), 8.0 * found.stress[:, 1]], axis=1)
+    slips = found.status == Status.SLIP
+    np.testing.assert_allclose((found.multiplier[:, None] * slope)[slips], found.slip[slips], rtol=1e-6, atol=1e-9 * far)

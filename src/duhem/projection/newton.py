@@ -54,6 +54,7 @@ _DEPTH = 1e-14  # distances to the boundary, relative to the numbers at hand
 _TIP = 1e-14  # a component this small is rounding of the others
 _ORIGIN = 1e-12  # a stress this small is none, if none is in K: corners are met less closely than sides
 _CLOSE = 1e-9  # of the size of K: what a search that failed may be away from it
+_ALIKE = 1e-6  # of two normals that are one: at the tip of a cone a gradient may vanish, and the side's own slope is as good as any
 _SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting half-space
 
 
@@ -119,9 +120,7 @@ def search(increment: Increment, _: Options = _DEFAULTS) -> Solution:
         return Solution(stress, slip, multiplier, failed)
     sized, centre, none = _measured(whole.of(who), trial[who], increment.pressure[who])
     if none.any():
-        bare = shrunk(increment, who[none], search)
-        for kept, new in ((stress, bare.stress), (slip, bare.slip), (multiplier, bare.multiplier), (failed, bare.failed)):
-            kept[who[none]] = new
+        _put(Solution(stress, slip, multiplier, failed), who[none], _without_centre(increment, who[none]))
     who, inner, centre = who[~none], sized.of(np.flatnonzero(~none)), centre[~none]
     if not who.size:
         return Solution(stress, slip, multiplier, failed)
@@ -135,6 +134,22 @@ def search(increment: Increment, _: Options = _DEFAULTS) -> Solution:
     solution = Solution(stress, slip, multiplier, failed)
     _in_many_digits(increment, solution, formula.degree, who[found.failed & (found.gap <= _CLOSE)])
     return solution
+
+
+def _without_centre(increment: Increment, at: Index) -> Solution:
+    """The points ``at`` of which no inner point of K was sampled: K has none, or is far from the origin beside its own size.
+
+    The loop of one point walks to such a K; where no stress presses it is the origin alone as a rule, and is not walked to.
+    """
+    found = shrunk(increment, at, search)
+    pressed = np.flatnonzero(increment.pressure[at] != 0.0) if increment.law.pressure else np.arange(at.size)
+    if pressed.size:
+        from duhem.projection.compiled_newton import solved_one_by_one
+
+        walked, left = solved_one_by_one(_some(increment, at[pressed]))
+        seen = np.setdiff1d(np.arange(pressed.size), left)
+        _put(found, pressed[seen], Solution(*(getattr(walked, field.name)[seen] for field in fields(Solution))))
+    return found
 
 
 def _in_many_digits(increment: Increment, solution: Solution, degree: float, at: Index) -> None:
@@ -322,7 +337,7 @@ def _accept_polyhedron(
     for i, slot in zip(*np.nonzero(active & ~close & settled[:, None]), strict=True):
         close[i, slot] = _flat(k, at[i : i + 1], x[i], cuts.x[at[i], slot], apart[i, slot])
     good = active.any(axis=1) & np.all(close | ~active, axis=1)
-    _take(found, at[good], x[good], outer, cuts)
+    _take(found, k, at[good], x[good], outer, cuts)
 
 
 def _accept_vertex(found: _Found, k: Body, at: Index, x: Array, gap: Array, outer: HalfSpaces, cuts: _Cuts) -> None:
@@ -348,15 +363,26 @@ def _accept_vertex(found: _Found, k: Body, at: Index, x: Array, gap: Array, oute
     good = off * np.linalg.cond(k.root) <= _BESIDE * reach  # as a share of the least component of a stress
     at, x, off = at[good], x[good], off[good] + gap[good]
     tip = (np.linalg.norm(k.whitened(x), axis=1) <= off) & (k.level(np.zeros_like(x), at) <= 0)
-    _take(found, at, np.where(tip[:, None], 0.0, x), outer, cuts)
+    _take(found, k, at, np.where(tip[:, None], 0.0, x), outer, cuts)
 
 
-def _take(found: _Found, at: Index, x: Array, outer: HalfSpaces, cuts: _Cuts) -> None:
-    """Keep the points ``x`` with the half-spaces that press."""
-    multiplier = np.where(outer.active[at], outer.multipliers[at], 0.0)
+def _take(found: _Found, k: Body, at: Index, x: Array, outer: HalfSpaces, cuts: _Cuts) -> None:
+    """Keep the points ``x`` with the half-spaces that press, and the slopes that their pieces have there.
+
+    Where the way to the trial is along the one normal there, that normal's slope is meant, however many half-spaces press.
+    """
+    multiplier, slope = np.where(outer.active[at], outer.multipliers[at], 0.0), cuts.slope[at]
+    for slot in np.flatnonzero((multiplier > 0.0).any(axis=0)):
+        own = np.flatnonzero(multiplier[:, slot] > 0.0)
+        here = k.piece(x[own], at[own], cuts.choices[at[own], slot], second=False)
+        alike = np.linalg.norm(here.normal - outer.normals[at[own], slot], axis=1) <= _ALIKE
+        slope[own[alike], slot] = here.slope[alike]
+    total = np.einsum("nm,nmd->nd", multiplier, outer.normals[at])
+    far, here = np.linalg.norm(total, axis=1), k.piece(x, at, second=False)
+    along = np.linalg.norm(total - far[:, None] * here.normal, axis=1) <= _ALIKE * far
     found.x[at] = x
-    found.normal[at] = np.einsum("nm,nmd->nd", multiplier, outer.normals[at])
-    found.weight[at] = np.sum(multiplier / cuts.slope[at], axis=1)
+    found.normal[at] = total
+    found.weight[at] = np.where(along, far / here.slope, np.sum(multiplier / slope, axis=1))
     found.failed[at] = False
 
 
