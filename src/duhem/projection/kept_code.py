@@ -92,7 +92,7 @@ class CompiledText:
         import logging  # which numba has loaded
 
         logging.getLogger("duhem").warning(
-            "waiting for numba: to compile the %s of a law takes 15 to 60 seconds, once", _MEANT.get(self._name, "loop")
+            "waiting for numba: to compile the %s of a law takes 10 to 45 seconds, once", _MEANT.get(self._name, "loop")
         )
         result = compiled(*arguments)
         self._runs[known] = compiled

@@ -107,8 +107,8 @@ def prepare(
     Arguments, units and errors are those of :func:`duhem.project`, which stands on it.  Whether K is convex is asked here, where the
     method does not show it, so that no increment waits for the answer but the first one at sigma_n = 0.
 
-    ``compiled``: by numba (extra ``fast``), which takes 40 to 80 seconds the first time that a law is prepared on a machine, and then
-    answers one point five to ten times sooner.  InputError for a method that is not compiled.
+    ``compiled``: by numba (extra ``fast``), which takes 20 to 70 seconds the first time that a law is prepared on a machine, and then
+    answers one point five to twenty times sooner.  InputError for a method that is not compiled.
     """
     check_convex(convex)
     prepared = Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex, compiled)
