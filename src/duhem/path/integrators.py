@@ -86,7 +86,7 @@ def extrapolated(rows: Rows) -> Step:
         before, slips = rows.preceding(before, trial), first.slips | whole.slips
         near, psi, added = formulas.booked(before, trial, trial, rows.none, 0.0, False, u, u, k, c)
         sticks = Stepped(u, near, rows.none, psi, added, slips, rows.worst(first, whole))
-        return rows.sliding(sticks, looked, begun, slid, anchor, before, (start, middle, u), end, which)
+        return rows.sliding(sticks, looked, begun, slid, anchor, (before, (start, middle, u), end, which))
 
     return step
 

@@ -16,7 +16,7 @@ from duhem.law.shapes import Interval
 from duhem.path.batch import Share
 from duhem.path.closest import Closest, ShapeNumbers
 from duhem.path.paths import Knot, Which
-from duhem.path.rows import Looked, RowsFound, Sliding, Stepped, Vector, Ways
+from duhem.path.rows import Given, Looked, RowsFound, Sliding, Stepped, Vector
 from duhem.path.step_formulas import on_numbers
 from duhem.projection import quadrants
 from duhem.projection.one_increment import OneIncrement
@@ -116,7 +116,10 @@ def _judged(block: Share, method: str) -> ClosestPoint | None:
 
 
 class OneRow:
-    """One row of the one point of a block, on plain numbers: vectors are lists or tuples of them."""
+    """One row of the one point of a block, on plain numbers: vectors are lists or tuples of them.
+
+    Its methods say what those of :class:`duhem.path.rows.ManyRows` say, or None where plain numbers have no answer.
+    """
 
     def __init__(self, block: Share, at: ClosestPoint) -> None:
         stiffness = block.members[0].stiffness
@@ -143,19 +146,8 @@ class OneRow:
     def worst(self, *found: RowsFound) -> int:
         return 0
 
-    def sliding(
-        self,
-        sticks: Stepped,
-        looked: Looked,
-        begun: Sliding,
-        slid: Sliding,
-        anchor: Vector,
-        before: Vector,
-        ways: Ways,
-        end: Knot,
-        which: Which,
-    ) -> Stepped | None:
+    def sliding(self, sticks: Stepped, looked: Looked, begun: Sliding, slid: Sliding, anchor: Vector, given: Given) -> Stepped | None:
         if not sticks.slips:
             return sticks
-        found = looked if anchor == ways[0] else begun(before, ways, end, which)
-        return None if found is None else slid(before, ways, end, which, *found)
+        found = looked if anchor == given[1][0] else begun(*given)
+        return None if found is None else slid(*given, *found)

@@ -15,7 +15,7 @@ from duhem.path.batch import Share
 from duhem.path.closest import Closest
 from duhem.path.paths import Knot, Which
 
-__all__ = ["Looked", "ManyRows", "RowsFound", "Sliding", "Step", "Stepped", "Vector", "Ways", "by_arrays"]
+__all__ = ["Given", "Looked", "ManyRows", "RowsFound", "Sliding", "Step", "Stepped", "Vector", "Ways", "by_arrays"]
 
 Vector = Any  # d components, each a number, or (n,) numbers of the rows
 
@@ -47,6 +47,7 @@ Step = Callable[[Vector, Vector, Vector, Knot, Which], Any]
 ``before`` has one row where these are knots of one point in turn.  None where plain numbers have no answer, and arrays are to be asked."""
 
 Ways = Sequence[Vector]  # displacements at the start, the middle and the end of a step
+Given = tuple[Vector, Ways, Knot, Which]  # the stress before a step, its displacements, the knot of its end and the points
 Sliding = Callable[..., Any]
 Looked = tuple[RowsFound, RowsFound]  # at the first half of a step and at the whole
 
@@ -88,19 +89,12 @@ class ManyRows:
         """The status of what is not found among several."""
         return np.max([each.lost for each in found], axis=0)
 
-    def sliding(
-        self,
-        sticks: Stepped,
-        looked: Looked,
-        begun: Sliding,
-        slid: Sliding,
-        anchor: Vector,
-        before: Vector,
-        ways: Ways,
-        end: Knot,
-        which: Which,
-    ) -> Stepped:
-        """What is ``slid`` where rows slip, and the others as they are."""
+    def sliding(self, sticks: Stepped, looked: Looked, begun: Sliding, slid: Sliding, anchor: Vector, given: Given) -> Stepped:
+        """Where rows slip what ``slid`` makes of them, and the others as they are.
+
+        ``looked`` are the closest points as seen from where each row last slipped: a row that slips is ``begun`` anew from its own start.
+        """
+        before, ways, end, which = given
         go = np.flatnonzero(sticks.slips)
         if np.ndim(end):  # of one point nothing is asked behind the first slip, and what is lost there is asked again, which ends the run
             go = go[:1]
@@ -110,11 +104,11 @@ class ManyRows:
         whole = sticks._replace(slip=np.zeros_like(sticks.stress), added=np.zeros((4, len(which))))
         whole.added[2] = sticks.added[2]
         if go.size:
-            given = before[:, go], [way[:, go] for way in ways], end, which[go]
-            looked = begun(*given)
+            slipping = before[:, go], [way[:, go] for way in ways], end, which[go]
+            looked = begun(*slipping)
             if np.ndim(end) and self.worst(*looked).any():  # beyond double precision, as the trial is
                 return whole
-            made = slid(*given, *looked)
+            made = slid(*slipping, *looked)
             for name in ("stress", "slip", "psi", "added", "lost"):
                 getattr(whole, name)[..., go] = getattr(made, name)
         return whole

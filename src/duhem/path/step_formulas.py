@@ -106,12 +106,12 @@ def balance(was: Numbers, psi: Numbers, added: Energies) -> Numbers:
 
 
 FORMULAS = MappingProxyType({each.__name__: each for each in (pulled, booked, doubled, summed, slipped, balance)})
-"""Those that one row and compiled loops have as lines."""
+"""The formulas that one row and compiled loops have as lines."""
 
 
 @lru_cache(maxsize=16)
 def on_numbers(d: int) -> SimpleNamespace:
-    """They all as :func:`written`."""
+    """Each of these formulas as :func:`written` makes it, by its name."""
     return SimpleNamespace(**{name: written(formula, d) for name, formula in FORMULAS.items()})
 
 
