@@ -137,18 +137,20 @@ def search(increment: Increment, _: Options = _DEFAULTS) -> Solution:
 
 
 def _without_centre(increment: Increment, at: Index) -> Solution:
-    """The points ``at`` of which no inner point of K was sampled: K has none, or is far from the origin beside its own size.
+    """The answers to the points ``at``, for which no inner point of K was sampled: K has none, or is far from the origin for its size.
 
-    The loop of one point walks to such a K; where no stress presses it is the origin alone as a rule, and is not walked to.
+    The loop of one point walks to a K that is far off.  At zero pressure K is the origin alone as a rule, and the loop is not asked.
     """
-    found = shrunk(increment, at, search)
-    pressed = np.flatnonzero(increment.pressure[at] != 0.0) if increment.law.pressure else np.arange(at.size)
-    if pressed.size:
-        from duhem.projection.compiled_newton import solved_one_by_one
+    from duhem.projection.compiled_newton import solved_one_by_one
 
+    n, d = at.size, increment.trial.shape[1]
+    found, bare = Solution(np.empty((n, d)), np.empty((n, d)), np.empty(n), np.zeros(n, dtype=bool)), np.ones(n, dtype=bool)
+    if (pressed := np.flatnonzero(increment.pressure[at] != 0.0) if increment.law.pressure else np.arange(n)).size:
         walked, left = solved_one_by_one(_some(increment, at[pressed]))
-        seen = np.setdiff1d(np.arange(pressed.size), left)
-        _put(found, pressed[seen], Solution(*(getattr(walked, field.name)[seen] for field in fields(Solution))))
+        _put(found, pressed, walked)
+        bare[pressed] = np.isin(np.arange(pressed.size), left)
+    if (rest := np.flatnonzero(bare)).size:
+        _put(found, rest, shrunk(increment, at[rest], search))
     return found
 
 
