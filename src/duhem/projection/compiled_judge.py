@@ -77,7 +77,10 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
 
 
 def _room(n: int) -> tuple[Array, NDArray[np.int8], Array]:
-    """Dissipation, status and residuals of n points; the loop is given each row of these, of one kind whether or not it is a part."""
+    """Room for dissipation, status and residuals (5, n) of n points.
+
+    The loop is given the rows of the residuals one by one: a row is contiguous, a block of rows is not, and each kind is compiled for.
+    """
     return np.empty(n), np.empty(n, dtype=np.int8), np.zeros((5, n))  # a page of zeros costs nothing till written
 
 
@@ -158,7 +161,7 @@ def _packed(loop: _Loop, level: Level, stiffness: Array, known: Variational) -> 
 
 
 def _unpacked(constants: tuple[Numbers, Numbers, Numbers, Numbers]) -> str:
-    """The same back again, as text."""
+    """The text of the function that takes ``numbers`` apart again."""
     first, parts = 5, list[str]()
     for numbers in constants:
         parts.append(f"({''.join(f'numbers[{first + k}], ' for k in range(len(numbers)))})")

@@ -21,7 +21,7 @@ from duhem.projection.edge_kernel import edged
 from duhem.projection.known_points_kernel import excess, raised
 from duhem.projection.newton_step import below, grown
 
-__all__ = ["INLINED", "SLIP", "STICK", "UNJUDGED", "judge"]
+__all__ = ["FARTHEST", "INLINED", "LOW", "SLIP", "STICK", "UNJUDGED", "judge"]
 
 D = 0  # how many forces the law has
 KINKS = PAIRS = 0  # how many kinks, and eigenvalues that may be double
@@ -73,8 +73,8 @@ INLINED = ("below", "bounded", "chunk", "gradient", "heights", "hypot", "known",
 STICK, SLIP, UNJUDGED = 0, 1, -1
 ROUNDING, NOISE, HIDDEN_SHARE, SUSPECT, SHORT, ACCURACY = 4e-15, 0.5e-13, 0.5e-9, 0.5e-9, 20.0, 0.5e-7
 ENDS = 2.0**-1017, 2.0**1020
-LOW = 0.01  # of what h changes by over a stress: of less is said how far it rises from elsewhere
-FARTHEST = 8.0  # sizes of a stress, that such a place is out at most
+LOW = 0.01  # of what h changes by over a stress: where it rises by less from no stress, its rise from inside K is taken
+FARTHEST = 8.0  # sizes of a stress: the place inside K is no farther out
 CHUNK = 128  # points: so few that their rows stay in the nearest cache
 # Rows of seen: of every point its unit, level, what rounding hides of it and how far it is up from no stress; of the slips the same,
 # then pressure and multiplier, the length of the gradient, the unit of lengths and the lengths over it, what is off in them, residuals,

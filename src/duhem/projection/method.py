@@ -58,7 +58,8 @@ Own = TypeVar("Own", bound=Options)
 ClosestPoint = Callable[[Any, Any], tuple[Any, Any, Any] | None]
 """Stress, slip and multiplier of one point from its trial stress and pressure; None where many points are to be asked.
 
-Sequences of numbers and numbers; where it is compiled, arrays of one point, (1, d) and (1,), of which those given are only read.
+Run by Python it takes and returns lists of numbers and numbers.  Compiled it takes and returns arrays of one point, (1, d) and (1,);
+those that it takes must not be writable.
 """
 
 

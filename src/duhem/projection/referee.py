@@ -23,15 +23,15 @@ from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import length, times, widest
 from duhem.projection.scaled_formula import power_of_two
 
-__all__ = ["LEAST", "SLIP", "Closest", "beside", "departures", "put_right"]
+__all__ = ["LEAST_SLIP", "SLIP_SHARE", "Closest", "closest_beside", "departures", "put_right"]
 
-LEAST = 1e-21  # of the stress: what a shorter slip counts, so that 1e-27 of a stress is nothing
-SLIP = 0.1  # what a relative error of a slip counts: it is vouched for to ten times the accuracy of stresses
+LEAST_SLIP = 1e-21  # of the stress: what a shorter slip counts, so that 1e-27 of a stress is nothing
+SLIP_SHARE = 0.1  # what a relative error of a slip counts: it is vouched for to ten times the accuracy of stresses
 
 Rows = TypeVar("Rows", Solution, Residuals)
 
 
-def beside(question: Increment, answer: Solution, multiplier: Array, units: Array, patient: bool = False) -> list[Closest | None]:
+def closest_beside(question: Increment, answer: Solution, multiplier: Array, units: Array, patient: bool = False) -> list[Closest | None]:
     """The closest point beside each answer (N,), None where none is found; ``multiplier`` of h, R = ``units``."""
     look, starts = close_look(question), zip(answer.stress, multiplier.tolist(), units.tolist(), strict=True)
     asked = zip(question.trial, question.pressure.tolist(), starts, strict=True)
@@ -48,7 +48,7 @@ def departures(question: Increment, answer: Solution, multiplier: Array, points:
         if point is not None:
             stress, slip, own = point
             off = departure(answer.stress[i], answer.slip[i], stress, slip, stiffest)
-            found[i] = off if SLIP * abs(multiplier[i] - own) <= ACCURACY * own or off > ACCURACY else np.nan
+            found[i] = off if SLIP_SHARE * abs(multiplier[i] - own) <= ACCURACY * own or off > ACCURACY else np.nan
     return found
 
 
@@ -58,9 +58,9 @@ def departure(stress: Array, slip: Array, from_stress: Array, from_slip: Array, 
     ``stiffest``, the largest on the diagonal of k, makes 1e-21 of a stress a slip: a shorter one counts as long as that.
     """
     largest = np.abs(from_stress).max()
-    moved = max(np.abs(from_slip).max(), LEAST * largest / stiffest)
+    moved = max(np.abs(from_slip).max(), LEAST_SLIP * largest / stiffest)
     off = _share(np.abs(stress - from_stress).max(), largest)
-    return max(off, SLIP * (_share(np.abs(slip - from_slip).max(), moved) + ROUNDING))
+    return max(off, SLIP_SHARE * (_share(np.abs(slip - from_slip).max(), moved) + ROUNDING))
 
 
 def _share(part: float, whole: float) -> float:
@@ -91,7 +91,7 @@ def put_right(
         one = slice(i, i + 1)
         few = replace(asked, trial=asked.trial[one], pressure=asked.pressure[one])
         part = Solution(*(getattr(old, f.name)[one] for f in fields(old)))
-        point = seen[place] or beside(few, part, own[one], units[one], patient=True)[0]
+        point = seen[place] or closest_beside(few, part, own[one], units[one], patient=True)[0]
         if point is not None:
             new.stress[i], new.slip[i], own[i] = point
     new = replace(new, multiplier=g.own(own, units))

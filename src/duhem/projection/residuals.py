@@ -23,15 +23,16 @@ from duhem.projection.boundary_shift import shifts
 from duhem.projection.close_look import as_pairs, close_look, pushed_back
 from duhem.projection.first_look import FirstLook
 from duhem.projection.increment import Increment
+from duhem.projection.judge_kernel import LOW
 from duhem.projection.level import Level, level
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.no_stress import off_no_stress
 from duhem.projection.normal_cones import Suspect, off_cone
-from duhem.projection.referee import LEAST, SLIP, Closest, beside, departures
+from duhem.projection.referee import LEAST_SLIP, SLIP_SHARE, Closest, closest_beside, departures
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, length, share, widest
 from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.variational import LOW, Variational
+from duhem.projection.variational import Variational
 
 __all__ = ["Judge", "residuals"]
 
@@ -133,9 +134,9 @@ class Judge:
             slopes, point = np.where(np.isnan(slope[over]), plain, slope[over]), stress[over] / size[over, None]
             out.feasibility[at[over]] = share(g[over], dot(np.abs(slopes), np.abs(point)))
             depth = share(share(g[over], length(slopes @ self.metric.of_slip)), length(point @ self.metric.of_stress))
-            out.stationarity[at[over]] = SLIP * np.minimum(depth / LEAST, 1.0)
+            out.stationarity[at[over]] = SLIP_SHARE * np.minimum(depth / LEAST_SLIP, 1.0)
         lost = np.flatnonzero((out.stationarity[at] > ACCURACY) & (out.feasibility[at] <= ACCURACY) & ~got.failed[at])
-        return dict(zip(at[lost].tolist(), self._beside(at[lost], got, np.zeros(lost.size), size[lost])[2], strict=True))
+        return dict(zip(at[lost].tolist(), self._closest_beside(at[lost], got, np.zeros(lost.size), size[lost])[2], strict=True))
 
     def _looked_up(self, stress: Array, pressure: Array, size: Array, steep: Array | float = 1.0) -> tuple[Array, Array]:
         """g in units of the stress, as good as a double can tell, 0 where no digit of it shows, and what it is off by.
@@ -246,19 +247,19 @@ class Judge:
         out.stationarity[at] = np.maximum(given, unknown)
         if not (few := np.flatnonzero(close)).size:
             return {}
-        question, answer, points = self._beside(at[few], got, multiplier[few], units[few])
+        question, answer, points = self._closest_beside(at[few], got, multiplier[few], units[few])
         off = departures(question, answer, multiplier[few], points)
         told = np.maximum(np.where(np.isnan(off), given[few], off), balance[few])
         out.stationarity[at[few]] = np.where(np.isinf(off), out.stationarity[at[few]], told)
         return dict(zip(at[few].tolist(), points, strict=True))
 
-    def _beside(
+    def _closest_beside(
         self, at: NDArray[np.intp], got: Solution, multiplier: Array, units: Array
     ) -> tuple[Increment, Solution, list[Closest | None]]:
         """The question and answer of some points, and what is beside them."""
         question = replace(self.increment, trial=self.increment.trial[at], pressure=self.increment.pressure[at])
         answer = Solution(*(getattr(got, f.name)[at] for f in fields(got)))
-        return question, answer, beside(question, answer, multiplier, units)
+        return question, answer, closest_beside(question, answer, multiplier, units)
 
     def _nearer(self, trial: Array, pressure: Array) -> NDArray[np.bool_]:
         """Whether a point of K beside no stress, on the way to the trial (M, d), is shown to be nearer to it than no stress is."""

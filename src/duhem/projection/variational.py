@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from duhem.projection.close_look import as_pairs, close_look
 from duhem.projection.in_blocks import FEW_SEARCHED
 from duhem.projection.increment import Increment
+from duhem.projection.judge_kernel import FARTHEST
 from duhem.projection.known_points import beyond_tangents, raised, tips
 from duhem.projection.level import Level
 from duhem.projection.metric import Metric
@@ -22,10 +23,8 @@ from duhem.projection.result import ACCURACY, Array
 from duhem.projection.row_by_row import columns_times, dot, length, share, unit, widest
 from duhem.projection.scaled_formula import power_of_two
 
-__all__ = ["LOW", "Variational"]
+__all__ = ["Variational"]
 
-LOW = 0.01  # of what h changes by over a stress: of less is said how far it rises from elsewhere
-_FARTHEST = 8.0  # sizes of a stress, that such a place is out at most
 _QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that occur
 
 
@@ -71,12 +70,13 @@ class Variational:
 
         It rises from a mean of the known points of K on the axes, not with equal weights: a formula may have no value in the middle.
         ``slope`` is dh/ds, ``room`` and ``far`` are the lengths of stress and slip in the metric.  How far the closest point goes
-        with the boundary is told by a parabola on the way from that place, where the sets {h <= e} are not alike seen from there.
+        with the boundary is estimated by a parabola on the way from that place, where the sets {h <= e} are not alike seen from there:
+        exactly for a quadratic h.
         """
         d, part = s.shape[1], self.part(pressure) / units
         centre = np.zeros_like(s)
         for weight, tip in enumerate(self.tips[: 2 * d + 1]):
-            centre += weight / (d * (2 * d + 1)) * np.clip(part[:, None] * tip, -_FARTHEST, _FARTHEST)
+            centre += weight / (d * (2 * d + 1)) * np.clip(part[:, None] * tip, -FARTHEST, FARTHEST)
         rise = -self.level.value(*centre.T, *self.level.scaled.values(pressure, units).values())
         height, reach = dot(slope, s - centre), length((s - centre) @ self.metric.of_stress) * units
         bend = 2.0 * np.maximum(height - rise, 0.0) * units / length(slope @ self.metric.of_slip) * far / reach**2
