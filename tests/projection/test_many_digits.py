@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from duhem.projection.many_digits import closest
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Residuals, Solution, Status
 from duhem.projection.validation import increment
+from tests.campaigns.increments import at_simplest, pressure_of
+from tests.campaigns.increments import trials as around
 from tests.campaigns.number_families import FAMILIES, Question, mp
 from tests.campaigns.numbers import Count, answers, distance, tally
 from tests.long import long_but, mostly_long
@@ -148,12 +151,44 @@ def test_a_wrong_answer_is_not_put_right() -> None:
         assert not residuals(question, replace(right, multiplier=multiplier * right.multiplier)).worst()[0] <= ACCURACY
 
 
+SHORT = product(["antoni2007", "hosford", "tresca", "box", "matchstick"], [1e-3, 1e-6, 1e-10, 1e-14], [False, True])
+KEPT = [("antoni2007", 1e-14, False), ("antoni2007", 1e-6, True), ("tresca", 1e-10, False), ("box", 1e-3, True), ("box", 1e-6, False)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "short", "stiff"), mostly_long(SHORT, *KEPT))
+def test_the_multiplier_of_a_short_slip_is_no_other(name: str, short: float, stiff: bool) -> None:
+    """It moves the stress by next to nothing, and is as wrong as that of a long one."""
+    law = at_simplest(name)
+    far, pressure, d = around(law, 1)[:6], pressure_of(law), len(law.forces)
+    k = np.diag(np.geomspace(1.0, 1e8 if stiff else 1.0, d))
+    there = duhem.project(law, far, pressure, k)
+    slips = there.status == Status.SLIP
+    trial = there.stress[slips] + (far - there.stress)[slips] * short
+    done = duhem.project(law, trial, pressure, k)
+    assert len(trial) and (done.status == Status.SLIP).all()
+    asked, none = increment(law, trial, pressure, k, None), np.zeros(len(trial), dtype=bool)
+    for share, passes in ((1.0, True), (1.0 + 1e-9, True), (1.0 + 1e-4, False), (2.0, False), (0.0, False), (1e5, False)):
+        given = Solution(done.stress, done.slip, share * done.multiplier, none)
+        assert ((residuals(asked, given).worst() <= ACCURACY) == passes).all()
+
+
+def test_where_more_sides_meet_than_forces_are_there_are_several_multipliers() -> None:
+    law = Criterion("three sides", "max(a - 1, b - 1, a + b - 2)", forces=("a", "b"), pressure=None)
+    asked = increment(law, [[1.0 + 1e-9, 1.0 + 1e-9]], None, 1.0, None)
+    slip = asked.trial - 1.0
+    for multiplier, passes in ((slip.sum(), True), (slip[:, 0].sum(), True), (0.0, False)):
+        given = Solution(np.ones((1, 2)), slip, np.array([multiplier]).ravel(), np.zeros(1, dtype=bool))
+        assert (residuals(asked, given).worst()[0] <= ACCURACY) == passes
+
+
 @pytest.mark.parametrize("start", [(0.3, 0.1), (0.299, 0.0999), (0.2, 0.1)])
 def test_the_closest_point_in_many_digits(start: tuple[float, float]) -> None:
     question = increment(duhem.load("box"), [[2.0, 0.5]], -1.0, [1.0, 3.0], {"mu_a": "3/10", "mu_b": "1/10"})
     found = closest(close_look(question), question.trial[0], -1.0, question.stiffness, np.array(start), 0.0, 0.25)
     assert found is not None
-    stress, slip, multiplier = found
+    stress, slip, multiplier, single = found
+    assert single
     assert stress.tolist() == [0.3, 0.1]
     assert slip == pytest.approx([1.7, 0.4 / 3], rel=1e-15)
     assert multiplier == pytest.approx(0.3 * 1.7 + 0.1 * 0.4 / 3, rel=1e-15)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,15 @@ from duhem.projection.result import Array
 
 __all__ = ["Closest", "closest"]
 
-Closest = tuple[Array, Array, float]
-"""Stress (d,), slip (d,) and multiplier of dh/ds."""
+
+class Closest(NamedTuple):
+    """Stress (d,), slip (d,) and multiplier of dh/ds of a closest point; ``single`` where no other multiplier has this slip."""
+
+    stress: Array
+    slip: Array
+    multiplier: float
+    single: bool
+
 
 Vector = list[Any]
 
@@ -73,9 +80,9 @@ def closest(
             found = point.on_one_piece(x, None, _DAMPED, damped=True)
         if found is None:
             return None
-        stress, pull, m = found
+        stress, pull, m, single = found
         stress = [x if abs(x) > _NOTHING else 0 * x for x in stress]
-        return _nearest_doubles(stress, unit), _nearest_doubles(pull, unit), float((m * unit).mid())
+        return Closest(_nearest_doubles(stress, unit), _nearest_doubles(pull, unit), float((m * unit).mid()), single)
 
 
 def _nearest_doubles(numbers: Vector, unit: Any) -> Array:
@@ -84,7 +91,7 @@ def _nearest_doubles(numbers: Vector, unit: Any) -> Array:
     return np.array([float((x * unit).mid()) if abs(x) > least else 0.0 for x in numbers])
 
 
-_Found = tuple[Vector, Vector, Any]  # stress, slip and multiplier, all over R
+_Found = tuple[Vector, Vector, Any, bool]  # stress, slip and multiplier, all over R, and whether there is no other multiplier
 
 
 class _Point:
@@ -181,7 +188,7 @@ class _Point:
         widest = max(abs(c) for c in at.n)
         smooth = self._smooth(at.x, at.here, at.n)
         if smooth and at.m >= 0 and abs(at.here) <= _NOTHING * widest and max(abs(r) for r in at.rest) <= _NOTHING:
-            return at.x, [at.m * c for c in at.n], at.m
+            return at.x, [at.m * c for c in at.n], at.m, True
         return None
 
     def _smooth(self, x: Vector, here: Any, n: Vector) -> bool:
@@ -194,9 +201,7 @@ class _Point:
     def where_pieces_meet(self, x: Vector) -> _Found | None:
         """The closest point of half-spaces that support K, found from ``x`` on, if it lies on K."""
         skew = _any_way(len(x))
-        ways = [[w + s / 4 for w, s in zip(way, skew, strict=True)] for way in beside(len(x)).tolist()]
-        tried = (self._plane([c + _ASIDE * w for c, w in zip(x, way, strict=True)]) for way in ways)
-        pool, pressing = [plane for plane in tried if plane is not None], list[_Plane]()
+        pool, pressing = self._around(x), list[_Plane]()
         y, weights = self.t, list[Any]()
         for _ in range(_PLANES):
             entering = max(pool, key=lambda plane: plane.excess(y), default=None)
@@ -218,6 +223,13 @@ class _Point:
             y, pressing, weights = chosen
             self.met = y
         return None
+
+    def _around(self, x: Vector) -> list[_Plane]:
+        """The half-spaces of K beside ``x`` on all sides."""
+        skew = _any_way(len(x))
+        ways = [[w + s / 4 for w, s in zip(way, skew, strict=True)] for way in beside(len(x)).tolist()]
+        tried = (self._plane([c + _ASIDE * w for c, w in zip(x, way, strict=True)]) for way in ways)
+        return [plane for plane in tried if plane is not None]
 
     def _beside(self, x: Vector, y: Vector) -> _Plane | None:
         """The half-space that holds K beside ``x`` on the way to a ``y`` far off, if it leaves ``y`` out: the next side of an apex."""
@@ -260,7 +272,21 @@ class _Point:
                 if not _known(n) or max(abs(a - b) for a, b in zip(n, plane.normal, strict=True)) > _SAME * plane.steep:
                     return None
         slip = [sum((w * p.normal[i] for w, p in zip(weights, planes, strict=True)), 0 * c) for i, c in enumerate(y)]
-        return y, slip, sum(weights, 0 * y[0])
+        return y, slip, sum(weights, 0 * y[0]), self._independent([*planes, *self._around(y)])
+
+    def _independent(self, planes: Sequence[_Plane]) -> bool:
+        """Whether no normal of these is another one, nor a sum of others: a slip is made up of such normals in one way."""
+        rows = list[Vector]()
+        for plane in planes:
+            given = [c / plane.steep for c in plane.normal]
+            if any(max(abs(a - b) for a, b in zip(given, row, strict=True)) <= _SAME for row in rows):
+                continue
+            rows.append(given)
+            if len(rows) > len(given):
+                return False
+        import flint
+
+        return not flint.arb_mat([[_dot(a, b) for b in rows] for a in rows]).det() <= _SAME
 
 
 @dataclass(frozen=True)

@@ -160,7 +160,7 @@ def _in_many_digits(increment: Increment, solution: Solution, degree: float, at:
     for i, unit in zip(at, size, strict=True):
         asked = increment.trial[i], float(increment.pressure[i]), increment.stiffness
         if found := closest(close_look(increment), *asked, solution.stress[i], 0.0, float(unit), patient=False):
-            solution.stress[i], solution.slip[i], weight = found
+            solution.stress[i], solution.slip[i], weight, _ = found
             solution.multiplier[i] = grown(np.array([weight]), np.array([unit]), 1.0 - degree)[0]
             solution.failed[i] = False
 

@@ -38,17 +38,19 @@ def closest_beside(question: Increment, answer: Solution, multiplier: Array, uni
     return [closest(look, trial, pressure, question.stiffness, *start, patient=patient) for trial, pressure, start in asked]
 
 
-def departures(question: Increment, answer: Solution, multiplier: Array, points: list[Closest | None]) -> Array:
+def departures(question: Increment, answer: Solution, multiplier: Array, aside: Array, points: list[Closest | None]) -> Array:
     """How far answers (N,) are from the closest points beside them, of the largest component; slips and multipliers count a tenth.
 
-    inf where none was found; nan where stress and slip are right and the multiplier is another one: at an apex there are several.
+    inf where none was found; nan where stress and slip are right and the multiplier is another one where there are several, as at an
+    apex.  ``aside`` (N,) is how far a slip is from the multiplier times the slope of g at the answer, as a share of it: where K is
+    thin the slopes of two stresses that are the same to what is vouched for have other lengths.
     """
     found, stiffest = np.full(len(points), np.inf), float(np.max(np.diagonal(question.stiffness)))
     for i, point in enumerate(points):
         if point is not None:
-            stress, slip, own = point
-            off = departure(answer.stress[i], answer.slip[i], stress, slip, stiffest)
-            found[i] = off if SLIP_SHARE * abs(multiplier[i] - own) <= ACCURACY * own or off > ACCURACY else np.nan
+            off = departure(answer.stress[i], answer.slip[i], point.stress, point.slip, stiffest)
+            short = SLIP_SHARE * min(_share(abs(multiplier[i] - point.multiplier), point.multiplier), aside[i])
+            found[i] = off if short <= ACCURACY or off > ACCURACY else short if point.single or not multiplier[i] > 0.0 else np.nan
     return found
 
 
@@ -93,7 +95,7 @@ def put_right(
         part = Solution(*(getattr(old, f.name)[one] for f in fields(old)))
         point = seen[place] or closest_beside(few, part, own[one], units[one], patient=True)[0]
         if point is not None:
-            new.stress[i], new.slip[i], own[i] = point
+            new.stress[i], new.slip[i], own[i], _ = point
     new = replace(new, multiplier=g.own(own, units))
     with np.errstate(all="ignore"):
         same = np.flatnonzero(_same(Metric.of(asked.stiffness), g, asked, new, old))

@@ -223,12 +223,14 @@ class Judge:
         rounding_alone = (distance >= room) & (cone + across <= certain * room)  # of a long way from afar may be in doubt
         left = np.flatnonzero(~sure)
         unknown = np.where(rounding_alone, 0.0, _UNKNOWN)[left]
-        return self._refereed(at[left], multiplier[left], units[left], balance[left], near[left], unknown, got, out)
+        aside = share(turned, distance)[left]
+        return self._refereed(at[left], multiplier[left], aside, units[left], balance[left], near[left], unknown, got, out)
 
     def _refereed(
         self,
         at: NDArray[np.intp],
         multiplier: Array,
+        aside: Array,
         units: Array,
         balance: Array,
         near: NDArray[np.bool_],
@@ -248,7 +250,7 @@ class Judge:
         if not (few := np.flatnonzero(close)).size:
             return {}
         question, answer, points = self._closest_beside(at[few], got, multiplier[few], units[few])
-        off = departures(question, answer, multiplier[few], points)
+        off = departures(question, answer, multiplier[few], aside[few], points)
         told = np.maximum(np.where(np.isnan(off), given[few], off), balance[few])
         out.stationarity[at[few]] = np.where(np.isinf(off), out.stationarity[at[few]], told)
         return dict(zip(at[few].tolist(), points, strict=True))
