@@ -64,37 +64,23 @@ def test_the_tests_over_all_laws_take_it_up_and_pass(with_law: Tree) -> None:
     assert passed and int(passed[1]) >= 2, said
 
 
-# -- a word: one row a table -------------------------------------------------------------------------------------------
+# -- a word: one entry, and what the kernel is to know of it -----------------------------------------------------------
 
-EXPRESSION = "src/duhem/expression"
-ROWS = {  # file: (the row it comes after, the row)
-    f"{EXPRESSION}/vocabulary.py": [
-        ('"tanh": Word(', '"asinh": Word(sp.asinh, 1, 1, "inverse hyperbolic sine"),'),
-        ("sp.Min, sp.Max, Pos, Neg, Norm,", "sp.asinh,"),
-    ],
-    f"{EXPRESSION}/numpy_.py": [("sp.tanh:", "sp.asinh: lambda _, x: np.arcsinh(x),")],
-    f"{EXPRESSION}/mpmath_.py": [("sp.tanh:", "sp.asinh: lambda _, x: context.asinh(x),")],
-    f"{EXPRESSION}/floats.py": [("sp.tanh:", "sp.asinh: lambda _, a: math.asinh(a),")],
-    f"{EXPRESSION}/balls.py": [("sp.atan:", "sp.asinh: lambda _, x: (x + (x * x + 1).sqrt()).log(),")],  # for series in balls too
-    f"{EXPRESSION}/cvxpy_.py": [("**dict.fromkeys(NUMBERS_ONLY", "sp.asinh: _no_atom,")],
-    f"{EXPRESSION}/jets.py": [
-        ("sp.tanh:", "sp.asinh: lambda _, x: chain(x, np.arcsinh(x.value), (r := 1 / np.hypot(1, x.value)), lambda: -x.value * r**3),")
-    ],
-    f"{EXPRESSION}/pairs.py": [("EigMax:", 'sp.asinh: "no algebra, as it is a logarithm",')],
-    f"{EXPRESSION}/scalar_jets.py": [
-        ("sp.tanh:", 'sp.asinh: _smooth("log({x} + hypot(1.0, {x}))", "1.0 / hypot(1.0, {x})", "-{x} * {s} * {s} * {s}"),')
-    ],
-    f"{EXPRESSION}/rounding.py": [("sp.tanh:", "sp.asinh: _flat(np.arcsinh),")],
-    f"{EXPRESSION}/weights.py": [('Where: "chosen"', 'sp.asinh: "pure",')],
-    f"{EXPRESSION}/smt.py": [('Norm: "a root', 'sp.asinh: "not algebraic",')],
-    "src/duhem/proof/kernel/term.py": [('"abs", "sign", "sqrt"', '"asinh",')],  # what the kernel knows of it is what is proved
-    "src/duhem/proof/kernel/curvature.py": [('"tanh", "atan",', '"asinh",')],
-    "tests/expression/by_hand.py": [("sp.tanh:", "sp.asinh: (sp.asinh(y), 2.0947125472611012),")],
+ERF = """\
+_word(
+        sp.erf, "error function", "1.1283791670955126 * exp(-{x} * {x})", "-2.0 * {x} * {s}", "1.13 * {e}",
+        far=(-1.0, 1.0), sign_change=(0, 0, 1), increasing=True,
+    ),"""
+ROWS = {  # file: the row it comes after, the row
+    "src/duhem/expression/elementary.py": ('_arc(sp.acos, "arc cosine', ERF),
+    "src/duhem/proof/kernel/term.py": ('"abs", "sign", "sqrt"', '"erf",'),  # what the kernel knows of it is what is proved
+    "src/duhem/proof/kernel/curvature.py": ('"tanh", "atan",', '"erf",'),
+    "tests/expression/by_hand.py": ("sp.tanh:", "sp.erf: (sp.erf(x), -0.9999779095030014),"),
 }
 LAW_WITH_WORD = """\
 [criterion]
 name = "disc"
-g = "norm(sigma_a, sigma_b) - mu*asinh(1 + e)*abs(sigma_n)"
+g = "norm(sigma_a, sigma_b) - mu*erf(1 + e)*abs(sigma_n)"
 
 [parameters]
 mu = { positive = true }
@@ -105,16 +91,15 @@ e = { min = 0, max = 1 }
 @pytest.fixture(scope="module")
 def with_word(tmp_path_factory: pytest.TempPathFactory) -> Tree:
     tree = Tree.copied(tmp_path_factory.mktemp("word"))
-    for file, rows in ROWS.items():
-        for after, row in rows:
-            tree.insert(file, after, row)
+    for file, (after, row) in ROWS.items():
+        tree.insert(file, after, row)
     tree.write("disc.toml", LAW_WITH_WORD)
     return tree
 
 
 def test_a_word_is_given_its_meaning_by_every_interpreter(with_word: Tree) -> None:
     """The tests over all tables find it: a row in each, the value by hand, derivatives against differences."""
-    said = with_word.run("-m", "pytest", "-p", "no:cacheprovider", "-q", "tests/expression/test_tables.py", "-k", "asinh or table or word")
+    said = with_word.run("-m", "pytest", "-p", "no:cacheprovider", "-q", "tests/expression/test_tables.py", "-k", "erf or table or word")
     passed = re.search(r"(\d+) passed", said)
     assert passed and int(passed[1]) >= 30, said
 
@@ -125,7 +110,7 @@ def test_a_word_is_read_verified_and_projected(with_word: Tree) -> None:
     assert {claim["verdict"] for claim in report["claims"]} == {"proved"}
     asked = ("--set", "mu=0.1", "--set", "e=0.5", "--trial", "1", "0", "--pressure", "-1", "--method", "newton", "--format", "json")
     found = json.loads(with_word.run("-m", "duhem", "project", "disc.toml", *asked))
-    assert found["stress"] == pytest.approx([0.1 * math.asinh(1.5), 0.0], abs=1e-12)
+    assert found["stress"] == pytest.approx([0.1 * math.erf(1.5), 0.0], abs=1e-12)
 
 
 # -- a decider: one file and one row -----------------------------------------------------------------------------------

@@ -9,14 +9,15 @@ import numpy as np
 import sympy as sp
 
 from duhem.expression import principal_axes
+from duhem.expression.elementary import array_function
 from duhem.expression.scalar_jets import FUNCTIONS, scalar_jets
 
 __all__ = ["as_functions", "named"]
 
 
 def named(*functions: str) -> dict[str, Any]:
-    """What the text calls: NumPy and some of its ``functions``, and the axes of matrices."""
-    return {name: getattr(np, name) for name in functions} | {f.__name__: f for f in principal_axes.FUNCTIONS} | {"np": np}
+    """What the text calls: NumPy, some ``functions`` on arrays, and the axes of matrices."""
+    return {name: array_function(name) for name in functions} | {f.__name__: f for f in principal_axes.FUNCTIONS} | {"np": np}
 
 
 def as_functions(formula: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:

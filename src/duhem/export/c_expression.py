@@ -6,6 +6,8 @@ import ast
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from duhem.expression.elementary import ELEMENTARY
+
 __all__ = ["CHOICE", "OPERATORS", "PREFIX", "TYPES", "Array", "Expression", "NotTranslated", "named"]
 
 OPERATORS: Mapping[type, tuple[str, int]] = {
@@ -25,9 +27,8 @@ OPERATORS: Mapping[type, tuple[str, int]] = {
 }
 CHOICE, PREFIX, _ATOM = 0, 7, 8  # how tightly the others bind
 
-_ALIKE = ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "hypot", "floor", "ldexp")
-_NAMES = {"arctan": "atan", "arcsin": "asin", "arccos": "acos", "arctan2": "atan2", "abs": "fabs", "max": "larger", "min": "smaller"}
-_FUNCTIONS = {name: name for name in _ALIKE} | _NAMES
+_FUNCTIONS = {word.numpy: word.name for word in ELEMENTARY.values()} | {name: name for name in ("sqrt", "hypot", "floor", "ldexp")}
+_FUNCTIONS |= {"arctan2": "atan2", "abs": "fabs", "max": "larger", "min": "smaller"}
 _NUMBERS = {"nan": "NAN", "inf": "INFINITY"}
 _KEYWORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int long register restrict return short

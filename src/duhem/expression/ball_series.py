@@ -15,7 +15,8 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression import balls
-from duhem.expression.balls import ANALYTIC, certain_sign, constant
+from duhem.expression.balls import certain_sign, constant
+from duhem.expression.elementary import ELEMENTARY, Elementary
 from duhem.expression.fold import Table
 from duhem.expression.matrices import deviator
 from duhem.expression.recording import bound, recorded
@@ -118,17 +119,10 @@ def _eigmax(node: sp.Basic, *entries: Any) -> Any:
     return _open(balls.TABLE[EigMax](node, *map(_here, entries)), *entries)
 
 
-def _sinh(node: sp.Basic, x: Any) -> Any:
-    return (x.exp() - (-x).exp()) / 2
-
-
-def _cosh(node: sp.Basic, x: Any) -> Any:
-    return (x.exp() + (-x).exp()) / 2
-
-
-def _tanh(node: sp.Basic, x: Any) -> Any:
-    grown = (2 * x).exp()
-    return (grown - 1) / (grown + 1)
+def _elementary(word: Elementary, node: sp.Basic, x: Any) -> Any:
+    if not isinstance(x, flint.arb_series):
+        return balls.TABLE[word.node](node, x)
+    return word.series(x) if word.series else getattr(x, word.name)()
 
 
 def _compared(sense: int) -> Callable[..., bool | None]:
@@ -141,15 +135,11 @@ def _compared(sense: int) -> Callable[..., bool | None]:
 
 
 TABLE: Table[Any] = {
-    **ANALYTIC,
+    sp.Add: balls.TABLE[sp.Add],
+    sp.Mul: balls.TABLE[sp.Mul],
     sp.Pow: _power,
-    sp.log: lambda node, x: x.log(),
-    sp.asin: lambda node, x: x.asin() if isinstance(x, flint.arb_series) else balls.TABLE[sp.asin](node, x),
-    sp.acos: lambda node, x: x.acos() if isinstance(x, flint.arb_series) else balls.TABLE[sp.acos](node, x),
+    **{word.node: partial(_elementary, word) for word in ELEMENTARY.values()},
     Atan2: _atan2,
-    sp.sinh: _sinh,
-    sp.cosh: _cosh,
-    sp.tanh: _tanh,
     sp.Abs: lambda node, x: _signed(node, x, -1, 1),
     Pos: lambda node, x: _signed(node, x, 0, 1),
     Neg: lambda node, x: _signed(node, x, -1, 0),

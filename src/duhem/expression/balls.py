@@ -6,6 +6,7 @@ may leave the domain of a function (a root or a logarithm of what may be negativ
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from functools import partial
@@ -14,12 +15,13 @@ from typing import Any
 import flint
 import sympy as sp
 
+from duhem.expression.elementary import ELEMENTARY, Elementary
 from duhem.expression.fold import Table, fold
 from duhem.expression.matrices import deviator
 from duhem.expression.recording import bound, recorded
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["ANALYTIC", "TABLE", "ball", "certain_sign", "compiled", "constant", "enclose", "precision"]
+__all__ = ["TABLE", "ball", "certain_sign", "compiled", "constant", "enclose", "precision"]
 
 
 def precision(bits: int) -> Any:
@@ -170,10 +172,13 @@ def _min(node: sp.Basic, *values: Any) -> Any:
     return _hull(list(values), _less) if all(v.is_finite() for v in values) else flint.arb("nan")
 
 
-def _arc(x: Any, arc: Callable[[Any], Any]) -> Any:
-    """A monotone function from its values at the ends of [-1, 1] or of what lies within."""
-    low, high = x.lower(), x.upper()
-    return arc(low).union(arc(high)) if low >= -1 and high <= 1 else flint.arb("nan")
+def _elementary(word: Elementary, _: sp.Basic, x: Any) -> Any:
+    """Where the domain ends on both sides, f is monotone and taken at the ends of what lies within."""
+    function, (least, most) = getattr(flint.arb, word.name), word.domain
+    if most < math.inf:
+        low, high = x.lower(), x.upper()
+        return function(low).union(function(high)) if low >= least and high <= most else flint.arb("nan")
+    return function(x) if least == -math.inf or x > least else flint.arb("nan")
 
 
 def _atan2(node: sp.Basic, y: Any, x: Any) -> Any:
@@ -193,27 +198,13 @@ def _truth(sure: Callable[[Any, Any], bool], never: Callable[[Any, Any], bool]) 
     return relation
 
 
-# What reads alike for a ball and for a power series in balls.
-ANALYTIC: Table[Any] = {
+TABLE: Table[Any] = {
     sp.Add: _add,
     sp.Mul: _mul,
-    sp.exp: lambda node, x: x.exp(),
-    sp.sin: lambda node, x: x.sin(),
-    sp.cos: lambda node, x: x.cos(),
-    sp.tan: lambda node, x: x.tan(),
-    sp.atan: lambda node, x: x.atan(),
-}
-TABLE: Table[Any] = {
-    **ANALYTIC,
     sp.Pow: _pow,
     sp.Abs: lambda node, x: _max(node, x, -x).nonnegative_part(),
-    sp.log: lambda node, x: x.log() if x > 0 else flint.arb("nan"),
-    sp.asin: lambda node, x: _arc(x, flint.arb.asin),
-    sp.acos: lambda node, x: _arc(x, flint.arb.acos),
+    **{word.node: partial(_elementary, word) for word in ELEMENTARY.values()},
     Atan2: _atan2,
-    sp.sinh: lambda node, x: x.sinh(),
-    sp.cosh: lambda node, x: x.cosh(),
-    sp.tanh: lambda node, x: x.tanh(),
     sp.Max: _max,
     sp.Min: _min,
     Pos: lambda node, x: _max(node, x, flint.arb(0)).nonnegative_part(),

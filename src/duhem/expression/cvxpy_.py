@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 import operator
 from collections.abc import Callable, Mapping
-from functools import reduce
+from functools import partial, reduce
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression import numpy_
+from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
 from duhem.expression.matrices import rows
 from duhem.expression.pnorm import PNorm, recognised
@@ -142,6 +143,10 @@ def _power(node: Any, base: Atom, exponent: Atom) -> Atom:
     return cp.power(base, p, **_exact(cp.power))
 
 
+def _elementary(atom: Callable[[Any, Atom], Atom], _: sp.Basic, x: Atom) -> Atom:
+    return atom(_cp(), x)
+
+
 def _stack(*args: Atom) -> tuple[Atom, dict[str, int]]:
     """The arguments of a norm over each other, and over which axis to take it: scalars, or vectors point by point."""
     cp = _cp()
@@ -186,7 +191,7 @@ def _no_atom(node: sp.Basic, *_: Atom) -> Atom:
 
 # Node classes that mean something on numbers only, and why.
 NUMBERS_ONLY: dict[type, str] = dict.fromkeys(
-    (sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, Atan2, sp.sinh, sp.tanh), "neither convex nor concave"
+    (Atan2, *(word.node for word in ELEMENTARY.values() if word.atom is None)), "neither convex nor concave"
 ) | dict.fromkeys((Where, sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan), "a case distinction has no curvature")
 
 TABLE: Table[Atom] = {
@@ -194,9 +199,7 @@ TABLE: Table[Atom] = {
     sp.Mul: _product,
     sp.Pow: _power,
     sp.Abs: lambda _, x: _cp().abs(x),
-    sp.exp: lambda _, x: _cp().exp(x),
-    sp.log: lambda _, x: _cp().log(x),
-    sp.cosh: lambda _, x: (_cp().exp(x) + _cp().exp(-x)) / 2,
+    **{word.node: partial(_elementary, word.atom) for word in ELEMENTARY.values() if word.atom},
     sp.Min: lambda _, *x: _cp().minimum(*x),
     sp.Max: lambda _, *x: _cp().maximum(*x),
     Pos: lambda _, x: _cp().pos(x),
@@ -215,8 +218,10 @@ _REMEDIES: dict[type, str] = {
     sp.Pow: "a root of a sum of squares is norm(x, y), and a power takes an affine argument or one of known sign",
     sp.Max: "its arguments must be convex",
     sp.Min: "its arguments must be concave",
-    sp.log: "its argument must be concave",
-    sp.exp: "its argument must be convex",
-    sp.cosh: "its argument must be affine",
+    **{
+        word.node: f"its argument must be {word.curvature if word.increasing else 'affine'}"
+        for word in ELEMENTARY.values()
+        if word.atom is not None
+    },
     EigMax: "its arguments must be affine",
 }

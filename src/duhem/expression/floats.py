@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
 from duhem.expression.matrices import deviator
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
@@ -43,6 +45,10 @@ def _power(_: sp.Basic, base: float, exponent: float) -> float:
     return result
 
 
+def _elementary(function: Callable[[float], float], _: sp.Basic, a: float) -> float:
+    return function(a)
+
+
 def _atan2(_: sp.Basic, y: float, x: float) -> float:
     if x == 0 == y:
         raise ValueError("no angle")
@@ -60,18 +66,8 @@ TABLE: Table[float] = {
     sp.Mul: lambda _, *a: math.prod(a),
     sp.Pow: _power,
     sp.Abs: lambda _, a: abs(a),
-    sp.exp: lambda _, a: math.exp(a),
-    sp.log: lambda _, a: math.log(a),
-    sp.sin: lambda _, a: math.sin(a),
-    sp.cos: lambda _, a: math.cos(a),
-    sp.tan: lambda _, a: math.tan(a),
-    sp.asin: lambda _, a: math.asin(a),
-    sp.acos: lambda _, a: math.acos(a),
-    sp.atan: lambda _, a: math.atan(a),
+    **{word.node: partial(_elementary, getattr(math, name)) for name, word in ELEMENTARY.items()},
     Atan2: _atan2,
-    sp.sinh: lambda _, a: math.sinh(a),
-    sp.cosh: lambda _, a: math.cosh(a),
-    sp.tanh: lambda _, a: math.tanh(a),
     sp.Min: lambda _, *a: min(a),
     sp.Max: lambda _, *a: max(a),
     Pos: lambda _, a: max(a, 0.0),

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression import numpy_
+from duhem.expression.elementary import ELEMENTARY, Elementary, array_function, on_arrays
 from duhem.expression.fold import Table
 from duhem.expression.jet import Array, Jet, added, chain, least_order, outer, times
 from duhem.expression.length import length
@@ -159,7 +160,7 @@ def _product(a: Jet, b: Jet) -> Jet:
 
 def _power(node: Any, base: Jet, exponent: Jet) -> Jet:
     if exponent.gradient is not None:
-        return _exp(node, _product(exponent, _log(node, base)))
+        return _elementary(ELEMENTARY["exp"], _product(exponent, _elementary(ELEMENTARY["log"], base)))
     e, b = exponent.value, base.value
     if node.exp == 2:
         return chain(base, np.square(b), 2.0 * b, lambda: np.full_like(b, 2.0))
@@ -169,59 +170,12 @@ def _power(node: Any, base: Jet, exponent: Jet) -> Jet:
     return chain(base, np.power(b, e), slope, lambda: e * (e - 1) * np.power(b, e - 2))
 
 
-def _exp(_: Any, x: Jet) -> Jet:
-    value = np.exp(x.value)
-    return chain(x, value, value, lambda: value)
-
-
-def _log(_: Any, x: Jet) -> Jet:
-    return chain(x, np.log(x.value), 1 / x.value, lambda: -1 / np.square(x.value))
-
-
-def _sin(_: Any, x: Jet) -> Jet:
-    return chain(x, np.sin(x.value), np.cos(x.value), lambda: -np.sin(x.value))
-
-
-def _cos(_: Any, x: Jet) -> Jet:
-    return chain(x, np.cos(x.value), -np.sin(x.value), lambda: -np.cos(x.value))
-
-
-def _tan(_: Any, x: Jet) -> Jet:
-    t = np.tan(x.value)
-    return chain(x, t, 1 + t * t, lambda: 2 * t * (1 + t * t))
-
-
-def _tanh(_: Any, x: Jet) -> Jet:
-    t = np.tanh(x.value)
-    return chain(x, t, 1 - t * t, lambda: -2 * t * (1 - t * t))
-
-
-def _atan(_: Any, x: Jet) -> Jet:
-    s = 1 / (1 + np.square(x.value))
-    return chain(x, np.arctan(x.value), s, lambda: -2 * x.value * s * s)
-
-
-def _asin(_: Any, x: Jet) -> Jet:
-    return _arc(x, np.arcsin(x.value), 1.0)
-
-
-def _acos(_: Any, x: Jet) -> Jet:
-    return _arc(x, np.arccos(x.value), -1.0)
-
-
-def _arc(x: Jet, value: Array, sense: float) -> Jet:
-    s = sense / np.sqrt((1 - x.value) * (1 + x.value))
-    return chain(x, value, s, lambda: x.value * s / ((1 - x.value) * (1 + x.value)))
-
-
-def _sinh(_: Any, x: Jet) -> Jet:
-    value = np.sinh(x.value)
-    return chain(x, value, np.cosh(x.value), lambda: value)
-
-
-def _cosh(_: Any, x: Jet) -> Jet:
-    value = np.cosh(x.value)
-    return chain(x, value, np.sinh(x.value), lambda: value)
+def _elementary(word: Elementary, x: Jet) -> Jet:
+    v = array_function(word.numpy)(x.value)
+    if x.gradient is None:
+        return Jet(v)
+    s = on_arrays(word.slope)(x=x.value, v=v)
+    return chain(x, v, s, lambda: on_arrays(word.bend)(x=x.value, v=v, s=s))
 
 
 def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
@@ -348,18 +302,8 @@ _SMOOTH: Table[Jet] = {
     sp.Add: _add,
     sp.Mul: lambda _, *factors: reduce(_product, factors),
     sp.Pow: _power,
-    sp.exp: _exp,
-    sp.log: _log,
-    sp.sin: _sin,
-    sp.cos: _cos,
-    sp.tan: _tan,
-    sp.asin: _asin,
-    sp.acos: _acos,
-    sp.atan: _atan,
+    **{word.node: lambda _, x, word=word: _elementary(word, x) for word in ELEMENTARY.values()},
     Atan2: _atan2,
-    sp.sinh: _sinh,
-    sp.cosh: _cosh,
-    sp.tanh: _tanh,
     Norm: _norm,
     EigMax: _eigmax,
     PNorm: _pnorm,

@@ -16,6 +16,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.elementary import ELEMENTARY, Elementary
 from duhem.expression.fold import Table, fold
 from duhem.expression.matrices import rows
 from duhem.expression.recording import bound, recorded
@@ -112,17 +113,15 @@ def table(context: Any) -> Table[Any]:
     def beyond(x: Any) -> bool:  # exp of exp of exp: mpmath would write out every digit before the point
         return bool(context.mag(x) > _MOST_BITS)
 
-    def exponential(_: Any, x: Any) -> Any:
-        return context.exp(x) if not beyond(x) else context.inf if x > 0 else zero
+    def elementary(word: Elementary) -> Callable[..., Any]:
+        function, (least, most), far = getattr(context, word.name), word.domain, word.far
 
-    def wave(f: Callable[[Any], Any]) -> Callable[..., Any]:
-        return lambda _, x: nan if beyond(x) else f(x)
+        def row(_: Any, x: Any) -> Any:
+            if not least <= x <= most:
+                return nan
+            return context.mpf(far[x > 0]) if far is not None and beyond(x) else function(x)
 
-    def hyperbolic(f: Callable[[Any], Any], below: int) -> Callable[..., Any]:
-        return lambda _, x: f(x) if not beyond(x) else context.inf if x > 0 else below * context.inf
-
-    def between(f: Callable[[Any], Any]) -> Callable[..., Any]:
-        return lambda _, x: f(x) if abs(x) <= 1 else nan
+        return row
 
     def total(_: Any, *x: Any) -> Any:
         return reduce(operator.add, x)
@@ -150,18 +149,8 @@ def table(context: Any) -> Table[Any]:
         sp.Mul: lambda _, *x: reduce(operator.mul, x),
         sp.Pow: power,
         sp.Abs: lambda _, x: abs(x),
-        sp.exp: exponential,
-        sp.log: lambda _, x: nan if x < 0 else context.log(x),
-        sp.sin: wave(context.sin),
-        sp.cos: wave(context.cos),
-        sp.tan: wave(context.tan),
-        sp.asin: between(context.asin),
-        sp.acos: between(context.acos),
-        sp.atan: lambda _, x: context.atan(x),
+        **{word.node: elementary(word) for word in ELEMENTARY.values()},
         Atan2: lambda _, y, x: context.atan2(y, x) if x or y else nan,
-        sp.sinh: hyperbolic(context.sinh, -1),
-        sp.cosh: hyperbolic(context.cosh, 1),
-        sp.tanh: lambda _, x: context.sign(x) if beyond(x) else context.tanh(x),
         sp.Min: least,
         sp.Max: greatest,
         Pos: lambda _, x: greatest(_, x, zero),

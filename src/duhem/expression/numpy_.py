@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression import UNDEFINED
+from duhem.expression.elementary import ELEMENTARY, array_function
 from duhem.expression.fold import Table
 from duhem.expression.matrices import rows
 from duhem.expression.pnorm import PNorm, recognised
@@ -116,6 +117,10 @@ def _pnorm(_: Any, p: Any, *args: Any) -> Any:
     return unit * np.power(reduce(np.add, [np.power(size / unit, p) for size in sizes]), 1.0 / p)
 
 
+def _elementary(function: Callable[[Any], Any], _: Any, x: Any) -> Any:
+    return function(x)
+
+
 def _atan2(_: Any, y: Any, x: Any) -> Any:
     return np.where(np.equal(x, 0.0) & np.equal(y, 0.0), np.nan, np.arctan2(np.add(y, 0.0), x))  # -0 is 0
 
@@ -144,18 +149,8 @@ TABLE: Table[Any] = {
     sp.Pow: _power,
     sp.Abs: lambda _, x: np.abs(x),
     EigMax: _eigmax,
-    sp.exp: lambda _, x: np.exp(x),
-    sp.log: lambda _, x: np.log(x),
-    sp.sin: lambda _, x: np.sin(x),
-    sp.cos: lambda _, x: np.cos(x),
-    sp.tan: lambda _, x: np.tan(x),
-    sp.asin: lambda _, x: np.arcsin(x),
-    sp.acos: lambda _, x: np.arccos(x),
-    sp.atan: lambda _, x: np.arctan(x),
+    **{word.node: partial(_elementary, array_function(word.numpy)) for word in ELEMENTARY.values()},
     Atan2: _atan2,
-    sp.sinh: lambda _, x: np.sinh(x),
-    sp.cosh: lambda _, x: np.cosh(x),
-    sp.tanh: lambda _, x: np.tanh(x),
     sp.Min: lambda _, *x: reduce(np.minimum, x),
     sp.Max: lambda _, *x: reduce(np.maximum, x),
     Pos: lambda _, x: np.maximum(x, 0.0),

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression import UNDEFINED
+from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table
 from duhem.expression.recording import Recording, bound, recorded
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
@@ -214,7 +215,6 @@ TABLE: Table[Any] = {
     sp.LessThan: _comparison(lambda a, b: ~_less(b, a)),
 }
 LEFT_OUT = {
-    **dict.fromkeys((sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, Atan2), "no algebra: balls give its digits"),
-    **dict.fromkeys((sp.sinh, sp.cosh, sp.tanh), "no algebra either, being exponentials"),
+    **dict.fromkeys((Atan2, *(word.node for word in ELEMENTARY.values())), "no algebra: balls give its digits"),
     EigMax: "no algebra written out: balls give its digits",
 }

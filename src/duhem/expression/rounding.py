@@ -18,6 +18,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.expression import UNDEFINED, numpy_
+from duhem.expression.elementary import ELEMENTARY, Elementary, array_function, on_arrays
 from duhem.expression.fold import Table
 from duhem.expression.length import length
 from duhem.expression.pnorm import PNorm, recognised
@@ -157,58 +158,10 @@ def _pnorm(_: Any, p: Bounded, *args: Bounded) -> Bounded:
     return Bounded(value, off + (1.0 + 1.0 / p.value) * (8 + len(args)) * _WORD * value)
 
 
-def _exp(_: Any, x: Bounded) -> Bounded:
-    value = np.exp(x.value)
-    return Bounded(value, value * (np.expm1(x.bound) + _WORD) + _LEAST)
-
-
-def _log(_: Any, x: Bounded) -> Bounded:
-    value = np.log(x.value)
-    off = np.where(x.value > x.bound, -np.log1p(-x.bound / x.value), np.inf)
-    return Bounded(value, off + _WORD * np.abs(value))
-
-
-def _wave(f: Callable[[Any], Any]) -> Callable[..., Bounded]:
-    def row(_: Any, x: Bounded) -> Bounded:
-        value = f(x.value)
-        return Bounded(value, np.minimum(x.bound, 2.0) + _WORD * np.abs(value))
-
-    return row
-
-
-def _tan(_: Any, x: Bounded) -> Bounded:
-    value = np.tan(x.value)
-    turn = np.tan(np.minimum(x.bound, 1.5))
-    left = 1.0 - np.abs(value) * turn
-    off = np.where((x.bound < 1.5) & (left > 0.0), turn * (1.0 + value * value) / left, np.inf)
-    return Bounded(value, off + _WORD * np.abs(value))
-
-
-def _arc(f: Callable[[Any], Any]) -> Callable[..., Bounded]:
-    def row(_: Any, x: Bounded) -> Bounded:
-        value, end = f(x.value), np.abs(x.value) + x.bound
-        slope = _times(1.0 / np.sqrt(np.maximum((1.0 - end) * (1.0 + end), 0.0)), x.bound)
-        return Bounded(value, np.where(end < 1.0, slope, 2.3 * np.sqrt(x.bound)) + _WORD * np.abs(value))
-
-    return row
-
-
-def _flat(f: Callable[[Any], Any]) -> Callable[..., Bounded]:
-    """A function whose slope is at most 1."""
-
-    def row(_: Any, x: Bounded) -> Bounded:
-        value = f(x.value)
-        return Bounded(value, x.bound + _WORD * np.abs(value))
-
-    return row
-
-
-def _hyperbolic(f: Callable[[Any], Any], slope: Callable[[Any], Any]) -> Callable[..., Bounded]:
-    def row(_: Any, x: Bounded) -> Bounded:
-        value = f(x.value)
-        return Bounded(value, _times(slope(np.abs(x.value) + x.bound), x.bound) + _WORD * np.abs(value))
-
-    return row
+def _elementary(word: Elementary, _: Any, x: Bounded) -> Bounded:
+    value = array_function(word.numpy)(x.value)
+    off = on_arrays(word.off)(x=x.value, v=value, e=x.bound)
+    return Bounded(value, off + _WORD * np.abs(value) + (_LEAST if word.far is not None and 0.0 in word.far else 0.0))
 
 
 def _atan2(_: Any, y: Bounded, x: Bounded) -> Bounded:
@@ -281,18 +234,8 @@ TABLE: Table[Bounded] = {
     sp.Pow: _power,
     sp.Abs: lambda _, x: Bounded(np.abs(x.value), x.bound),
     EigMax: _eigmax,
-    sp.exp: _exp,
-    sp.log: _log,
-    sp.sin: _wave(np.sin),
-    sp.cos: _wave(np.cos),
-    sp.tan: _tan,
-    sp.asin: _arc(np.arcsin),
-    sp.acos: _arc(np.arccos),
-    sp.atan: _flat(np.arctan),
+    **{word.node: partial(_elementary, word) for word in ELEMENTARY.values()},
     Atan2: _atan2,
-    sp.sinh: _hyperbolic(np.sinh, np.cosh),
-    sp.cosh: _hyperbolic(np.cosh, np.sinh),
-    sp.tanh: _flat(np.tanh),
     sp.Min: _extreme(np.minimum),
     sp.Max: _extreme(np.maximum),
     Pos: _ramp,

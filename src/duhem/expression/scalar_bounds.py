@@ -16,6 +16,7 @@ import sympy as sp
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from duhem.errors import InputError
+from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table
 from duhem.expression.pnorm import recognised
 from duhem.expression.recording import bound, recorded
@@ -25,8 +26,10 @@ from duhem.expression.vocabulary import EigMax
 
 __all__ = ["FUNCTIONS", "TABLE", "Name", "ScalarBounds", "scalar_bounds"]
 
-FUNCTIONS = ("arccos", "arccosh", "arcsin", "arcsinh", "arctan", "arctan2", "arctanh", "cos", "cosh", "exp", "expm1", "hypot", "inf",
-             "isfinite", "isnan", "log", "log10", "log1p", "maximum", "minimum", "nan", "sin", "sinh", "sqrt", "tan", "tanh")  # fmt: skip
+FUNCTIONS = (
+    "arctan2", "expm1", "hypot", "inf", "isfinite", "isnan", "log1p", "maximum", "minimum", "nan", "sqrt",
+    *(word.numpy for word in ELEMENTARY.values()),
+)  # fmt: skip
 """What the text may call by NumPy's names."""
 
 _SIGNS: Mapping[np.ufunc, str] = {

@@ -17,6 +17,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.elementary import ELEMENTARY, Elementary
 from duhem.expression.fold import Table, fold
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.shifted_jets import ROUNDING, STEEPEST
@@ -24,7 +25,7 @@ from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["FUNCTIONS", "TABLE", "ScalarJets", "scalar_jets", "scalar_values"]
 
-FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "arctan", "arcsin", "arccos", "arctan2", "hypot", "nan")
+FUNCTIONS = ("sqrt", *(word.numpy for word in ELEMENTARY.values()), "arctan2", "hypot", "nan")
 """What the text calls by NumPy's names."""
 
 _NAME = re.compile(r"\bt\d+\b")
@@ -120,7 +121,9 @@ class _Writer:
         self.shifted: list[_Axis] = []
 
     def let(self, text: str) -> str:
-        """A new name for what ``text`` says."""
+        """A new name for what ``text`` says, unless that is one."""
+        if _NAME.fullmatch(text):
+            return text
         self.lines.append(f"    t{len(self.lines)} = {text}")
         return f"t{len(self.lines) - 1}"
 
@@ -189,7 +192,7 @@ class _Writer:
 
     def power(self, node: Any, base: _Jet, exponent: _Jet) -> _Jet:
         if exponent.slopes:
-            return self.exponential(self.product(exponent, self.logarithm(base)))
+            return self.elementary(ELEMENTARY["exp"], self.product(exponent, self.elementary(ELEMENTARY["log"], base)))
         if not node.exp.is_number:
             e = exponent.value
             first, second = f"{e} * {base.value} ** ({e} - 1.0)", f"{e} * ({e} - 1.0) * {base.value} ** ({e} - 2.0)"
@@ -214,13 +217,12 @@ class _Writer:
             return root if 2 * exponent == 1 else self.let(f"{root} * {self.raised(base, exponent - sp.Rational(1, 2))}")
         return self.let(f"{base} ** {_number(exponent)}")
 
-    def exponential(self, x: _Jet) -> _Jet:
-        value = self.let(f"exp({x.value})")
-        return self.chain(x, value, value, value)
-
-    def logarithm(self, x: _Jet) -> _Jet:
-        inverse = self.let(f"1.0 / {x.value}") if x.slopes else ""
-        return self.chain(x, self.let(f"log({x.value})"), inverse, f"-{inverse} * {inverse}")
+    def elementary(self, word: Elementary, x: _Jet) -> _Jet:
+        v = self.let(f"{word.numpy}({x.value})")
+        if not x.slopes:
+            return _Jet(v)
+        s = self.let(word.slope.format(x=x.value, v=v))
+        return self.chain(x, v, s, word.bend.format(x=x.value, v=v, s=s))
 
     def angle(self, _: Any, y: _Jet, x: _Jet) -> _Jet:
         size = self.let(f"hypot({x.value}, {y.value})")
@@ -393,17 +395,6 @@ class _Writer:
         return self.named(self.let(pick([a.value for a in parts])), slopes, bends)
 
 
-def _smooth(value: str, slope: str, bend: str) -> Callable[[_Writer, Any, _Jet], _Jet]:
-    """A function by its value, slope and bend at x; a later text may use the value v and the slope s."""
-
-    def row(to: _Writer, _: Any, x: _Jet) -> _Jet:
-        v = to.let(value.format(x=x.value))
-        s = to.let(slope.format(x=x.value, v=v)) if x.slopes else ""
-        return to.chain(x, v, s, bend.format(x=x.value, v=v, s=s))
-
-    return row
-
-
 def _comparison(sign: str) -> Callable[[_Writer, Any, _Jet, _Jet], _Jet]:
     return lambda to, _, a, b: _Jet(to.let(f"1.0 if {a.value} {sign} {b.value} else 0.0"))
 
@@ -412,17 +403,7 @@ TABLE: Mapping[type, Callable[..., _Jet]] = {
     sp.Add: lambda to, _, *terms: reduce(to.sum, terms),
     sp.Mul: lambda to, _, *factors: reduce(to.product, factors),
     sp.Pow: _Writer.power,
-    sp.exp: lambda to, _, x: to.exponential(x),
-    sp.log: lambda to, _, x: to.logarithm(x),
-    sp.sin: _smooth("sin({x})", "cos({x})", "-{v}"),
-    sp.cos: _smooth("cos({x})", "-sin({x})", "-{v}"),
-    sp.tan: _smooth("tan({x})", "1.0 + {v} * {v}", "2.0 * {v} * {s}"),
-    sp.asin: _smooth("arcsin({x})", "1.0 / sqrt((1.0 - {x}) * (1.0 + {x}))", "{x} * {s} * {s} * {s}"),
-    sp.acos: _smooth("arccos({x})", "-1.0 / sqrt((1.0 - {x}) * (1.0 + {x}))", "{x} * {s} * {s} * {s}"),
-    sp.atan: _smooth("arctan({x})", "1.0 / (1.0 + {x} * {x})", "-2.0 * {x} * {s} * {s}"),
-    sp.sinh: _smooth("sinh({x})", "cosh({x})", "{v}"),
-    sp.cosh: _smooth("cosh({x})", "sinh({x})", "{v}"),
-    sp.tanh: _smooth("tanh({x})", "1.0 - {v} * {v}", "-2.0 * {v} * {s}"),
+    **{word.node: lambda to, _, x, word=word: to.elementary(word, x) for word in ELEMENTARY.values()},
     Atan2: _Writer.angle,
     Norm: lambda to, _, *parts: to.norm(sp.Integer(2), *parts),
     EigMax: _Writer.eigenvalue,

@@ -12,6 +12,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
 from duhem.expression.number import ratio
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
@@ -114,9 +115,7 @@ TABLE: Table[Any] = {
 }
 
 # Words without a row, and why.
-LEFT_OUT: dict[type, str] = dict.fromkeys(
-    (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, Atan2, sp.sinh, sp.cosh, sp.tanh), "not algebraic"
-) | {
+LEFT_OUT: dict[type, str] = dict.fromkeys((Atan2, *(word.node for word in ELEMENTARY.values())), "not algebraic") | {
     EigMax: "a root of a cubic: no polynomial condition names the greatest",
     Norm: "a root: whoever asks names it and gives its defining equation",
     Where: "whoever asks opens its cases first",

@@ -15,6 +15,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 
+from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.matrices import rows
 
 __all__ = ["KINKS", "NODES", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word", "adopted", "symbol"]
@@ -249,19 +250,9 @@ WORDS: dict[str, Word] = {
     "abs": Word(_absolute, 1, 1, "absolute value"),
     "sign": Word(_sign, 1, 1, "-1, 0 or 1 as its argument is negative, 0 or positive"),
     "sqrt": Word(sp.sqrt, 1, 1, "square root"),
-    "exp": Word(sp.exp, 1, 1, "exponential"),
-    "log": Word(sp.log, 1, 1, "natural logarithm"),
+    **{name: Word(word.node, 1, 1, word.meaning) for name, word in ELEMENTARY.items()},
     "log10": Word(_log10, 1, 1, "logarithm to base 10"),
-    "sin": Word(sp.sin, 1, 1, "sine (rad)"),
-    "cos": Word(sp.cos, 1, 1, "cosine (rad)"),
-    "tan": Word(sp.tan, 1, 1, "tangent (rad)"),
-    "asin": Word(sp.asin, 1, 1, "arc sine (rad) of a number between -1 and 1"),
-    "acos": Word(sp.acos, 1, 1, "arc cosine (rad) of a number between -1 and 1"),
-    "atan": Word(sp.atan, 1, 1, "arc tangent (rad)"),
     "atan2": Word(Atan2, 2, 2, "atan2(y, x), the angle (rad) of the point (x, y)"),
-    "sinh": Word(sp.sinh, 1, 1, "hyperbolic sine"),
-    "cosh": Word(sp.cosh, 1, 1, "hyperbolic cosine"),
-    "tanh": Word(sp.tanh, 1, 1, "hyperbolic tangent"),
     "min": Word(sp.Min, 1, None, "least of its arguments"),
     "max": Word(sp.Max, 1, None, "greatest of its arguments"),
     "pos": Word(Pos, 1, 1, "positive part max(x, 0)"),
@@ -273,8 +264,7 @@ WORDS: dict[str, Word] = {
 
 # The inner nodes a formula can contain; relations occur only as the condition of ``where``.
 NODES: tuple[type, ...] = (
-    sp.Add, sp.Mul, sp.Pow, sp.Abs, sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, Atan2,
-    sp.sinh, sp.cosh, sp.tanh,
+    sp.Add, sp.Mul, sp.Pow, sp.Abs, *(word.node for word in ELEMENTARY.values()), Atan2,
     sp.Min, sp.Max, Pos, Neg, Norm, EigMax, Where,
     sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan,
 )  # fmt: skip

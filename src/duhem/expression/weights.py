@@ -16,6 +16,7 @@ from typing import Any, Literal
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
@@ -31,7 +32,7 @@ Role = Literal["alike", "kept", "pure", "angle", "placed", "compared", "chosen",
 ROLES: Mapping[type, Role] = {
     **dict.fromkeys((sp.Add, sp.Max, sp.Min, Norm), "alike"),
     **dict.fromkeys((sp.Abs, Pos, Neg), "kept"),
-    **dict.fromkeys((sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, sp.sinh, sp.cosh, sp.tanh), "pure"),
+    **dict.fromkeys((word.node for word in ELEMENTARY.values()), "pure"),
     Atan2: "angle",
     EigMax: "placed",
     **dict.fromkeys((sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan), "compared"),

@@ -26,6 +26,7 @@ import sympy as sp
 from duhem.errors import DuhemError, InputError
 from duhem.expression import EigMax, Neg, Norm, Pos, Where
 from duhem.expression.angles import algebraic_angles
+from duhem.expression.elementary import imports
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.scalar_jets import FUNCTIONS, scalar_values
 from duhem.path.dormand_prince import Event, followed
@@ -42,7 +43,7 @@ from duhem.projection.scaled_formula import may_cancel, of_pressure_alone, scale
 __all__ = ["Boundary", "Motion", "OpenContact", "boundary", "corner", "moves"]
 
 _SMOOTHING = (Norm, PNorm)
-_HEAD = f"import numpy as np\nfrom numpy import {', '.join(FUNCTIONS)}\nfrom duhem.expression.principal_axes import principal_axes\n"
+_HEAD = f"import numpy as np\n{imports(FUNCTIONS)}\nfrom duhem.expression.principal_axes import principal_axes\n"
 _MOST_EVENTS = 1000
 _GLANCE = 1e-10
 _BIT = 2.0**-30  # of a step on which contact is lost or regained, which is an implicit one

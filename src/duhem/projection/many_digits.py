@@ -18,10 +18,10 @@ from duhem.projection.close_look import CloseLook
 from duhem.projection.normal_cones import beside
 from duhem.projection.result import Array
 
-__all__ = ["Closest", "closest"]
+__all__ = ["ClosestInDigits", "closest"]
 
 
-class Closest(NamedTuple):
+class ClosestInDigits(NamedTuple):
     """Stress (d,), slip (d,) and multiplier of dh/ds of a closest point; ``single`` where no other multiplier has this slip."""
 
     stress: Array
@@ -50,7 +50,7 @@ _THERE = 2.0**-100  # of the point where they meet: what touches K this close to
 
 def closest(
     look: CloseLook, trial: Array, pressure: float, stiffness: Array, start: Array, multiplier: float, size: float, *, patient: bool = True
-) -> Closest | None:
+) -> ClosestInDigits | None:
     """Stress (d,), slip (d,) and multiplier of dh/ds of one ``trial`` (d,), looked for from a stress and its multiplier; None if not found.
 
     ``patient``: steep slopes are damped, which takes a hundred times as long as the rest where nothing is found.
@@ -82,7 +82,7 @@ def closest(
             return None
         stress, pull, m, single = found
         stress = [x if abs(x) > _NOTHING else 0 * x for x in stress]
-        return Closest(_nearest_doubles(stress, unit), _nearest_doubles(pull, unit), float((m * unit).mid()), single)
+        return ClosestInDigits(_nearest_doubles(stress, unit), _nearest_doubles(pull, unit), float((m * unit).mid()), single)
 
 
 def _nearest_doubles(numbers: Vector, unit: Any) -> Array:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.expression.elementary import ELEMENTARY
 from duhem.projection.kept_code import interpreted_text
 
 __all__ = ["FAULTS", "PlainArray", "interpreted", "line", "row", "table"]
@@ -96,11 +97,10 @@ class _FromRow:
         self.rows[place[0] + self.first, place[1]] = value
 
 
-_SAME = ("cos", "cosh", "exp", "expm1", "hypot", "inf", "isnan", "log", "log10", "log1p", "nan", "sin", "sinh", "sqrt", "tan", "tanh")
-_INVERSE = ("cos", "cosh", "sin", "sinh", "tan", "tanh", "tan2")
 _FUNCTIONS = {
-    **{name: getattr(math, name) for name in _SAME},
-    **{f"arc{name}": getattr(math, f"a{name}") for name in _INVERSE},
+    **{word.numpy: getattr(math, name) for name, word in ELEMENTARY.items()},
+    **{name: getattr(math, name) for name in ("expm1", "hypot", "inf", "isnan", "log1p", "nan", "sqrt")},
+    "arctan2": math.atan2,
     "maximum": max,
     "minimum": min,
     "real_power": math.pow,

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from duhem.projection.close_look import close_look
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, level
-from duhem.projection.many_digits import Closest, closest
+from duhem.projection.many_digits import ClosestInDigits, closest
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import length, times, widest
 from duhem.projection.scaled_formula import power_of_two
 
-__all__ = ["LEAST_SLIP", "SLIP_SHARE", "Closest", "closest_beside", "departures", "put_right"]
+__all__ = ["LEAST_SLIP", "SLIP_SHARE", "ClosestInDigits", "closest_beside", "departures", "put_right"]
 
 LEAST_SLIP = 1e-21  # of the stress: what a shorter slip counts, so that 1e-27 of a stress is nothing
 SLIP_SHARE = 0.1  # what a relative error of a slip counts: it is vouched for to ten times the accuracy of stresses
@@ -31,14 +31,16 @@ SLIP_SHARE = 0.1  # what a relative error of a slip counts: it is vouched for to
 Rows = TypeVar("Rows", Solution, Residuals)
 
 
-def closest_beside(question: Increment, answer: Solution, multiplier: Array, units: Array, patient: bool = False) -> list[Closest | None]:
+def closest_beside(
+    question: Increment, answer: Solution, multiplier: Array, units: Array, patient: bool = False
+) -> list[ClosestInDigits | None]:
     """The closest point beside each answer (N,), None where none is found; ``multiplier`` of h, R = ``units``."""
     look, starts = close_look(question), zip(answer.stress, multiplier.tolist(), units.tolist(), strict=True)
     asked = zip(question.trial, question.pressure.tolist(), starts, strict=True)
     return [closest(look, trial, pressure, question.stiffness, *start, patient=patient) for trial, pressure, start in asked]
 
 
-def departures(question: Increment, answer: Solution, multiplier: Array, aside: Array, points: list[Closest | None]) -> Array:
+def departures(question: Increment, answer: Solution, multiplier: Array, aside: Array, points: list[ClosestInDigits | None]) -> Array:
     """How far answers (N,) are from the closest points beside them, of the largest component; slips and multipliers count a tenth.
 
     inf where none was found; nan where stress and slip are right and the multiplier is another one where there are several, as at an
@@ -74,7 +76,7 @@ def put_right(
     solution: Solution,
     found: Residuals,
     judge: Callable[[Increment, Solution], Residuals],
-    seen: Mapping[int, Closest | None],
+    seen: Mapping[int, ClosestInDigits | None],
 ) -> tuple[Solution, Residuals]:
     """The solution and its residuals, with the closest points ``seen`` beside answers, by the place of each, where these are refused.
 

@@ -28,7 +28,7 @@ from duhem.projection.level import Level, level
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.no_stress import off_no_stress
 from duhem.projection.normal_cones import Suspect, off_cone
-from duhem.projection.referee import LEAST_SLIP, SLIP_SHARE, Closest, closest_beside, departures
+from duhem.projection.referee import LEAST_SLIP, SLIP_SHARE, ClosestInDigits, closest_beside, departures
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, length, share, widest
 from duhem.projection.scaled_formula import power_of_two
@@ -84,7 +84,7 @@ class Judge:
         at: NDArray[np.intp] | None = None,
         threads: int | None = 1,
         then: Callable[[slice], None] | None = None,
-    ) -> tuple[NDArray[np.intp], dict[int, Closest | None]]:
+    ) -> tuple[NDArray[np.intp], dict[int, ClosestInDigits | None]]:
         """The residuals into ``out``, which is zero; where points ``at`` are given, of these alone, and each of them closely.
 
         ``threads`` share the first look at all points; None for as many as there are.  ``then`` is told each block after it.  Returned
@@ -93,7 +93,7 @@ class Judge:
         if at is not None and not at.size:
             return at, {}
         keep_freed_memory(len(solution.multiplier) if at is None else at.size)
-        seen = dict[int, Closest | None]()
+        seen = dict[int, ClosestInDigits | None]()
         with np.errstate(all="ignore"):
             still, moved = self.first.left(self.increment, solution, out, threads, then) if at is None else self._sorted(solution, at)
             for some in _in_parts(still):
@@ -108,7 +108,9 @@ class Judge:
         moved = (solution.multiplier[at] != 0.0) | (widest(solution.slip.take(at, axis=0)) != 0.0) | (widest(away) != 0.0)
         return at[~moved], at[moved]
 
-    def _still(self, at: NDArray[np.intp], stress: Array, pressure: Array, got: Solution, out: Residuals) -> dict[int, Closest | None]:
+    def _still(
+        self, at: NDArray[np.intp], stress: Array, pressure: Array, got: Solution, out: Residuals
+    ) -> dict[int, ClosestInDigits | None]:
         """The residuals of points that stick, and what was seen beside those of which a slip is lost."""
         size = power_of_two(widest(stress))
         g, hidden = self.level.bounded(stress, pressure, size)
@@ -146,7 +148,9 @@ class Judge:
         value, bound = close_look(self.increment).level(as_pairs(stress, size), pressure, size, steep)
         return np.where(np.abs(value) <= bound, 0.0, value), bound
 
-    def _moved(self, at: NDArray[np.intp], trial: Array, pressure: Array, got: Solution, out: Residuals) -> dict[int, Closest | None]:
+    def _moved(
+        self, at: NDArray[np.intp], trial: Array, pressure: Array, got: Solution, out: Residuals
+    ) -> dict[int, ClosestInDigits | None]:
         """The residuals of points that move, and what was seen beside them."""
         stress, slip = got.stress.take(at, axis=0), got.slip.take(at, axis=0)
         units = power_of_two(np.where(widest(stress) > 0.0, widest(stress), widest(trial)))
@@ -237,7 +241,7 @@ class Judge:
         unknown: Array,
         got: Solution,
         out: Residuals,
-    ) -> dict[int, Closest | None]:
+    ) -> dict[int, ClosestInDigits | None]:
         """Stationarity of points that doubles do not decide, and what is beside them.
 
         It is looked for, at some milliseconds a point, where the answer is ``near`` to one: elsewhere it is wrong already.
@@ -257,7 +261,7 @@ class Judge:
 
     def _closest_beside(
         self, at: NDArray[np.intp], got: Solution, multiplier: Array, units: Array
-    ) -> tuple[Increment, Solution, list[Closest | None]]:
+    ) -> tuple[Increment, Solution, list[ClosestInDigits | None]]:
         """The question and answer of some points, and what is beside them."""
         question = replace(self.increment, trial=self.increment.trial[at], pressure=self.increment.pressure[at])
         answer = Solution(*(getattr(got, f.name)[at] for f in fields(got)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +11,7 @@ import sympy as sp
 from duhem.expression import UNDEFINED, Atan2, Norm
 from duhem.expression.balls import ball, enclose
 from duhem.expression.branches import TooManyBranchesError, branches
+from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.inert_number import MOST_ROOT
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.decide.budget import Budget, SpentError
@@ -26,13 +27,7 @@ __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_smt,)
 _STEPS = 8_000_000  # for a question that belongs to no claim
 _AT_SIGHT = {Sense.NONNEGATIVE: "is_nonnegative", Sense.POSITIVE: "is_positive", Sense.ZERO: "is_zero"}
-# A word less a number has the sign of that number, and of what else.
-_SIGNS: Mapping[type, tuple[int, Callable[[sp.Expr], sp.Expr]]] = {
-    **dict.fromkeys((sp.sinh, sp.tanh, sp.asin, sp.atan, sp.tan), (0, lambda x: x)),
-    sp.acos: (0, lambda x: 1 - x),
-    sp.log: (0, lambda x: x - 1),
-    sp.exp: (1, lambda x: x),
-}
+_SIGNS = {word.node: word.sign_change for word in ELEMENTARY.values() if word.sign_change}
 
 
 def decide(question: Question, budget: Budget | None = None) -> Answer:
@@ -107,8 +102,8 @@ def _named(question: Question, budget: Budget) -> Question | None:
     for word in dict.fromkeys(word for part in (question.expr, *given) for word in _words(part)):
         names[word] = _name(word)
         if type(word) in _SIGNS and _monotone(word, shown):
-            at, of = _SIGNS[type(word)]
-            sides += _sides(names[word] - at, of(word.args[0]), shown)
+            value, place, sense = _SIGNS[type(word)]
+            sides += _sides(names[word] - value, sense * (word.args[0] - place), shown)
         sides += _bounds(names[word], word, plain)
     if not names:
         return None

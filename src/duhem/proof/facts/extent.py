@@ -18,6 +18,7 @@ import sympy as sp
 from duhem.expression import UNDEFINED, Norm, Where, defined_at
 from duhem.expression.ball_series import compiled, derivatives
 from duhem.expression.balls import ball, certain_sign, enclose
+from duhem.expression.elementary import ELEMENTARY
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -31,7 +32,7 @@ _MOST_FORCES = 3  # of the directions along which it looks there are 3^n
 _MOST_RAYS = 4
 _STEPS = 8_000_000
 _POINTS, _SCALES = 6, (Fraction(1, 4), Fraction(1), Fraction(4))  # of gradients, for each force, at each scale
-_ANALYTIC = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.atan)
+_ANALYTIC = {word.node for word in ELEMENTARY.values() if word.analytic}
 Row = list[Any]
 
 
@@ -230,7 +231,7 @@ def _analytic(expr: sp.Expr, subject: FormulaSubject) -> bool:
         return _analytic(base, subject) and _analytic(power, subject) and (whole or subject.positive(nonzero))
     if isinstance(expr, sp.log):
         return _analytic(expr.args[0], subject) and subject.positive(expr.args[0])
-    return isinstance(expr, (sp.Add, sp.Mul, *_ANALYTIC)) and all(_analytic(part, subject) for part in expr.args)
+    return (expr.is_Add or expr.is_Mul or type(expr) in _ANALYTIC) and all(_analytic(part, subject) for part in expr.args)
 
 
 def _somewhere_not_zero(expr: sp.Expr, subject: FormulaSubject) -> bool:
