@@ -14,7 +14,6 @@ from duhem.benchmark.contenders import Contender, applicable
 from duhem.benchmark.extreme_cases import stress
 from duhem.benchmark.peers import PEERS, Peer, PeerOptions
 from duhem.benchmark.peers.jaxmat_return import JAXMAT, _moduli, _said, _surface
-from duhem.benchmark.peers.polygon_faces import faces
 from duhem.benchmark.peers.scipy_slsqp import SLSQP
 from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision import bench, throughput
@@ -25,6 +24,7 @@ from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
 from duhem.law.formula_law import Criterion
 from duhem.projection import conic_solvers
+from duhem.projection.affine_faces import planes
 from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import ACCURACY, Status
@@ -61,9 +61,11 @@ def written(g: str) -> Increment:
     ],
 )
 def test_the_planes_are_the_boundary(question: Increment, count: int) -> None:
-    found = faces(question)
-    assert found is not None and found.normals.shape == (count, question.trial.shape[1])
-    beyond = (question.trial @ found.normals.T - found.offsets).max(axis=1)
+    found = planes(question)
+    assert found is not None
+    normals, offsets = found
+    assert normals.shape == (count, question.trial.shape[1])
+    beyond = (question.trial @ normals.T - offsets).max(axis=1)
     law = question.law
     symbols = (*law.force_symbols(), *([law.symbols()[law.pressure]] if law.pressure else []))
     g = compiled(question.g, symbols)(*question.trial.T, *([question.pressure] if law.pressure else []))
@@ -85,7 +87,7 @@ def test_the_planes_are_the_boundary(question: Increment, count: int) -> None:
     ],
 )
 def test_what_is_not_seen_to_be_a_greatest_of_planes_is_left_out(g: str) -> None:
-    assert faces(written(g)) is None
+    assert planes(written(g)) is None
 
 
 # -- surfaces --------------------------------------------------------------------------------------------------------
@@ -178,7 +180,7 @@ def test_a_peer_solves_the_same_increment(peer: Peer, found: Specimen) -> None:
     assert not (other.status == Status.FAILED).any()
     assert np.abs(other.stress - mine.stress).max() <= 1e-2
     assert other.multiplier == pytest.approx(mine.multiplier, abs=1e-2)
-    if np.ptp(np.diagonal(found.stiffness)) > 0.0 and faces(question) is None:
+    if np.ptp(np.diagonal(found.stiffness)) > 0.0 and planes(question) is None:
         assert np.abs(Projector.of(found.law)(question.trial, pressure).stress - mine.stress).max() > 2e-2
 
 

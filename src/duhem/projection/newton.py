@@ -5,7 +5,8 @@ of K towards its centre, and the half-space that supports K there is added.  |s 
 whatever the shape (Y. Haugazeau 1968; J. E. Kelley 1960), and on polytopes it ends.  At growing intervals Newton's method
 on the optimality conditions is tried from where the polyhedron stands: on the piece that holds there, and where pieces
 of different formulas press, on their meet.  What it finds is taken only if it satisfies the optimality conditions,
-which for a convex K are sufficient; so no iteration is trusted, only its result.
+which for a convex K are sufficient; so no iteration is trusted, only its result.  Where planes bound K there is no search: their sets
+are few (:mod:`duhem.projection.affine_faces`).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from duhem.expression.jets import Choices
 from duhem.expression.rays import crossing
 from duhem.expression.vocabulary import EigMax
+from duhem.projection.affine_faces import faces
 from duhem.projection.close_look import close_look
 from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
@@ -116,6 +118,12 @@ def search(increment: Increment, _: Options = _DEFAULTS) -> Solution:
     level = whole.level(trial / whole.size[:, None], np.arange(n))
     failed |= ~np.all(np.isfinite(trial), axis=1) | ~np.all([np.isfinite(q) for q in (increment.pressure, *whole.data)], axis=0)
     who = np.flatnonzero((level > 0) & ~failed)
+    if who.size and (sides := faces(formula.expr, forces, tuple(formula.data))) is not None:
+        known = [data[who] for data in whole.data]
+        size = whole.size[who]
+        near, moved, weight, solved = sides.closest(trial[who] / size[:, None], sides.at(known, who.size), increment.stiffness)
+        stress[who], slip[who], multiplier[who] = near * size[:, None], moved * size[:, None], grown(weight, size, 2.0 - formula.degree)
+        who = who[~solved]
     if not who.size:
         return Solution(stress, slip, multiplier, failed)
     sized, centre, none = _measured(whole.of(who), trial[who], increment.pressure[who])

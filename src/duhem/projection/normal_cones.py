@@ -15,7 +15,7 @@ from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.level import Level
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import Array
-from duhem.projection.row_by_row import dot, length, times, unit
+from duhem.projection.row_by_row import dot, length, spanning, times, unit
 
 __all__ = ["Suspect", "beside", "off_cone"]
 
@@ -183,7 +183,7 @@ class _Cones:
 def _spanned(normals: Array, slip: Array) -> tuple[NDArray[np.bool_], Array, Array, Array]:
     """Of cones (M, d, count): which are known, their inverses, the weights of the slips (M, d) in them and what is left of these."""
     usable: NDArray[np.bool_] = np.asarray(np.isfinite(normals).all(axis=(1, 2)))
-    inverse = np.linalg.pinv(np.where(usable[:, None, None], normals, 0.0), rcond=ROUNDING)
+    inverse = spanning(np.where(usable[:, None, None], normals, 0.0), ROUNDING)
     weights = np.maximum(inverse @ slip[:, :, None], 0.0)
     return usable, inverse, weights[:, :, 0], length(slip - (normals @ weights)[:, :, 0])
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from duhem.benchmark.machine import cores
 from duhem.benchmark.peers.peer import PeerOptions, answered
-from duhem.benchmark.peers.polygon_faces import faces
+from duhem.projection.affine_faces import planes
 from duhem.projection.increment import Increment
 from duhem.projection.method import Method
 from duhem.projection.result import Solution
@@ -23,16 +23,17 @@ _BLOCK = 10_000  # programs held at once
 
 
 def _applies(question: Increment) -> str | None:
-    return "it takes sets that are bounded by planes" if faces(question) is None else None
+    return "it takes sets that are bounded by planes" if planes(question) is None else None
 
 
 def _solve(question: Increment, options: PeerOptions) -> Solution:
     from proxsuite import proxqp
 
-    found = faces(question)
+    found = planes(question)
     assert found is not None  # as applies has it
+    normals, offsets = found
     n, d = question.trial.shape
-    compliance, count = np.linalg.inv(question.stiffness), len(found.normals)
+    compliance, count = np.linalg.inv(question.stiffness), len(normals)
     linear, below = -question.trial @ compliance, np.full(count, -np.inf)
     stress, failed = np.empty((n, d)), np.zeros(n, dtype=bool)
     for start in range(0, n, _BLOCK):
@@ -43,7 +44,7 @@ def _solve(question: Increment, options: PeerOptions) -> Solution:
             if options.tolerance is not None:
                 program.settings.eps_abs = program.settings.eps_duality_gap_abs = options.tolerance
                 program.settings.check_duality_gap = True
-            program.init(compliance, linear[i], None, None, found.normals, below, found.offsets[i])
+            program.init(compliance, linear[i], None, None, normals, below, offsets[i])
         proxqp.dense.solve_in_parallel(programs, cores())
         for i in block:
             results = programs.get(i - start).results

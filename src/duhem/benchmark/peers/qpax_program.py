@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from duhem.benchmark.peers.peer import PeerOptions, answered
-from duhem.benchmark.peers.polygon_faces import faces
+from duhem.projection.affine_faces import planes
 from duhem.projection.increment import Increment
 from duhem.projection.method import Method
 from duhem.projection.result import Solution
@@ -23,17 +23,18 @@ __all__ = ["QPAX"]
 
 
 def _applies(question: Increment) -> str | None:
-    return "it takes sets that are bounded by planes" if faces(question) is None else None
+    return "it takes sets that are bounded by planes" if planes(question) is None else None
 
 
 def _solve(question: Increment, options: PeerOptions) -> Solution:
     import jax
 
-    found = faces(question)
+    found = planes(question)
     assert found is not None  # as applies has it
+    normals, offsets = found
     compliance = np.linalg.inv(question.stiffness)
     with jax.enable_x64(True):
-        point, done = _batched(options.tolerance)(compliance, -question.trial @ compliance, found.normals, found.offsets)
+        point, done = _batched(options.tolerance)(compliance, -question.trial @ compliance, normals, offsets)
         return answered(question, np.array(point, dtype=np.float64), np.array(done) != 1)
 
 
