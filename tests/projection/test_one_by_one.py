@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 from dataclasses import replace
 from typing import Any
 
@@ -9,13 +11,27 @@ import numpy as np
 import pytest
 
 from duhem.law.formula_law import Criterion
-from duhem.projection import compiled_judge, compiled_newton, newton, quadrants
+from duhem.projection import (
+    compiled_judge,
+    compiled_newton,
+    corner_kernel,
+    edge_kernel,
+    judge_kernel,
+    known_points_kernel,
+    newton,
+    newton_apex,
+    newton_kernel,
+    newton_pair,
+    newton_start,
+    newton_step,
+    quadrants,
+)
 from duhem.projection.closed_form import CLOSED_FORM
 from duhem.projection.compiled_judge import told_one_by_one
 from duhem.projection.compiled_newton import solved_one_by_one
 from duhem.projection.in_blocks import FEW, FEW_SEARCHED
 from duhem.projection.judge_kernel import UNJUDGED
-from duhem.projection.plain_numbers import PlainArray, interpreted, table
+from duhem.projection.plain_numbers import interpreted, zeros
 from duhem.projection.projector import Projector
 from duhem.projection.quadrants import Quarters
 from duhem.projection.residuals import Judge, residuals
@@ -104,7 +120,7 @@ def test_what_raises_is_left_to_arrays(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(*_: Any) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(compiled_judge, "interpreted", lambda *_: fails)
+    monkeypatch.setattr(compiled_judge, "interpreted", lambda *_, **__: fails)
     found = projector([0.3, 0.1], -1.0)
     assert found.status.tolist() == expected.status.tolist() == [Status.SLIP]
     assert found.stress.tolist() == expected.stress.tolist()
@@ -158,10 +174,69 @@ def test_what_the_judge_refuses_of_few_points_is_searched_for() -> None:
     assert found.residuals.worst()[0] <= ACCURACY
 
 
-def test_text_runs_on_tables_of_numbers() -> None:
+def test_text_runs_on_lists_of_numbers() -> None:
     head = "from numpy import sqrt\nimport numpy as np\n"
     text = f"{head}def f(v, n):\n    a = np.empty((n, n))\n    a[0, 1] = sqrt(v[0, 0])\n    return a[0, 1] + a[1, 1]\n"
-    assert interpreted(text, "f")(table(np.array([[4.0, 1.0]])), 2) == 2.0
-    assert table(np.array([1.0, 2.0])) == {0: 1.0, 1: 2.0} and PlainArray((3,)).shape == (3,)
+    assert interpreted(text, "f")([[4.0, 1.0]], 2) == 2.0
+    assert zeros(2) == [0.0, 0.0] and zeros(1, 2) == [[0.0, 0.0]]
     with pytest.raises(ValueError, match="math domain error"):
-        interpreted(text, "f")(table(np.array([[-4.0]])), 1)
+        interpreted(text, "f")([[-4.0]], 1)
+
+
+LOOPS = """
+A, (B, SMALL) = 3, (2, 1e-3)
+MORE = A + B * 2
+
+
+def f(v, n):
+    total = 0.0
+    for i in range(A):
+        for k in range(i + 1, A):
+            total += v[i, k] * (SMALL + i - k)
+    for i in range(A):
+        if v[i, i] > n:
+            break
+    for j in range(MORE):
+        if j == n:
+            return total + 100.0 * i + j
+    for k in range(v.shape[0] - 1, -1, -1):
+        total = total * 0.5 + v[k, 0] ** 2
+    last = 0
+    for m in range(B):
+        last += m
+    return total + last
+"""
+
+
+@pytest.mark.parametrize("n", [2, 6, 20])
+def test_loops_that_are_written_out_do_what_they_did(n: int) -> None:
+    """Nested ones, those that end early, that go down, and of a size that only the array knows."""
+    space: dict[str, Any] = {"A": 3, "B": 2, "SMALL": 1e-3, "MORE": 7}
+    exec(LOOPS.partition("\n\n\n")[2], space)
+    v = np.arange(9.0).reshape(3, 3) + 0.1
+    text = LOOPS.replace("A, (B, SMALL) = 3, (2, 1e-3)", "A, B, SMALL = 3, 2, 1e-3")
+    assert interpreted(text, "f")(v.tolist(), n) == space["f"](v, n)
+    assert interpreted(text, "f", A=2)(v.tolist(), 20) != space["f"](v, 20)  # a constant of another value
+
+
+def test_no_counter_of_a_loop_that_runs_to_its_end_is_read_after_it() -> None:
+    """Such a loop may be written out, and then there is no counter."""
+    sources = (
+        corner_kernel,
+        edge_kernel,
+        judge_kernel,
+        known_points_kernel,
+        newton_apex,
+        newton_kernel,
+        newton_pair,
+        newton_start,
+        newton_step,
+    )
+    for function in (node for source in sources for node in ast.parse(inspect.getsource(source)).body if isinstance(node, ast.FunctionDef)):
+        loops = [node for node in ast.walk(function) if isinstance(node, ast.For) and isinstance(node.target, ast.Name)]
+        ended = [node for node in loops if any(isinstance(part, ast.Break | ast.Continue) for part in ast.walk(node))]
+        for counter in {node.target.id for node in loops if node not in ended and isinstance(node.target, ast.Name)}:
+            own = [node for node in loops if isinstance(node.target, ast.Name) and node.target.id == counter]
+            inside = {id(part) for node in own for part in ast.walk(node)}
+            reads = [n for n in ast.walk(function) if isinstance(n, ast.Name) and n.id == counter and isinstance(n.ctx, ast.Load)]
+            assert all(id(n) in inside for n in reads), (function.name, counter)

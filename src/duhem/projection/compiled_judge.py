@@ -33,7 +33,7 @@ from duhem.projection.module_text import module_text, over_unit
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
 from duhem.projection.pasted_text import pasted
-from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, line, table
+from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.residuals import Judge
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import unit
@@ -112,17 +112,17 @@ def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array, kn
     loop, d = _text(level, forces, known.convex), len(forces)
     if loop is None or not known.around_origin:
         return None
-    run = interpreted(loop.text, "chunk")
-    tables = [_table(m.tobytes(), d) for m in _matrices(stiffness, known.metric)]
-    tips = _seen_tables(known.tips.tobytes(), known.metric.of_stress.tobytes(), d)
-    constants = *loop.constants, *tables, _table(beside(d).tobytes(), d), *tips, *_figures(level, known.metric)
+    run = interpreted(loop.text, "chunk", CHUNK=1)
+    seen = _seen(known.tips.tobytes(), known.metric.of_stress.tobytes(), d)
+    tables = [x.tolist() for x in (*_matrices(stiffness, known.metric), beside(d), *seen)]
+    constants = *loop.constants, *tables, *_figures(level, known.metric)
+    sizes = judge_kernel.room(d, 1)
 
     def look(trial: Sequence[float], pressure: float, stress: Sequence[float], slip: Sequence[float], multiplier: float) -> Any:
-        work, status, *room = [PlainArray() for _ in range(7)]
-        off = tuple(PlainArray() for _ in range(5))
-        got = line(stress), line(slip), line([multiplier])
+        work, status, off = [0.0], [UNJUDGED], tuple([0.0] for _ in range(5))
+        room = [zeros(*size) for size in sizes], [0, 0]
         try:
-            run(line(trial), line([pressure]), known.largest, *constants, *got, work, status, off, *room)
+            run(trial, [pressure], known.largest, *constants, stress, slip, [multiplier], work, status, off, *room[0], room[1])
         except FAULTS:
             status[0] = UNJUDGED
         return work[0], status[0], [each[0] for each in off]
@@ -172,16 +172,6 @@ def _unpacked(constants: tuple[Numbers, Numbers, Numbers, Numbers]) -> str:
 
 def _figures(level: Level, metric: Metric) -> tuple[float, float, float, float]:
     return metric.blur, metric.good, metric.certain, level.scaled.degree
-
-
-@lru_cache(maxsize=256)
-def _table(array: bytes, d: int) -> PlainArray:
-    return table(np.frombuffer(array).reshape(-1, d))
-
-
-@lru_cache(maxsize=256)
-def _seen_tables(tips: bytes, of_stress: bytes, d: int) -> tuple[PlainArray, ...]:
-    return tuple(table(x) for x in _seen(tips, of_stress, d))
 
 
 @lru_cache(maxsize=256)

@@ -25,7 +25,7 @@ from duhem.projection.kept_code import CompiledText, compiled_text, only_read
 from duhem.projection.method import ClosestPoint
 from duhem.projection.module_text import module_text
 from duhem.projection.newton_kernel import INLINED, LEFT
-from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, row, table
+from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
 from duhem.projection.whitened_body import whitening
@@ -123,18 +123,18 @@ def plain_closest(increment: Increment) -> ClosestPoint | None:
     """The closest point to one trial on plain numbers, at any point of such an increment; None for a word that the loop lacks."""
     if (loop := Loop.of(increment, plain=True)) is None:
         return None
-    numbers, mean, d = (loop.constants.tolist(), table(loop.root), table(loop.inverse), loop.formula.degree), loop.mean, len(loop.root)
+    numbers, mean, d = (loop.constants.tolist(), loop.root.tolist(), loop.inverse.tolist(), loop.formula.degree), loop.mean, len(loop.root)
     data = loop.data_at_one()
 
     def closest(trial: Sequence[float], pressure: float) -> Any:
-        stress, slip, multiplier, state = [PlainArray() for _ in range(4)]
+        stress, slip, multiplier, state = zeros(1, d), zeros(1, d), [0.0], [LEFT]
         try:
-            loop.run(row(trial), row(data(pressure)[0].tolist()), *numbers, stress, slip, multiplier, state)
+            loop.run([trial], data(pressure).tolist(), *numbers, stress, slip, multiplier, state)
         except FAULTS:
             return None
         if state[0] == LEFT:
             return None
-        return [stress[0, k] for k in range(d)], [slip[0, k] / mean for k in range(d)], multiplier[0] / mean
+        return stress[0], [x / mean for x in slip[0]], multiplier[0] / mean
 
     return closest
 

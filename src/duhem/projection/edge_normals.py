@@ -15,7 +15,7 @@ from duhem.projection.level import Level
 from duhem.projection.metric import Metric
 from duhem.projection.module_text import module_text
 from duhem.projection.newton_step import eliminated, length
-from duhem.projection.plain_numbers import FAULTS, PlainArray, interpreted, table
+from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.result import Array
 
 __all__ = ["off_edge"]
@@ -33,11 +33,10 @@ def off_edge(
         return best
     run, constants = made
     data = np.stack([*level.scaled.values(pressure, size).values(), *(np.full(len(slip), c) for c in constants)], axis=-1)
-    of_slip, distance = table(metric.of_slip), np.linalg.norm(slip, axis=1)
+    of_slip, distance, d = metric.of_slip.tolist(), np.linalg.norm(slip, axis=1), stress.shape[1]
     for i in range(len(slip)):
-        v, room = PlainArray(), PlainArray()
-        for k in range(stress.shape[1]):
-            v[corner_kernel.AT, k], v[corner_kernel.K_SLIP, k] = float(stress[i, k] / size[i]), float(slip[i, k])
+        v, room = zeros(corner_kernel.NORMAL_ROW + 1, d), zeros(corner_kernel.CORNER, 2 * d + 1)
+        v[corner_kernel.AT], v[corner_kernel.K_SLIP] = (stress[i] / size[i]).tolist(), slip[i].tolist()
         numbers = float(multiplier[i]), float(far[i] / size[i]), float(distance[i]), 1.0, np.inf
         with suppress(*FAULTS):
             best[i] = run(v, room, data[i].tolist(), of_slip, *numbers)

@@ -68,6 +68,12 @@ INLINED = ("below", "bounded", "chunk", "gradient", "heights", "hypot", "known",
            "shares", "sized", "sorted_", "taken", "tried", "unpacked", "unstressed")  # fmt: skip
 """Functions that every point goes through, so that the compiler knows the rows they work on apart."""
 
+
+def room(d: int, chunk: int) -> tuple[tuple[int, int], ...]:
+    """The sizes of the four arrays in which a chunk of points is worked out, in so many forces."""
+    return (ROOMS, d), (CORNER, 2 * d + 1), (3 * chunk, d), (7 * d + 28, chunk)
+
+
 # -- compiled from here ----------------------------------------------------------------------------------------
 
 STICK, SLIP, UNJUDGED = 0, 1, -1

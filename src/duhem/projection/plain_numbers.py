@@ -1,102 +1,151 @@
 """Our own text as Python runs it, on plain numbers: for so few points that arrays take longer to call than to compute.
 
-What a compiler is given runs here.  Its arrays are tables of numbers by their places, its functions and powers those of ``math``: an
-operation that has no value raises, where an array has nan, and who called takes the point another way.
+What a compiler is given runs here.  Its arrays are lists of lists, its functions and powers those of ``math``: an operation that has no
+value raises, where an array has nan, and who called takes the point another way.  A loop over the few forces of a law is written out,
+and what constants decide is worked out once, so that little is left of it but the operations themselves.
 """
 
 from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Callable, Sequence
+import operator
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from duhem.expression.elementary import ELEMENTARY
 from duhem.projection.kept_code import interpreted_text
 
-__all__ = ["FAULTS", "PlainArray", "interpreted", "line", "row", "table"]
+__all__ = ["FAULTS", "interpreted", "zeros"]
 
 FAULTS = ArithmeticError, ValueError
 """What an operation without a value raises."""
 
-
-class PlainArray(dict[Any, Any]):
-    """Numbers by their places, with the ``shape`` of the array that they stand for; 0 where none was written."""
-
-    def __init__(self, shape: tuple[int, ...] = ()) -> None:
-        super().__init__()
-        self.shape = shape
-
-    def __missing__(self, place: Any) -> float:
-        return 0.0
+_MOST_TURNS, _MOST_LINES = 6, 12  # of a loop that is written out
 
 
-def table(array: NDArray[Any]) -> PlainArray:
-    """The numbers of an array of one or two axes."""
-    found = PlainArray(array.shape)
-    if array.ndim == 1:
-        found.update(enumerate(array.tolist()))
-    else:
-        found.update(((i, j), x) for i, row in enumerate(array.tolist()) for j, x in enumerate(row))
-    return found
-
-
-def row(numbers: Sequence[float]) -> PlainArray:
-    """A table of one row."""
-    found = PlainArray((1, len(numbers)))
-    for i, x in enumerate(numbers):
-        found[0, i] = x
-    return found
-
-
-def line(numbers: Sequence[float]) -> PlainArray:
-    """A list of numbers."""
-    found = PlainArray((len(numbers),))
-    found.update(enumerate(numbers))
-    return found
+def zeros(*sizes: int) -> Any:
+    """Lists of lists of these sizes, of zeros."""
+    first, *others = sizes
+    return [zeros(*others) for _ in range(first)] if others else [0.0] * first
 
 
 @lru_cache(maxsize=128)
-def interpreted(text: str, entry: str) -> Callable[..., Any]:
-    """The function ``entry`` of the text; a power that is no real number raises, where Python would take it for a complex one."""
+def interpreted(text: str, entry: str, **constants: int) -> Callable[..., Any]:
+    """The function ``entry`` of the text, of whose ``constants`` these have other values; an array that it takes is a list of lists.
+
+    A power that is no real number raises, where Python would take it for a complex one.
+    """
     tree = ast.parse(text)
-    for function in tree.body:
-        if isinstance(function, ast.FunctionDef):
-            _RealPowers().visit(function)
+    known = dict[str, Any](constants)
+    for place, node in enumerate(tree.body):
+        if isinstance(node, ast.Assign):
+            _remember(node, known)
+        elif isinstance(node, ast.FunctionDef):
+            tree.body[place] = _WrittenOut(known).visit(node)
     run: Any = interpreted_text(ast.fix_missing_locations(tree), entry)
     run.__globals__.update(_FUNCTIONS)
     return run
 
 
-class _RealPowers(ast.NodeTransformer):
-    """Hands powers to ``real_power``."""
+def _remember(node: ast.Assign, known: dict[str, Any]) -> None:
+    """The numbers that a line of the module gives names to; those that have one keep it."""
+    for target in node.targets:
+        names = target.elts if isinstance(target, ast.Tuple) else [target]
+        values = node.value.elts if isinstance(node.value, ast.Tuple) and isinstance(target, ast.Tuple) else [node.value] * len(names)
+        for name, value in zip(names, values, strict=True):
+            if isinstance(name, ast.Name) and isinstance(found := _WrittenOut(known).visit(value), ast.Constant):
+                known.setdefault(name.id, found.value)
+
+
+class _WrittenOut(ast.NodeTransformer):
+    """Puts numbers for names that are ``known``, works out what they decide, and writes loops over them out.
+
+    A loop that may end early stays one.  No text reads a counter after a loop that may not: nothing would count there.
+    """
+
+    def __init__(self, known: Mapping[str, Any]) -> None:
+        self.known = known
+
+    def generic_visit(self, node: ast.AST) -> ast.AST:
+        """A node of what its parts become; the one that was given stays as it is, to be written out again."""
+        made = {name: self._part(value) for name, value in vars(node).items()}
+        return type(node)(**made)
+
+    def _part(self, value: Any) -> Any:
+        if isinstance(value, list):
+            return [line for part in value for line in _listed(self.visit(part) if isinstance(part, ast.AST) else part)]
+        return self.visit(value) if isinstance(value, ast.AST) else value
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        """The number of a name."""
+        return ast.Constant(self.known[node.id]) if isinstance(node.ctx, ast.Load) and node.id in self.known else node
+
+    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
+        """The negative of a number."""
+        node = cast("ast.UnaryOp", self.generic_visit(node))
+        negative = isinstance(node.op, ast.USub) and isinstance(node.operand, ast.Constant)
+        return ast.Constant(operator.neg(node.operand.value)) if negative else node  # type: ignore[attr-defined]
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
-        """A power as a call."""
-        self.generic_visit(node)
+        """What is made of two whole numbers; a power is a call of ``real_power``."""
+        node = cast("ast.BinOp", self.generic_visit(node))
+        a, b = node.left, node.right
         if isinstance(node.op, ast.Pow):
-            return ast.copy_location(ast.Call(ast.Name("real_power", ast.Load()), [node.left, node.right], []), node)
+            if isinstance(a, ast.Constant) and isinstance(b, ast.Constant):
+                return ast.Constant(operator.pow(a.value, b.value))
+            return ast.Call(ast.Name("real_power", ast.Load()), [a, b], [])
+        if isinstance(a, ast.Constant) and isinstance(b, ast.Constant) and type(node.op) in _OPERATORS:
+            return ast.Constant(_OPERATORS[type(node.op)](a.value, b.value))
         return node
 
+    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+        """An entry of an array as that of a list in a list, its first size as the length."""
+        node = cast("ast.Subscript", self.generic_visit(node))
+        if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
+            return ast.Call(ast.Name("len", ast.Load()), [node.value.value], [])
+        if not isinstance(node.slice, ast.Tuple):
+            return node
+        *outer, last = node.slice.elts
+        found = node.value
+        for place in outer:
+            found = ast.Subscript(found, place, ast.Load())
+        return ast.Subscript(found, last, node.ctx)
 
-class _FromRow:
-    """The rows of a table from the first one on."""
+    def visit_For(self, node: ast.For) -> Any:
+        """Its body for each number, where these are few and known."""
+        over = self.visit(node.iter)
+        ends: list[Any] = [x.value for x in over.args if isinstance(x, ast.Constant)] if isinstance(over, ast.Call) else []
+        whole = isinstance(over, ast.Call) and len(ends) == len(over.args) and getattr(over.func, "id", "") == "range"
+        turns = range(*ends) if whole else range(0)
+        early = any(isinstance(part, ast.Break | ast.Continue) for part in ast.walk(node))
+        few = whole and len(turns) <= _MOST_TURNS and len(turns) * _statements(node.body) <= _MOST_LINES
+        if few and not early and isinstance(node.target, ast.Name) and node.target.id != "_":
+            lines = list[ast.stmt]()
+            for turn in turns:
+                lines += _WrittenOut({**self.known, node.target.id: turn})._part(node.body)
+            return lines or ast.Pass()
+        return self.generic_visit(node)
 
-    def __init__(self, rows: PlainArray, first: int) -> None:
-        self.rows, self.first = rows, first
 
-    def __getitem__(self, place: tuple[int, int]) -> float:
-        return float(self.rows[place[0] + self.first, place[1]])
-
-    def __setitem__(self, place: tuple[int, int], value: float) -> None:
-        self.rows[place[0] + self.first, place[1]] = value
+def _statements(lines: Sequence[ast.stmt]) -> int:
+    return sum(1 + sum(_statements(getattr(line, name, ())) for name in ("body", "orelse")) for line in lines)
 
 
+def _listed(made: Any) -> list[ast.stmt]:
+    return made if isinstance(made, list) else [made]
+
+
+_OPERATORS: Mapping[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.FloorDiv: operator.floordiv,
+}
 _FUNCTIONS = {
     **{word.numpy: getattr(math, name) for name, word in ELEMENTARY.items()},
     **{name: getattr(math, name) for name in ("expm1", "hypot", "inf", "isnan", "log1p", "nan", "sqrt")},
@@ -104,8 +153,13 @@ _FUNCTIONS = {
     "maximum": max,
     "minimum": min,
     "real_power": math.pow,
-    "from_row": _FromRow,
+    "from_row": lambda rows, first: rows[first:],
     "np": SimpleNamespace(
-        inf=math.inf, nan=math.nan, empty=lambda shape, *_: PlainArray(shape), int8=np.int8, int64=np.int64, float64=np.float64
+        inf=math.inf,
+        nan=math.nan,
+        empty=lambda shape, *_: zeros(*shape) if isinstance(shape, tuple) else zeros(shape),
+        int8=np.int8,
+        int64=np.int64,
+        float64=np.float64,
     ),
 }

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from duhem.projection.in_blocks import FEW
 from duhem.projection.one_point import closest
-from duhem.projection.plain_numbers import FAULTS, PlainArray, table
+from duhem.projection.plain_numbers import FAULTS
 from duhem.projection.quarter_ellipse import CLOSE, NEAR, SAFE, SEAM, SURE, formulas
 from duhem.projection.result import Array
 
@@ -164,16 +164,23 @@ def plain_closest(quarters: Quarters, trial: Sequence[float], load: float) -> tu
     return [s[0, 0], s[0, 1]], [moved[0, 0], moved[0, 1]], weight[0]
 
 
+_Table = dict[Any, Any]  # numbers by their places: the functions of one point ask for array[i, j]
+
+
 @lru_cache(maxsize=256)
-def _tables(quarters: Quarters) -> tuple[PlainArray, ...]:
+def _tables(quarters: Quarters) -> tuple[_Table, ...]:
     """mu, axes, low, ratio, compliance, power and first."""
     q = quarters
-    rows = [PlainArray() for _ in range(2)]
+    rows: list[_Table] = [{}, {}]
     for found, axes in zip(rows, (q.axes, q.axes_low), strict=True):
         for place in np.ndindex(4, 2):
             found[place] = axes[place].tolist()
             found.update({(*place, i): x for i, x in enumerate(found[place])})
-    return table(q.mu), *rows, *(table(x) for x in (q.ratio, q.compliance, q.power, q.first))
+    return _table(q.mu), *rows, *(_table(x) for x in (q.ratio, q.compliance, q.power, q.first))
+
+
+def _table(array: NDArray[Any]) -> _Table:
+    return {place if array.ndim > 1 else place[0]: array[place].item() for place in np.ndindex(*array.shape)}
 
 
 @dataclass(frozen=True, eq=False)
