@@ -37,7 +37,7 @@ import pytest
 if TYPE_CHECKING:
     from duhem.path.scene import Scene
     from duhem.testing.failures.report import Report
-    from duhem.testing.snapshots.snapshot import Entry
+    from duhem.testing.snapshots import Entry
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

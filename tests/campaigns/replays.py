@@ -20,8 +20,8 @@ from tempfile import TemporaryDirectory
 
 import duhem
 from duhem.testing import Update, conformance, projection
-from duhem.testing.drawn.simplified import unrounded
-from duhem.testing.failures.report import Failure
+from duhem.testing.failures.failure import Failure
+from duhem.testing.failures.shrinking import unrounded
 from tests.campaigns.routines import compiled, found
 from tests.oracles.mutant_routines import MUTANTS
 from tests.testing.examples import EXAMPLES, library

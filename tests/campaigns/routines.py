@@ -37,11 +37,11 @@ from duhem.law.formula_law import Criterion
 from duhem.projection.methods import METHODS
 from duhem.projection.result import Array
 from duhem.testing import Case, Report, Update, cases, conformance, projection
-from duhem.testing.drawn.decades import Strategy, decades
+from duhem.testing.drawn.strategies import histories
+from duhem.testing.drawn.values import Strategy, decades
 from duhem.testing.foreign import shared_library
 from duhem.testing.routines.material import Material, stateless
 from duhem.testing.routines.unfinished import Unfinished
-from duhem.testing.without_law.histories import histories
 from tests.campaigns.foreign import right
 from tests.oracles.mutant_routines import MUTANTS, Mutant
 from tests.testing.examples import BUGS, EXAMPLES, written

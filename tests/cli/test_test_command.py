@@ -172,7 +172,7 @@ def test_formats_for_programs(run: Command) -> None:
 
 
 def test_a_law_is_tested_by_every_method_that_takes_it(run: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("duhem.testing.routines.own_solvers.METHODS", ["closed-form", "newton"])  # a solver of cones is dear to import
+    monkeypatch.setattr("duhem.testing.routines.routine.METHODS", ["closed-form", "newton"])  # a solver of cones is dear to import
     code, out, _ = run("test", "tresca", *FEW, "answers", "--examples", "1")
     assert code == 0
     assert "tresca newton" in out.splitlines() and "closed-form left out: " in out

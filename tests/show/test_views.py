@@ -13,7 +13,7 @@ import pytest
 import duhem
 from duhem.show.shown import Shown
 from duhem.testing.conformance import conformance
-from duhem.testing.snapshots.snapshot_difference import Differences, differences
+from duhem.testing.snapshots import Differences, differences
 from tests.show.test_sheets import HOSTILE, LAW, Read
 
 CURVE = duhem.ParametricCriterion(HOSTILE, ("mu*cos(phi)", "sin(phi)/3"), {"mu": duhem.Domain.between("1/2", 1)})

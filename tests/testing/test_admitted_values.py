@@ -10,7 +10,7 @@ import duhem
 from duhem.errors import InputError
 from duhem.law.atlas.entry import file_of, groups
 from duhem.law.formula_law import Criterion
-from duhem.testing.drawn.admitted_values import Admitted, admitted
+from duhem.testing.drawn.values import Admitted, admitted
 from tests.long import mostly_long
 
 

@@ -9,7 +9,7 @@ import sympy as sp
 import duhem
 from duhem.law.formula_law import Criterion
 from duhem.testing import Report, conformance
-from duhem.testing.checks.dents import Dents
+from duhem.testing.checks.law_checks import Dents
 from duhem.testing.checks.query import Query
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region

@@ -12,9 +12,8 @@ import duhem
 from duhem.testing import Case, Step, conformance, from_displacements
 from duhem.testing.checks.query import Query
 from duhem.testing.drawn.region import Region
-from duhem.testing.drawn.simplified import unrounded
-from duhem.testing.failures.departure import departure
-from duhem.testing.failures.diagnosis import Part, diagnoses, registered_suggestions
+from duhem.testing.failures.diagnosis import Part, departure, diagnoses, registered_suggestions
+from duhem.testing.failures.shrinking import unrounded
 from tests.long import long_but, mostly_long
 from tests.oracles.routines import (
     ELLIPSE,

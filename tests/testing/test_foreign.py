@@ -17,7 +17,7 @@ from duhem.testing import Material, MaterialState, conformance, decades, from_ma
 from duhem.testing.foreign import jax_routine, mgis_material, shared_library, shared_material, umat
 from duhem.testing.foreign.abaqus import rotation
 from duhem.testing.foreign.native import NativeFault
-from duhem.testing.foreign.prototype import Prototype
+from duhem.testing.foreign.shared import Prototype
 from duhem.testing.routines.unfinished import Unfinished
 from tests.export.shared_library import compiler
 from tests.long import mostly_long

@@ -6,7 +6,7 @@ import numpy as np
 
 import duhem
 from duhem.testing.drawn.region import Region
-from duhem.testing.drawn.seams import TURNS, turned
+from duhem.testing.drawn.strategies import TURNS, turned
 from tests.oracles.routines import MU
 
 FIRST = np.array([[1.0, 0.3], [1.0, 0.4], [0.2, 1.0], [-0.5, 1.0]])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from duhem.testing import Case, conformance, violation
-from duhem.testing.drawn.simplified import simplified, unrounded
+from duhem.testing.failures.shrinking import simplified, unrounded
 from tests.oracles.mutant_routines import MUTANTS
 from tests.oracles.routines import DISK, nothing
 

@@ -13,9 +13,7 @@ import pytest
 
 import duhem
 from duhem.errors import InputError
-from duhem.testing.snapshots.snapshot import Entry, snapshot
-from duhem.testing.snapshots.snapshot_difference import differences
-from duhem.testing.snapshots.snapshot_file import SnapshotFile
+from duhem.testing.snapshots import Entry, SnapshotFile, differences, snapshot
 
 OVAL = """\
 [criterion]

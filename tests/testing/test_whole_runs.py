@@ -13,16 +13,14 @@ from hypothesis import strategies as st
 import duhem
 from duhem.errors import InputError
 from duhem.testing import Case, Failure, Report, Step, check, conformance, pointwise, violation
-from duhem.testing.checks.judged import judged
 from duhem.testing.checks.query import NothingToCheck, Query
-from duhem.testing.checks.registry import registered
+from duhem.testing.checks.registry import judged, registered
 from duhem.testing.checks.visited import Visited
 from duhem.testing.conformance import every_check
 from duhem.testing.drawn.region import Region
-from duhem.testing.failures.causes import CAUSES, by_cause
+from duhem.testing.failures.causes import CAUSES, FREE_CAUSES, by_cause
 from duhem.testing.routines.unfinished import Unfinished
 from duhem.testing.run import ConformanceRun
-from duhem.testing.without_law import FreeRun, free_checks
 from tests.long import long_but, mostly_long
 from tests.oracles.routines import DISK, ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
 
@@ -226,18 +224,14 @@ def test_a_check_expected_to_fail_has_to() -> None:
 def test_what_an_expected_failure_explains_may_fail_or_pass(
     law: str | None, cause: str, consequence: str, other: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    kind = FreeRun if law is None else ConformanceRun
-    monkeypatch.setattr(kind, "_told", lambda self, failures: list(failures))
-    monkeypatch.setattr(kind, "_short", lambda self, failure: failure)
+    monkeypatch.setattr(ConformanceRun, "_told", lambda self, failures: list(failures))
+    monkeypatch.setattr(ConformanceRun, "_short", lambda self, failure: failure)
 
     def report(*expected: str, failing: tuple[str, ...]) -> Report:
         options: dict[str, Any] = {"stiffness": [1.0, 1.0], "pressure": None, "accuracy": 1e-9, "max_examples": 1, "rows": 1}
         options["expected"] = dict.fromkeys(expected, "known")
-        run = (
-            FreeRun(box, {}, free_checks(), **options)
-            if law is None
-            else ConformanceRun(duhem.load(law), box, BOX, every_check(), **options)
-        )
+        known = None if law is None else duhem.load(law)
+        run = ConformanceRun(known, box, {} if law is None else BOX, every_check(law), **options)
         found = {each.name: each for each in run.asked}
         case = failed("firmness")[0].case
         run.found = [run._failure(found[name], "", case, 1.0, 0.0) for name in failing]
@@ -290,7 +284,7 @@ def test_what_is_told_does_not_depend_on_the_clock(monkeypatch: pytest.MonkeyPat
         return str(report), len(calls)
 
     quick = told()
-    monkeypatch.setattr("duhem.testing.failures.least_case.monotonic", count(step=1e6).__next__)  # days between two looks
+    monkeypatch.setattr("duhem.testing.failures.shrinking.monotonic", count(step=1e6).__next__)  # days between two looks
     assert told() == quick
     assert told(seconds=1.0)[1] < quick[1] and told(tries=0)[1] < quick[1]
 
@@ -351,7 +345,7 @@ def test_a_routine_that_raises_is_asked_for_it_few_times(monkeypatch: pytest.Mon
 
     report, often = told()
     assert often < report.points / 8
-    for place in ("failures.least_case", "run"):
+    for place in ("failures.shrinking", "run"):
         monkeypatch.setattr(f"duhem.testing.{place}.RAISED", 0)
     assert told()[1] < often
 
@@ -403,9 +397,12 @@ def test_a_seed_draws_the_same_again() -> None:
 
 
 def test_causes_are_checks_that_there_are() -> None:
-    known = {c.name for c in registered()}
+    known = {*registered()}
     assert {cause.check for cause in CAUSES} == known  # a new check takes its place in the table
-    assert all(cause.explains <= known - {cause.check} and cause.why for cause in CAUSES)
+    assert all({*cause.explains} <= known - {cause.check} and cause.why for cause in CAUSES)
+    free = registered(of_a_law=False)
+    assert {name for name, each in free.items() if each.demanded} == {*FREE_CAUSES}
+    assert all({*explains} <= {*free} - {check} for check, explains in FREE_CAUSES.items())
 
 
 def failed(*names: str, **diagnoses: dict[str, str]) -> list[Failure]:

@@ -22,10 +22,9 @@ from duhem.testing import (
     projection,
     violation,
 )
-from duhem.testing.checks.judged import judged
+from duhem.testing.checks.history import HistoryQuery
+from duhem.testing.checks.registry import judged, registered
 from duhem.testing.routines.unfinished import Unfinished
-from duhem.testing.without_law import free_check
-from duhem.testing.without_law.history import HistoryQuery
 from tests.long import long_but, mostly_long
 from tests.oracles.routines import Array
 from tests.testing.examples import BUGS, EXAMPLES, friction, interface
@@ -217,12 +216,12 @@ def test_what_a_reversed_question_brings_is_counted_at_its_own_increment() -> No
 
     endless = False
     query = HistoryQuery(Material(advance, np.eye(2)), case, 1e-9)
-    assert judged(free_check("repeatability"), query) is None and asked[-2:] == [5.0, 1.0]  # the last is asked alone
+    assert judged(registered(of_a_law=False)["repeatability"], query) is None and asked[-2:] == [5.0, 1.0]  # the last is asked alone
     assert query.sound.tolist() == [True, False, True, True, True] and query.overwritten.tolist() == ["", "increment", "", "", ""]
     endless = True
     asked.clear()
     with pytest.raises(Unfinished) as fault:
-        judged(free_check("repeatability"), HistoryQuery(Material(advance, np.eye(2)), case, 1e-9))
+        judged(registered(of_a_law=False)["repeatability"], HistoryQuery(Material(advance, np.eye(2)), case, 1e-9))
     assert fault.value.row == 1
 
 

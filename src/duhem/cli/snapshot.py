@@ -25,9 +25,8 @@ def snapshot(laws: Sequence[str], file: str, update: bool) -> int:
     tolerance that FILE states.  With --update the file is written; laws in it that are not named stay as they are.
     """
     from duhem.show.place import check_place
-    from duhem.testing.snapshots.snapshot import snapshot as taken
-    from duhem.testing.snapshots.snapshot_difference import differences
-    from duhem.testing.snapshots.snapshot_file import SnapshotFile
+    from duhem.testing.snapshots import SnapshotFile, differences
+    from duhem.testing.snapshots import snapshot as taken
     from duhem.vouched.increments import project
 
     known = {name: read_law(name) for name in dict.fromkeys(laws)}

@@ -204,17 +204,14 @@ class _About:
 
     def checks(self, free: bool, named: Sequence[str] | None, expected: Mapping[str, str]) -> list[Check]:
         """Those that are asked for; InputError for one that there is not."""
-        from duhem.testing.conformance import checks_for, every_check
-        from duhem.testing.without_law import free_checks
+        from duhem.testing.conformance import every_check
 
-        known = {c.name: c for c in (free_checks(associated=True) if free else every_check())}
+        known = {c.name: c for c in every_check(None if free else self.subject)}
         check_names("check", named or (), known, "checks are", "--checks")
         if named == ():
             raise InputError("no check is named", where="--checks", remedy=f"checks are: {', '.join(known)}")
         check_names("check", expected, known, "checks are", "--expect")
-        if named is not None:
-            return [known[name] for name in named]
-        return list(checks_for(None)) if free else [c for c in known.values() if c.demanded]
+        return [c for c in known.values() if c.demanded] if named is None else [known[name] for name in named]
 
     def is_routine(self) -> bool:
         """Whether the subject is something else than a law."""
@@ -226,7 +223,7 @@ class _About:
 
     def most_flagged(self, given: str | None) -> float:
         """The share of increments that may be flagged; InputError for what is none, or where duhem's own methods are tested."""
-        from duhem.testing.drawn.usable_options import check_share
+        from duhem.testing.drawn.options import check_share
 
         if not self.is_routine():
             if given is not None:
@@ -241,7 +238,7 @@ class _About:
         """What is tested against a law, by the name it is shown under."""
         from duhem.testing.conformance import ACCURACY
         from duhem.testing.routines.material import Material
-        from duhem.testing.routines.own_solvers import PROMISED, own_solvers
+        from duhem.testing.routines.routine import PROMISED, own_solvers
         from duhem.testing.run import ConformanceRun
 
         if law is not None:
@@ -264,7 +261,7 @@ class _About:
         """The same of a routine of which no law is known; its parameters are those that are set."""
         from duhem.testing.conformance import ACCURACY
         from duhem.testing.routines.material import Material
-        from duhem.testing.without_law import FreeRun
+        from duhem.testing.run import ConformanceRun
 
         routine, values = read_routine(self.subject), read_settings(settings)
         if isinstance(routine, Material) and values:
@@ -273,7 +270,7 @@ class _About:
             what = f"{self.subject} is a routine: without a law nothing says how many forces there are"
             raise InputError(what, where="--law", remedy="say which law it is for, as --law coulomb, or give --stiffness")
         given = None if isinstance(routine, Material) else {name: float(value) for name, value in values.items()}
-        return {self.subject: (partial(FreeRun, routine, given), ACCURACY if accuracy is None else accuracy)}
+        return {self.subject: (partial(ConformanceRun, None, routine, given), ACCURACY if accuracy is None else accuracy)}
 
     def carry_out(self, routines: Mapping[str, Routine], checks: Sequence[Check], options: Mapping[str, Any]) -> bool:
         """Test them one after the other; whether somebody interrupted."""
@@ -308,7 +305,7 @@ class _About:
 
     def write_replays(self, folder: str) -> None:
         """A test file for each cause, and for the increment that a routine does not come back from."""
-        from duhem.testing.failures.report import write_replays
+        from duhem.testing.failures.failure import write_replays
 
         for report in self.reports.values():
             report.write_replays(folder)
@@ -326,7 +323,7 @@ class _About:
     # -- what is printed -----------------------------------------------------------------------------------------------
 
     def told(self, form: str) -> str:
-        from duhem.testing.failures.report_formats import as_dict, as_junit
+        from duhem.testing.failures.report import as_dict, as_junit
 
         if form == "junit":
             return as_junit(self.reports)

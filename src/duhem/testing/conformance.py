@@ -12,63 +12,57 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
-from duhem.testing.checks import law_checks, multiplier_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register)
-from duhem.testing.checks.judged import judged
+from duhem.testing.checks import material_checks  # noqa: F401 (it registers its checks, and what it imports those of laws)
+from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.query import Query
-from duhem.testing.checks.raised import NoReply
-from duhem.testing.checks.registry import Check, registered
+from duhem.testing.checks.registry import Check, judged, registered
+from duhem.testing.checks.reply import NoReply
 from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.decades import Strategy
+from duhem.testing.drawn.options import ACCURACY, TRIES, check_share
 from duhem.testing.drawn.region import Region
-from duhem.testing.drawn.usable_options import check_share
-from duhem.testing.failures import output_diagnoses, stress_diagnoses  # noqa: F401 (they register)
+from duhem.testing.drawn.values import Strategy
 from duhem.testing.failures.report import Report
-from duhem.testing.routines.material import Material
+from duhem.testing.routines.material import Material, stateless
 from duhem.testing.routines.routine import Update
-from duhem.testing.run import TRIES, ConformanceRun
-from duhem.testing.without_law import FreeRun, free_check, free_checks, free_violation
+from duhem.testing.run import ConformanceRun
 
 __all__ = [
-    "ACCURACY",
-    "assert_conforms",
-    "check",
-    "check_expected",
-    "checks_asked",
-    "checks_for",
-    "conformance",
-    "every_check",
-    "violation",
-]
+    "ACCURACY", "assert_conforms", "check", "check_expected", "checks_asked", "checks_for", "conformance", "every_check", "violation",
+]  # fmt: skip
 
-ACCURACY = 1e-9  # relative error in stress a routine is held to, unless it promises another
+_Law = Criterion | str | Path | None
 
 
-def checks_for(law: Criterion | str | Path | None, *, associated: bool = False) -> tuple[Check, ...]:
+def checks_for(law: _Law, *, associated: bool = False) -> tuple[Check, ...]:
     """The checks a routine for ``law`` has to pass; those that only some laws satisfy are asked for by name.
 
     For None, those that need no law; ``associated``, with those that only associated laws, and some only those without
     hardening, satisfy.
     """
-    if law is None:
-        return free_checks(associated)
-    load(law)
-    return tuple(c for c in registered() if c.demanded)
+    if law is not None:
+        load(law)
+    return tuple(c for c in every_check(law) if c.demanded or (law is None and associated))
 
 
-def every_check() -> tuple[Check, ...]:
-    """All that there are, those asked for by name among them."""
-    return tuple(registered())
+def every_check(law: _Law) -> tuple[Check, ...]:
+    """All that there are of a law, or of none, those asked for by name among them."""
+    return tuple(registered(law is not None).values())
 
 
 def check(name: str) -> Check:
     """A check by name.  Raises InputError for an unknown one."""
-    known = {c.name: c for c in registered()}
+    return _named(name, of_a_law=True)
+
+
+def _named(name: str, of_a_law: bool) -> Check:
+    known = registered(of_a_law)
     if name not in known:
-        raise InputError(f"unknown check {name!r}", remedy=f"choose one of {', '.join(known)}")
+        where = "" if of_a_law else "without a law"
+        raise InputError(f"unknown check {name!r}", where=where, remedy=f"choose one of {', '.join(known)}")
     return known[name]
 
 
-def checks_asked(law: Criterion | str | Path | None, checks: Iterable[Check | str] | Check | str | None) -> tuple[Check, ...]:
+def checks_asked(law: _Law, checks: Iterable[Check | str] | Check | str | None) -> tuple[Check, ...]:
     """The checks that ``checks`` name, of a law or of none; all that are demanded where left out.
 
     InputError for one that there is not, for what names none, and where none is asked for: nothing would be tested.
@@ -83,11 +77,10 @@ def checks_asked(law: Criterion | str | Path | None, checks: Iterable[Check | st
         raise InputError("no check is asked for", where="checks", remedy=remedy)
     if wrong := [each for each in named if not isinstance(each, str | Check)]:
         raise InputError(f"{wrong[0]!r} is no check", where="checks", remedy=remedy)
-    by_name = free_check if law is None else check
-    return tuple(by_name(each) if isinstance(each, str) else each for each in named)
+    return tuple(_named(each, law is not None) if isinstance(each, str) else each for each in named)
 
 
-def check_expected(law: Criterion | str | Path | None, expected: Mapping[str, str] | None) -> None:
+def check_expected(law: _Law, expected: Mapping[str, str] | None) -> None:
     """InputError unless it maps names of checks to the reasons why they fail."""
     if expected is None:
         return
@@ -95,12 +88,12 @@ def check_expected(law: Criterion | str | Path | None, expected: Mapping[str, st
         remedy = 'give each check with its reason, for example {"slope": "no tangent yet"}'
         raise InputError(f"{expected!r} says not which check fails why", where="expected_failed_checks", remedy=remedy)
     for name in expected:
-        _ = free_check(name) if law is None else check(name)
+        _named(name, law is not None)
 
 
 def violation(
     name: str | Check,
-    law: Criterion | str | Path | None,
+    law: _Law,
     update: Update | Material,
     case: Case,
     *,
@@ -108,20 +101,21 @@ def violation(
     accuracy: float = ACCURACY,
 ) -> str | None:
     """What is wrong with the routine's answer to one case by one check, or None; ``open_parameters`` are passed to it by name."""
+    asked = _named(name, law is not None) if isinstance(name, str) else name
     if law is None:
-        return free_violation(free_check(name) if isinstance(name, str) else name, update, case, accuracy)
-    known = load(law)
-    asked = check(name) if isinstance(name, str) else name
-    passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
+        query: Query = HistoryQuery(stateless(update, case.stiffness, case.parameters), case, accuracy)
+    else:
+        passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
+        query = Query(Region(load(law), case.parameters), case, _routine(update), passed, accuracy)
     try:
-        found = judged(asked, Query(Region(known, case.parameters), case, _routine(update), passed, accuracy))
+        found = judged(asked, query)
     except NoReply as fault:
         return str(fault)
     return None if found is None else found[1]
 
 
 def conformance(
-    law: Criterion | str | Path | None,
+    law: _Law,
     update: Update | Material,
     parameters: Mapping[str, Any] | None = None,
     *,
@@ -171,24 +165,9 @@ def conformance(
     check_expected(known, expected_failed_checks)
     if most_flagged is not None:
         check_share(most_flagged, "most_flagged")
-    options: dict[str, Any] = {
-        "stiffness": stiffness,
-        "pressure": pressure,
-        "accuracy": accuracy,
-        "max_examples": max_examples,
-        "rows": rows,
-        "every": every,
-        "tries": tries,
-        "seconds": seconds,
-        "seed": seed,
-        "expected": expected_failed_checks,
-        "given": law,
-    }
-    run = (
-        FreeRun(update, parameters, asked, **options)
-        if known is None
-        else ConformanceRun(known, _routine(update), parameters, asked, **options)
-    )
+    drawn = {"stiffness": stiffness, "pressure": pressure, "max_examples": max_examples, "rows": rows, "every": every, "seed": seed}
+    told = {"accuracy": accuracy, "tries": tries, "seconds": seconds, "expected": expected_failed_checks, "given": law}
+    run = ConformanceRun(known, update if known is None else _routine(update), parameters, asked, **told, **drawn)  # type: ignore[arg-type]
     run.try_first(first)
     return replace(run.to_the_end().report(), most_flagged=most_flagged)
 
@@ -200,7 +179,7 @@ def _routine(update: Update | Material) -> Update:
 
 
 def assert_conforms(
-    law: Criterion | str | Path | None,
+    law: _Law,
     update: Update | Material,
     parameters: Mapping[str, Any] | None = None,
     *,

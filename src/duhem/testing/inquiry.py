@@ -20,13 +20,12 @@ from duhem.errors import DuhemError, InputError
 from duhem.law.catalogue import attribute, load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
-from duhem.testing.conformance import ACCURACY, check_expected, checks_asked, conformance
-from duhem.testing.drawn.usable_options import check_options, check_share
+from duhem.testing.conformance import check_expected, checks_asked, conformance
+from duhem.testing.drawn.options import ACCURACY, TRIES, RunOptions, check_share
 from duhem.testing.failures.report import Report
 from duhem.testing.routines.material import Material
 from duhem.testing.routines.origin import named
 from duhem.testing.routines.routine import Update
-from duhem.testing.run import TRIES
 
 __all__ = ["RoutineChecks"]
 
@@ -82,7 +81,7 @@ class RoutineChecks:
         for name, given, least in (("examples", self.examples, 1), ("seed", self.seed, 0), ("shrink", self.shrink, 0)):
             if not isinstance(given, int) or isinstance(given, bool) or given < least:
                 raise InputError(f"{name} = {str(given)[:40]}", where=name, remedy=f"give a whole number from {least} on")
-        check_options(None, accuracy=self.accuracy)
+        RunOptions(accuracy=self.accuracy).check(None)
         check_share(self.most_flagged, "most_flagged")
         if self.checks is not None:
             _placed("checks", lambda: checks_asked(_ANY, self.checks))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from numbers import Real
 from random import Random
-from typing import Any
+from typing import Any, cast
 
 from hypothesis import Phase, Verbosity, settings
 from hypothesis.strategies import SearchStrategy
@@ -16,124 +17,100 @@ from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
-from duhem.testing.checks.asked_for import AskedFor
-from duhem.testing.checks.judged import judged
+from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.query import NothingToCheck, Query
-from duhem.testing.checks.raised import NoReply, Raised, named_by
-from duhem.testing.checks.registry import Check, registered
+from duhem.testing.checks.registry import Check, judged, registered
+from duhem.testing.checks.reply import NoReply, Raised, named_by
 from duhem.testing.checks.visited import Visited
-from duhem.testing.drawn.admitted_values import admitted
 from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.decades import Strategy
+from duhem.testing.drawn.options import RunOptions
 from duhem.testing.drawn.region import Region
-from duhem.testing.drawn.simplified import simplified
-from duhem.testing.drawn.strategies import cases
-from duhem.testing.drawn.usable_options import check_options
-from duhem.testing.failures.causes import by_cause, explained_by, of_stress
-from duhem.testing.failures.diagnosed import diagnosed
-from duhem.testing.failures.expectation import Expectation
-from duhem.testing.failures.least_case import RAISED, LeastCase
-from duhem.testing.failures.replay import drawn_again
-from duhem.testing.failures.report import Failure, Report
-from duhem.testing.failures.short_failure import short_failure
-from duhem.testing.failures.stress_diagnoses import needs_the_run
-from duhem.testing.routines.material import Material
+from duhem.testing.drawn.strategies import cases, histories
+from duhem.testing.drawn.values import Strategy, admitted
+from duhem.testing.failures.causes import as_expected, by_cause, of_stress
+from duhem.testing.failures.diagnosis import departure, diagnosed, instead
+from duhem.testing.failures.failure import Failure, drawn_again
+from duhem.testing.failures.report import Report
+from duhem.testing.failures.shrinking import RAISED, least_case, simplified
+from duhem.testing.failures.suggestions import needs_the_run
+from duhem.testing.routines.material import Material, stateless
 from duhem.testing.routines.origin import Origin, named, origin
 from duhem.testing.routines.routine import Update
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["TRIES", "ConformanceRun"]
+__all__ = ["ConformanceRun"]
 
 _ANSWERS, _MEMORY = "answers", "repeatability"
-_EVERY = 7  # so many increments, of which one is asked what the checks ask again: an odd number, as seams have two sides by turns
-TRIES = 200  # to make a failing case smaller, counted, so that what is told does not depend on the load of the machine
+# So many increments, of which one is asked what the checks ask again, with a law and without: the first is odd, as seams have two sides
+# by turns.
+_EVERY, _EVERY_HISTORY = 7, 2
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
 
 
 class ConformanceRun:
-    """What a routine is held to, and what was found on the way; :meth:`report` may be asked before it has ended."""
+    """What a routine is held to, and what was found on the way; :meth:`report` may be asked before it has ended.
+
+    ``law`` is None where none is known: the routine, or a material with its own stiffness and parameters, is put to the checks that need
+    none.  ``options`` are those of :class:`RunOptions`.
+    """
 
     def __init__(
         self,
         law: Criterion | None,
-        update: Update,
+        update: Update | Material,
         parameters: Mapping[str, Any] | None,
         asked: Sequence[Check],
         *,
-        stiffness: ArrayLike | Strategy | None,
-        pressure: float | Strategy | None,
-        accuracy: float,
-        max_examples: int | None,
-        rows: int,
-        every: int | None = None,
-        tries: int = TRIES,
-        seconds: float | None = None,
-        seed: int | None = None,
         expected: Mapping[str, str] | None = None,
         on_case: Callable[[ConformanceRun], None] | None = None,
         given: Any = None,
+        **options: Any,
     ) -> None:
-        own = isinstance(update, Material)  # which has its stiffness, as its routine gives it
-        check_options(
-            law,
-            stiffness=None if own else stiffness,
-            pressure=pressure,
-            accuracy=accuracy,
-            max_examples=max_examples,
-            rows=rows,
-            every=_EVERY if every is None else every,
-            tries=tries,
-            seconds=seconds,
-            seed=seed,
-        )
-        self.law, self.update, self.accuracy, self.on_case = law, update, accuracy, on_case
-        self.tries, self.seconds, self.every = tries, seconds, _EVERY if every is None else every
+        drawn = RunOptions(**options)
+        if law is None:
+            _check_without_law(update, parameters, drawn)
+        drawn.check(law)
+        self.law, self.update, self.parameters, self.on_case = law, update, parameters, on_case
         self.given = law if given is None else given
-        self.parameters, self.stiffness, self.pressure, self.rows = parameters, stiffness, pressure, rows
-        self.passed = self._open()
+        self.pressure, self.accuracy, self.rows = drawn.pressure, drawn.accuracy, drawn.rows
+        self.stiffness = update.elastic if isinstance(update, Material) else drawn.stiffness
+        self.tries, self.seconds = drawn.tries, drawn.seconds
+        self.every = drawn.every if drawn.every is not None else _EVERY_HISTORY if law is None else _EVERY
+        domains = {} if law is None else law.fix(parameters).parameters
+        self.passed = tuple(parameters or ()) if law is None else tuple(name for name, domain in domains.items() if domain.value is None)
         self.asked, self.pending, self.expected = tuple(asked), list(asked), dict(expected or {})
         self.answers = next((c for c in asked if c.name == _ANSWERS), None)  # which tells of silence, once for all checks
-        options: dict[str, Any] = {} if max_examples is None else {"max_examples": max_examples}
-        self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **options)
-        self.seed = seed if seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
-        given = {"parameters": parameters or None, "stiffness": None if own else stiffness, "pressure": pressure}
-        chosen = {"checks": [c.name for c in asked]} if {*asked} != {*self._demanded()} else {}
-        self.again = drawn_again(given, **chosen, max_examples=self.profile.max_examples, rows=rows, every=self.every, seed=self.seed)
+        most: dict[str, Any] = {} if drawn.max_examples is None else {"max_examples": drawn.max_examples}
+        self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **most)
+        self.seed = drawn.seed if drawn.seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
+        said = {"parameters": parameters or None, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
+        demanded = {check for check in registered(law is not None).values() if check.demanded}
+        chosen = {"checks": [c.name for c in asked]} if {*asked} != demanded else {}
+        counts = {"max_examples": self.profile.max_examples, "rows": drawn.rows, "every": self.every, "seed": self.seed}
+        self.again = drawn_again(said, **chosen, **counts)
         self.found: list[Failure] = []
         self.left_out: dict[str, str] = {}
         self.judged: set[str] = set()
-        self.asked_for = AskedFor()
+        self.counted = Counter(points=0, flagged=0, undefined=0)  # increments asked for, and of these the ones with no answer or no g
+        self.tried: Counter[tuple[str, str]] = Counter()  # by check and thing, what checks looked at more than the increments
         self.raised = Raised()
         self.last: Case | None = None
         self.opening: Case | None = None
-        free = {"pressure": not isinstance(pressure, Real), "stiffness": stiffness is None or isinstance(stiffness, SearchStrategy)}
+        free = {"pressure": not isinstance(drawn.pressure, Real), "stiffness": isinstance(drawn.stiffness, SearchStrategy | None)}
         self.fixed = frozenset(name for name, may_change in free.items() if not may_change)
         self.shortened: dict[str, Failure] = {}
         self.visited, self.examples = self._nothing_visited(), 0
 
-    @property
-    def known(self) -> Criterion:
-        """The law; a run without one asks for none."""
-        assert self.law is not None
-        return self.law
-
-    def _open(self) -> tuple[str, ...]:
-        return tuple(name for name, domain in self.known.fix(self.parameters).parameters.items() if domain.value is None)
-
-    def _demanded(self) -> Iterable[Check]:
-        return [c for c in registered() if c.demanded]
-
     def _nothing_visited(self) -> Visited:
-        return Visited(tuple(self.known.forces), self.known.pressure is not None)
+        if self.law is None:
+            return Visited((), self.pressure is not None)
+        return Visited(tuple(self.law.forces), self.law.pressure is not None)
 
+    @property
     def _title(self) -> str:
-        return self.known.name
-
-    def _causes(self, failures: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
-        return by_cause(failures)
-
-    def _explained_by(self, check: str, failed: Collection[str]) -> Collection[str]:
-        return explained_by(check, failed)
+        if self.law is not None:
+            return self.law.name
+        return f"{getattr(self.update, 'name', None) or getattr(self.update, '__name__', 'update')}, without a law"
 
     def try_first(self, cases: Iterable[Case]) -> None:
         """Note what fails on cases that are known already, one increment each; those that do not fit are passed over."""
@@ -146,25 +123,33 @@ class ConformanceRun:
         drawn = self._cases(self.parameters, self.stiffness, self.rows)
         while self.pending:
             self.visited, self.examples = self._nothing_visited(), 0
-            search = self._search(self.pending, self._drawn)
-            if (first := search.among(drawn, settings(self.profile, phases=(Phase.generate,)), self.seed)) is None:
+            found = self._least(self.pending, drawn, settings(self.profile, phases=(Phase.generate,)), self._drawn)
+            if found is None:
                 self._look_at_the_whole()
                 break
-            self._note(first, search.checks, search.said)
-        self.visited.demand_measured(self._title())
+            self._note(*found)
+        self.visited.demand_measured(self._title)
         return self
 
     def _cases(self, parameters: Mapping[str, Any] | None, stiffness: ArrayLike | Strategy | None, rows: int = 1) -> Strategy:
-        return cases(self.known, parameters, stiffness=stiffness, pressure=self.pressure, rows=rows)
+        if self.law is not None:
+            return cases(self.law, parameters, stiffness=stiffness, pressure=self.pressure, rows=rows)
+        assert stiffness is not None
+        return histories(lambda values, k: stateless(self.update, k, values), parameters or {}, stiffness, self.pressure, rows)
 
-    def _search(self, checks: Sequence[Check], drawn: Callable[[Query], None] = lambda _: None) -> LeastCase:
+    def _least(
+        self, checks: Sequence[Check], cases: Strategy, profile: settings, drawn: Callable[[Query], None] = lambda _: None
+    ) -> tuple[Case, Failure] | None:
+        """The least of the cases on which one of some checks fails, and the first failure; ``drawn`` is told of each case."""
+
         def failing(case: Case, asked: Sequence[Check]) -> Failure | None:
             query = self.query(case)
             found = next(self.failures(query, asked), None)
             drawn(query)
             return found
 
-        return LeastCase(failing, checks, self.tries, self.seconds, self.raised)
+        bounds: dict[str, Any] = {"seed": self.seed, "tries": self.tries, "seconds": self.seconds, "raised": self.raised}
+        return least_case(failing, checks, cases, profile, **bounds)
 
     def _drawn(self, query: Query) -> None:
         self.examples += 1
@@ -174,30 +159,32 @@ class ConformanceRun:
         if self.on_case is not None:
             self.on_case(self)
 
-    def _note(self, first: Case, checks: Sequence[Check], said: str) -> None:
+    def _note(self, first: Case, failed: Failure) -> None:
         """Look for a smaller case than the first that failed, and note every check that fails on it."""
         self.raised.said.clear()  # a routine with a memory may answer now
+        checks = (failed.check,)
         if not any(self.failures(self.query(first), checks)):
-            self._note_all(self._unrepeatable(first, checks[0], said))
+            self._note_all(self._unrepeatable(first, failed))
             return
         least = first
         shrinking = settings(self.profile, max_examples=_SINGLE, phases=(Phase.generate, Phase.shrink))
         for fixed, k in ((self.parameters, self.stiffness), (first.parameters, first.stiffness)):  # the second is closer to what failed
-            if (met := self._search(checks).among(self._cases(fixed, k), shrinking, self.seed)) is not None:
-                least = met
+            if (met := self._least(checks, self._cases(fixed, k), shrinking)) is not None:
+                least = met[0]
                 break
         again = list(self.failures(self.query(least), self.pending))
         if not again:  # a check passes over rows that the routine has flagged for one before it: here each is on its own
             again = list(self.failures(self.query(least), checks))
-        self._note_all(again or self._unrepeatable(first, checks[0], said))
+        self._note_all(again or self._unrepeatable(first, failed))
 
     def _note_all(self, failures: Sequence[Failure]) -> None:
         self.found += failures
         failed = {f.check.name for f in failures}
         self.pending = [c for c in self.pending if c.name not in failed]
 
-    def _unrepeatable(self, case: Case, check: Check, said: str) -> list[Failure]:
+    def _unrepeatable(self, case: Case, failed: Failure) -> list[Failure]:
         """A failure that does not show again: the routine keeps something between calls, which is told once."""
+        check = failed.check
         known = any(f.check.name == _MEMORY for f in self.found)
         memory = next((c for c in self.pending if c.name == _MEMORY), None)
         if memory is None and not known:
@@ -210,13 +197,13 @@ class ConformanceRun:
             self.left_out[check.name] = "failed once, and not when asked again: the routine has a memory"
         if memory is None:
             return []
-        message = f"{check.name} failed on this case, and not when asked again: {said}"
+        message = f"{check.name} failed on this case, and not when asked again: {failed.message}"
         return [self._failure(memory, message, case, float("nan"), 0.0)]
 
     def _look_at_the_whole(self) -> None:
         """The checks that no case alone can fail."""
         for asked in self.pending:
-            if asked.whole is None or self.last is None or not (asked.name in self.judged or self.asked_for.flagged):
+            if asked.whole is None or self.last is None or not (asked.name in self.judged or self.counted["flagged"]):
                 continue
             if (message := asked.whole(self.visited)) is not None:
                 self.judged.add(asked.name)
@@ -249,7 +236,9 @@ class ConformanceRun:
                     case, message, measured, allowed = found
                     yield self._failure(asked, message, case, measured, allowed)
         finally:
-            self.asked_for.add(query.parts)
+            for part in query.parts:
+                self.counted.update(points=part.points, flagged=part.flagged, undefined=int(part.unsaid.sum()))
+                self.tried.update(part.tried)
 
     def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
         """The same with the increment, and what shows it again."""
@@ -279,36 +268,43 @@ class ConformanceRun:
 
     def query(self, case: Case) -> Query:
         """The routine asked about one case."""
-        self.last, former = case, self.opening
+        self.last, counted = case, (self.accuracy, self.every, self.examples)
+        if self.law is None:
+            return HistoryQuery(stateless(self.update, case.stiffness, case.parameters), case, *counted, raised=self.raised)
+        former = self.opening
         self.opening = case.row(0) if former is None else former
-        region, asked = Region(self.known, case.parameters), (self.update, self.passed, self.accuracy, self.every, self.examples)
-        return Query(region, case, *asked, raised=self.raised, opening=former, fixed=self.fixed)
+        asked = Region(self.law, case.parameters), case, cast(Update, self.update), self.passed
+        return Query(*asked, *counted, raised=self.raised, opening=former, fixed=self.fixed)
 
     def _failure(self, check: Check, message: str, case: Case, measured: float, allowed: float) -> Failure:
         told = check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed
         return Failure(*told, drawn=self.again, alone=not check.whole and check.name != _MEMORY)
 
+    # -- what is told --------------------------------------------------------------------------------------------------
+
     def report(self) -> Report:
         """What was found so far."""
         bad = {f.check.name for f in self.found}
         passed = tuple(c.name for c in self.asked if c.name in self.judged - bad)
-        known = Expectation(self.expected, bad, self._explained_by)
-        causes, explained = self._causes(self._told(f for f in self.found if f.check.name not in known.met))
+        left_out = {name: why for name, why in self.left_out.items() if name not in self.judged}
+        expected, unexpected, left_out = as_expected(self.expected, bad, passed, left_out, self.law is not None)
+        causes, explained = by_cause(self._told(f for f in self.found if f.check.name not in expected))
         return Report(
-            law=self._title(),
+            law=self._title,
             passed=passed,
             failures=tuple(map(self._short, causes)),
-            left_out=known.told({name: why for name, why in self.left_out.items() if name not in self.judged}),
+            left_out=left_out,
             explained=explained,
-            expected=known.met,
-            unexpected=known.unmet(passed),
+            expected=expected,
+            unexpected=unexpected,
             visited=self.visited.shares,
             decades=self.visited.decades,
             examples=self.examples,
             seed=self.seed,
             unmeasured=self.visited.unmeasured,
             needs={c.name: c.needs for c in self.asked if c.needs},
-            **self.asked_for.told(),
+            tried={name: {what: n for (by, what), n in self.tried.items() if by == name} for name, _ in self.tried},
+            **self.counted,
         )
 
     def _told(self, failures: Iterable[Failure]) -> list[Failure]:
@@ -327,12 +323,19 @@ class ConformanceRun:
         return replace(short, explains=failure.explains, alone=short.alone and not needs_the_run(short.diagnoses))
 
     def _simplified(self, failure: Failure) -> Failure:
-        enough = self.raised.times + RAISED
+        """The failure on a case in round numbers, with those of its diagnoses that hold there.
+
+        Where nothing is left to tell what the routine does instead, as without stress, it is shown under some stress; as it was found
+        where none of its diagnoses holds there either.
+        """
+        enough, law = self.raised.times + RAISED, self.law
+
+        def again(case: Case) -> Failure | None:
+            return next(self.failures(self.query(case), [failure.check]), None)
 
         def fails(case: Case) -> bool:
-            return self.raised.times <= enough and any(True for _ in self.failures(self.query(case), [failure.check]))
+            return self.raised.times <= enough and again(case) is not None
 
-        law = self.law
         if law is None or not failure.alone or len(failure.case) != 1 or not fails(failure.case):
             return failure
         own = law.domain.get(law.pressure or "")
@@ -344,7 +347,28 @@ class ConformanceRun:
             pressure=None if self.pressure is not None else lambda p: p <= 0.0 and (own is None or p in own),
         )
 
-        def again(case: Case) -> Failure | None:
-            return next(self.failures(self.query(case), [failure.check]), None)
+        def on(case: Case) -> Failure:
+            if (found := again(case)) is None:
+                return failure
+            found = replace(found, origin=failure.origin, departure=failure.departure and departure(self.query(case)))
+            told = instead(found, self.query, self._accused) if failure.diagnoses else {}
+            return replace(found, diagnoses={name: told[name] for name in failure.diagnoses if name in told})
 
-        return short_failure(failure, fails, shorter, again, self.query, self._accused)
+        short = on(shorter(failure.case, fails))
+        if short.diagnoses or not failure.diagnoses or failure.check.name == _ANSWERS:  # what is no number is shown where it is none
+            return short
+        short = on(shorter(failure.case, lambda case: bool(case.trial.any()) and fails(case)))
+        return short if short.diagnoses else failure
+
+
+def _check_without_law(update: Update | Material, parameters: Mapping[str, Any] | None, drawn: RunOptions) -> None:
+    """InputError for what a material has itself, and where nothing says how many forces there are."""
+    where = "conformance without a law"
+    if isinstance(update, Material):
+        given = {"parameters": parameters, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
+        if told := [name for name, value in given.items() if value is not None]:
+            remedy = "give its parameters where the material is made"
+            raise InputError(f"a material has its own {told[0]}", where=where, remedy=remedy)
+    elif drawn.stiffness is None:
+        remedy = "give (d,) or (d, d), or a strategy such as stiffnesses(d)"
+        raise InputError("without a law the stiffness says how many forces there are", where=where, remedy=remedy)

@@ -20,8 +20,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, TypeAlias
@@ -32,19 +32,18 @@ from numpy.typing import NDArray
 from duhem.errors import words_of
 from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
-from duhem.testing.checks.lengths import Lengths
-from duhem.testing.checks.raised import NoReply, Raised
-from duhem.testing.checks.reply import Reply
+from duhem.testing.checks.reply import NoReply, Raised, Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
-from duhem.testing.routines.former_answers import FormerAnswers
-from duhem.testing.routines.overwritten import Overwritten
-from duhem.testing.routines.routine import NoStep, Step, Update, called
+from duhem.testing.routines.overwritten import FormerAnswers, Overwritten
+from duhem.testing.routines.routine import NoStep, Step, called
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["UNMEASURED", "Asked", "NothingToCheck", "Query"]
+__all__ = ["NEAR", "UNMEASURED", "Asked", "NothingToCheck", "Query"]
+
 
 _PATHS = 4  # cases, in one of which some rows follow their paths to the end
+NEAR = 1e-6  # of the size of a stress: so near is at the boundary, on a seam, at a corner
 UNMEASURED = "squares of the stresses, or K itself, leave double precision"
 _LEAST, _MOST = 2.0**-480, 2.0**495  # lengths whose squares, and those of what is asked besides, are doubles
 _CLOSE, _ASIDE = 1e-7, 0.01  # of a trial stress: closer than six digits tell, and no farther than it may be called close
@@ -57,50 +56,55 @@ class NothingToCheck(Exception):
     """A check has nothing to look at, and why."""
 
 
-@dataclass
-class Query(Lengths):
-    """``sound`` (N,): the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies;
-    ``overwritten`` (N,): the names of what the routine was only given and has changed, "" where nothing; ``unsaid`` (N,): the
-    rows of which a check could not judge, since g has no value there; ``tried`` counts what checks looked at more than the
+class Query:
+    """One case put to one routine, k = L L^T its stiffness.
+
+    ``sound`` (N,) are the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies;
+    ``overwritten`` (N,) has the names of what the routine was only given and has changed, "" where nothing; ``unsaid`` (N,) are the
+    rows which a check could not judge, since g has no value there; ``tried`` counts what checks looked at more than the
     increments, by their name and that of the thing.
 
     Of one row in ``every`` more is asked than the trial, and those are a query of their own, :attr:`some`; ``whole`` is the one that
-    has them among its own, and ``rows`` (N,) which they are there.  ``turn`` counts the cases of a run: what takes calls of its own
-    is asked of some rows in some of the cases only (:meth:`by_turns`).  ``raised`` is what the routine has raised so far, of several
-    queries where it is theirs, ``answered`` what it has answered, of this query and its parts; ``opening`` the increment that the
-    routine was asked before all others of the run, None where that is this one; ``fixed``: of "pressure" and "stiffness" what is
-    one and the same for all, as the routine may know; no other is asked."""
+    has them among its own, and ``rows`` (N,) are their places there.  ``turn`` counts the cases of a run: what takes calls of its own
+    is asked of some rows in some of the cases only (:meth:`by_turns`).  ``raised`` is what the routine has raised so far, shared by
+    the queries of a run; ``answered`` is what it has answered to this query and its parts; ``opening`` is the increment that the
+    routine was asked before all others of the run, None where that is this one; ``fixed`` says which of "pressure" and "stiffness"
+    is one and the same for all, as the routine may know: no other is asked.  ``axes`` (d, d) are d stresses of length 1, orthogonal
+    in the energy: the columns of L.
+    """
 
-    region: Region
-    case: Case
-    update: Update
-    passed: tuple[str, ...]
-    accuracy: float
-    every: int = 1
-    turn: int = 0
-    whole: Query | None = None
-    raised: Raised = field(default_factory=Raised)
-    answered: FormerAnswers = field(default_factory=FormerAnswers)
-    opening: Case | None = None
-    fixed: frozenset[str] = frozenset()
-    points: int = 0
-    flagged: int = 0
-    sound: NDArray[np.bool_] = field(init=False)
-    overwritten: Overwritten = field(init=False)
-    unsaid: NDArray[np.bool_] = field(init=False)
-    rows: NDArray[np.intp] = field(init=False)
-    tried: Counter[tuple[str, str]] = field(init=False, default_factory=Counter)
-    _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
-    _gradients: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
-    _lower: Array = field(init=False, repr=False)
-    _inverse: Array = field(init=False, repr=False)
+    lonely = False  # whether the reply to the trial is one to a call of one increment
+    turned = slice(None, None, -1)  # the order in which rows may be asked: the last first
 
-    def __post_init__(self) -> None:
-        self.rows = np.arange(len(self.case)) if self.whole is None else _some(len(self.whole.case), self.whole.every)
-        self.sound = np.ones(len(self.case), dtype=np.bool_)
-        self.unsaid = ~self.sound
-        self.overwritten = np.full(len(self.case), "", dtype=object)
-        self._lower, self._inverse = factors(self.case.stiffness) if self.whole is None else (self.whole._lower, self.whole._inverse)
+    def __init__(
+        self,
+        region: Region,
+        case: Case,
+        update: Callable[..., Any],
+        passed: tuple[str, ...],
+        accuracy: float,
+        every: int = 1,
+        turn: int = 0,
+        *,
+        whole: Query | None = None,
+        raised: Raised | None = None,
+        opening: Case | None = None,
+        fixed: frozenset[str] = frozenset(),
+    ) -> None:
+        self.region, self.case, self.update, self.passed, self.accuracy = region, case, update, passed, accuracy
+        self.every, self.turn, self.whole, self.opening, self.fixed = every, turn, whole, opening, fixed
+        self.raised, self.answered, self.rows = Raised() if raised is None else raised, FormerAnswers(), np.arange(len(case))
+        if whole is None:
+            self._lower, self._inverse = factors(case.stiffness)
+        else:
+            self.turn, self.raised, self.answered, self.fixed = whole.turn, whole.raised, whole.answered, whole.fixed
+            self.rows, self._lower, self._inverse = _some(len(whole.case), whole.every), whole._lower, whole._inverse
+        self.axes, self.points, self.flagged = self._lower.T, 0, 0
+        self.sound, self.unsaid = np.ones(len(case), dtype=np.bool_), np.zeros(len(case), dtype=np.bool_)
+        self.overwritten: Overwritten = np.full(len(case), "", dtype=object)
+        self.tried: Counter[tuple[str, str]] = Counter()
+        self._units: dict[int, tuple[Reply, Array]] = {}
+        self._gradients: dict[int, tuple[Reply, Array]] = {}
 
     @cached_property
     def some(self) -> Query:
@@ -112,8 +116,7 @@ class Query(Lengths):
 
     def part(self, case: Case) -> Query:
         """A query of some of the rows, which this one has among its own."""
-        shared = {"turn": self.turn, "whole": self, "raised": self.raised, "answered": self.answered, "fixed": self.fixed}
-        return Query(self.region, case, self.update, self.passed, self.accuracy, **shared)  # type: ignore[arg-type]
+        return Query(self.region, case, self.update, self.passed, self.accuracy, whole=self)
 
     def by_turns(self, cases: int) -> bool:
         """Whether to ask what is asked in the first of so many cases: always, where all the rows are asked for all."""
@@ -125,6 +128,26 @@ class Query(Lengths):
         return (self,) if self.some is self else (self, self.some)
 
     # -- measures ------------------------------------------------------------------------------------------------------
+
+    def inner(self, a: Array, b: Array) -> Array:
+        """a . k^-1 b (N,)."""
+        return np.einsum("ij,ij->i", a @ self._inverse.T, b @ self._inverse.T)
+
+    def length(self, a: Array) -> Array:
+        """(a . k^-1 a)^1/2 (N,)."""
+        return np.asarray(np.linalg.norm(a @ self._inverse.T, axis=1))
+
+    def dual_length(self, slip: Array) -> Array:
+        """(slip . k slip)^1/2 (N,), the dual length, of gradients of g too."""
+        return np.asarray(np.linalg.norm(slip @ self._lower, axis=1))
+
+    def whitened(self, matrices: Array) -> Array:
+        """L^-1 C L^-T (N, d, d) of tangents C, k = L L^T."""
+        return self._inverse @ matrices @ self._inverse.T
+
+    def shadow(self, a: Array) -> Array:
+        """L^-1 a, whose plain length is |a|."""
+        return a @ self._inverse.T
 
     def unit(self, reply: Reply) -> Array:
         """The error u in stress the routine is held to (N,)."""
@@ -176,6 +199,11 @@ class Query(Lengths):
         size, huge = self.case.longest(self._inverse), self.region.huge(self.pressure)
         lost = ~np.isfinite(self.reaches).any(axis=1) if huge.any() else huge
         return np.asarray(((size == 0.0) | ((size >= _LEAST) & (size <= _MOST))) & ~(huge & lost))
+
+    def slipping(self, reply: Reply) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which trial stresses (N,) lie outside K, and which within 1e-6 of the end of K on the ray to them; in doubles."""
+        inside, nearer, beyond = (self.region.level(c * reply.trial, self.pressure) <= 0.0 for c in (1.0, 1.0 - NEAR, 1.0 + NEAR))
+        return ~inside, nearer & ~beyond
 
     # -- the law -------------------------------------------------------------------------------------------------------
 
@@ -316,11 +344,6 @@ class Query(Lengths):
         self.sound = self.sound & (reply.solved | (np.arange(len(self.case)) != row))
         return row, reply
 
-    @property
-    def lonely(self) -> bool:
-        """Whether the reply to the trial is one to a call of one increment."""
-        return False
-
     @cached_property
     def apart(self) -> tuple[Reply, ...]:
         """Replies in calls of one size one after the other: to ``other``, close to ``trial``, ``trial``, ``trial``, ``third``, ``trial``.
@@ -337,11 +360,6 @@ class Query(Lengths):
         trials = self.ask(case.trial)[0], self.ask(case.trial)[0]
         third = self.ask(case.third, pressure=None if case.loads is None else case.loads[:, -1])[0]
         return first, beside, *trials, third, self.ask(case.trial)[0]
-
-    @property
-    def turned(self) -> slice:
-        """The order in which rows may be asked: the last first."""
-        return slice(None, None, -1)
 
     def crowded(self, many: int) -> list[Reply]:
         """The replies to ``trial``, so many increments and more in one call."""

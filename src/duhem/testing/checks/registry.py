@@ -1,19 +1,20 @@
-"""The registry of checks: each with its statement, formula, source and tolerance, and a function that measures it."""
+"""The registry of checks, of routines with a law and without; each says what it demands, and a function measures it on a case."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import Query
+from duhem.testing.checks.query import UNMEASURED, NothingToCheck, Query
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.case import Case
 
-__all__ = ["Check", "Finding", "register", "registered"]
+__all__ = ["Check", "Finding", "enter", "judged", "register", "registered", "worst"]
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ class Check:
     ``demanded``: the theory asks it of every law; the others are run where asked for by name.  ``whole``, of a check that no
     single case can fail, says at the end what is wrong with all that was visited, or None.  ``again``: it asks the routine for
     more than the answer to each trial, and so of some rows only (:attr:`duhem.testing.checks.query.Query.some`).
-    ``needs``: what it must know to try all that it counts as tried, told where it could not.
+    ``needs``: what it must know to try all that it counts as tried, told where it could not.  ``of_a_law``: it compares a routine with
+    a law; the others need none.
     """
 
     name: str
@@ -60,6 +62,7 @@ class Check:
     whole: Callable[[Visited], str | None] | None = None
     again: bool = False
     needs: str = ""
+    of_a_law: bool = True
 
     @property
     def __name__(self) -> str:  # pytest names parametrised tests by it
@@ -69,31 +72,73 @@ class Check:
         return f"{self.name}: {self.statement}"
 
 
-_checks: dict[str, Check] = {}
+_checks: dict[tuple[bool, str], Check] = {}
 
 
-def register(
-    name: str,
-    *,
-    statement: str,
-    formula: str,
-    source: str,
-    tolerance: str,
-    law_only: bool = False,
-    demanded: bool = True,
-    whole: Callable[[Visited], str | None] | None = None,
-    again: bool = False,
-    needs: str = "",
-) -> Callable[[Callable[[Query], Finding]], Callable[[Query], Finding]]:
+def enter(check: Check) -> None:
     """Add a check."""
+    _checks[check.of_a_law, check.name] = check
 
-    def add(measure: Callable[[Query], Finding]) -> Callable[[Query], Finding]:
-        _checks[name] = Check(name, statement, formula, source, tolerance, measure, law_only, demanded, whole, again, needs)
+
+def register(name: str, **said: Any) -> Callable[[Callable[[Any], Finding]], Callable[[Any], Finding]]:
+    """A decorator that enters the function below it as the check ``name``; ``said`` are further fields of :class:`Check`."""
+
+    def add(measure: Callable[[Any], Finding]) -> Callable[[Any], Finding]:
+        enter(Check(name, measure=measure, **said))
         return measure
 
     return add
 
 
-def registered() -> Iterator[Check]:
-    """Every check, those of the law first: they cost least."""
-    return iter(sorted(_checks.values(), key=lambda c: not c.law_only))
+def registered(of_a_law: bool = True) -> dict[str, Check]:
+    """The checks of routines with a law or without, by name; those that look at the law alone come first, as they cost least."""
+    found = [check for check in _checks.values() if check.of_a_law == of_a_law]
+    return {check.name: check for check in sorted(found, key=lambda c: not c.law_only)}
+
+
+def worst(pairs: Iterable[Iterable[Array]]) -> Finding:
+    """The finding of the one of several pairs, measured (N,) and allowed (N,), that exceeds most in each row."""
+    measured, allowed = (np.stack(each) for each in zip(*pairs, strict=True))
+    with np.errstate(all="ignore"):
+        at = np.argmax(np.nan_to_num(measured - allowed, nan=np.inf), axis=0), np.arange(measured.shape[1])
+    return Finding(measured[at], allowed[at])
+
+
+def judged(asked: Check, query: Query) -> tuple[Case, str, float, float] | None:
+    """The increment of the worst row, a message, what was measured and what is allowed.
+
+    Raises NothingToCheck where no row can be judged, NoReply where the routine gave none.
+    """
+    query = query.some if asked.again else query
+    with np.errstate(all="ignore"):
+        finding = asked.measure(query)
+    for what, count in finding.tried.items():
+        query.tried[asked.name, what] += count
+    sound = query.sound if query.whole is None else query.sound & query.whole.sound[query.rows]
+    counts = sound | asked.law_only
+    if not counts.any():
+        raise NothingToCheck("the routine flags every increment as not solved")
+    if finding.unknown is not None:
+        query.unsaid |= finding.unknown
+        counts &= ~finding.unknown
+        if not counts.any():
+            raise NothingToCheck("g of the law has no value at any of the stresses to be judged")
+    counts = counts & query.measurable
+    if not counts.any():
+        raise NothingToCheck(UNMEASURED)
+    boundless = counts & ~np.isfinite(finding.allowed) & (not asked.law_only)
+    if boundless.any():
+        stress = query.here.stress
+        with np.errstate(all="ignore"):
+            boundless &= np.isfinite(stress).all(axis=1) & ~np.isfinite(query.length(stress))
+    bad = (finding.violated & counts) | boundless
+    if not bad.any():
+        return None
+    with np.errstate(all="ignore"):
+        excess = np.where(bad, np.nan_to_num(finding.measured - finding.allowed, nan=np.inf, posinf=1e300), -np.inf)
+    i = int(np.argmax(excess))
+    measured, allowed = float(finding.measured[i]), float(finding.allowed[i])
+    if boundless[i]:
+        return query.case.row(i), "the stress returned is so large that its square overflows", measured, allowed
+    said = f"measured {measured:.3g}, allowed {allowed:.3g}" if finding.said is None else str(finding.said[i])
+    return (query.case if finding.case is None else finding.case).row(i), said, measured, allowed

@@ -9,7 +9,7 @@ from duhem.projection.result import Array
 from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.registry import Finding, register
 
-__all__: list[str] = []
+__all__ = ["asymmetry"]
 
 _EPS = float(np.finfo(np.float64).eps)
 _RESOLVED = 0.05  # of k: differences that disagree by more do not tell
@@ -31,11 +31,15 @@ def tangent(q: Query) -> Finding:
 
 
 def _beyond(q: Query, c: Array) -> tuple[Array, Array]:
-    """By how much tangents are not symmetric or leave [0, k], and what they may."""
-    d = q.case.trial.shape[1]
+    """By how much tangents are not symmetric or leave [0, k] (N,), and what they may."""
     eigen = np.linalg.eigvalsh(0.5 * (c + np.swapaxes(c, 1, 2)))
-    off = np.maximum(np.abs(c - np.swapaxes(c, 1, 2)).max(axis=(1, 2)), np.maximum(-eigen.min(axis=1), eigen.max(axis=1) - 1.0))
-    return off, np.full(len(c), d * d * (q.accuracy + 8.0 * _EPS))
+    off, allowed = asymmetry(q, c)
+    return np.maximum(off, np.maximum(-eigen.min(axis=1), eigen.max(axis=1) - 1.0)), allowed
+
+
+def asymmetry(q: Query, c: Array) -> tuple[Array, Array]:
+    """By how much tangents (N, d, d) in the metric of k are not symmetric (N,), and what they may."""
+    return np.abs(c - np.swapaxes(c, 1, 2)).max(axis=(1, 2)), np.full(len(c), c.shape[1] ** 2 * (q.accuracy + 8.0 * _EPS))
 
 
 @register(

@@ -14,28 +14,29 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.checks.query import UNMEASURED, Query
-from duhem.testing.checks.raised import NoReply
-from duhem.testing.checks.reply import Reply
+from duhem.testing.checks.query import NEAR, UNMEASURED, Query
+from duhem.testing.checks.reply import NoReply, Reply
 
 __all__ = ["Visited"]
 
-_NEAR = 1e-6  # of the size of a stress: so near is at the boundary, on a seam, at a corner
+
 _TURNED = 1e-3  # a normal that turns by more than this over such a way has jumped
 
 
 class Visited:
     """Counts over the increments that the routine stands by; those it flags are judged by nobody.
 
-    ``stick`` and ``slip`` go by the law: whether the trial stress lies in K; ``boundary``: within 1e-6 of its end on the ray
-    to it; ``tip``: without pressure; ``NAME+`` and ``NAME-``: the sign of a force.  ``seam``: slip that ends within 1e-6 of
-    where the formula changes its piece; ``corner``: where the normal jumps there; both are shares of the answers looked at.
+    ``stick``, ``slip`` and ``boundary`` are what :meth:`Query.slipping` makes of a trial stress; ``tip``: without pressure; ``NAME+``
+    and ``NAME-``: the sign of a force.  ``seam``: slip that ends within 1e-6 of where the formula changes its piece; ``corner``: where
+    the normal jumps there; both are shares of the answers looked at.
+    Without a law (``forces`` is empty) forces are counted by their place, and there is no seam and no corner.
     ``unmeasured``: how many of the drawn increments cannot be judged, whatever is answered (:attr:`Query.measurable`).
     """
 
     def __init__(self, forces: tuple[str, ...], pressed: bool) -> None:
         self.forces = forces
-        self._counts = Counter(dict.fromkeys(["stick", "slip", "boundary", *(["tip"] if pressed else []), "seam", "corner"], 0))
+        names = ["stick", "slip", "boundary", *(["tip"] if pressed else []), *(["seam", "corner"] if forces else [])]
+        self._counts = Counter(dict.fromkeys(names, 0))
         self._counts.update({f"{name}{sign}": 0 for name in forces for sign in "+-"})
         self.unmeasured = self._drawn = 0
         self._asked = self._looked = self._slipping = self._given_up = 0
@@ -79,8 +80,11 @@ class Visited:
         """Count the increments of a case that has been asked."""
         with np.errstate(all="ignore"):
             self._trials(query, query.here)
-            self._others(query)
-            self._answers(query, query.here)
+            if self.forces:
+                with suppress(NoReply):
+                    for reply in query.some.first[1:]:
+                        self._trials(query.some, reply)
+                self._answers(query, query.here)
         case = query.case
         for name, values in (("stress", case.trial), ("pressure", case.pressure), ("stiffness", np.diag(case.stiffness))):
             if values is not None:
@@ -88,24 +92,19 @@ class Visited:
 
     def _trials(self, query: Query, reply: Reply) -> None:
         solved, trial = reply.solved, reply.trial
-        inside = query.region.level(trial, query.pressure) <= 0.0
-        within, beyond = (query.region.level((1.0 + s * _NEAR) * trial, query.pressure) <= 0.0 for s in (-1.0, 1.0))
+        slips, boundary = query.slipping(reply)
         self._asked += int(solved.sum())
-        self._count("stick", inside & solved)
-        self._count("slip", ~inside & solved)
-        self._slipping += int((~inside).sum())
-        self._given_up += int((~inside & ~solved).sum())
-        self._count("boundary", within & ~beyond & solved)
+        self._count("stick", ~slips & solved)
+        self._count("slip", slips & solved)
+        may_slip = slips | (not self.forces)  # an answer that is given up does not say whether it slips
+        self._slipping += int(may_slip.sum())
+        self._given_up += int((may_slip & ~solved).sum())
+        self._count("boundary", boundary & solved)
         if "tip" in self._counts:
             self._count("tip", (query.pressure == 0.0) & solved)
-        for name, column in zip(self.forces, trial.T, strict=True):
+        for name, column in zip(self.forces or range(1, 1 + trial.shape[1]), trial.T, strict=True):
             self._count(f"{name}+", (column > 0.0) & solved)
             self._count(f"{name}-", (column < 0.0) & solved)
-
-    def _others(self, query: Query) -> None:
-        with suppress(NoReply):
-            for reply in query.some.first[1:]:
-                self._trials(query.some, reply)
 
     def _answers(self, query: Query, reply: Reply) -> None:
         at = np.flatnonzero(reply.solved & np.isfinite(reply.stress).all(axis=1))
@@ -114,7 +113,7 @@ class Visited:
         if not at.size:
             return
         stress, pressure = reply.stress[at], query.pressure[at]
-        d, size = stress.shape[1], _NEAR * np.abs(stress).max(axis=1)
+        d, size = stress.shape[1], NEAR * np.abs(stress).max(axis=1)
         ways = np.vstack([np.eye(d), -np.eye(d)])
         points = (stress[None] + size[None, :, None] * ways[:, None, :]).reshape(-1, d)
         gradient, pieces = query.region.slope(points, np.tile(pressure, 2 * d))

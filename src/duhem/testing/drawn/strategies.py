@@ -2,31 +2,33 @@
 
 ``floats(1e-12, 1e12)`` draws hardly anything below 1e6; here each decade is as likely as the next, and points on, next to
 and one unit in the last place off the seams and the boundary are drawn on purpose.  The first value of every table is
-the simplest, which is what a failing case shrinks to.
+the simplest, which is what a failing case shrinks to.  Without a law it is asked of the routine itself how far it is elastic.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from duhem.errors import InputError
+from duhem.expression.rays import Rays
 from duhem.law.catalogue import load, load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
-from duhem.testing.drawn.admitted_values import admitted
 from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.decades import MANTISSAS, Strategy, decades, scaled, table
+from duhem.testing.drawn.options import stiffness_matrix
 from duhem.testing.drawn.region import Region
-from duhem.testing.drawn.seams import TURNS, turned
+from duhem.testing.drawn.values import MANTISSAS, Strategy, admitted, decades, scaled, table
+from duhem.testing.routines.material import ELASTIC, Material
 
-__all__ = ["cases", "decades", "loadings", "parameters", "pressures", "stiffnesses", "trials", "ways"]
+__all__ = [
+    "TURNS", "cases", "decades", "histories", "loadings", "parameters", "pressures", "stiffnesses", "trials", "turned", "ways",
+]  # fmt: skip
 
 _ULP = float(np.finfo(np.float64).eps)
 _LEAST, _SMALL = 5e-324, 1e-310  # a share of the first is nothing, of the second not
@@ -100,6 +102,61 @@ def _unit(ways: Array) -> Array:
     """The same with components of the largest size, which is 1 at most, put to 1."""
     size = np.abs(ways).max(axis=1, keepdims=True)
     return np.where(size < 1e-300, np.eye(ways.shape[1])[0], np.where(np.abs(ways) == size, np.sign(ways), ways))
+
+
+TURNS: list[str] = [*["as drawn"] * 9, "corner", "mean", "equal", *["seam"] * 3]
+"""What is made of a direction; the first, which is nothing, as often as the rest together and a little more."""
+
+
+def turned(region: Region, way: Array, other: Array, turns: list[str], pressure: Array) -> Array:
+    """Directions (N, d) of largest component 1, some of ``way`` turned.
+
+    ``corner``: all components that are not tiny alike in size.  ``mean``: normal components alike, no shear, for laws of a
+    stress; the way to an apex.  ``equal``: the first two components equal, where principal stresses are.  ``seam``: the last
+    number before the smooth piece of g changes on the way to ``other``, and the first after it in every second row.
+    """
+    found, kind = way.copy(), np.array(turns)
+    at = kind == "corner"
+    found[at] = np.where(np.abs(way[at]) > 1e-3, np.sign(way[at]), 0.0)
+    stress = region.law.stress
+    if stress is not None:
+        normal = ~np.array(stress.shears)
+        at = kind == "mean"
+        found[at] = np.where(way[at, :1] < 0.0, -1.0, 1.0) * normal
+    if way.shape[1] > 1:
+        at = kind == "equal"
+        found[at, 1] = found[at, 0]
+        size = np.abs(found[at]).max(axis=1, keepdims=True)
+        found[at] = np.where(size > 0.0, found[at] / np.where(size > 0.0, size, 1.0), way[at])
+    if (rows := np.flatnonzero(kind == "seam")).size:
+        found[rows] = _seam(region, way[rows], other[rows], pressure[rows], rows % 2 == 1)
+    return found
+
+
+def _seam(region: Region, first: Array, last: Array, pressure: Array, beyond: Array) -> Array:
+    """Where the piece of g changes between two directions, at stresses of the size of the boundary; ``first`` where it does not."""
+    with np.errstate(all="ignore"):
+        reach = region.reach(first, pressure)
+        size = np.where(np.isfinite(reach) & (reach > 0.0), reach, 1.0)
+        here = region.slope(size[:, None] * first, pressure)[1]
+
+        def level(points: Array) -> Array:
+            """Negative on the piece of the first direction; points (M, n, d)."""
+            m, n, d = points.shape
+            stress = (size[:, None, None] * points).reshape(m * n, d)
+            piece = np.asarray(region.slope(stress, np.repeat(pressure, n))[1]).reshape(m, n, -1)
+            return np.where((piece == np.asarray(here).reshape(m, 1, -1)).all(axis=2), -1.0, 1.0)
+
+        rays = Rays(level, first, last - first)
+        changes = ~rays.inside(np.array([1.0]))[:, 0]
+        if not changes.any():
+            return first
+        inner, outer = rays.narrowed(np.zeros(len(first)), np.ones(len(first)), at_once=6)
+    share = np.where(beyond, outer, inner)
+    way = rays.at(share)
+    longest = np.abs(way).max(axis=1, keepdims=True)
+    good = changes[:, None] & (longest > 1e-300)
+    return np.where(good, way / np.where(good, longest, 1.0), first)
 
 
 # Where a trial stress lies: on a ray, at a multiple of its end on the boundary or so many units in the last place beyond
@@ -192,7 +249,7 @@ def cases(
     fixed = known.fix(values)
     d = len(known.forces)
     numbers = {name: float(domain.value) for name, domain in fixed.parameters.items() if domain.value is not None}
-    k = _given(stiffness, stiffnesses(d)).map(lambda x: _matrix(x, known))
+    k = _given(stiffness, stiffnesses(d)).map(lambda x: stiffness_matrix(x, known))
     given = None if pressure is None or not known.pressure else _given(pressure, st.nothing())
     tables = [*[_COMPONENTS] * (3 * d), *_TABLES, *[_admitted(known)] * 2]
     return _cases(known, numbers, _drawn(fixed), k, given, tables, rows)
@@ -213,19 +270,12 @@ def _cases(
     values = {name: free[name] if name in free else numbers[name] for name in law.parameters}
     k = draw(stiffness)
     factor = draw(table([2.0, 0.5, 4.0, 2.0**20, 2.0**-20]))
-    lengths = [len(each) for each in tables]
-    if rows == 1:
-        picked = np.array([draw(st.tuples(*(st.integers(0, n - 1) for n in lengths)))])
-    else:
-        rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-        picked = rng.integers(0, lengths, (rows, len(lengths)))
-        if rng.random() < _OPEN:
-            picked[-1, 3 * len(k)], picked[-1, -2] = _PLACES.index(("ray", 0.0)), tables[-2].index(max(tables[-2]))
-    columns = [[each[i] for i in column] for each, column in zip(tables, picked.T.tolist(), strict=True)]
-    loads = columns[-2:]
-    if pressure is not None:
-        loads = [draw(st.lists(pressure, min_size=rows, max_size=rows)) for _ in range(2)]
-    return _case(Region(law, values), k, factor, np.array(loads, dtype=np.float64), columns)
+    picked, rng = _picked(draw, tables, rows)
+    if rng is not None and rng.random() < _OPEN:
+        picked[-1, 3 * len(k)], picked[-1, -2] = _PLACES.index(("ray", 0.0)), tables[-2].index(max(tables[-2]))
+    columns = _columns(tables, picked)
+    loads = np.array(columns[-2:], dtype=np.float64) if pressure is None else _loads(draw, pressure, rows)
+    return _case(Region(law, values), k, factor, loads, columns)
 
 
 _TABLES: list[list[Any]] = [
@@ -234,17 +284,34 @@ _TABLES: list[list[Any]] = [
 
 
 def _given(given: Any, otherwise: Strategy) -> Strategy:
+    """What is given, a strategy or a value, as a strategy; ``otherwise`` where it is None."""
     return otherwise if given is None else given if isinstance(given, st.SearchStrategy) else st.just(given)
 
 
-def _matrix(given: ArrayLike, law: Criterion) -> Array:
-    d = len(law.forces)
-    k = np.asarray(given, dtype=np.float64)
-    if k.shape not in ((), (d,), (d, d)):
-        raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=f"give one number, ({d},) or ({d}, {d})")
-    if k.ndim == 0 and law.stress is not None:
-        k = k * law.stress.unit_stiffness
-    return k if k.ndim == 2 else np.diag(np.broadcast_to(k, (d,)))
+def _drawn_from(draw: st.DrawFn, given: Any) -> Any:
+    """What is given, or what is drawn where it is a strategy."""
+    return draw(given) if isinstance(given, st.SearchStrategy) else given
+
+
+def _picked(draw: st.DrawFn, tables: Sequence[Sequence[Any]], rows: int) -> tuple[NDArray[np.intp], np.random.Generator | None]:
+    """Places (rows, tables) in tables: of one row drawn each, so that they shrink, of several by a generator of drawn seed."""
+    lengths = [len(each) for each in tables]
+    if rows == 1:
+        return np.array([draw(st.tuples(*(st.integers(0, n - 1) for n in lengths)))]), None
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    return rng.integers(0, lengths, (rows, len(lengths))), rng
+
+
+def _columns(tables: Sequence[Sequence[Any]], picked: NDArray[np.intp]) -> list[list[Any]]:
+    """The entries of each table at the places of its column."""
+    return [[each[i] for i in column] for each, column in zip(tables, picked.T.tolist(), strict=True)]
+
+
+def _loads(draw: st.DrawFn, pressure: float | Strategy, rows: int) -> Array:
+    """Pressures (2, rows): two for each path, as they are given or drawn."""
+    if isinstance(pressure, st.SearchStrategy):
+        return np.array([draw(st.lists(pressure, min_size=rows, max_size=rows)) for _ in range(2)], dtype=np.float64)
+    return np.full((2, rows), float(pressure))
 
 
 def _case(region: Region, k: Array, factor: float, loads: Array, columns: list[Any]) -> Case:
@@ -278,3 +345,117 @@ def _case(region: Region, k: Array, factor: float, loads: Array, columns: list[A
         path=path,
         loads=(1.0 - between) * loads[0][:, None] + between * loads[1][:, None] if pressed else None,
     )
+
+
+# -- histories of a material of which no law is known --------------------------------------------------------------------
+
+_FEW = (1.0, 3.0, 1.5, 7.0, 2.2)
+_FORCES = [*(s * m * 10.0**k for k in (0, -1, -3, -6) for m in _FEW for s in (1.0, -1.0)), 0.0, 0.0, 0.0, 0.0]
+_AMOUNTS = [2.0, 0.5, 1.0, 10.0, 1.2, 0.9, 3.0, 1.0 + 1e-6, 1.0 - 1e-6, 100.0, 1e-3]  # times the elastic reach
+_STEPS_ASIDE = [0.5, -0.5, 0.1, -0.1, 1.0, -2.0, 1e-3, -1e-3, 1e-6, 10.0]
+_LONGER = [2.0, 0.5, 0.0, 1.5, 10.0, 0.1, 100.0]
+_BEFORE = [0.0, 2.0, 0.5, 1.5, 5.0, 3.0]  # of the path before, times the elastic reach; at 0 the step is the first
+_KNOTS = 4
+_DECADES = range(-12, 14)
+_HALVES = 8
+
+
+def _elastic_reach(material: Material, way: Array, pressure: Array | None) -> Array:
+    """How far along ``way`` (N, d) a first increment of stress is answered elastically, (N,), to a few per cent; nan where asking fails.
+
+    Looked for by decades from 1e-12 to 1e13; 0 where it is elastic at none of these, inf where at all.
+    """
+    n = len(way)
+    root = np.linalg.cholesky(material.elastic)
+
+    def elastic(size: Array, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+        trial = size[rows, None] * way[rows]
+        load = None if pressure is None else pressure[rows]
+        before = material.virgin(len(rows))
+        if material.towards is not None:
+            after = material.towards(before, trial, load, 1.0)
+        else:
+            after = material.advance(before, np.asarray(np.linalg.solve(material.elastic, trial.T).T), load, 1.0)
+        off = np.linalg.norm(np.linalg.solve(root, (after.stress - trial).T), axis=0)
+        return np.asarray(off <= ELASTIC * np.linalg.norm(np.linalg.solve(root, trial.T), axis=0))
+
+    low, high, open_ = np.zeros(n), np.full(n, np.inf), np.arange(n)
+    try:
+        with np.errstate(all="ignore"):
+            for power in _DECADES:
+                size = np.full(n, 10.0**power)
+                good = elastic(size, open_)
+                low[open_[good]], high[open_[~good]] = size[open_[good]], size[open_[~good]]
+                open_ = open_[good]
+                if not open_.size:
+                    break
+            between = np.flatnonzero((low > 0.0) & np.isfinite(high))
+            for _ in range(_HALVES if between.size else 0):
+                size = np.where(np.isfinite(high), np.sqrt(low * np.where(np.isfinite(high), high, 1.0)), low)
+                good = elastic(size, between)
+                low[between[good]], high[between[~good]] = size[between[good]], size[between[~good]]
+    except Exception:  # the routine raises: a check tells of it, with a case
+        return np.full(n, np.nan)
+    return np.where(np.isfinite(high), low, np.inf)
+
+
+def _knots(kind: int, ways: Array) -> Array:
+    """Knots (``_KNOTS``, d) of a path of size 1 from 0: along one way, to and fro, and round corners."""
+    one, two, three = ways
+    if kind == 0:
+        return np.linspace(0.0, 1.0, _KNOTS)[:, None] * one
+    if kind == 1:
+        return np.array([0.0, 1.0, -1.0, 0.3])[:, None] * one
+    return np.array([0.0 * one, one, two, three if kind == 2 else one - two])
+
+
+@st.composite
+def histories(
+    draw: st.DrawFn,
+    made: Callable[[Mapping[str, float], Array], Material],
+    values: Mapping[str, Any],
+    stiffness: ArrayLike | Strategy,
+    pressure: float | Strategy | None,
+    rows: int = 1,
+) -> Case:
+    """A :class:`Case` of ``rows`` histories of the material that ``made`` makes; ``values`` are numbers or strategies, by name.
+
+    The steps of a case of one shrink; those of a larger one are picked from the same tables by a seed.
+    """
+    numbers = {name: float(_drawn_from(draw, value)) for name, value in values.items()}
+    k = stiffness_matrix(_drawn_from(draw, stiffness), None)
+    d = len(k)
+    material = made(numbers, k)
+    tables: list[list[Any]] = [*[_FORCES] * (4 * d), _AMOUNTS, _STEPS_ASIDE, _STEPS_ASIDE, _LONGER, _BEFORE, [0, 1, 2, 3]]
+    columns = [np.array(column) for column in _columns(tables, _picked(draw, tables, rows)[0])]
+    ways = np.stack([_scaled(np.stack(columns[i * d : (i + 1) * d], axis=1)) for i in range(4)])
+    amount, move, other_move, stretch, size, kind = columns[4 * d :]
+    given = None if pressure is None else _loads(draw, pressure, rows)
+    load = None if given is None else given[0]
+    reach = _elastic_reach(material, ways[:2].reshape(2 * rows, d), None if load is None else np.tile(load, 2)).reshape(2, rows)
+    known = reach[np.isfinite(reach) & (reach > 0.0)]
+    typical = float(np.median(known)) if known.size else 1.0
+    reach = np.where(np.isfinite(reach) & (reach > 0.0), reach, typical)
+    trial = (amount * reach[0])[:, None] * ways[0]
+    path = np.array([s * _knots(int(kind_), ways[1:, i]) for i, (s, kind_) in enumerate(zip(size * reach[1], kind, strict=True))])
+    share = np.linspace(0.0, 1.0, _KNOTS)
+    zero = np.zeros((rows, d))
+    return Case(
+        parameters=numbers,
+        stiffness=k,
+        pressure=load,
+        trial=trial,
+        other=trial + (move * reach[0])[:, None] * ways[2],
+        third=trial + (other_move * reach[0])[:, None] * ways[3],
+        inside=zero,
+        beside=zero,
+        stretch=stretch,
+        factor=2.0,
+        path=path,
+        loads=None if given is None else (1.0 - share) * given[1][:, None] + share * given[0][:, None],
+    )
+
+
+def _scaled(ways: Array) -> Array:
+    size = np.abs(ways).max(axis=1, keepdims=True)
+    return np.where(size == 0.0, np.eye(ways.shape[1])[0], ways / np.where(size == 0.0, 1.0, size))

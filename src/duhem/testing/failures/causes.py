@@ -1,14 +1,14 @@
-"""Which failure is likely the cause of which others: one cause is told once, with the checks that it explains."""
+"""Which failure is likely the cause of which others: one cause is told once, with the checks that it explains, expected or not."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from duhem.testing.failures.report import Failure
+from duhem.testing.failures.failure import Failure
 
-__all__ = ["CAUSES", "Cause", "by_cause", "explained_by", "likeliest_first", "of_stress"]
+__all__ = ["CAUSES", "FREE_CAUSES", "Cause", "as_expected", "by_cause", "likeliest_first", "of_stress"]
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class Cause:
     """Where a check that fails is the cause: the checks that fail with it, and why they do."""
 
     check: str
-    explains: frozenset[str]
+    explains: tuple[str, ...]
     why: str
 
 
@@ -26,40 +26,44 @@ _STRESS = (  # of a stress that is not the closest point, what says most of it f
 )  # fmt: skip
 _OUTPUTS = ("slip", "energy", "multiplier", "slope", "tangent")
 _SHAPE = (
-    "variational-inequality",
-    "non-expansiveness",
-    "firmness",
-    "potential",
-    "ray",
-    "idempotence",
-    "complementarity",
-    "tangent",
-    "slope",
-)
-
-
-def _cause(check: str, explains: Sequence[str], why: str) -> Cause:
-    return Cause(check, frozenset(explains) - {check}, why)
-
+    "variational-inequality", "non-expansiveness", "firmness", "potential", "ray", "idempotence", "complementarity", "tangent", "slope",
+)  # fmt: skip
 
 # The likely causes, the first first.  What is said of the stress comes before what is returned beside it.
 CAUSES: tuple[Cause, ...] = (
-    _cause("vacuity", (), "what was not visited was not tested, whatever else is found"),
-    _cause("answers", (*_STRESS, *_OUTPUTS, "repeatability"), "without a stress there is nothing that could satisfy the others"),
-    _cause("origin", _SHAPE, "a set without the origin is no K, and the closest point of it has none of these properties"),
-    _cause("convexity", _SHAPE, "on a set that is not convex the closest point is not unique and has none of these properties"),
-    _cause("smoothness", (), "a corner of K breaks none of the others"),
-    _cause("repeatability", (*_STRESS, *_OUTPUTS), "an answer that depends on what was asked before cannot satisfy a rule"),
-    _cause("inputs", (), "an answer may be right though what was given is gone"),
-    *(_cause(name, _STRESS[i:], "each follows from the stress being the closest point") for i, name in enumerate(_STRESS)),
-    _cause("slip", ("energy",), "the balance of energy is taken with the slip returned"),
-    _cause("energy", (), "no other check looks at it"),
-    _cause("multiplier", (), "no other check looks at it"),
-    _cause("slope", ("tangent",), "a tangent that is not the slope of the stress need be neither symmetric nor bounded"),
-    _cause("tangent", (), "where it is the slope of the stress, the stress derives from no potential"),
+    Cause("vacuity", (), "what was not visited was not tested, whatever else is found"),
+    Cause("answers", (*_STRESS, *_OUTPUTS, "repeatability"), "without a stress there is nothing that could satisfy the others"),
+    Cause("origin", _SHAPE, "a set without the origin is no K, and the closest point of it has none of these properties"),
+    Cause("convexity", _SHAPE, "on a set that is not convex the closest point is not unique and has none of these properties"),
+    Cause("smoothness", (), "a corner of K breaks none of the others"),
+    Cause("repeatability", (*_STRESS, *_OUTPUTS), "an answer that depends on what was asked before cannot satisfy a rule"),
+    Cause("inputs", (), "an answer may be right though what was given is gone"),
+    *(Cause(name, _STRESS[i + 1 :], "each follows from the stress being the closest point") for i, name in enumerate(_STRESS)),
+    Cause("slip", ("energy",), "the balance of energy is taken with the slip returned"),
+    Cause("energy", (), "no other check looks at it"),
+    Cause("multiplier", (), "no other check looks at it"),
+    Cause("slope", ("tangent",), "a tangent that is not the slope of the stress need be neither symmetric nor bounded"),
+    Cause("tangent", (), "where it is the slope of the stress, the stress derives from no potential"),
 )
-_RANK = {cause.check: i for i, cause in enumerate(CAUSES)}
-_TABLE = {cause.check: cause.explains for cause in CAUSES}
+_FREE_STRESS = ("rest", "slip", "stored-energy", "dissipation", "energy", "slope", "subdivision")
+_ASSOCIATED = ("associated-symmetry", "associated-non-expansiveness", "associated-potential", "associated-ray")
+# The same of the checks that need no law, the likeliest cause first.
+FREE_CAUSES: Mapping[str, tuple[str, ...]] = {
+    "answers": ("repeatability", "elasticity", "vacuity", "rate", *_FREE_STRESS, *_ASSOCIATED),
+    "repeatability": ("elasticity", "vacuity", "rate", *_FREE_STRESS, *_ASSOCIATED),
+    "inputs": (),
+    "elasticity": ("vacuity", *_FREE_STRESS, "isotropic-plastic-work"),
+    "vacuity": (),
+    "rate": ("energy", "subdivision"),
+    "dissipation": ("energy", "isotropic-plastic-work", "associated-potential"),
+    "rest": ("slip", "stored-energy", "energy", "subdivision", *_ASSOCIATED),
+    "slip": ("dissipation", "energy"),
+    "stored-energy": ("energy",),
+    "energy": (),
+    "slope": ("associated-symmetry",),
+    "subdivision": (),
+}
+_TABLES = {True: {cause.check: cause.explains for cause in CAUSES}, False: FREE_CAUSES}  # with a law, and without
 _UNSYMMETRIC = {"potential", "firmness", "variational-inequality"}  # a stress without a potential has no symmetric slope
 
 
@@ -68,52 +72,67 @@ def by_cause(failures: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Fa
 
     The diagnosis that explains most failures of a kind is taken first, and they are one; the others are ordered by the table.
     """
+    left, failed = sorted(failures, key=likeliest_first), {f.check.name for f in failures}
     roots: list[Failure] = []
     explained: list[Failure] = []
-    for root, names in _groups(sorted(failures, key=likeliest_first), {f.check.name for f in failures}):
-        roots.append(replace(root, explains=tuple(f.check.name for f in names)))
-        explained += names
-    return tuple(sorted(roots, key=likeliest_first)), tuple(explained)
-
-
-def _groups(left: list[Failure], failed: set[str]) -> list[tuple[Failure, list[Failure]]]:
-    groups: list[tuple[Failure, list[Failure]]] = []
     while left:
         root = left[0]
         of_a_kind = [f for f in left if _kind(f) == _kind(root)]
         met = Counter(name for f in of_a_kind for name in f.diagnoses)
-        told = max(met, key=lambda name: met[name]) if met and _kind(root) else None  # of equals the first met
-        if told is not None:
+        if met and _kind(root):
+            told = max(met, key=lambda name: met[name])  # of equals the first met
             root = next(f for f in of_a_kind if told in f.diagnoses)
             root = replace(root, diagnoses={told: root.diagnoses[told]})
-        names = [f for f in left if f.check != root.check and _explains(root, f, failed)]
-        groups.append((root, names))
-        gone = {root.check.name, *(f.check.name for f in names)}
-        left = [f for f in left if f.check.name not in gone]
-    return groups
+        behind = [f for f in left if f.check != root.check and _explains(root, f, failed)]
+        names = tuple(f.check.name for f in behind)
+        roots.append(replace(root, explains=names))
+        explained += behind
+        left = [f for f in left if f.check.name not in (root.check.name, *names)]
+    return tuple(sorted(roots, key=likeliest_first)), tuple(explained)
 
 
-def explained_by(check: str, failed: Collection[str]) -> frozenset[str]:
+def as_expected(
+    reasons: Mapping[str, str], failed: Collection[str], passed: Collection[str], left_out: Mapping[str, str], of_a_law: bool
+) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
+    """The checks that failed as expected, those that passed though they had to fail, and those left out; each by name with the reason.
+
+    ``reasons`` are those for which checks are known to fail.  Which of the checks that a cause explains fail with it depends on the
+    cases that were drawn, so that they may fail or pass.
+    """
+    causes = [name for name in reasons if name in failed]
+    explained = {name: cause for cause in causes[::-1] for name in _explained_by(cause, failed, of_a_law)}
+    likely = {name: f"likely for the same reason as [{cause}]" for name, cause in explained.items()}
+    met = {name: why for name, why in {**likely, **reasons}.items() if name in failed}
+    unmet = {name: why for name, why in reasons.items() if name in passed and name not in likely}
+    vain = reasons.keys() - likely.keys()
+    told = {name: f"{why}; so it is expected to fail in vain" if name in vain else why for name, why in left_out.items()}
+    return met, unmet, told
+
+
+def _explained_by(check: str, failed: Collection[str], of_a_law: bool) -> tuple[str, ...]:
     """The checks that may fail for the reason for which ``check`` does, by the table alone; those that ``failed`` are with it."""
-    behind = _TABLE.get(check, frozenset())
+    behind = _TABLES[of_a_law].get(check, ())
     turned = _UNSYMMETRIC & {check, *behind} & set(failed)
-    return behind | {"tangent"} if check in _STRESS and turned and "slope" not in failed else behind
+    return (*behind, "tangent") if check in _STRESS and turned and "slope" not in failed else behind
 
 
 def likeliest_first(failure: Failure) -> tuple[int, int]:
     """A key to sort failures by."""
-    return _kind(failure), _RANK.get(failure.check.name, len(CAUSES))
+    order = [*_TABLES[failure.check.of_a_law], failure.check.name]
+    return _kind(failure), order.index(failure.check.name)
 
 
 def of_stress(failure: Failure) -> bool:
     """Whether it is one of the stress itself, not of what is returned beside it or of the calls."""
-    return failure.check.name in _STRESS
+    return failure.check.of_a_law and failure.check.name in _STRESS
 
 
 def _kind(failure: Failure) -> int:
-    """Causes of all, then of stresses, then of what is returned beside them."""
+    """0 for causes of all, 1 for those of stresses, 2 for those of what is returned beside them; without a law 0."""
+    if not failure.check.of_a_law:
+        return 0
     name = failure.check.name
-    return 1 if of_stress(failure) else 0 if name in _TABLE and name not in _OUTPUTS else 2
+    return 1 if of_stress(failure) else 0 if name in _TABLES[True] and name not in _OUTPUTS else 2
 
 
 def _explains(root: Failure, other: Failure, failed: set[str]) -> bool:
@@ -122,4 +141,4 @@ def _explains(root: Failure, other: Failure, failed: set[str]) -> bool:
         return name in _STRESS or (name == "tangent" and "slope" not in failed and bool(failed & _UNSYMMETRIC))
     if root.diagnoses.keys() & other.diagnoses.keys():
         return True
-    return name in _TABLE.get(root.check.name, ())
+    return name in _TABLES[root.check.of_a_law].get(root.check.name, ())

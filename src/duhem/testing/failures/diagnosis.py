@@ -1,4 +1,6 @@
-"""What a failing routine does instead: suggestions tried on increments beside the failing one, and kept only if they give its answers.
+"""Where a failing routine departs from the closest point, and what it does instead.
+
+Suggestions are tried on increments beside the failing one, and kept only if they give the answers of the routine there.
 
 A suggestion is a few lines: what the routine may be doing, and what it would return then.  It is believed where it gives what
 was returned, to within the accuracy the routine is held to, at the failing increment and at every other one beside it that
@@ -8,30 +10,93 @@ if the routine did so everywhere, that is said.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import isnan
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from duhem.errors import InputError
-from duhem.projection.result import Array
+from duhem.law.formula_law import Criterion
+from duhem.projection.projector import Projector
+from duhem.projection.result import Array, Status
 from duhem.testing.checks.query import Query
-from duhem.testing.checks.raised import NoReply
-from duhem.testing.checks.reply import Reply
+from duhem.testing.checks.reply import NoReply, Reply
+from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
-from duhem.testing.failures.departure import Departure, closest
+from duhem.testing.failures.causes import likeliest_first
+from duhem.testing.failures.failure import Departure, Failure
+from duhem.testing.routines.origin import Origin
 
-__all__ = ["Part", "Probe", "constant", "diagnoses", "registered_suggestions", "suggests"]
+__all__ = ["Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions", "suggests"]
 
 Part: TypeAlias = Literal["stress", "slip", "multiplier", "tangent"]
 
+_PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "multiplier", "tangent": "tangent", "slope": "tangent"}
+_TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
 _BEYOND = 1.7  # times as far out as the boundary that a routine would keep: it is seen whether that is where it goes back to
 _LEAST = 3  # increments that a suggestion has to explain
 _ONLY = "; at such increments only, others beside them are answered right"
 _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
+
+
+def _closest(law: Criterion | None, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> Array:
+    """duhem's own closest points (N, d); nan where it flags one, or the law, its values or the stiffness have none, or no law is known."""
+    if law is None:
+        return np.full_like(trial, np.nan)
+    free = {name: value for name, value in values.items() if law.parameters[name].value is None}
+    with suppress(InputError), np.errstate(all="ignore"):
+        found = Projector.of(law, stiffness, free)(trial, pressure)
+        return np.where((found.status <= Status.SLIP)[:, None], found.stress, np.nan)
+    return np.full_like(trial, np.nan)
+
+
+def departure(query: Query) -> Departure | None:
+    """The first increment of a case of one at which the answer departs from the closest point, or else its trial.
+
+    None where the routine does not answer.
+    """
+    shown = None
+    with suppress(NoReply), np.errstate(all="ignore"):
+        for pressure, stiffness, reply in _increments(query):
+            load = None if query.case.pressure is None else pressure
+            best = _closest(query.region.law, query.region.parameters, reply.trial, load, stiffness)
+            known = bool(np.isfinite(best).all())
+            off = query.length(reply.stress - best)[0]
+            here = Departure(
+                trial=tuple(reply.trial[0].tolist()),
+                pressure=None if load is None else float(load[0]),
+                stiffness=tuple(tuple(row) for row in stiffness.tolist()),
+                returned=tuple(reply.stress[0].tolist()),
+                closest=tuple(best[0].tolist()) if known else None,
+                apart=known and not off <= _CLEAR * query.unit(reply)[0],
+            )
+            if here.apart:
+                return here
+            shown = shown or here
+    return shown
+
+
+def _increments(query: Query) -> Iterator[tuple[Array, Array, Reply]]:
+    """What the checks ask of a case, in their order: pressure, stiffness and reply; without a law the trial alone."""
+    case, p, k = query.case, query.pressure, query.case.stiffness
+    yield p, k, query.here
+    if query.region.law is None:
+        return
+    for reply in query.first[1:]:
+        yield p, k, reply
+    for reply in query.second:
+        yield p, k, reply
+    if "stiffness" not in query.fixed:
+        yield p, k * case.factor, query.ask(case.trial, stiffness=k * case.factor)[0]
+    if query.scales:
+        yield p * case.factor, k, query.larger
+    for i, reply in enumerate(query.along_the_path(), 1):
+        yield p if case.loads is None else case.loads[:, i], k, reply
 
 
 @dataclass(frozen=True)
@@ -65,7 +130,7 @@ class Probe:
     @cached_property
     def gradient(self) -> Array:
         """grad g at the stress returned (N, d)."""
-        return self.query.region.slope(self.returned, self.pressure)[0]
+        return self.query.gradient(self.reply)
 
     @cached_property
     def slopes(self) -> Array:
@@ -92,7 +157,7 @@ class Probe:
         loads = None if region.law.pressure is None else self.pressure if pressure is None else pressure
         values = {**region.parameters, **(parameters or {})}
         k = self.stiffness if stiffness is None else stiffness
-        return closest(region.law, values, self.trial if trial is None else trial, loads, k)
+        return _closest(region.law, values, self.trial if trial is None else trial, loads, k)
 
     @cached_property
     def kept(self) -> list[tuple[str, Mapping[str, Any]]]:
@@ -256,3 +321,41 @@ def constant(values: Array) -> float | None:
 def registered_suggestions() -> set[str]:
     """The names of all that may be said."""
     return {name for each in _suggestions.values() for name in each}
+
+
+def diagnosed(failures: Iterable[Failure], asked: Callable[[Case], Query], made: Origin, accused: bool) -> list[Failure]:
+    """Failures with what the routine returned, asked again; of those of one part of its answer the likeliest causes are diagnosed.
+
+    ``accused``: a check of the stress has failed.  Without a law no closest point is known, and nothing is diagnosed.
+    """
+    told: list[Failure] = []
+    tried: Counter[Part] = Counter()
+    for failure in sorted(failures, key=likeliest_first):
+        now, known = replace(failure, origin=made), failure.law is not None
+        gone = known and not failure.alone and isnan(failure.measured)  # it did not show when asked again, and would not here
+        if not (failure.check.law_only or failure.check.whole or gone) and len(failure.case) == 1:
+            part = _part(failure)
+            now = replace(now, departure=departure(asked(failure.case)))
+            if known and now.departure is not None and (now.departure.apart or part != "stress") and tried[part] < _TRIED:
+                now = replace(now, diagnoses=instead(now, asked, accused))
+                tried[part] += _TRIED if now.diagnoses else 1
+        told.append(now)
+    return told
+
+
+def instead(failure: Failure, asked: Callable[[Case], Query], accused: bool) -> dict[str, str]:
+    """By name, what the routine does instead, where that is known.
+
+    Of a stress that is not the closest point a tangent says so first, where no check has ``accused`` the stress.
+    """
+    part, found, query = _part(failure), failure.departure, asked(failure.case)
+    if found is None or (part == "stress" and not found.apart):
+        return {}
+    if part == "tangent" and found.apart and not accused:
+        why = next(iter(diagnoses("stress", query, found).values()), "")
+        return {"stress": f"the stress is not the closest point{why and ': '}{why}"}
+    return diagnoses(part, query, found)
+
+
+def _part(failure: Failure) -> Part:
+    return _PARTS.get(failure.check.name, "stress")

@@ -1,145 +1,20 @@
-"""What a routine was found to be: the checks it passed, and the failures, each with a few lines that show it again."""
+"""What a routine was found to be: the checks it passed, and the failures; as text, as a sheet, and for programs as JSON and JUnit's XML."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from duhem.law.formula_law import Criterion
-from duhem.show.place import write
+from duhem.show.junit import JUnitCase, JUnitSuite, Outcome, as_xml
+from duhem.show.page import PAGE, Page
+from duhem.show.printing import plain, sheet, text
+from duhem.show.sheet import Sheet
 from duhem.show.shown import Shown
-from duhem.testing.checks.registry import Check
-from duhem.testing.drawn.case import Case
-from duhem.testing.failures.departure import Departure
-from duhem.testing.failures.replay import lines_again, test_file, test_name
-from duhem.testing.routines.origin import Origin
+from duhem.testing.failures.failure import Failure, write_replays
 
-__all__ = ["Failure", "Report", "write_replays"]
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A check that failed: ``case`` is one increment, shrunk; ``measured`` exceeds ``allowed`` there (or is nan).
-
-    ``departure`` is what the routine returned and the closest point; ``diagnoses`` what it does instead, by name, the likeliest
-    first, where that is known (:mod:`duhem.testing.failures.diagnosis`);
-    ``explains`` the checks that failed too, likely for the same reason.  ``law`` is None for a routine tested without one.
-    ``drawn`` are the arguments of the run that draws all increments again, as Python, "" where these cannot be written; ``alone``: one
-    increment may show it by itself, as it need not where a routine keeps something between calls.
-    """
-
-    check: Check
-    law: Criterion | None
-    message: str
-    case: Case
-    measured: float
-    allowed: float
-    accuracy: float
-    routine: str
-    open_parameters: tuple[str, ...]
-    explains: tuple[str, ...] = ()
-    departure: Departure | None = None
-    diagnoses: Mapping[str, str] = field(default_factory=dict)
-    origin: Origin = field(default_factory=Origin)
-    drawn: str = ""
-    alone: bool = True
-
-    @property
-    def title(self) -> str:
-        """The check and its statement."""
-        return str(self.check)
-
-    @property
-    def increment(self) -> str:
-        """The increment of the case with its parameters, in round numbers."""
-        return "; ".join(text for name, text in self._increment() if name in ("law", "increment"))
-
-    @property
-    def diagnosis(self) -> str:
-        """What the routine likely does instead; '' where nothing is known that gives its answers."""
-        return next(iter(self.diagnoses.values()), "")
-
-    def reproducer(self) -> str:
-        """A few lines of Python that print the failure again; ``...`` stands for a routine or a law that has no name to import."""
-        told = self.check.name, self.routine, self.origin, self.case, self.accuracy, self.open_parameters
-        return lines_again(*told, "" if self.alone else self.drawn)
-
-    def replay(self, place: Path | None = None) -> str:
-        """The text of a test file that fails as long as the routine does, for the folder ``place``, from which it finds the routine.
-
-        By one increment, and by the run that found it where that one passes: what a routine keeps of other calls shows only after them.
-        Where the routine or the law has no name that a file can import, as one of ``__main__`` or a closure, it is a stub
-        that says so.
-        """
-        case = self.case if self.alone else None
-        told = self.title, self.check.name, self.routine, self.origin, case, self.accuracy, self.open_parameters
-        return test_file(*told, place, self.drawn)
-
-    def __str__(self) -> str:
-        said = [f"  {name:<11} {text}" for name, text in self._said()]
-        shown = [] if self.check.whole else ["  to see it again:", *(f"    {line}" for line in self.reproducer().splitlines())]
-        return "\n".join([self.title, *said, *shown])
-
-    def _said(self) -> Iterator[tuple[str, str]]:
-        if self.diagnosis:
-            yield "likely", self.diagnosis
-        if not self.check.whole:
-            yield from self._increment()
-        yield "violated", f"{self.check.formula}: {self.message}"
-        yield "tolerance", self.check.tolerance
-        yield "source", self.check.source
-        if self.explains:
-            yield "explains", f"{', '.join(self.explains)}, which failed too"
-
-    def _increment(self) -> Iterator[tuple[str, str]]:
-        values = [f"{name} = {value:.6g}" for name, value in self.case.parameters.items()]
-        if self.law is not None or values:
-            yield "law", ", ".join(([] if self.law is None else [self.law.name]) + values)
-        case, found = self.case, self.departure
-        pressure = None if case.pressure is None else float(case.pressure[0])
-        of_tensors = None if self.law is None or self.law.stress is None else self.law.stress.unit_stiffness
-        yield "increment", _increment(case.trial[0].tolist(), pressure, case.stiffness.tolist(), of_tensors)
-        if found is None or self.check.law_only:
-            return
-        if (found.trial, found.pressure, found.stiffness) != (tuple(case.trial[0]), pressure, tuple(map(tuple, case.stiffness.tolist()))):
-            yield "at", f"{_increment(found.trial, found.pressure, found.stiffness, of_tensors)}, which the check asks too"
-        yield "returned", _vector(found.returned)
-        if found.closest is not None and found.difference is not None:
-            yield "closest", _vector(found.closest)
-            yield "difference", _vector(found.difference) + ("" if found.apart else ", within what is allowed")
-
-
-def _increment(
-    trial: Sequence[float], pressure: float | None, stiffness: Sequence[Sequence[float]], of_tensors: Sequence[float] | None
-) -> str:
-    load = "" if pressure is None else f", pressure {pressure:.6g}"
-    return f"trial {_vector(trial)}{load}, stiffness {_matrix(stiffness, of_tensors or (1.0,) * len(trial))}"
-
-
-def _vector(values: Sequence[float]) -> str:
-    return f"[{', '.join(f'{x:.6g}' for x in values)}]"
-
-
-def _matrix(rows: Sequence[Sequence[float]], one: Sequence[float]) -> str:
-    """A multiple of ``one``, which is what a single number says, as that number, a diagonal as such."""
-    diagonal = [row[i] for i, row in enumerate(rows)]
-    if any(x for i, row in enumerate(rows) for j, x in enumerate(row) if i != j):
-        return f"[{', '.join(map(_vector, rows))}]"
-    shares = {x / unit for x, unit in zip(diagonal, one, strict=True)}
-    return f"{shares.pop():.6g}" if len(shares) == 1 else f"diag {_vector(diagonal)}"
-
-
-def write_replays(failures: Iterable[Failure], folder: str | Path) -> tuple[Path, ...]:
-    """One test file each, in a folder that is made where there is none."""
-    place = Path(folder)
-    place.mkdir(parents=True, exist_ok=True)
-    written = []
-    for failure in failures:
-        written.append(place / test_name(failure.routine, failure.check.name))
-        write(str(written[-1]), failure.replay(place.resolve()))
-    return tuple(written)
+__all__ = ["Report", "as_dict", "as_junit"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -160,7 +35,7 @@ class Report(Shown):
     what it lacked where these are 0.  ``most_flagged``: the share that may be flagged, None for any.
     """
 
-    printed_by: ClassVar[str] = "duhem.testing.failures.report_formats"
+    printed_by: ClassVar[str] = __name__
 
     law: str
     passed: tuple[str, ...]
@@ -245,3 +120,117 @@ class Report(Shown):
                 *self.tested(),
             ]
         )
+
+
+@plain.register(Report)
+def as_dict(report: Report) -> dict[str, Any]:
+    """Everything a report holds, with what shows each failure again; numbers that are not finite as None."""
+    return {
+        "law": report.law,
+        "ok": report.ok,
+        "passed": list(report.passed),
+        "failures": [_failure(f) for f in report.failures],
+        "explained": [_failure(f) for f in report.explained],
+        "expected": dict(report.expected),
+        "unexpected": dict(report.unexpected),
+        "left_out": dict(report.left_out),
+        "increments": report.points,
+        "flagged": report.flagged,
+        "most_flagged": report.most_flagged,
+        "undefined": report.undefined,
+        "unmeasured": report.unmeasured,
+        "tried": {name: dict(counts) for name, counts in report.tried.items()},
+        "examples": report.examples,
+        "seed": report.seed,
+        "visited": dict(report.visited),
+        "decades": {name: list(ends) for name, ends in report.decades.items()},
+    }
+
+
+@text.register(Report)
+def as_text(report: Report, page: Page = PAGE) -> str:
+    """What ``str`` gives: lines of code to see a failure again stay as they are, however wide."""
+    return str(report)
+
+
+@sheet.register(Report)
+def as_sheet(report: Report) -> Sheet:
+    """A row a check; then what is likely wrong, and why checks were left out or expected to fail."""
+    outcomes = dict.fromkeys(report.passed, "passed") | dict.fromkeys(report.left_out, "left out")
+    outcomes |= dict.fromkeys(sorted(report.failed), "failed") | dict.fromkeys(report.expected, "failed, as expected")
+    outcomes |= dict.fromkeys(report.unexpected, "passed, and was expected to fail")
+    reasons = {**report.left_out, **report.expected, **report.unexpected}
+    return Sheet(
+        report.counted(),
+        head=("check", "outcome"),
+        rows=tuple(outcomes.items()),
+        notes=(
+            ("Failures", tuple(f"{f.check.name}: {f.diagnosis or f.message}" for f in report.failures)),
+            ("Reasons", tuple(f"{name}: {why}" for name, why in reasons.items())),
+            ("Tested", report.tested()),
+        ),
+    )
+
+
+def _failure(failure: Failure) -> dict[str, Any]:
+    found = failure.departure
+    return {
+        "check": failure.check.name,
+        "statement": failure.check.statement,
+        "formula": failure.check.formula,
+        "message": failure.message,
+        "diagnosis": failure.diagnosis,
+        "explains": list(failure.explains),
+        "parameters": dict(failure.case.parameters),
+        "departure": None
+        if found is None
+        else {
+            "trial": list(found.trial),
+            "pressure": found.pressure,
+            "stiffness": [list(row) for row in found.stiffness],
+            "returned": [_finite(x) for x in found.returned],
+            "closest": None if found.closest is None else list(found.closest),
+        },
+        "replay": failure.replay(),
+    }
+
+
+def _finite(x: float) -> float | None:
+    return x if abs(x) < float("inf") else None
+
+
+def as_junit(reports: Mapping[str, Report]) -> str:
+    """One suite a routine, by its name, and one case a check, and one for what it flags where that is bounded.
+
+    What was visited and drawn stands in properties.
+    """
+    return as_xml(_suite(name, report) for name, report in reports.items())
+
+
+def _suite(name: str, report: Report) -> JUnitSuite:
+    said = {"law": report.law, "seed": report.seed, "examples": report.examples, "increments": report.points, "flagged": report.flagged}
+    properties = {key: str(value) for key, value in said.items()}
+    properties |= {} if report.most_flagged is None else {"most_flagged": f"{report.most_flagged:g}"}
+    properties |= {f"visited {key}": f"{share:.6g}" for key, share in report.visited.items()}
+    cases = [_case(check, report) for check in (*report.passed, *sorted(report.failed), *report.left_out)]
+    return JUnitSuite(name, (*cases, *_flagged(report)), properties)
+
+
+def _flagged(report: Report) -> Iterator[JUnitCase]:
+    """The case of what is flagged, where not any share may be."""
+    if report.flags_too_many:
+        yield JUnitCase("flagged", Outcome.FAILED, report.flags())
+    elif report.most_flagged is not None:
+        yield JUnitCase("flagged")
+
+
+def _case(check: str, report: Report) -> JUnitCase:
+    if (failure := report.failure_of(check)) is not None:
+        cause = next((f.check.name for f in report.failures if check in f.explains), None)
+        message = failure.diagnosis or failure.message if cause is None else f"{failure.message}; likely explained by {cause}"
+        return JUnitCase(check, Outcome.FAILED, message, str(failure))
+    if check in report.unexpected:
+        return JUnitCase(check, Outcome.FAILED, f"passed, and was expected to fail: {report.unexpected[check]}")
+    if check in report.expected:
+        return JUnitCase(check, Outcome.SKIPPED, f"failed, as expected: {report.expected[check]}")
+    return JUnitCase(check, Outcome.SKIPPED, report.left_out[check]) if check in report.left_out else JUnitCase(check)

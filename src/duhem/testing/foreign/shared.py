@@ -1,8 +1,13 @@
-"""A routine in a shared library, C or Fortran with bind(C), with a prototype that says what its arguments hold."""
+"""A routine in a shared library, C or Fortran with bind(C), with a prototype that says what its arguments hold.
+
+The name of an argument says what it holds, its type how it is passed.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +17,111 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.projection.result import Array
 from duhem.testing.foreign.native import SECONDS, Native, NativeFault, OutOfTime
-from duhem.testing.foreign.prototype import RETURNED, Prototype
 from duhem.testing.routines.material import Material, MaterialState
 from duhem.testing.routines.overwritten import Overwritten, changed, overwritten
 from duhem.testing.routines.routine import Step
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["SharedLibrary", "loaded", "shared_library", "shared_material", "watched"]
+__all__ = ["MEANINGS", "RETURNED", "Argument", "Prototype", "SharedLibrary", "loaded", "shared_library", "shared_material", "watched"]
 
-_KEPT = {"double": np.double, "int": np.intc, "size_t": np.uintp}
+_GIVEN = ("pressure", "stiffness", "parameters", "n", "d", "trial", "increment", "strain", "duration")
+RETURNED = ("stress", "tangent", "slip", "multiplier", "dissipation", "status", "variables", "stored", "dissipated")
+MEANINGS = frozenset((*_GIVEN, *RETURNED))
+_NUMBERS: dict[str, tuple[str, Any]] = {"double": ("d", np.double), "int": ("i", np.intc), "size_t": ("n", np.uintp)}
+_ARGUMENT = re.compile(
+    r"(?:const\s+)?(double|int|size_t)\s*(?:const\s*)?(\*?)\s*(?:(?:restrict|__restrict|__restrict__|const)\s+)*([A-Za-z_]\w*)\s*((?:\[\w*\]\s*)*)"
+)
+_WHOLE = re.compile(r"\s*(?:extern\s+)?(void|int)\s+([A-Za-z_]\w*)\s*\((.*)\)\s*;?\s*", flags=re.S)
+_EXAMPLE = "write it as in the header: 'int friction(const double *trial, double pressure, double mu, double *stress)'"
+
+
+@dataclass(frozen=True)
+class Argument:
+    """``number`` is "double", "int" or "size_t"; ``place``: passed as a pointer."""
+
+    name: str
+    number: str
+    place: bool
+
+    @property
+    def kind(self) -> str:
+        """The letter of :class:`duhem.testing.foreign.native.Native`."""
+        return "p" if self.place else _NUMBERS[self.number][0]
+
+
+@dataclass(frozen=True)
+class Prototype:
+    """``returns``: whether the routine returns an int, its status."""
+
+    symbol: str
+    arguments: tuple[Argument, ...]
+    returns: bool
+
+    @classmethod
+    def read(cls, text: str, driver: str) -> Prototype:
+        """``driver`` is what the routine is given beside what it returns, "trial" or "increment".
+
+        Raises InputError for what is no such prototype, with the argument that is not understood.
+        """
+        whole = _WHOLE.fullmatch(re.sub(r"/\*.*?\*/", " ", text, flags=re.S))
+        if whole is None:
+            raise InputError(f"{text!r} is no prototype of a function that returns void or int", where="signature", remedy=_EXAMPLE)
+        back, symbol, inner = whole.groups()
+        arguments = tuple(_argument(part) for part in inner.split(","))
+        names = [a.name for a in arguments]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise InputError(f"{twice[0]!r} is named twice", where=f"signature of {symbol}", remedy="give each argument a name of its own")
+        words = [*_GIVEN[:5], driver, *(("strain", "duration") if driver == "increment" else ())]
+        words += (
+            RETURNED[:3] + (("variables", "stored", "dissipated") if driver == "increment" else ("multiplier", "dissipation")) + ("status",)
+        )
+        remedy = f"name the arguments by what they hold: {', '.join(words)}, or a parameter"
+        if lacking := [needed for needed in (driver, "stress") if needed not in names]:
+            raise InputError(f"there is no argument {lacking[0]!r}", where=f"signature of {symbol}", remedy=remedy)
+        if strange := [name for name in names if name in MEANINGS and name not in words]:
+            raise InputError(f"{strange[0]!r} is not known to a routine given {driver}", where=f"signature of {symbol}", remedy=remedy)
+        several = [a.name for a in arguments if a.name == "pressure" and not a.place]
+        if several and "n" in names:
+            raise InputError(
+                "one pressure for n increments", where=f"signature of {symbol}", remedy="make it an array: 'const double *pressure'"
+            )
+        return cls(symbol, arguments, back == "int")
+
+    @property
+    def batched(self) -> bool:
+        """Whether one call answers ``n`` increments."""
+        return any(a.name == "n" for a in self.arguments)
+
+    def values(self) -> tuple[str, ...]:
+        """The names that are no meaning of their own: parameters."""
+        return tuple(a.name for a in self.arguments if a.name not in MEANINGS)
+
+    def covers(self, values: Iterable[str]) -> None:
+        """Raises InputError unless the numbers that are known are those that the signature has a place for."""
+        known = set(values)
+        where = f"signature of {self.symbol}"
+        if lacking := [name for name in self.values() if name not in known]:
+            said = "it is no word of its own, and there is no parameter of that name"
+            raise InputError(f"argument {lacking[0]!r}: {said}", where=where, remedy="rename it, or give its value in parameters")
+        whole = any(a.name == "parameters" for a in self.arguments)
+        if not whole and (unread := sorted(known - set(self.values()))):
+            remedy = f"add 'double {unread[0]}', or fix its value in conformance"
+            raise InputError(f"there is no argument for the parameter {unread[0]!r}", where=where, remedy=remedy)
+
+
+def _argument(text: str) -> Argument:
+    found = _ARGUMENT.fullmatch(text.strip())
+    if found is None:
+        raise InputError(f"{text.strip()!r} is not understood as an argument", where="signature", remedy=_EXAMPLE)
+    number, star, name, brackets = found.groups()
+    argument = Argument(name, number, bool(star or brackets))
+    if (number == "double") == (name in ("n", "d", "status")):
+        raise InputError(f"{text.strip()!r}: a {number}", where="signature", remedy="n, d and status are integers, all else is double")
+    if name in RETURNED and not argument.place:
+        raise InputError(f"{text.strip()!r} cannot be written to", where="signature", remedy=f"make it a pointer: '{number} *{name}'")
+    if not argument.place and name in ("trial", "increment", "strain", "stiffness", "parameters"):
+        raise InputError(f"{text.strip()!r} is one number", where="signature", remedy=f"make it a pointer: 'const double *{name}'")
+    return argument
 
 
 def loaded(path: str | Path, symbol: str, kinds: str, isolated: bool, seconds: float) -> Native:
@@ -59,35 +160,44 @@ _DEFAULTS = {"parameters": {}, "variables": (), "solved": (0,), "column_major": 
 
 
 class _Call:
-    """A function and the meaning of its arguments."""
+    """A function with what its arguments hold; ``options`` are those of :func:`shared_library`."""
 
-    def __init__(self, path: str | Path, prototype: Prototype, solved: Collection[int], isolated: bool, seconds: float) -> None:
-        self.prototype, self.solved = prototype, tuple(solved)
-        self.native = loaded(path, prototype.symbol, "".join(a.kind for a in prototype.arguments), isolated, seconds)
+    def __init__(
+        self, path: str | Path, signature: str, driver: str, solved: Collection[int], column_major: bool, isolated: bool, seconds: float
+    ) -> None:
+        self.prototype, self.solved, self.column_major = Prototype.read(signature, driver), tuple(solved), column_major
+        arguments = self.prototype.arguments
+        self.names = [a.name for a in arguments]
+        self.given = [a.name for a in arguments if a.place and a.name not in RETURNED]  # a value is a copy
+        self.native = loaded(path, self.prototype.symbol, "".join(a.kind for a in arguments), isolated, seconds)
 
-    def __call__(self, by_row: Mapping[str, Any], same: Mapping[str, Any]) -> tuple[dict[str, Array], Any, Overwritten | None]:
-        """``by_row`` (n, …), copies of which come back as the routine leaves them, and ``same`` for all; which are solved (n,).
+    def __call__(
+        self, by_row: Mapping[str, Any], pressure: Array | None, stiffness: Array, values: Mapping[str, float], **same: float
+    ) -> tuple[dict[str, Array], Any, Overwritten | None]:
+        """What the function has written by name (n, …), which increments are solved (n,), and what it has overwritten (n,).
 
-        What it has overwritten (n,) comes last.
+        ``by_row`` are arrays (n, …) of which it is given copies, the first one (n, d); ``values`` parameters, and ``same`` other numbers.
+        What it returns is nan before, where ``by_row`` has no value.
         """
-        n = len(next(iter(by_row.values())))
-        same = {"n": n, **same}
-        filled = {"status": np.zeros(n, dtype=np.intc), **by_row}
+        n, d = next(iter(by_row.values())).shape
+        sizes: dict[str, tuple[int, ...]] = {"stress": (d,), "slip": (d,), "multiplier": (), "dissipation": (), "tangent": (d, d)}
+        filled = {name: np.full((n, *size), np.nan) for name, size in sizes.items() if name in self.names and name not in by_row}
+        filled |= {"status": np.zeros(n, dtype=np.intc), "pressure": np.zeros(n) if pressure is None else pressure, **by_row}
+        known = {"n": n, "d": d, "stiffness": stiffness, "parameters": [*values.values()], **values, **same}
         batched, columns = self.prototype.batched, []
         for a in self.prototype.arguments:
             if a.name in filled:
-                column = np.array(filled[a.name], dtype=_KEPT[a.number], order="C")
+                column = np.array(filled[a.name], dtype=_NUMBERS[a.number][1], order="C")
                 column = column[None] if batched else column
             else:
-                flat, rows = np.array(same[a.name], dtype=_KEPT[a.number]).ravel(), 1 if batched else n
+                flat, rows = np.array(known[a.name], dtype=_NUMBERS[a.number][1]).ravel(), 1 if batched else n
                 column = np.repeat(flat[None], rows, axis=0) if a.place else np.repeat(flat[:1], rows)
             columns.append(column)
-        names = [a.name for a in self.prototype.arguments]
-        given = [a.name for a in self.prototype.arguments if a.place and a.name not in RETURNED]  # a value is a copy
-        codes, spoilt = watched(self.native, columns, 1 if batched else n, names, given, n)
-        named = zip(self.prototype.arguments, columns, strict=True)
-        back = {a.name: c.reshape(np.shape(filled[a.name])) for a, c in named if a.name in filled}
+        codes, spoilt = watched(self.native, columns, 1 if batched else n, self.names, self.given, n)
+        back = {name: c.reshape(np.shape(filled[name])) for name, c in zip(self.names, columns, strict=True) if name in filled}
         status = back.pop("status", np.repeat(codes, n // len(codes)) if self.prototype.returns else np.full(n, self.solved[0]))
+        if self.column_major and "tangent" in back:
+            back["tangent"] = np.swapaxes(back["tangent"], 1, 2)
         return back, np.array([code in self.solved for code in status.tolist()], dtype=np.bool_), spoilt
 
 
@@ -104,24 +214,16 @@ def _line(function: str, path: str | Path, *arguments: Any, **options: Any) -> s
 class SharedLibrary:
     """An update routine; see :func:`shared_library`."""
 
-    def __init__(self, call: _Call, parameters: Mapping[str, float], column_major: bool, line: str) -> None:
-        self._call, self._parameters, self._column_major = call, dict(parameters), column_major
+    def __init__(self, call: _Call, parameters: Mapping[str, float], line: str) -> None:
+        self._call, self._parameters = call, dict(parameters)
         self.__duhem_import__ = line
         self.__name__ = self.__qualname__ = call.prototype.symbol
 
     def __call__(self, trial: Array, pressure: Array | None, stiffness: Array, **open_: float) -> Step:
         values = self._parameters | {name: float(value) for name, value in open_.items()}
         self._call.prototype.covers(values)
-        n, d = trial.shape
-        sizes: dict[str, tuple[int, ...]] = {"stress": (d,), "slip": (d,), "multiplier": (), "dissipation": (), "tangent": (d, d)}
-        wanted = [a.name for a in self._call.prototype.arguments]
-        by_row = {name: np.full((n, *size), np.nan) for name, size in sizes.items() if name in wanted}
-        by_row |= {"trial": trial, "pressure": np.zeros(n) if pressure is None else pressure}
-        back, solved, spoilt = self._call(by_row, {"stiffness": stiffness, "parameters": [*values.values()], "d": d, **values})
-        tangent = back.get("tangent")
-        if tangent is not None and self._column_major:
-            tangent = np.swapaxes(tangent, 1, 2)
-        return Step(back["stress"], back.get("slip"), back.get("multiplier"), tangent, solved, spoilt)
+        back, solved, spoilt = self._call({"trial": trial}, pressure, stiffness, values)
+        return Step(back["stress"], back.get("slip"), back.get("multiplier"), back.get("tangent"), solved, spoilt)
 
 
 def shared_library(
@@ -160,12 +262,10 @@ def shared_library(
     Raises InputError for a missing file or symbol, and for a signature that is not understood or has no place for a parameter;
     called, NativeFault where the library ends its process.
     """
-    read, fixed = Prototype.read(signature, "trial"), dict(parameters or {})
-    line = _line(
-        "shared_library", path, signature, parameters=fixed, solved=tuple(solved), column_major=column_major, isolated=isolated,
-        seconds=seconds,
-    )  # fmt: skip
-    return SharedLibrary(_Call(path, read, solved, isolated, seconds), fixed, column_major, line)
+    fixed = dict(parameters or {})
+    how: dict[str, Any] = {"solved": tuple(solved), "column_major": column_major, "isolated": isolated, "seconds": seconds}
+    line = _line("shared_library", path, signature, parameters=fixed, **how)
+    return SharedLibrary(_Call(path, signature, "trial", **how), fixed, line)
 
 
 def shared_material(
@@ -190,30 +290,21 @@ def shared_material(
     hold the values before the step and are to be overwritten with those after it; ``tangent`` is d stress/d increment.
     ``stiffness`` (d, d) is the elastic one, ``variables`` the state at the beginning, where the stress is 0.
     """
-    read, fixed = Prototype.read(signature, "increment"), dict(parameters or {})
-    read.covers(fixed)
-    call, k = _Call(path, read, solved, isolated, seconds), np.array(stiffness, dtype=np.float64)
-    names = [a.name for a in read.arguments]
-    energies = "stored" in names and "dissipated" in names
+    fixed, k = dict(parameters or {}), np.array(stiffness, dtype=np.float64)
+    how: dict[str, Any] = {"solved": tuple(solved), "column_major": column_major, "isolated": isolated, "seconds": seconds}
+    Prototype.read(signature, "increment").covers(fixed)
+    call = _Call(path, signature, "increment", **how)
+    energies = {"stored", "dissipated"} <= {*call.names}
 
     def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
-        n, d = increment.shape
-        zero = np.zeros(n)
         by_row = {"increment": increment, "strain": before.strain, "stress": before.stress, "variables": before.variables}
-        by_row |= {"stored": zero if before.stored is None else before.stored, "tangent": np.full((n, d, d), np.nan)}
-        by_row |= {"dissipated": zero if before.dissipated is None else before.dissipated, "slip": np.full((n, d), np.nan)}
-        by_row |= {"pressure": zero if pressure is None else pressure}
-        back, good, spoilt = call(by_row, {"stiffness": k, "parameters": [*fixed.values()], "d": d, "duration": duration, **fixed})
-        tangent = back.get("tangent")
-        if tangent is not None and column_major:
-            tangent = np.swapaxes(tangent, 1, 2)
-        state = back.get("variables", before.variables)
+        zero = np.zeros(len(increment))
+        by_row |= {"stored": zero if before.stored is None else before.stored}
+        by_row |= {"dissipated": zero if before.dissipated is None else before.dissipated}
+        back, good, spoilt = call(by_row, pressure, k, fixed, duration=duration)
         stored, dissipated = (back["stored"], back["dissipated"]) if energies else (None, None)
-        after = before.strain + increment, back["stress"], state, stored, dissipated
-        return MaterialState(*after, back.get("slip"), tangent, good, spoilt)
+        after = before.strain + increment, back["stress"], back.get("variables", before.variables), stored, dissipated
+        return MaterialState(*after, back.get("slip"), back.get("tangent"), good, spoilt)
 
-    line = _line(
-        "shared_material", path, signature, k.tolist(), variables=tuple(variables), parameters=fixed, solved=tuple(solved),
-        column_major=column_major, isolated=isolated, seconds=seconds,
-    )  # fmt: skip
-    return Material(advance, k, tuple(variables), energies, name=read.symbol, line=line)
+    line = _line("shared_material", path, signature, k.tolist(), variables=tuple(variables), parameters=fixed, **how)
+    return Material(advance, k, tuple(variables), energies, name=call.prototype.symbol, line=line)

@@ -19,8 +19,7 @@ from duhem.path.scene_file import MOST_BYTES, reads
 from duhem.proof.claims import CLAIMS
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import ClaimResult, Verification, verify
-from duhem.testing.in_pytest.groups import group
-from duhem.testing.in_pytest.unusable import UnusableTest
+from duhem.testing.in_pytest.items import UnusableTest, group
 
 __all__ = ["collected"]
 

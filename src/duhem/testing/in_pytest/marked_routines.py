@@ -20,15 +20,22 @@ from duhem.errors import DuhemError
 from duhem.law.catalogue import load
 from duhem.testing.conformance import check_expected, checks_asked, conformance
 from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.usable_options import check_options, check_share
+from duhem.testing.drawn.options import RunOptions, check_share
 from duhem.testing.failures.report import Report
-from duhem.testing.in_pytest.groups import group, group_marks
-from duhem.testing.in_pytest.profiles import PROFILES
-from duhem.testing.in_pytest.unusable import UnusableTest
+from duhem.testing.in_pytest.items import UnusableTest, group, group_marks
 from duhem.testing.routines.routine import Update
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["check_items", "checked", "names_of_checks"]
+__all__ = ["PROFILES", "check_items", "checked", "names_of_checks"]
+
+# as the arguments of :func:`duhem.testing.conformance`: cases of some 30 increments, and the seed where they repeat themselves;
+# those of duhem test
+PROFILES: dict[str, dict[str, Any]] = {
+    "dev": {"max_examples": 30},
+    "ci": {"max_examples": 100, "seed": 0},
+    "deep": {"max_examples": 2000},
+}
+
 
 FLAGGED = "flagged"  # the node that says how many increments the routine gives up
 _TAKES = (
@@ -60,7 +67,7 @@ class Trial:
             check_expected(known, expected)
             if known is not None:
                 known.fix(self.parameters)
-            check_options(known, **given)
+            RunOptions(**given).check(known)
         except DuhemError as fault:
             raise _unusable(node, f"{fault}", "") from None
         self.expected: dict[str, str] = dict(expected or {})

@@ -15,9 +15,7 @@ import pytest
 from duhem.errors import DuhemError
 from duhem.law.catalogue import load
 from duhem.law.curve_law import Law
-from duhem.testing.snapshots.snapshot import Entry, Project, snapshot
-from duhem.testing.snapshots.snapshot_difference import differences
-from duhem.testing.snapshots.snapshot_file import SnapshotFile
+from duhem.testing.snapshots import Entry, Project, SnapshotFile, differences, snapshot
 
 __all__ = ["compared"]
 

@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.routines.former_answers import FormerAnswers
-from duhem.testing.routines.overwritten import Overwritten, changed, overwritten
+from duhem.testing.routines.overwritten import FormerAnswers, Overwritten, changed, overwritten
 from duhem.testing.routines.routine import NoStep, Step, Update, called, named_after
 
-__all__ = ["Material", "MaterialState", "advanced", "from_material", "stateless"]
+__all__ = ["ELASTIC", "Material", "MaterialState", "advanced", "from_material", "stateless"]
+
+ELASTIC = 1e-9  # relative error in stress up to which an answer counts as elastic
 
 
 @dataclass(frozen=True)
@@ -137,15 +138,17 @@ def _read(answer: MaterialState, before: MaterialState) -> MaterialState:
     return MaterialState(**(parts | {"solved": solved, "overwritten": answer.overwritten}))
 
 
-def stateless(update: Update, stiffness: Array, values: Mapping[str, float]) -> Material:
-    """An update routine as a material: the stress is its only state, sigma_tr = sigma + k du.
+def stateless(update: Update | Material, stiffness: Array, values: Mapping[str, float]) -> Material:
+    """An update routine as a material: the stress is its only state, sigma_tr = sigma + k du; what is a material already stays as it is.
 
     The energy it stores is sigma . k^-1 sigma/2; it dissipates sigma . slip, slip = k^-1 (sigma_tr - sigma) where it returns none.
     """
-    inverse, answered = np.linalg.inv(stiffness), FormerAnswers()
+    if isinstance(update, Material):
+        return update
+    routine, inverse, answered = update, np.linalg.inv(stiffness), FormerAnswers()
 
     def towards(before: MaterialState, trial: Array, pressure: Array | None, duration: float) -> MaterialState:
-        step = called(update, values, trial, pressure, stiffness, answered)
+        step = called(routine, values, trial, pressure, stiffness, answered)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "tangent": (n, d, d), "solved": (n,)}
         found = {name: shaped(getattr(step, name), name, shape) for name, shape in shapes.items()}

@@ -1,4 +1,4 @@
-"""The routine under test: what it is given, what it may answer, and adapters for other shapes of routine."""
+"""The routine under test: what it is given, what it may answer, adapters for other shapes of routine, and duhem's own."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
+from duhem.law.parameter_domain import simple_points
+from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.projection.validation import check_associated
-from duhem.testing.routines.former_answers import FormerAnswers
 from duhem.testing.routines.origin import law_as_written, made_by
-from duhem.testing.routines.overwritten import changed, overwritten
+from duhem.testing.routines.overwritten import FormerAnswers, changed, overwritten
 
-__all__ = ["NoStep", "Step", "Update", "called", "from_displacements", "named_after", "pointwise", "projection"]
+__all__ = ["PROMISED", "NoStep", "Step", "Update", "called", "from_displacements", "named_after", "own_solvers", "pointwise", "projection"]
 
 
 @dataclass(frozen=True)
@@ -157,3 +159,37 @@ def called(
         found["stiffness"] = np.full(len(trial), found["stiffness"].any())
     found |= {spoilt: np.full(len(trial), True)} if spoilt else {}
     return step if (said := overwritten(found)) is None else replace(step, overwritten=said)
+
+
+PROMISED = {"cvxpy": 1e-6}  # relative errors in stress of methods that are less accurate than others: the root of a solver's gap
+
+
+def own_solvers(law: Criterion) -> Iterator[tuple[str, Update | str]]:
+    """Methods by name, with their routine, or the reason why they do not take the law.
+
+    InputError for a law with a flow of its own, which none takes.
+    """
+    check_associated(law)
+    point = {str(symbol): value for symbol, value in next(iter(simple_points(law)), {}).items()}
+    values = {name: point[name] for name, domain in law.parameters.items() if domain.value is None and name in point}
+    for method in METHODS:
+        try:
+            Projector.of(law, 1.0, values, method)
+        except InputError as reason:
+            yield method, str(reason)
+        else:
+            yield method, _answering(projection(law, method))
+
+
+def _answering(routine: Update) -> Update:
+    """The routine, which says of parameters at which its method does not apply that they are not solved."""
+
+    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> object:
+        try:
+            return routine(trial, pressure, stiffness, **parameters)
+        except InputError:
+            return Step(np.full_like(trial, np.nan), solved=np.zeros(len(trial), dtype=np.bool_))
+
+    update.__wrapped__ = routine  # type: ignore[attr-defined]
+    update.__duhem_import__ = getattr(routine, "__duhem_import__", "")  # type: ignore[attr-defined]
+    return update  # type: ignore[return-value]

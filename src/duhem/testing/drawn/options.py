@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import isfinite
 from numbers import Integral, Real
 from typing import Any
@@ -13,40 +14,45 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import refused
+from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
-from duhem.testing.drawn.decades import Strategy
+from duhem.testing.drawn.values import Strategy
 
-__all__ = ["check_options", "check_share"]
+__all__ = ["ACCURACY", "TRIES", "RunOptions", "check_share", "stiffness_matrix"]
 
+ACCURACY = 1e-9  # relative error in stress a routine is held to, unless it promises another
+TRIES = 200  # to make a failing case smaller, counted, so that what is told does not depend on the load of the machine
 _SYMMETRIC = "give a symmetric positive definite stiffness, in Pa/m"
 
 
-def check_options(
-    law: Criterion | None,
-    *,
-    stiffness: ArrayLike | Strategy | None = None,
-    pressure: float | Strategy | None = None,
-    accuracy: float = 1e-9,
-    max_examples: int | None = None,
-    rows: int = 1,
-    every: int = 1,
-    tries: int = 0,
-    seconds: float | None = None,
-    seed: int | None = None,
-) -> None:
-    """InputError for the first argument of :func:`duhem.testing.conformance` that cannot be used."""
-    _check_stiffness(stiffness, law)
-    _check_pressure(pressure, law)
-    _check_accuracy(accuracy)
-    if seconds is not None and not (_is_number(seconds) and seconds >= 0.0):
-        raise InputError(f"{seconds!r} is no time", where="seconds", remedy="give a number >= 0, or leave it out")
-    _check_count(rows, "rows", 1)
-    _check_count(every, "every", 1)
-    _check_count(tries, "tries", 0)
-    if max_examples is not None:
-        _check_count(max_examples, "max_examples", 1)
-    if seed is not None:
-        _check_count(seed, "seed", None)
+@dataclass(frozen=True)
+class RunOptions:
+    """How a run draws cases and makes a failing one small, as :func:`duhem.testing.conformance` takes it; None where left out."""
+
+    stiffness: ArrayLike | Strategy | None = None
+    pressure: float | Strategy | None = None
+    accuracy: float = ACCURACY
+    max_examples: int | None = None
+    rows: int = 30
+    every: int | None = None
+    tries: int = TRIES
+    seconds: float | None = None
+    seed: int | None = None
+
+    def check(self, law: Criterion | None) -> None:
+        """InputError for the first of them that cannot be used."""
+        _check_stiffness(self.stiffness, law)
+        _check_pressure(self.pressure, law)
+        if not _is_number(self.accuracy) or not 0.0 < self.accuracy < 1.0:  # beyond, every stress would do
+            low = _is_number(self.accuracy) and self.accuracy <= 0.0
+            what = "the accuracy is not positive" if low else f"{self.accuracy!r} is no relative error"
+            raise InputError(what, where="accuracy", remedy="give a number between 0 and 1, for example 1e-9")
+        if self.seconds is not None and not (_is_number(self.seconds) and self.seconds >= 0.0):
+            raise InputError(f"{self.seconds!r} is no time", where="seconds", remedy="give a number >= 0, or leave it out")
+        for name, least in (("rows", 1), ("every", 1), ("tries", 0), ("max_examples", 1), ("seed", None)):
+            given = getattr(self, name)
+            if given is not None or name in ("rows", "tries"):  # the others may be left out
+                _check_count(given, name, least)
 
 
 def _check_count(given: Any, where: str, least: int | None) -> None:
@@ -57,36 +63,35 @@ def _check_count(given: Any, where: str, least: int | None) -> None:
         raise InputError(f"{given} is too small", where=where, remedy=f"give {least} or more")
 
 
-def _check_accuracy(given: Any) -> None:
-    """InputError unless 0 < accuracy < 1: beyond, every stress would do."""
-    if not _is_number(given) or not 0.0 < given < 1.0:
-        what = "the accuracy is not positive" if _is_number(given) and given <= 0.0 else f"{given!r} is no relative error"
-        raise InputError(what, where="accuracy", remedy="give a number between 0 and 1, for example 1e-9")
-
-
 def check_share(given: Any, where: str) -> None:
     """InputError unless it is a number from 0 to 1."""
     if not _is_number(given) or not 0.0 <= given <= 1.0:
         raise InputError(f"{given!r} is no share", where=where, remedy="give a number from 0 to 1, for example 0.1")
 
 
-def _check_stiffness(given: ArrayLike | Strategy | None, law: Criterion | None) -> None:
-    """InputError unless it is of a shape that the law takes, and positive definite; a strategy is not looked into.
+def stiffness_matrix(given: ArrayLike, law: Criterion | None) -> Array:
+    """k (d, d) of one number, (d,) or (d, d) in Pa/m, without a law (d,) or (d, d).  InputError for another shape.
 
-    One number, (d,) or (d, d) in Pa/m, without a law (d,) or (d, d).
+    One number is a stiffness as :func:`duhem.project` takes it: of the tensors, where the law declares a stress.
     """
-    if given is None or isinstance(given, SearchStrategy):
-        return
     d = 0 if law is None else len(law.forces)
     remedy = f"give one number, ({d},) or ({d}, {d})" if d else "without a law give (d,) or (d, d)"
     k = _numbers(given, "stiffness", remedy)
     n = d or len(np.atleast_1d(k))
     if k.size == 0 or k.shape not in ([(), (n,), (n, n)] if d else [(n,), (n, n)]):
         raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)
-    if k.ndim < 2:
-        if k.min() <= 0.0:
-            raise InputError(f"{k.min()} is not positive", where="stiffness", remedy=_SYMMETRIC)
+    if k.ndim == 0 and law is not None and law.stress is not None:
+        k = k * law.stress.unit_stiffness
+    return k if k.ndim == 2 else np.diag(np.broadcast_to(k, (n,)))
+
+
+def _check_stiffness(given: ArrayLike | Strategy | None, law: Criterion | None) -> None:
+    """InputError unless it is of a shape that the law takes, and positive definite; a strategy is not looked into."""
+    if given is None or isinstance(given, SearchStrategy):
         return
+    k, least = stiffness_matrix(given, law), np.min(np.asarray(given, dtype=np.float64))
+    if np.ndim(given) < 2 and least <= 0.0:
+        raise InputError(f"{least} is not positive", where="stiffness", remedy=_SYMMETRIC)
     scale = np.sqrt(np.abs(np.diagonal(k)))
     if (np.abs(k - k.T) > 4.0 * np.finfo(float).eps * np.outer(scale, scale)).any():
         raise InputError("the matrix is not symmetric", where="stiffness", remedy=_SYMMETRIC)
@@ -112,7 +117,7 @@ def _is_number(given: Any) -> bool:
     return isinstance(given, Real) and not isinstance(given, bool | np.bool_) and isfinite(given)
 
 
-def _numbers(given: Any, where: str, remedy: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _numbers(given: Any, where: str, remedy: str) -> Array:
     try:
         raw = np.asarray(given)
     except ValueError:

@@ -16,14 +16,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.expression.jets import Choices
 from duhem.projection.result import Array
-from duhem.testing.checks.query import Asked, Query
-from duhem.testing.checks.raised import NoReply, Raised
-from duhem.testing.checks.reply import Reply
+from duhem.testing.checks.query import NEAR, Asked, Query
+from duhem.testing.checks.reply import NoReply, Raised, Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
-from duhem.testing.routines.material import Material, MaterialState, advanced
+from duhem.testing.routines.material import ELASTIC, Material, MaterialState, advanced
 from duhem.testing.routines.routine import Step
 from duhem.testing.routines.unfinished import Unfinished
 
@@ -45,12 +43,15 @@ class _Unknown(Region):
     def huge(self, pressure: Array) -> NDArray[np.bool_]:
         return np.zeros(len(pressure), dtype=np.bool_)
 
-    def slope(self, stress: Array, pressure: Array, choices: Choices | None = None) -> tuple[Array, Choices]:
-        return np.zeros_like(stress), np.zeros((len(stress), 0), dtype=np.int64)
-
 
 class HistoryQuery(Query):
-    """``first`` and what else a :class:`Query` asks are steps from :attr:`start`, where the path ends."""
+    """``first`` and what else a :class:`Query` asks are steps from :attr:`start`, where the path ends.
+
+    ``remembers`` says whether there may be more state than the stress.
+    """
+
+    whole: HistoryQuery | None
+    turned = slice(None)  # each increment has a state of its own to start from
 
     def __init__(
         self,
@@ -59,16 +60,15 @@ class HistoryQuery(Query):
         accuracy: float,
         every: int = 1,
         turn: int = 0,
+        *,
         whole: HistoryQuery | None = None,
         raised: Raised | None = None,
     ) -> None:
-        known = Raised() if raised is None else raised
-        super().__init__(_Unknown(case.parameters), case, self._from_start, (), accuracy, every, turn, whole, known)
-        self.material, self.before = material, whole
-        self.answered = self.answered if whole is None else whole.answered
+        super().__init__(_Unknown(case.parameters), case, material.advance, (), accuracy, every, turn, whole=whole, raised=raised)
+        self.material, self.remembers, self.lonely = material, material.towards is None, len(case) == 1
 
     def part(self, case: Case) -> Query:
-        return HistoryQuery(self.material, case, self.accuracy, turn=self.turn, whole=self, raised=self.raised)
+        return HistoryQuery(self.material, case, self.accuracy, whole=self)
 
     def together(self, asked: Sequence[Asked], stiffness: Array) -> list[Reply]:
         _ = self.start  # what fails on the way there is no fault of this step
@@ -87,20 +87,6 @@ class HistoryQuery(Query):
     def error(self, *stresses: Array) -> Array:
         """What the routine may be off by in a step between such stresses (N,)."""
         return np.asarray((self.accuracy + self._rounding) * sum(self.length(s) for s in stresses))
-
-    @property
-    def lonely(self) -> bool:
-        return len(self.case) == 1
-
-    @property
-    def turned(self) -> slice:
-        """Each has a state of its own to start from."""
-        return slice(None)
-
-    @property
-    def remembers(self) -> bool:
-        """Whether there may be more state than the stress."""
-        return self.material.towards is None
 
     # -- steps ---------------------------------------------------------------------------------------------------------
 
@@ -144,10 +130,6 @@ class HistoryQuery(Query):
             self.sound[rows[~after.solved]] = False
         return after
 
-    def _from_start(self, trial: Array, pressure: Array | None, stiffness: Array) -> Step:
-        """Where no rows are named, the trial stresses are those of all."""
-        return self.answer(trial, pressure, stiffness, np.tile(np.arange(len(self.case)), len(trial) // len(self.case)))
-
     def answer(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp]) -> Step:
         after = self.step(self.start.rows(rows), trial, pressure)
         return Step(after.stress, after.slip, None, after.tangent, after.solved, after.overwritten)
@@ -167,25 +149,25 @@ class HistoryQuery(Query):
     @cached_property
     def course(self) -> list[MaterialState]:
         """The points at the knots of the path, the virgin ones first."""
-        return self.along(1) if self.before is None else [state.rows(self.rows) for state in self.before.course]
+        return self.along(1) if self.whole is None else [state.rows(self.rows) for state in self.whole.course]
 
     @cached_property
     def beyond(self) -> MaterialState:
         """The points after the step beyond the path, to the trial stress."""
-        return self.counted(self.start, self.case.trial, self.case.pressure) if self.before is None else self.before.beyond.rows(self.rows)
+        return self.counted(self.start, self.case.trial, self.case.pressure) if self.whole is None else self.whole.beyond.rows(self.rows)
 
     @cached_property
     def here(self) -> Reply:
         """:attr:`beyond` as a reply to ``trial``."""
-        if self.before is not None:
-            return self.heeded(self.before.here.part(self.rows))
+        if self.whole is not None:
+            return self.heeded(self.whole.here.part(self.rows))
         found = self.beyond
         return self.heeded(Reply.read(Step(found.stress, found.slip, None, found.tangent, found.solved), self.case.trial))
 
     @cached_property
     def fine(self) -> list[MaterialState]:
         """The points along the path, each leg in ``FINER`` steps."""
-        return self.along(FINER) if self.before is None else [state.rows(self.rows) for state in self.before.fine]
+        return self.along(FINER) if self.whole is None else [state.rows(self.rows) for state in self.whole.fine]
 
     def along(self, parts: int, duration: float = 1.0) -> list[MaterialState]:
         """The points along the path, each leg in so many steps, and the virgin ones first; ``duration`` is that of a leg."""
@@ -201,7 +183,7 @@ class HistoryQuery(Query):
                 try:
                     found.append(self.counted(found[-1], trial, load, duration / parts))
                 except NoReply as fault:
-                    if fault.row is not None and self.before is None and parts == duration == 1.0:
+                    if fault.row is not None and self.whole is None and parts == duration == 1.0:
                         fault.case = _up_to(i, case, fault.row, trial)
                     raise
         return found
@@ -210,6 +192,12 @@ class HistoryQuery(Query):
     def steps(self) -> tuple[MaterialState, MaterialState]:
         """The points before and after the steps of the path followed closely and the one beyond it, all rows a step."""
         return MaterialState.joined([*self.fine[:-1], self.start]), MaterialState.joined([*self.fine[1:], self.beyond])
+
+    def slipping(self, reply: Reply) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which increments from the start (N,) were not answered elastically, and of these the ones that were so to 1e-6."""
+        off, size = self.length(reply.trial - reply.stress), self.length(reply.trial)
+        slips = np.asarray(off > 4.0 * self.unit(reply) + ELASTIC * size)
+        return slips, slips & (off <= NEAR * size)
 
     def slip_of(self, before: MaterialState, after: MaterialState) -> Array:
         """k times what of the increment is not elastic (N, d), a stress."""

@@ -1,8 +1,8 @@
-"""Values of a law's parameters inside its domains and constraints, built so: nothing is drawn to be thrown away.
+"""Numbers by decades, and values of a law's parameters inside its domains and constraints: nothing is drawn to be thrown away.
 
-The parameters are drawn one after the other, each from a table that holds the numbers the constraints leave to it once the
-earlier ones are known, the simplest first and those beside the ends of what is left among the others.  Where the earlier ones
-leave nothing, values that are known to be admitted are changed one at a time.
+A number has two digits, none like another, so that it is short to read.  The parameters are drawn one after the other, each from a
+table that holds the numbers the constraints leave to it once the earlier ones are known, the simplest first and those beside the ends
+of what is left among the others.  Where the earlier ones leave nothing, values that are known to be admitted are changed one at a time.
 """
 
 from __future__ import annotations
@@ -12,9 +12,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice, permutations
 from random import Random
+from typing import Any, TypeAlias
 
 import numpy as np
 import sympy as sp
+from hypothesis import strategies as st
 
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
@@ -22,9 +24,29 @@ from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
-from duhem.testing.drawn.decades import MANTISSAS, scaled
 
-__all__ = ["Admitted", "admitted", "simple"]
+__all__ = ["MANTISSAS", "Admitted", "Strategy", "admitted", "decades", "scaled", "simple", "table"]
+
+Strategy: TypeAlias = st.SearchStrategy[Any]
+
+MANTISSAS = (1.0, *(round(10.0 ** ((j * 0.6180339887498949) % 1.0), 1) for j in range(1, 12)))  # none like another
+
+
+def scaled(mantissa: float, power: int) -> float:
+    """The double nearest to m 10^k: of 4.1 and -1 it is 0.41, not what a product rounds to."""
+    return float(f"{mantissa!r}e{power}")
+
+
+def table(values: Sequence[Any]) -> Strategy:
+    """One of ``values`` by its place: a single draw, and it shrinks towards the first."""
+    return st.integers(0, len(values) - 1).map(values.__getitem__)
+
+
+def decades(low: int, high: int, *, signed: bool = False) -> Strategy:
+    """Floats m 10^k, low <= k <= high, 1 <= m < 10, each decade as likely as the next; it shrinks to 1 or the nearest."""
+    powers = sorted(range(low, high + 1), key=abs)
+    return table([s * scaled(m, k) for m in MANTISSAS for k in powers for s in ((1.0, -1.0) if signed else (1.0,))])
+
 
 _ORDERS, _TRIES = 24, 8
 _FAR = [scaled(1.0, k) for k in range(-12, 13)]

@@ -1,22 +1,87 @@
-"""A failing case made short to read: what the failure does not need is put to nothing, and the rest rounded as far as it stays."""
+"""A failing case made small: the least of those that are met while Hypothesis shrinks it, then in round numbers.
+
+What the failure does not need is put to nothing, and the rest is rounded as far as the failure stays.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields, replace
 from math import floor, isfinite, log10
+from random import Random
+from time import monotonic
 from typing import Any
 
 import numpy as np
+from hypothesis import find, settings
+from hypothesis.errors import Flaky, NoSuchExample
 
 from duhem.projection.result import Array
+from duhem.testing.checks.registry import Check
+from duhem.testing.checks.reply import Raised
 from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.decades import scaled
+from duhem.testing.drawn.values import Strategy, scaled
+from duhem.testing.failures.failure import Failure
+from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["simplified", "unrounded"]
+__all__ = ["RAISED", "least_case", "simplified", "unrounded"]
 
-_TRIES = 200
+_TRIES = 200  # to make a case round
 _STRESSES = ("trial", "other", "third", "inside", "beside", "path")
+RAISED = 60  # calls that raise while a case is made smaller, at most: each may have cost a process
+
+Failing = Callable[[Case, Sequence[Check]], Failure | None]  # the first of some checks that fails on a case
+
+
+class _Enough(BaseException):
+    """Shrinking has had its tries, or the routine does not come back.  No Exception, which Hypothesis would take for one more failure."""
+
+
+def least_case(
+    failing: Failing,
+    checks: Sequence[Check],
+    drawn: Strategy,
+    profile: settings,
+    *,
+    seed: int,
+    tries: int,
+    seconds: float | None,
+    raised: Raised,
+) -> tuple[Case, Failure] | None:
+    """The least of the drawn cases that were met on which one of ``checks`` fails, and the first failure; None where none fails.
+
+    From the first failure on only its check counts; so many ``tries``, and ``seconds``, are left then to find a smaller case.
+    """
+    least: Case | None = None
+    first: Failure | None = None
+    left, until, most = tries, float("inf"), 0
+
+    def fails(case: Case) -> bool:
+        nonlocal least, first, left, until, most
+        if first is not None:
+            if left == 0 or monotonic() > until or raised.times > most:
+                raise _Enough
+            left -= 1
+        try:
+            found = failing(case, checks if first is None else (first.check,))
+        except Unfinished as fault:
+            raise _Enough(fault) from None
+        if found is None:
+            return False
+        if first is None:
+            first, most = found, raised.times + RAISED
+            until = float("inf") if seconds is None else monotonic() + seconds
+        least = found.case
+        return True
+
+    try:
+        with suppress(NoSuchExample, Flaky):  # flaky: the routine has a memory, and the case that failed first is told
+            find(drawn, fails, settings=profile, random=Random(seed))
+    except _Enough as end:
+        if end.args:
+            raise end.args[0] from None
+    return None if least is None or first is None else (least, first)
 
 
 def unrounded(case: Case) -> int:

@@ -1,0 +1,308 @@
+"""What a material or routine satisfies whatever its law; u is :meth:`HistoryQuery.error`.
+
+The checks stand in the order in which they explain each other: one that fails may be why later ones do.  Those of energies look at the
+steps of the path followed closely, and at the one beyond it.  The last ones are asked for by name, as only associated laws, and some only
+those without hardening, satisfy them: a good routine of another law may fail these.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from duhem.projection.result import Array
+from duhem.testing.checks import law_checks, multiplier_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register)
+from duhem.testing.checks.history import FINER, HistoryQuery
+from duhem.testing.checks.query import NothingToCheck
+from duhem.testing.checks.registry import Finding, enter, register, registered, worst
+from duhem.testing.routines.material import MaterialState
+
+__all__: list[str] = []
+
+_PER_MILLE = 1e-3
+_DIVIDED = 3  # cases, in one of which some paths are taken in smaller steps
+_SMALL = (1e-3, 1e-6, 1e-9)  # shares of a step that are taken to be small
+
+
+def _as_of_a_law(name: str, /, **other: object) -> None:
+    """Enter the check of that name of a routine with a law, as one that needs none, with ``other`` fields in the place of its own."""
+    enter(replace(registered()[name], of_a_law=False, **other))  # type: ignore[arg-type]
+
+
+@register(
+    "answers",
+    statement="the routine answers every increment with finite stresses, state and energies",
+    formula="sigma in R^d",
+    source="a nan that is passed on silently ruins what comes after",
+    tolerance="none",
+    of_a_law=False,
+)
+def answers(h: HistoryQuery) -> Finding:
+    bad = np.zeros(len(h.case), dtype=np.bool_)
+    for state in (*h.course, h.beyond):
+        for part in (state.stress, state.variables, state.stored, state.dissipated):
+            if part is not None:
+                bad |= ~np.isfinite(part.reshape(len(bad), -1)).all(axis=1)
+    return Finding(bad.astype(np.float64), np.zeros(len(bad)))
+
+
+@register(
+    "repeatability",
+    statement="the same increment from the same state has the same answer, whatever was asked before it and beside it, and alone",
+    formula="sigma(state, du) = sigma(state, du)",
+    source="a state kept between calls, or shared between points, makes an answer depend on the order of the questions",
+    tolerance="2 u",
+    of_a_law=False,
+)
+def repeatability(h: HistoryQuery) -> Finding:
+    case = h.case
+    here, back = h.beyond, np.arange(len(case))[::-1]
+    load = None if case.pressure is None else case.pressure[back]
+    again = h.counted(h.start.rows(back), case.trial[back], load, rows=back).rows(back)
+    return run_checks.compared(h, here.stress, again.stress, 2.0 * h.error(h.start.stress, case.trial, here.stress))
+
+
+_as_of_a_law(
+    "inputs",
+    formula="the state before the step, the increment and all that is not returned are as before the call, and so are former answers",
+    source="who calls it goes on with the state before the step, or tries a shorter one, and keeps the states of other steps",
+)
+
+
+@register(
+    "elasticity",
+    statement="where a first small step can be undone, and the opposite one has the opposite answer, it is that of the stiffness given",
+    formula="sigma(du) = k du, where -du/2 after du leads back to half the stress, -du to none, and sigma(-du) = -sigma(du)",
+    source="the stiffness that all else is measured with; shear strains of the tensor and of engineers differ by a factor of two",
+    tolerance="|sigma - k du| <= |k du|/1000 at the smallest of three steps: a material may be elastic without being linear",
+    again=True,
+    of_a_law=False,
+)
+def elasticity(h: HistoryQuery) -> Finding:
+    trial = np.concatenate([share * h.case.trial for share in _SMALL])
+    both = h.counted(h.virgin, np.concatenate([trial, -trial]), h.case.pressure)
+    there, opposite = both.rows(slice(len(trial))), both.rows(slice(len(trial), None))
+    size, met = h.length(trial), h.length(there.stress)
+    near = _PER_MILLE * np.minimum(size, met)
+    undone = (near > 0.0) & (h.length(there.stress + opposite.stress) <= near)  # not so of an interface that opens or closes
+    parts = (0.5, 1.0)  # at the tip of a cone what has slipped comes back to no stress too, but not by way of the half
+    back = h.counted(there, np.concatenate([there.stress - part * trial for part in parts]), h.case.pressure)
+    for part, stress in zip(parts, np.split(back.stress, len(parts)), strict=True):
+        undone &= h.length(stress - (1.0 - part) * there.stress) <= near
+    off = h.length(there.stress - trial) / np.where(size > 0.0, size, 1.0)
+    least = np.where(undone, off, 0.0).reshape(len(_SMALL), -1).min(axis=0)
+    return Finding(least, np.full(len(least), _PER_MILLE))
+
+
+_as_of_a_law("vacuity", formula="sigma = sigma_tr for some, and not for others")
+
+
+@register(
+    "rate",
+    statement="rate independence: the same path in a thousandth and in a thousand times the time ends at the same stress",
+    formula="sigma(u(t)) = sigma(u(c t)) for c > 0",
+    source="Moreau (1977), J. Differ. Equ. 26, 347-374",
+    tolerance="2 u, the sum over the steps",
+    again=True,
+    of_a_law=False,
+)
+def rate(h: HistoryQuery) -> Finding:
+    if not h.remembers:
+        raise NothingToCheck("the routine is not told of time")
+    most, allowed = np.zeros(len(h.case)), np.zeros(len(h.case))
+    for here, before in zip(h.course[1:], h.course[:-1], strict=True):
+        allowed += 2.0 * h.error(here.stress, before.stress)
+    for duration in (1e-3, 1e3):
+        most = np.maximum(most, h.length(h.along(1, duration)[-1].stress - h.start.stress))
+    return Finding(most, allowed + 2.0 * h.error(*(h.case.path[:, i] for i in range(h.case.path.shape[1]))))
+
+
+def _energies(state: MaterialState) -> tuple[Array, Array]:
+    if state.stored is None or state.dissipated is None:
+        raise NothingToCheck("the routine returns no energies")
+    return state.stored, state.dissipated
+
+
+def _worst_step(h: HistoryQuery, measured: Array, allowed: Array) -> Finding:
+    """Of several steps of all rows, for each row the one that exceeds most."""
+    return worst(zip(measured.reshape(-1, len(h.case)), allowed.reshape(-1, len(h.case)), strict=True))
+
+
+@register(
+    "dissipation",
+    statement="no step gains what it dissipates",
+    formula="d D >= 0",
+    source="Antoni et al. (2007), Eqs. 22, 36: Clausius-Duhem",
+    tolerance="u (|sigma| + |k du|)",
+    of_a_law=False,
+)
+def dissipation(h: HistoryQuery) -> Finding:
+    before, after = h.steps
+    gained = _energies(after)[1] - _energies(before)[1]
+    step = h.length((after.strain - before.strain) @ h.case.stiffness)
+    return _worst_step(h, -gained, h.error(before.stress, after.stress) * (h.length(after.stress) + step))
+
+
+@register(
+    "rest",
+    statement="without an increment nothing happens, and the next increment is answered as if nothing had",
+    formula="sigma(state, 0) = sigma; sigma(state after that, du) = sigma(state, du)",
+    source="rate independence: no increment, no change (Moreau 1977, J. Differ. Equ. 26, 347-374)",
+    tolerance="2 u at rest; 4 u after the next increment",
+    again=True,
+    of_a_law=False,
+)
+def rest(h: HistoryQuery) -> Finding:
+    case = h.case
+    here = h.beyond
+    still = h.counted(here, here.stress.copy(), case.pressure)
+    still = h.counted(still, still.stress.copy(), case.pressure)
+    moved, allowed = h.length(still.stress - here.stress), 2.0 * h.error(here.stress, case.trial)
+    trial = here.stress + (case.other - case.trial)
+    ends = h.counted(MaterialState.joined([here, still]), np.concatenate([trial, trial + (still.stress - here.stress)]), case.pressure)
+    one, two = np.split(ends.stress, 2)
+    after, may = h.length(two - one), 4.0 * h.error(here.stress, case.trial, trial, one)
+    at_rest = ~(moved <= allowed)
+    return Finding(np.where(at_rest, moved, after), np.where(at_rest, allowed, may))
+
+
+_as_of_a_law("slip")
+
+
+@register(
+    "stored-energy",
+    statement="in an elastic step the stress is the slope of the stored energy",
+    formula="sigma = d psi/d u",
+    source="Antoni et al. (2007), Eqs. 22, 23",
+    tolerance="(u + 1e-6 |sigma|) h + 32 eps psi, by central differences over a step h = (|sigma| + |sigma_tr|)/100 either way, where both "
+    "are answered by k to a millionth: there psi is quadratic, and the difference exact",
+    again=True,
+    of_a_law=False,
+)
+def stored_energy(h: HistoryQuery) -> Finding:
+    if not h.remembers:
+        raise NothingToCheck("the energy of a routine whose only state is its stress is sigma . k^-1 sigma/2 by definition")
+    base = h.start
+    for share in (1.0, 0.5):  # back from where the path ends, and from there
+        base = h.counted(base, base.stress * (1.0 - 0.1 * share), h.case.pressure)
+    if base.stored is None:
+        raise NothingToCheck("the routine returns no energy")
+    size, d, n = 1e-2 * (h.length(base.stress) + h.length(h.case.trial)), len(h.axes), len(h.case)
+    ways = size[:, None] * h.axes[:, None, :]
+    around, stress = np.stack([ways, -ways], axis=1).reshape(2 * d * n, d), np.tile(base.stress, (2 * d, 1))
+    ends = h.counted(base, stress + around, h.case.pressure)
+    assert ends.stored is not None
+    near = (h.length(ends.stress - stress - around) <= np.tile(1e-6 * size, 2 * d)).reshape(d, 2, n).all(axis=1)
+    elastic = near & (size > 0.0) & np.isfinite(base.stress).all(axis=1)
+    up, down = np.swapaxes(ends.stored.reshape(d, 2, n), 0, 1)
+    off = np.abs((up - down) / 2.0 - h.inner(stress[: d * n], ways.reshape(d * n, d)).reshape(d, n))
+    rounding = 32.0 * np.finfo(np.float64).eps * (np.abs(up) + np.abs(down))
+    allowed = (h.error(base.stress, h.case.trial) + 1e-6 * h.length(base.stress)) * size + rounding
+    allowed = np.where(allowed > 0.0, allowed, 1.0)
+    most, bound = np.full(n, -1.0), np.ones(n)
+    for i in range(d):
+        more = elastic[i] & ~(off[i] / allowed[i] <= most / bound)
+        most, bound = np.where(more, off[i], most), np.where(more, allowed[i], bound)
+    if not elastic.any():
+        raise NothingToCheck("no step was elastic")
+    return Finding(most, bound)
+
+
+@register(
+    "energy",
+    statement="work = stored + dissipated, but for what a step of finite length leaves open",
+    formula="(sigma_0 + sigma)/2 . du = d psi + d D",
+    source="Antoni et al. (2007), Eqs. 22-31, discrete",
+    tolerance="|d sigma| |k du - d sigma|, to which any mean of the stresses of the step brings the balance, + "
+    "2 u (|sigma_0| + |sigma| + |k du|) + 32 eps (psi + D)",
+    of_a_law=False,
+)
+def energy(h: HistoryQuery) -> Finding:
+    if not h.remembers and h.start.slip is None and h.here.slip is None:
+        raise NothingToCheck("the routine returns no slip: k^-1 (sigma_tr - sigma) satisfies this by definition")
+    before, after = h.steps
+    (psi, lost), (psi_0, lost_0) = _energies(after), _energies(before)
+    asked = (after.strain - before.strain) @ h.case.stiffness
+    work = h.inner(0.5 * (before.stress + after.stress), asked)
+    left = np.abs(work - (psi - psi_0) - (lost - lost_0))
+    open_ = h.length(after.stress - before.stress) * h.length(h.slip_of(before, after))
+    size = h.length(before.stress) + h.length(after.stress) + h.length(asked)
+    rounding = 32.0 * np.finfo(np.float64).eps * (np.abs(psi) + np.abs(psi_0) + np.abs(lost) + np.abs(lost_0))
+    return _worst_step(h, left, open_ + 2.0 * h.error(before.stress, after.stress, asked) * size + rounding)
+
+
+_as_of_a_law(
+    "slope",
+    statement="the consistent tangent is the slope of the routine, where differences resolve it (no corner of the answer near)",
+    tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "
+    "|sigma_tr| + |sigma|; what they are off by there, where smaller steps one way come ten times closer, or where at all of them "
+    "the two ways disagree by a quarter of it (no slope)",
+)
+
+
+@register(
+    "subdivision",
+    statement="a path in twice as many steps ends, in the limit, at the same stress",
+    formula="sigma_2n - sigma_n -> 0 as each leg is taken in n steps",
+    source="Moreau (1977), J. Differ. Equ. 26, 347-374: the catching-up algorithm converges",
+    tolerance=f"the elastic length of the path over {FINER}, between n = {FINER // 2} and {FINER}, or else over {4 * FINER}, between "
+    f"n = {4 * FINER} and {8 * FINER}",
+    again=True,
+    of_a_law=False,
+)
+def subdivision(h: HistoryQuery) -> Finding:
+    if not h.by_turns(_DIVIDED):
+        raise NothingToCheck(f"asked in one of {_DIVIDED} cases")
+    legs = np.diff(h.case.path, axis=1)
+    whole = np.sum([h.length(legs[:, i]) for i in range(legs.shape[1])], axis=0)
+    ends = [h.along(FINER // 2)[-1], h.fine[-1]]
+    apart, allowed = h.length(ends[1].stress - ends[0].stress), whole / FINER + h.error(*(e.stress for e in ends), h.case.path[:, -1])
+    if (~(apart <= allowed) & h.sound).any():
+        ends = [h.along(4 * FINER)[-1], h.along(8 * FINER)[-1]]
+        closer, may = h.length(ends[1].stress - ends[0].stress), whole / (4 * FINER) + h.error(*(e.stress for e in ends))
+        settled = closer <= may
+        apart, allowed = np.where(settled, closer, apart), np.where(settled, may, allowed)
+    return Finding(apart, allowed)
+
+
+# -- what only associated laws satisfy -----------------------------------------------------------------------------------
+
+
+@register(
+    "associated-symmetry",
+    statement="of an associated law, with hardening or without: the consistent tangent is symmetric",
+    formula="C = C^T",
+    source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
+    tolerance="d^2 (accuracy + 8 eps), in the metric of k",
+    demanded=False,
+    of_a_law=False,
+)
+def symmetry(h: HistoryQuery) -> Finding:
+    if h.here.tangent is None:
+        raise NothingToCheck("the routine returns no tangent")
+    return Finding(*tangent_checks.asymmetry(h, h.whitened(h.here.tangent)))
+
+
+for _name, _said in (
+    ("non-expansiveness", "two stresses come no farther apart"),
+    ("potential", "the step derives from a potential"),
+    ("ray", "a longer or shorter slip in the same direction ends at the same stress"),
+):
+    _as_of_a_law(_name, name=f"associated-{_name}", statement=f"of an associated law without hardening: {_said}", demanded=False)
+
+
+@register(
+    "isotropic-plastic-work",
+    statement="without kinematic hardening: what slips does so along the stress",
+    formula="sigma . (du - k^-1 d sigma) >= 0",
+    source="Drucker (1951), Proc. First US Natl. Congr. Appl. Mech., 487-491",
+    tolerance="2 u (|sigma| + |k du|)",
+    demanded=False,
+    of_a_law=False,
+)
+def plastic_work(h: HistoryQuery) -> Finding:
+    before, after = h.steps
+    asked = (after.strain - before.strain) @ h.case.stiffness
+    lost = -h.inner(after.stress, h.slip_of(before, after))
+    return _worst_step(h, lost, 2.0 * h.error(before.stress, after.stress, asked) * (h.length(after.stress) + h.length(asked)))
