@@ -80,9 +80,9 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
         return None
     if not file_path.match("*.duhem.toml") and not any(file_path.match(pattern) for pattern in parent.config.getini("duhem_files")):
         return None
-    from duhem.testing.in_pytest.collected_files import collected
+    from duhem.testing.in_pytest.collected_files import TomlTests
 
-    return collected(file_path, parent, _looked_into)
+    return TomlTests.from_parent(parent, path=file_path, looked_into=_looked_into)
 
 
 @pytest.fixture

@@ -21,9 +21,9 @@ from tempfile import TemporaryDirectory
 import duhem
 from duhem.testing import Update, conformance, projection
 from duhem.testing.failures.failure import Failure
-from duhem.testing.failures.shrinking import unrounded
 from tests.campaigns.routines import compiled, found
 from tests.oracles.mutant_routines import MUTANTS
+from tests.oracles.round_numbers import unrounded
 from tests.testing.examples import EXAMPLES, library
 
 __all__ = ["of_mutant"]

@@ -13,8 +13,8 @@ from duhem.testing import Case, Step, conformance, from_displacements
 from duhem.testing.checks.query import Query
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.diagnosis import Part, departure, diagnoses, registered_suggestions
-from duhem.testing.failures.shrinking import unrounded
 from tests.long import long_but, mostly_long
+from tests.oracles.round_numbers import unrounded
 from tests.oracles.routines import (
     ELLIPSE,
     MU,

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from duhem.testing import Case, conformance, violation
-from duhem.testing.failures.shrinking import simplified, unrounded
+from duhem.testing.failures.shrinking import simplified
 from tests.oracles.mutant_routines import MUTANTS
+from tests.oracles.round_numbers import unrounded
 from tests.oracles.routines import DISK, nothing
 
 ROUGH = np.array([[0.12345, -4.56789]])

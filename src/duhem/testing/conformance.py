@@ -14,9 +14,8 @@ from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
 from duhem.testing.checks import material_checks  # noqa: F401 (it registers its checks, and what it imports those of laws)
 from duhem.testing.checks.history import HistoryQuery
-from duhem.testing.checks.query import Query
+from duhem.testing.checks.query import NoReply, Query
 from duhem.testing.checks.registry import Check, judged, registered
-from duhem.testing.checks.reply import NoReply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import ACCURACY, TRIES, check_share
 from duhem.testing.drawn.region import Region
@@ -45,12 +44,12 @@ def checks_for(law: _Law, *, associated: bool = False) -> tuple[Check, ...]:
 
 
 def every_check(law: _Law) -> tuple[Check, ...]:
-    """All that there are of a law, or of none, those asked for by name among them."""
+    """Return all checks of a law, or those that need none, among them the ones that run only when they are named."""
     return tuple(registered(law is not None).values())
 
 
 def check(name: str) -> Check:
-    """A check by name.  Raises InputError for an unknown one."""
+    """Return a check by its name.  Raises InputError for an unknown one."""
     return _named(name, of_a_law=True)
 
 

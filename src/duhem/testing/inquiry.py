@@ -110,9 +110,7 @@ class RoutineChecks:
         return f"checks {json.dumps(options)} of {self._named()} {_digest(self._found())}"
 
     def _named(self) -> str:
-        if isinstance(self.routine, str):
-            return self.routine
-        return ":".join(named(self.routine).rsplit(".", 1))
+        return self.routine if isinstance(self.routine, str) else ":".join(named(self.routine).rsplit(".", 1))
 
     def _found(self) -> Update:
         if not isinstance(self.routine, str):
@@ -127,16 +125,9 @@ class RoutineChecks:
         began = monotonic()
         try:
             with _own_constants_left_out():
-                report = conformance(
-                    known := load_formula(law),
-                    _bound(self._found(), known),
-                    checks=self.checks,
-                    accuracy=self.accuracy,
-                    max_examples=self.examples,
-                    tries=self.shrink,
-                    seed=self.seed,
-                    expected_failed_checks=dict(self.expect),
-                )
+                known, drawn = load_formula(law), {"max_examples": self.examples, "tries": self.shrink, "seed": self.seed}
+                checks: dict[str, Any] = {"checks": self.checks, "expected_failed_checks": dict(self.expect), **drawn}
+                report = conformance(known, _bound(self._found(), known), accuracy=self.accuracy, **checks)
         except _NoMemory as fault:
             if fault.stated:
                 raise DuhemError("the routine raises MemoryError by a statement of its own") from None

@@ -18,9 +18,8 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.testing.checks.history import HistoryQuery
-from duhem.testing.checks.query import NothingToCheck, Query
+from duhem.testing.checks.query import NoReply, NothingToCheck, Query, Raised, named_by
 from duhem.testing.checks.registry import Check, judged, registered
-from duhem.testing.checks.reply import NoReply, Raised, named_by
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import RunOptions
@@ -140,7 +139,7 @@ class ConformanceRun:
     def _least(
         self, checks: Sequence[Check], cases: Strategy, profile: settings, drawn: Callable[[Query], None] = lambda _: None
     ) -> tuple[Case, Failure] | None:
-        """The least of the cases on which one of some checks fails, and the first failure; ``drawn`` is told of each case."""
+        """Return the least of the cases on which one of some checks fails, and the first failure; ``drawn`` is called with each case."""
 
         def failing(case: Case, asked: Sequence[Check]) -> Failure | None:
             query = self.query(case)
@@ -183,7 +182,7 @@ class ConformanceRun:
         self.pending = [c for c in self.pending if c.name not in failed]
 
     def _unrepeatable(self, case: Case, failed: Failure) -> list[Failure]:
-        """A failure that does not show again: the routine keeps something between calls, which is told once."""
+        """Return the failure to report where one does not show again: the routine keeps something between calls, which is reported once."""
         check = failed.check
         known = any(f.check.name == _MEMORY for f in self.found)
         memory = next((c for c in self.pending if c.name == _MEMORY), None)
@@ -201,7 +200,7 @@ class ConformanceRun:
         return [self._failure(memory, message, case, float("nan"), 0.0)]
 
     def _look_at_the_whole(self) -> None:
-        """The checks that no case alone can fail."""
+        """Note the failures of checks that no case alone can fail."""
         for asked in self.pending:
             if asked.whole is None or self.last is None or not (asked.name in self.judged or self.counted["flagged"]):
                 continue
@@ -210,7 +209,7 @@ class ConformanceRun:
                 self.found.append(self._failure(asked, message, self.last.row(0), float("nan"), 0.0))
 
     def failures(self, query: Query, checks: Sequence[Check]) -> Iterator[Failure]:
-        """The failures of some checks on a case, as they are found."""
+        """Yield the failures of some checks on a case, as they are found."""
         silent = any(f.check.name == _ANSWERS for f in self.found) and [*checks] != [self.answers]  # asked alone, to be made short
         try:
             for asked in checks:
@@ -241,7 +240,7 @@ class ConformanceRun:
                 self.tried.update(part.tried)
 
     def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
-        """The same with the increment, and what shows it again."""
+        """Return the same error with the increment, and with what shows it again."""
         failure = replace(self._failure(asked, fault.what, named_by(fault, case), float("nan"), 0.0), origin=self._origin())
         placed = Unfinished(fault.what, where=f"{failure.increment}, asked by the check {asked.name}", remedy=fault.remedy)
         placed.failure = failure
@@ -251,7 +250,7 @@ class ConformanceRun:
         return origin(self.update, self.law, self.given)
 
     def _silent(self, asked: Check, case: Case, fault: NoReply) -> Case:
-        """The first increment to which the routine gives no answer alone; the first one where it is silent about several at once only."""
+        """Return the first increment that the routine does not answer alone, or the first of all where it answers each of them alone."""
         if fault.row is not None:
             named = named_by(fault, case)
             return named if self._is_silent(asked, named) else case.row(fault.row)
@@ -267,7 +266,7 @@ class ConformanceRun:
         return False
 
     def query(self, case: Case) -> Query:
-        """The routine asked about one case."""
+        """Return what asks the routine about one case."""
         self.last, counted = case, (self.accuracy, self.every, self.examples)
         if self.law is None:
             return HistoryQuery(stateless(self.update, case.stiffness, case.parameters), case, *counted, raised=self.raised)
@@ -283,7 +282,7 @@ class ConformanceRun:
     # -- what is told --------------------------------------------------------------------------------------------------
 
     def report(self) -> Report:
-        """What was found so far."""
+        """Return what was found so far."""
         bad = {f.check.name for f in self.found}
         passed = tuple(c.name for c in self.asked if c.name in self.judged - bad)
         left_out = {name: why for name, why in self.left_out.items() if name not in self.judged}
@@ -298,7 +297,7 @@ class ConformanceRun:
             expected=expected,
             unexpected=unexpected,
             visited=self.visited.shares,
-            decades=self.visited.decades,
+            decades=dict(self.visited.decades),
             examples=self.examples,
             seed=self.seed,
             unmeasured=self.visited.unmeasured,
@@ -315,7 +314,7 @@ class ConformanceRun:
         return any(map(of_stress, self.found))
 
     def _short(self, failure: Failure) -> Failure:
-        """With a case that is short to read; looked for once."""
+        """Return the failure with a case that is short to read, which is looked for once."""
         name = failure.check.name
         if name not in self.shortened:
             self.shortened[name] = self._simplified(failure)
@@ -323,7 +322,7 @@ class ConformanceRun:
         return replace(short, explains=failure.explains, alone=short.alone and not needs_the_run(short.diagnoses))
 
     def _simplified(self, failure: Failure) -> Failure:
-        """The failure on a case in round numbers, with those of its diagnoses that hold there.
+        """Return the failure on a case in round numbers, with those of its diagnoses that hold there.
 
         Where nothing is left to tell what the routine does instead, as without stress, it is shown under some stress; as it was found
         where none of its diagnoses holds there either.
@@ -362,7 +361,7 @@ class ConformanceRun:
 
 
 def _check_without_law(update: Update | Material, parameters: Mapping[str, Any] | None, drawn: RunOptions) -> None:
-    """InputError for what a material has itself, and where nothing says how many forces there are."""
+    """Raise InputError for what a material has itself, and where nothing says how many forces there are."""
     where = "conformance without a law"
     if isinstance(update, Material):
         given = {"parameters": parameters, "stiffness": drawn.stiffness, "pressure": drawn.pressure}

@@ -77,7 +77,7 @@ def _claim(result: ClaimResult) -> dict[str, Any]:
 
 
 def _trials(law: Law) -> Iterator[dict[str, Any]]:
-    """What is asked, by the names of the forces; InputError where the law has no increments."""
+    """Yield the increments to ask, by the names of the forces.  Raises InputError where the law has none."""
     if not isinstance(law, Criterion):
         raise InputError(f"{law.name} has no formula g, only a boundary curve")
     check_associated(law)
@@ -97,13 +97,13 @@ def _trials(law: Law) -> Iterator[dict[str, Any]]:
 
 
 def _mixed(d: int) -> Array:
-    """Two directions off the axes, which no symmetry of the law makes alike."""
+    """Return two directions (2, d) off the axes, which no symmetry of the law makes alike."""
     size = 1.0 / np.arange(1.0, d + 1.0)
     return np.array([size, size[::-1] * (-1.0) ** np.arange(d)])
 
 
 def _load(declared: Domain | None) -> float:
-    """-1, or a pressure within the declared range."""
+    """Return -1, or the pressure next to it within the declared range."""
     low, high = (-np.inf, 0.0) if declared is None else declared.ends
     return float(min(max(-1.0, low), high))
 
@@ -155,17 +155,21 @@ def differences(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: floa
     The stress or slip of an increment, and figures that measure a witness, may move by ``tolerance`` of their size; those of
     an increment that was not solved when it was kept may be any.
     """
-    changed = (*_law(kept["law"], now["law"]), *_claims(kept["claims"], now["claims"], tolerance), *_increments(kept, now, tolerance))
-    return Differences(changed)
+    law, claims = _changed(kept["law"], now["law"], 0.0), _claims(kept["claims"], now["claims"], tolerance)
+    return Differences((*law, *claims, *_increments(kept, now, tolerance)))
 
 
-def _law(kept: Mapping[str, Any], now: Mapping[str, Any], name: str = "") -> Iterator[str]:
+def _changed(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: float) -> Iterator[str]:
+    """Yield a line for each value that differs between two dictionaries; floats may differ by ``tolerance`` of their size."""
     for key in sorted({*kept, *now}):
         old, new = kept.get(key), now.get(key)
         if isinstance(old, dict) and isinstance(new, dict):
-            yield from _law(old, new, f"{name}{key} ")
+            yield from (f"{key} {line}" for line in _changed(old, new, tolerance))
+        elif isinstance(old, float) and isinstance(new, float):
+            if not abs(new - old) <= tolerance * max(abs(old), abs(new)):
+                yield f"{key}: {old!r} → {new!r}"
         elif old != new:
-            yield f"{name}{key}: {_said(old)} → {_said(new)}"
+            yield f"{key}: {_said(old)} → {_said(new)}"
 
 
 def _said(value: Any) -> str:
@@ -200,16 +204,8 @@ def _witness(kept: Mapping[str, Any] | None, now: Mapping[str, Any] | None, tole
     if kept is None or now is None:
         if kept is not now:
             yield f"{_said(kept)} → {_said(now)}"
-        return
-    for key in sorted({*kept, *now}):
-        old, new = kept.get(key), now.get(key)
-        if isinstance(old, dict) and isinstance(new, dict):
-            yield from (f"{key} {line}" for line in _witness(old, new, tolerance))
-        elif isinstance(old, float) and isinstance(new, float):
-            if not abs(new - old) <= tolerance * max(abs(old), abs(new)):
-                yield f"{key}: {old!r} → {new!r}"
-        elif old != new:
-            yield f"{key}: {_said(old)} → {_said(new)}"
+    else:
+        yield from _changed(kept, now, tolerance)
 
 
 def _increments(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: float) -> Iterator[str]:
@@ -230,23 +226,19 @@ def _increment(old: Mapping[str, Any], new: Mapping[str, Any], tolerance: float)
     if old["status"] in _NO_ANSWER:
         return
     forces = new["trial"]  # in the order of the law; a file has that of the alphabet
-    least = {"stress": _size(old["trial"].values()), "slip": _size(old["trial"][f] / old["stiffness"][f] for f in forces)}
+    least = {"stress": hypot(*old["trial"].values()), "slip": hypot(*(old["trial"][f] / old["stiffness"][f] for f in forces))}
     for part, trial in least.items():
         before, after = ([float(each[part][f]) for f in forces] for each in (old, new))
-        moved = _size(b - a for a, b in zip(before, after, strict=True))
-        size = _size(before) or trial
+        moved = hypot(*(b - a for a, b in zip(before, after, strict=True)))
+        size = hypot(*before) or trial
         if not moved <= tolerance * size and not _alike(before, after):
             shown = " to ".join(f"({', '.join(f'{x:.6g}' for x in each)})" for each in (before, after))
             share = f"by {moved / size:.1g} of its size" if moved < float("inf") else "and is not finite"
             yield f"{part} moved {share}, from {shown}"
 
 
-def _size(values: Any) -> float:
-    return hypot(*values)
-
-
 def _alike(before: Sequence[float], after: Sequence[float]) -> bool:
-    """Equal, what is not a number included."""
+    """Return whether the numbers are equal, where two nan count as equal."""
     return all(a == b or (a != a and b != b) for a, b in zip(before, after, strict=True))
 
 
@@ -285,7 +277,7 @@ class SnapshotFile:
         return cls(laws, tolerance)
 
     def entry(self, name: str, file: str | os.PathLike[str]) -> Entry:
-        """What is kept of a law; InputError where nothing is."""
+        """Return what is kept of a law.  Raises InputError where nothing is."""
         if name not in self.laws:
             alike = sorted(each for each in self.laws if each.partition(",")[0] == name.partition(",")[0])
             besides = f", only of {'; of '.join(alike)}" if alike else ""  # other values or claims
@@ -293,11 +285,11 @@ class SnapshotFile:
         return self.laws[name]
 
     def with_entries(self, entries: Mapping[str, Entry]) -> SnapshotFile:
-        """With some laws added or replaced."""
+        """Return the file with some laws added or replaced."""
         return replace(self, laws={**self.laws, **entries})
 
     def to_text(self) -> str:
-        """The content of the file."""
+        """Return the content of the file."""
         whole: dict[str, Any] = {"laws": dict(self.laws), "tolerance": self.tolerance}
         return json.dumps(whole, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n"
 

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import NEAR, Asked, Query
-from duhem.testing.checks.reply import NoReply, Raised, Reply
+from duhem.testing.checks.query import NEAR, Asked, NoReply, Query, Raised, Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.material import ELASTIC, Material, MaterialState, advanced
@@ -31,11 +30,7 @@ FINER = 8  # steps into which a leg of the path is divided where it is to be fol
 
 
 class _Unknown(Region):
-    """A region of which nothing is known but that it has no formula to be off by."""
-
-    def __init__(self, parameters: Mapping[str, float]) -> None:
-        object.__setattr__(self, "parameters", parameters)
-        object.__setattr__(self, "law", None)
+    """The K of an unknown law, of which nothing is known; no formula of it can be off."""
 
     def level(self, stress: Array, pressure: Array) -> Array:
         return np.full(len(stress), np.nan)
@@ -64,7 +59,8 @@ class HistoryQuery(Query):
         whole: HistoryQuery | None = None,
         raised: Raised | None = None,
     ) -> None:
-        super().__init__(_Unknown(case.parameters), case, material.advance, (), accuracy, every, turn, whole=whole, raised=raised)
+        nothing = _Unknown(None, case.parameters)  # type: ignore[arg-type]
+        super().__init__(nothing, case, material.advance, (), accuracy, every, turn, whole=whole, raised=raised)
         self.material, self.remembers, self.lonely = material, material.towards is None, len(case) == 1
 
     def part(self, case: Case) -> Query:
@@ -81,11 +77,11 @@ class HistoryQuery(Query):
         return {}
 
     def unit(self, reply: Reply) -> Array:
-        """The error u in stress the routine is held to (N,), in a step from the start."""
+        """Return the error u in stress (N,) that the routine is held to in a step from the start."""
         return self.error(self.start.stress, reply.trial, reply.stress)
 
     def error(self, *stresses: Array) -> Array:
-        """What the routine may be off by in a step between such stresses (N,)."""
+        """Return by how much (N,) the routine may be off in a step between such stresses, as a length."""
         return np.asarray((self.accuracy + self._rounding) * sum(self.length(s) for s in stresses))
 
     # -- steps ---------------------------------------------------------------------------------------------------------
@@ -137,13 +133,9 @@ class HistoryQuery(Query):
     def told_apart_by(self, row: int) -> Hashable:
         return self.case.path[row].tobytes(), None if self.case.loads is None else self.case.loads[row].tobytes()
 
-    @cached_property
-    def virgin(self) -> MaterialState:
-        return self.material.virgin(len(self.case))
-
     @property
     def start(self) -> MaterialState:
-        """Where the path ends."""
+        """The points where the path ends."""
         return self.course[-1]
 
     @cached_property
@@ -171,7 +163,7 @@ class HistoryQuery(Query):
 
     def along(self, parts: int, duration: float = 1.0) -> list[MaterialState]:
         """The points along the path, each leg in so many steps, and the virgin ones first; ``duration`` is that of a leg."""
-        case, found = self.case, [self.virgin]
+        case, found = self.case, [self.material.virgin(len(self.case))]
         for i in range(1, case.path.shape[1]):
             elastic = (case.path[:, i] - case.path[:, i - 1]) / parts
             for j in range(parts):
@@ -194,13 +186,13 @@ class HistoryQuery(Query):
         return MaterialState.joined([*self.fine[:-1], self.start]), MaterialState.joined([*self.fine[1:], self.beyond])
 
     def slipping(self, reply: Reply) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Which increments from the start (N,) were not answered elastically, and of these the ones that were so to 1e-6."""
-        off, size = self.length(reply.trial - reply.stress), self.length(reply.trial)
+        """Return which increments from the start (N,) are not answered elastically, and which of these are so but for 1e-6."""
+        off, size = self.length(reply.corrector), self.length(reply.trial)
         slips = np.asarray(off > 4.0 * self.unit(reply) + ELASTIC * size)
         return slips, slips & (off <= NEAR * size)
 
     def slip_of(self, before: MaterialState, after: MaterialState) -> Array:
-        """k times what of the increment is not elastic (N, d), a stress."""
+        """Return k times the part of an increment that is not elastic, a stress (N, d)."""
         return np.asarray((after.strain - before.strain) @ self.case.stiffness - (after.stress - before.stress))
 
 

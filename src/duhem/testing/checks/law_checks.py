@@ -38,7 +38,7 @@ class Dents:
     wider than two of their angles.  Doubles only suggest: whether a pair shows a dent is decided in 60 digits.
 
     The planes of a case go through a point inside K(sigma_n) of some rows, and are spanned by the directions of ``inside`` and ``beside``.
-    Forces are measured by how far K reaches along their axes.  ``rows`` are those whose plane was looked at.
+    Forces are measured by how far K reaches along their axes.  ``rows`` are those whose plane was looked at, in ``pairs`` of points.
     """
 
     def __init__(self, query: Query) -> None:
@@ -48,12 +48,7 @@ class Dents:
         self.size, self.middle = self._measured(likely)
         self.rows = likely[np.isfinite(self.size).all(axis=1)] if query.case.trial.shape[1] > 1 else likely[:0]
         known = np.isin(likely, self.rows)
-        self.size, self.middle = self.size[known], self.middle[known]
-
-    @property
-    def pairs(self) -> int:
-        """How many were looked at."""
-        return len(self.rows) * len(_LEFT)
+        self.size, self.middle, self.pairs = self.size[known], self.middle[known], len(self.rows) * len(_LEFT)
 
     def _measured(self, rows: NDArray[np.intp]) -> tuple[Array, Array]:
         """How far K reaches along each axis (M, d), nan where no point surely inside is known, and such a point (M, d)."""

@@ -8,11 +8,12 @@ those without hardening, satisfy them: a good routine of another law may fail th
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from duhem.projection.result import Array
-from duhem.testing.checks import law_checks, multiplier_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register)
+from duhem.testing.checks import law_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register)
 from duhem.testing.checks.history import FINER, HistoryQuery
 from duhem.testing.checks.query import NothingToCheck
 from duhem.testing.checks.registry import Finding, enter, register, registered, worst
@@ -25,18 +26,20 @@ _DIVIDED = 3  # cases, in one of which some paths are taken in smaller steps
 _SMALL = (1e-3, 1e-6, 1e-9)  # shares of a step that are taken to be small
 
 
+_of_any = partial(register, of_a_law=False)
+
+
 def _as_of_a_law(name: str, /, **other: object) -> None:
     """Enter the check of that name of a routine with a law, as one that needs none, with ``other`` fields in the place of its own."""
     enter(replace(registered()[name], of_a_law=False, **other))  # type: ignore[arg-type]
 
 
-@register(
+@_of_any(
     "answers",
     statement="the routine answers every increment with finite stresses, state and energies",
     formula="sigma in R^d",
     source="a nan that is passed on silently ruins what comes after",
     tolerance="none",
-    of_a_law=False,
 )
 def answers(h: HistoryQuery) -> Finding:
     bad = np.zeros(len(h.case), dtype=np.bool_)
@@ -47,13 +50,12 @@ def answers(h: HistoryQuery) -> Finding:
     return Finding(bad.astype(np.float64), np.zeros(len(bad)))
 
 
-@register(
+@_of_any(
     "repeatability",
     statement="the same increment from the same state has the same answer, whatever was asked before it and beside it, and alone",
     formula="sigma(state, du) = sigma(state, du)",
     source="a state kept between calls, or shared between points, makes an answer depend on the order of the questions",
     tolerance="2 u",
-    of_a_law=False,
 )
 def repeatability(h: HistoryQuery) -> Finding:
     case = h.case
@@ -70,18 +72,17 @@ _as_of_a_law(
 )
 
 
-@register(
+@_of_any(
     "elasticity",
     statement="where a first small step can be undone, and the opposite one has the opposite answer, it is that of the stiffness given",
     formula="sigma(du) = k du, where -du/2 after du leads back to half the stress, -du to none, and sigma(-du) = -sigma(du)",
     source="the stiffness that all else is measured with; shear strains of the tensor and of engineers differ by a factor of two",
     tolerance="|sigma - k du| <= |k du|/1000 at the smallest of three steps: a material may be elastic without being linear",
     again=True,
-    of_a_law=False,
 )
 def elasticity(h: HistoryQuery) -> Finding:
     trial = np.concatenate([share * h.case.trial for share in _SMALL])
-    both = h.counted(h.virgin, np.concatenate([trial, -trial]), h.case.pressure)
+    both = h.counted(h.material.virgin(len(h.case)), np.concatenate([trial, -trial]), h.case.pressure)
     there, opposite = both.rows(slice(len(trial))), both.rows(slice(len(trial), None))
     size, met = h.length(trial), h.length(there.stress)
     near = _PER_MILLE * np.minimum(size, met)
@@ -98,14 +99,13 @@ def elasticity(h: HistoryQuery) -> Finding:
 _as_of_a_law("vacuity", formula="sigma = sigma_tr for some, and not for others")
 
 
-@register(
+@_of_any(
     "rate",
     statement="rate independence: the same path in a thousandth and in a thousand times the time ends at the same stress",
     formula="sigma(u(t)) = sigma(u(c t)) for c > 0",
     source="Moreau (1977), J. Differ. Equ. 26, 347-374",
     tolerance="2 u, the sum over the steps",
     again=True,
-    of_a_law=False,
 )
 def rate(h: HistoryQuery) -> Finding:
     if not h.remembers:
@@ -125,17 +125,16 @@ def _energies(state: MaterialState) -> tuple[Array, Array]:
 
 
 def _worst_step(h: HistoryQuery, measured: Array, allowed: Array) -> Finding:
-    """Of several steps of all rows, for each row the one that exceeds most."""
+    """Return, of several steps of all rows, for each row the step that exceeds most."""
     return worst(zip(measured.reshape(-1, len(h.case)), allowed.reshape(-1, len(h.case)), strict=True))
 
 
-@register(
+@_of_any(
     "dissipation",
     statement="no step gains what it dissipates",
     formula="d D >= 0",
     source="Antoni et al. (2007), Eqs. 22, 36: Clausius-Duhem",
     tolerance="u (|sigma| + |k du|)",
-    of_a_law=False,
 )
 def dissipation(h: HistoryQuery) -> Finding:
     before, after = h.steps
@@ -144,14 +143,13 @@ def dissipation(h: HistoryQuery) -> Finding:
     return _worst_step(h, -gained, h.error(before.stress, after.stress) * (h.length(after.stress) + step))
 
 
-@register(
+@_of_any(
     "rest",
     statement="without an increment nothing happens, and the next increment is answered as if nothing had",
     formula="sigma(state, 0) = sigma; sigma(state after that, du) = sigma(state, du)",
     source="rate independence: no increment, no change (Moreau 1977, J. Differ. Equ. 26, 347-374)",
     tolerance="2 u at rest; 4 u after the next increment",
     again=True,
-    of_a_law=False,
 )
 def rest(h: HistoryQuery) -> Finding:
     case = h.case
@@ -170,7 +168,7 @@ def rest(h: HistoryQuery) -> Finding:
 _as_of_a_law("slip")
 
 
-@register(
+@_of_any(
     "stored-energy",
     statement="in an elastic step the stress is the slope of the stored energy",
     formula="sigma = d psi/d u",
@@ -178,7 +176,6 @@ _as_of_a_law("slip")
     tolerance="(u + 1e-6 |sigma|) h + 32 eps psi, by central differences over a step h = (|sigma| + |sigma_tr|)/100 either way, where both "
     "are answered by k to a millionth: there psi is quadratic, and the difference exact",
     again=True,
-    of_a_law=False,
 )
 def stored_energy(h: HistoryQuery) -> Finding:
     if not h.remembers:
@@ -209,14 +206,13 @@ def stored_energy(h: HistoryQuery) -> Finding:
     return Finding(most, bound)
 
 
-@register(
+@_of_any(
     "energy",
     statement="work = stored + dissipated, but for what a step of finite length leaves open",
     formula="(sigma_0 + sigma)/2 . du = d psi + d D",
     source="Antoni et al. (2007), Eqs. 22-31, discrete",
     tolerance="|d sigma| |k du - d sigma|, to which any mean of the stresses of the step brings the balance, + "
     "2 u (|sigma_0| + |sigma| + |k du|) + 32 eps (psi + D)",
-    of_a_law=False,
 )
 def energy(h: HistoryQuery) -> Finding:
     if not h.remembers and h.start.slip is None and h.here.slip is None:
@@ -241,7 +237,7 @@ _as_of_a_law(
 )
 
 
-@register(
+@_of_any(
     "subdivision",
     statement="a path in twice as many steps ends, in the limit, at the same stress",
     formula="sigma_2n - sigma_n -> 0 as each leg is taken in n steps",
@@ -249,7 +245,6 @@ _as_of_a_law(
     tolerance=f"the elastic length of the path over {FINER}, between n = {FINER // 2} and {FINER}, or else over {4 * FINER}, between "
     f"n = {4 * FINER} and {8 * FINER}",
     again=True,
-    of_a_law=False,
 )
 def subdivision(h: HistoryQuery) -> Finding:
     if not h.by_turns(_DIVIDED):
@@ -269,14 +264,13 @@ def subdivision(h: HistoryQuery) -> Finding:
 # -- what only associated laws satisfy -----------------------------------------------------------------------------------
 
 
-@register(
+@_of_any(
     "associated-symmetry",
     statement="of an associated law, with hardening or without: the consistent tangent is symmetric",
     formula="C = C^T",
     source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
     tolerance="d^2 (accuracy + 8 eps), in the metric of k",
     demanded=False,
-    of_a_law=False,
 )
 def symmetry(h: HistoryQuery) -> Finding:
     if h.here.tangent is None:
@@ -292,14 +286,13 @@ for _name, _said in (
     _as_of_a_law(_name, name=f"associated-{_name}", statement=f"of an associated law without hardening: {_said}", demanded=False)
 
 
-@register(
+@_of_any(
     "isotropic-plastic-work",
     statement="without kinematic hardening: what slips does so along the stress",
     formula="sigma . (du - k^-1 d sigma) >= 0",
     source="Drucker (1951), Proc. First US Natl. Congr. Appl. Mech., 487-491",
     tolerance="2 u (|sigma| + |k du|)",
     demanded=False,
-    of_a_law=False,
 )
 def plastic_work(h: HistoryQuery) -> Finding:
     before, after = h.steps

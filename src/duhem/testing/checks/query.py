@@ -1,4 +1,4 @@
-"""One case put to one routine: each reply is asked for once, measured in the energy of the stiffness.
+"""One case put to one routine: each reply is read and asked for once, measured in the energy of the stiffness.
 
 |s| = (s . k^-1 s)^1/2 is the length of a stress.  A routine is held to an error in its stress of
 
@@ -21,10 +21,10 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,16 +32,16 @@ from numpy.typing import NDArray
 from duhem.errors import words_of
 from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
-from duhem.testing.checks.reply import NoReply, Raised, Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
-from duhem.testing.routines.overwritten import FormerAnswers, Overwritten
-from duhem.testing.routines.routine import NoStep, Step, called
+from duhem.testing.routines.material import shaped
+from duhem.testing.routines.routine import FormerAnswers, NoStep, Overwritten, Step, called
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["NEAR", "UNMEASURED", "Asked", "NothingToCheck", "Query"]
+__all__ = ["NEAR", "UNMEASURED", "Asked", "NoReply", "NothingToCheck", "Query", "Raised", "Reply", "named_by"]
 
-
+_FEW = 8  # increments that are asked one by one once the routine has raised, so that a call costs one process at most
+_Answer = TypeVar("_Answer")
 _PATHS = 4  # cases, in one of which some rows follow their paths to the end
 NEAR = 1e-6  # of the size of a stress: so near is at the boundary, on a seam, at a corner
 UNMEASURED = "squares of the stresses, or K itself, leave double precision"
@@ -50,6 +50,107 @@ _CLOSE, _ASIDE = 1e-7, 0.01  # of a trial stress: closer than six digits tell, a
 _SIZE = 20  # bits: the size of K to a part in a thousand
 
 Asked: TypeAlias = tuple[Array, Array | None]  # trial stresses (N, d) and their pressures (N,)
+
+
+class NoReply(Exception):
+    """The routine raised, or returned something that is no stress.
+
+    ``row``: the increment at which it does so alone, None where that is not known; ``case``: the case of that increment, as the one
+    that is tried, where it is another than the trial of the row; ``together``: it raises at several asked together, and at none alone.
+    """
+
+    row: int | None = None
+    case: Case | None = None
+    together: bool = False
+
+
+@dataclass
+class Raised:
+    """What a routine raised, by what tells its increments apart, and how many ``times`` it did."""
+
+    said: dict[Hashable, str] = field(default_factory=dict)
+    times: int = 0
+
+    def asked(
+        self, ask: Callable[[slice], _Answer], key: Callable[[int], Hashable], count: int, say: Callable[[BaseException], str]
+    ) -> _Answer:
+        """Return the answer to so many increments asked together.  Raises NoReply and Unfinished with the row that is to blame alone."""
+
+        def one_by_one() -> None:
+            """Ask for each increment; raise NoReply at the first one at which the routine raises alone."""
+            for row in range(count):
+                try:
+                    ask(slice(row, row + 1))
+                except Unfinished as fault:
+                    fault.row = row
+                    raise
+                except (Exception, SystemExit) as fault:
+                    self.times += 1
+                    self.said[key(row)] = say(fault)
+                    raise self._at(row, self.said[key(row)]) from fault
+
+        together = tuple(map(key, range(count))) if self.said else ()
+        for row, each in enumerate(together):
+            if each in self.said:
+                raise self._at(row, self.said[each])
+        if together in self.said:
+            raise self._at(None, self.said[together])
+        if self.said and 1 < count <= _FEW:
+            one_by_one()
+        try:
+            return ask(slice(None))
+        except Unfinished as fault:
+            fault.locate(ask, count)
+            raise
+        except (Exception, SystemExit) as fault:
+            self.times += 1
+            said = say(fault)
+            if count == 1:
+                self.said[key(0)] = said
+                raise self._at(0, said) from fault
+        one_by_one()
+        self.said[tuple(map(key, range(count)))] = said
+        raise self._at(None, said)
+
+    def _at(self, row: int | None, said: str) -> NoReply:
+        fault = NoReply(said)
+        fault.row, fault.together = row, row is None
+        return fault
+
+
+def named_by(fault: NoReply | Unfinished, case: Case) -> Case:
+    """Return the increment of a case that the routine does not answer alone, as the one that is tried."""
+    return case.row(fault.row or 0) if fault.case is None else fault.case
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What the routine returned for ``trial`` (N, d), as arrays; ``solved`` (N,) as it says itself."""
+
+    trial: Array
+    stress: Array
+    slip: Array | None
+    multiplier: Array | None
+    tangent: Array | None
+    solved: NDArray[np.bool_]
+
+    @property
+    def corrector(self) -> Array:
+        """sigma_tr - sigma = k slip, a stress (N, d)."""
+        return self.trial - self.stress
+
+    def part(self, rows: slice | NDArray[np.intp]) -> Reply:
+        """Return the reply to some of the rows."""
+        return Reply(*(None if x is None else x[rows] for x in (getattr(self, name) for name in self.__dataclass_fields__)))  # type: ignore[arg-type]
+
+    @classmethod
+    def read(cls, step: Step, trial: Array) -> Reply:
+        """Return what was answered to ``trial`` (N, d).  Raises NoReply where that has not the shapes it must have."""
+        n, d = trial.shape
+        shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
+        parts = {name: shaped(getattr(step, name), name, shape, NoReply) for name, shape in shapes.items()}
+        solved = np.ones(n, dtype=np.bool_) if step.solved is None else np.array(step.solved, dtype=np.bool_).reshape(n)
+        return cls(trial, **parts, solved=solved)  # type: ignore[arg-type]
 
 
 class NothingToCheck(Exception):
@@ -70,7 +171,7 @@ class Query:
     the queries of a run; ``answered`` is what it has answered to this query and its parts; ``opening`` is the increment that the
     routine was asked before all others of the run, None where that is this one; ``fixed`` says which of "pressure" and "stiffness"
     is one and the same for all, as the routine may know: no other is asked.  ``axes`` (d, d) are d stresses of length 1, orthogonal
-    in the energy: the columns of L.
+    in the energy: the columns of L; ``pressure`` is sigma_n (N,), zeros for a law without.
     """
 
     lonely = False  # whether the reply to the trial is one to a call of one increment
@@ -99,6 +200,7 @@ class Query:
         else:
             self.turn, self.raised, self.answered, self.fixed = whole.turn, whole.raised, whole.answered, whole.fixed
             self.rows, self._lower, self._inverse = _some(len(whole.case), whole.every), whole._lower, whole._inverse
+        self.pressure = np.zeros(len(case)) if case.pressure is None else case.pressure
         self.axes, self.points, self.flagged = self._lower.T, 0, 0
         self.sound, self.unsaid = np.ones(len(case), dtype=np.bool_), np.zeros(len(case), dtype=np.bool_)
         self.overwritten: Overwritten = np.full(len(case), "", dtype=object)
@@ -124,33 +226,33 @@ class Query:
 
     @property
     def parts(self) -> tuple[Query, ...]:
-        """What has asked the routine."""
+        """This query and the one of its rows of which more is asked: the two that have asked the routine."""
         return (self,) if self.some is self else (self, self.some)
 
     # -- measures ------------------------------------------------------------------------------------------------------
 
     def inner(self, a: Array, b: Array) -> Array:
-        """a . k^-1 b (N,)."""
+        """Return a . k^-1 b (N,)."""
         return np.einsum("ij,ij->i", a @ self._inverse.T, b @ self._inverse.T)
 
     def length(self, a: Array) -> Array:
-        """(a . k^-1 a)^1/2 (N,)."""
+        """Return (a . k^-1 a)^1/2 (N,), the length of stresses."""
         return np.asarray(np.linalg.norm(a @ self._inverse.T, axis=1))
 
     def dual_length(self, slip: Array) -> Array:
-        """(slip . k slip)^1/2 (N,), the dual length, of gradients of g too."""
+        """Return (slip . k slip)^1/2 (N,), the dual length, which is that of gradients of g too."""
         return np.asarray(np.linalg.norm(slip @ self._lower, axis=1))
 
     def whitened(self, matrices: Array) -> Array:
-        """L^-1 C L^-T (N, d, d) of tangents C, k = L L^T."""
+        """Return L^-1 C L^-T (N, d, d) of tangents C, k = L L^T."""
         return self._inverse @ matrices @ self._inverse.T
 
     def shadow(self, a: Array) -> Array:
-        """L^-1 a, whose plain length is |a|."""
+        """Return L^-1 a (N, d), whose Euclidean length is |a|."""
         return a @ self._inverse.T
 
     def unit(self, reply: Reply) -> Array:
-        """The error u in stress the routine is held to (N,)."""
+        """Return the error u in stress (N,) that the routine is held to, found once for all checks."""
         if self.whole is not None and reply is self.here:
             return self.whole.unit(self.whole.here)[self.rows]
         if id(reply) not in self._units:
@@ -162,7 +264,7 @@ class Query:
         return self._units[id(reply)][1]
 
     def gradient(self, reply: Reply) -> Array:
-        """grad g (N, d) at the stresses of a reply, found once for all checks."""
+        """Return grad g (N, d) at the stresses of a reply, found once for all checks."""
         if self.whole is not None and reply is self.here:
             return self.whole.gradient(self.whole.here)[self.rows]
         if id(reply) not in self._gradients:
@@ -201,19 +303,14 @@ class Query:
         return np.asarray(((size == 0.0) | ((size >= _LEAST) & (size <= _MOST))) & ~(huge & lost))
 
     def slipping(self, reply: Reply) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Which trial stresses (N,) lie outside K, and which within 1e-6 of the end of K on the ray to them; in doubles."""
+        """Return which trial stresses (N,) lie outside K, and which within 1e-6 of the end of K on the ray to them; in doubles."""
         inside, nearer, beyond = (self.region.level(c * reply.trial, self.pressure) <= 0.0 for c in (1.0, 1.0 - NEAR, 1.0 + NEAR))
         return ~inside, nearer & ~beyond
 
     # -- the law -------------------------------------------------------------------------------------------------------
 
-    @property
-    def pressure(self) -> Array:
-        """sigma_n (N,), zeros for a law without."""
-        return np.zeros(len(self.case)) if self.case.pressure is None else self.case.pressure
-
     def certainly(self, suspects: NDArray[np.bool_], stress: Array, *, outside: bool) -> NDArray[np.bool_]:
-        """Which of the suspects lie outside K, or inside, in 60 digits: rounding of g must not accuse anyone, nor what g does not say."""
+        """Return which suspects lie outside K, or inside, in 60 digits: neither rounding of g nor a g without value may accuse anyone."""
         found = np.zeros(len(stress), dtype=np.bool_)
         at = np.flatnonzero(suspects)
         found[at] = self.region.outside(stress[at], self.pressure[at]) == outside
@@ -224,29 +321,26 @@ class Query:
     # -- replies -------------------------------------------------------------------------------------------------------
 
     def ask(self, *trials: Array, pressure: Array | None = None, stiffness: Array | None = None) -> list[Reply]:
-        """The routine's replies to several trial stresses (N, d) a row, asked in one call."""
+        """Return the routine's replies to several trial stresses (N, d) a row, asked in one call."""
         loads = self.case.pressure if pressure is None else pressure
         asked = [(trial, loads) for trial in trials]
         return [self.heeded(reply) for reply in self.together(asked, self.case.stiffness if stiffness is None else stiffness)]
 
     def heeded(self, reply: Reply) -> Reply:
-        """A reply to all the rows; those that it flags are not judged from here on."""
+        """Return a reply to all the rows, of which those that it flags are not judged from here on."""
         self.sound = self.sound & reply.solved
         return reply
 
     def together(self, asked: Sequence[Asked], stiffness: Array) -> list[Reply]:
-        """The replies to trial stresses (N, d) under pressures (N,), asked in one call."""
+        """Return the replies to trial stresses (N, d) under pressures (N,), asked in one call."""
         loads = None if self.case.pressure is None else np.concatenate([pressure for _, pressure in asked if pressure is not None])
         ends = np.cumsum([0, *(len(trial) for trial, _ in asked)]).tolist()
-        rows = np.concatenate([self._rows_of(len(trial)) for trial, _ in asked])
+        every, n = np.arange(len(self.case)), len(self.case)
+        rows = np.concatenate([every if len(trial) == n else self.some.rows for trial, _ in asked])
         whole = self._reply(np.concatenate([trial for trial, _ in asked]), loads, stiffness, rows)
         self.points += len(whole.trial)
         self.flagged += int((~whole.solved).sum())
         return [whole.part(slice(start, end)) for start, end in pairwise(ends)]
-
-    def _rows_of(self, asked: int) -> NDArray[np.intp]:
-        """The rows that so many trial stresses are of: all, or some."""
-        return np.arange(len(self.case)) if asked == len(self.case) else self.some.rows
 
     def _reply(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp], raised: Raised | None = None) -> Reply:
         def ask(at: slice) -> Step:
@@ -269,12 +363,12 @@ class Query:
         return Reply.read(step, trial)
 
     def answer(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp]) -> Step:
-        """What the routine answers to some increments of these ``rows``.  What it raises passes."""
+        """Return what the routine answers to some increments of these ``rows``.  An exception that it raises passes through."""
         values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
         return called(self.update, values, trial, pressure, stiffness, self.answered)
 
     def told_apart_by(self, row: int) -> Hashable:
-        """What else tells an increment of a row from others with the same trial stress, pressure and stiffness."""
+        """Return what else tells an increment of a row from others with the same trial stress, pressure and stiffness."""
         return tuple(self.region.parameters.values())
 
     def _said(self, fault: BaseException) -> str:
@@ -283,7 +377,7 @@ class Query:
         return f"the routine raised {type(fault).__name__}: {words_of(fault)}{self._not_passed(fault)}"
 
     def _not_passed(self, fault: BaseException) -> str:
-        """What there is to say of an argument that the routine misses, if it is a parameter of the law that was given a value."""
+        """Return a hint where the routine misses an argument that is a parameter of the law with a fixed value; else ""."""
         missed = re.search(r"missing .* argument.*?'(\w+)'", str(fault)) if isinstance(fault, TypeError) else None
         if missed is None or missed[1] not in self.region.parameters or missed[1] in self.passed:
             return ""
@@ -361,10 +455,6 @@ class Query:
         third = self.ask(case.third, pressure=None if case.loads is None else case.loads[:, -1])[0]
         return first, beside, *trials, third, self.ask(case.trial)[0]
 
-    def crowded(self, many: int) -> list[Reply]:
-        """The replies to ``trial``, so many increments and more in one call."""
-        return self.ask(*[self.case.trial] * -(-many // len(self.case)))
-
     def along_the_path(self) -> Iterator[Reply]:
         """The replies to the increments of ``path``, from no stress on, each from where the one before has ended."""
         stress, steps = np.zeros_like(self.case.trial), self.case.path.shape[1] - 1
@@ -430,7 +520,7 @@ class Query:
         return known + (case.path[:, i] - case.path[:, i - 1]), None if case.loads is None else case.loads[:, i]
 
     def _at_once(self, asked: Mapping[str, Asked], more: Mapping[str, Asked]) -> Mapping[str, Reply]:
-        """The replies to what is ``asked``, and to ``more`` where the routine can answer all of it."""
+        """Return the replies to what is ``asked``, and to ``more`` where the routine can answer all of it."""
         if more:
             try:
                 return self._at_once({**asked, **more}, {})
@@ -444,5 +534,5 @@ class Query:
 
 
 def _some(rows: int, every: int) -> NDArray[np.intp]:
-    """One row in ``every`` of so many, from the middle of the first ones on."""
+    """Return the places of one row in ``every`` of so many, from the middle of the first ones on."""
     return np.arange(min(rows, every) // 2, rows, every)

@@ -33,10 +33,6 @@ class Finding:
     tried: Mapping[str, int] = field(default_factory=dict)
     case: Case | None = None
 
-    @property
-    def violated(self) -> NDArray[np.bool_]:
-        return ~(self.measured <= self.allowed)
-
 
 @dataclass(frozen=True)
 class Check:
@@ -76,12 +72,12 @@ _checks: dict[tuple[bool, str], Check] = {}
 
 
 def enter(check: Check) -> None:
-    """Add a check."""
+    """Add a check to the registry."""
     _checks[check.of_a_law, check.name] = check
 
 
 def register(name: str, **said: Any) -> Callable[[Callable[[Any], Finding]], Callable[[Any], Finding]]:
-    """A decorator that enters the function below it as the check ``name``; ``said`` are further fields of :class:`Check`."""
+    """Return a decorator that enters a function as the check ``name``; ``said`` are further fields of :class:`Check`."""
 
     def add(measure: Callable[[Any], Finding]) -> Callable[[Any], Finding]:
         enter(Check(name, measure=measure, **said))
@@ -91,13 +87,13 @@ def register(name: str, **said: Any) -> Callable[[Callable[[Any], Finding]], Cal
 
 
 def registered(of_a_law: bool = True) -> dict[str, Check]:
-    """The checks of routines with a law or without, by name; those that look at the law alone come first, as they cost least."""
+    """Return the checks of routines with a law or without, by name; those that look at the law alone come first, as they cost least."""
     found = [check for check in _checks.values() if check.of_a_law == of_a_law]
     return {check.name: check for check in sorted(found, key=lambda c: not c.law_only)}
 
 
 def worst(pairs: Iterable[Iterable[Array]]) -> Finding:
-    """The finding of the one of several pairs, measured (N,) and allowed (N,), that exceeds most in each row."""
+    """Return, of several pairs measured (N,) and allowed (N,), for each row the pair that exceeds most; a nan exceeds all."""
     measured, allowed = (np.stack(each) for each in zip(*pairs, strict=True))
     with np.errstate(all="ignore"):
         at = np.argmax(np.nan_to_num(measured - allowed, nan=np.inf), axis=0), np.arange(measured.shape[1])
@@ -105,7 +101,7 @@ def worst(pairs: Iterable[Iterable[Array]]) -> Finding:
 
 
 def judged(asked: Check, query: Query) -> tuple[Case, str, float, float] | None:
-    """The increment of the worst row, a message, what was measured and what is allowed.
+    """Return the increment of the row that violates a check most, a message, what was measured and what is allowed; None where none does.
 
     Raises NothingToCheck where no row can be judged, NoReply where the routine gave none.
     """
@@ -131,7 +127,7 @@ def judged(asked: Check, query: Query) -> tuple[Case, str, float, float] | None:
         stress = query.here.stress
         with np.errstate(all="ignore"):
             boundless &= np.isfinite(stress).all(axis=1) & ~np.isfinite(query.length(stress))
-    bad = (finding.violated & counts) | boundless
+    bad = (~(finding.measured <= finding.allowed) & counts) | boundless
     if not bad.any():
         return None
     with np.errstate(all="ignore"):

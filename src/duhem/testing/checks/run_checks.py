@@ -57,7 +57,7 @@ def repeatability(q: Query) -> Finding:
 
 
 def _asked_otherwise(q: Query) -> Iterator[tuple[Array, str]]:
-    """Further answers to the trial, and how it was asked."""
+    """Yield further answers to the trial, each with words on how it was asked."""
     if q.by_turns(_APART):
         _, close, *trials, _, last = q.apart
         here = q.here
@@ -66,7 +66,7 @@ def _asked_otherwise(q: Query) -> Iterator[tuple[Array, str]]:
         for found in (*trials, last):
             yield found.stress, " when asked in calls of one size, one after the other"
     if q.turn == _CROWD and len(q.case) > 1:  # copies of one increment do not tell one row from another
-        crowd = q.crowded(_MANY)
+        crowd = q.ask(*[q.case.trial] * -(-_MANY // len(q.case)))
         for found in crowd:
             yield found.stress, f" when asked in a call of {len(crowd) * len(q.case)} increments"
 
@@ -90,7 +90,7 @@ def compared(q: Query, here: Array, again: Array, allowed: Array, otherwise: Ite
 
 
 def _apart(one: Array, other: Array) -> Array:
-    """Their difference, 0 where both are no number: a nan twice is the same answer."""
+    """Return their difference, 0 where neither is finite: a nan twice is the same answer."""
     return np.where(~np.isfinite(one) & ~np.isfinite(other), 0.0, one - other)
 
 

@@ -31,14 +31,14 @@ def tangent(q: Query) -> Finding:
 
 
 def _beyond(q: Query, c: Array) -> tuple[Array, Array]:
-    """By how much tangents are not symmetric or leave [0, k] (N,), and what they may."""
+    """Return by how much tangents are not symmetric or leave [0, k] (N,), and by how much they may."""
     eigen = np.linalg.eigvalsh(0.5 * (c + np.swapaxes(c, 1, 2)))
     off, allowed = asymmetry(q, c)
     return np.maximum(off, np.maximum(-eigen.min(axis=1), eigen.max(axis=1) - 1.0)), allowed
 
 
 def asymmetry(q: Query, c: Array) -> tuple[Array, Array]:
-    """By how much tangents (N, d, d) in the metric of k are not symmetric (N,), and what they may."""
+    """Return by how much tangents (N, d, d) in the metric of k are not symmetric (N,), and by how much they may be."""
     return np.abs(c - np.swapaxes(c, 1, 2)).max(axis=(1, 2)), np.full(len(c), c.shape[1] ** 2 * (q.accuracy + 8.0 * _EPS))
 
 
@@ -113,7 +113,7 @@ def _slopes(q: Query, h: Array, axis: Array) -> Array:
 
 
 def _tangent(q: Query) -> tuple[Array, NDArray[np.bool_]]:
-    """The routine's tangents in the metric of k, and which are finite (the others as 0)."""
+    """Return the routine's tangents (N, d, d) in the metric of k, with 0 in place of those that are not finite, and which are (N,)."""
     given = q.here.tangent
     if given is None:
         raise NothingToCheck("the routine returns no tangent")

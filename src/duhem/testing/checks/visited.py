@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.checks.query import NEAR, UNMEASURED, Query
-from duhem.testing.checks.reply import NoReply, Reply
+from duhem.testing.checks.query import NEAR, UNMEASURED, NoReply, Query, Reply
 
 __all__ = ["Visited"]
 
@@ -29,7 +28,8 @@ class Visited:
     ``stick``, ``slip`` and ``boundary`` are what :meth:`Query.slipping` makes of a trial stress; ``tip``: without pressure; ``NAME+``
     and ``NAME-``: the sign of a force.  ``seam``: slip that ends within 1e-6 of where the formula changes its piece; ``corner``: where
     the normal jumps there; both are shares of the answers looked at.
-    Without a law (``forces`` is empty) forces are counted by their place, and there is no seam and no corner.
+    ``increments``: how many were counted; ``decades``: first and last power of ten of stresses, pressures and stiffnesses that are
+    not zero.  Without a law (``forces`` is empty) forces are counted by their place, and there is no seam and no corner.
     ``unmeasured``: how many of the drawn increments cannot be judged, whatever is answered (:attr:`Query.measurable`).
     """
 
@@ -39,31 +39,21 @@ class Visited:
         self._counts = Counter(dict.fromkeys(names, 0))
         self._counts.update({f"{name}{sign}": 0 for name in forces for sign in "+-"})
         self.unmeasured = self._drawn = 0
-        self._asked = self._looked = self._slipping = self._given_up = 0
-        self._decades: dict[str, tuple[int, int]] = {}
+        self.increments = self._looked = self._slipping = self._given_up = 0
+        self.decades: dict[str, tuple[int, int]] = {}
 
     @property
     def shares(self) -> Mapping[str, float]:
-        """By name, of 1; empty where the routine has answered nothing."""
-        if not self._asked:
+        """The shares by name, between 0 and 1; empty where the routine has answered nothing."""
+        if not self.increments:
             return {}
         base = {"seam": self._looked, "corner": self._looked}
-        return {name: count / max(base.get(name, self._asked), 1) for name, count in self._counts.items()}
-
-    @property
-    def increments(self) -> int:
-        """How many were counted."""
-        return self._asked
+        return {name: count / max(base.get(name, self.increments), 1) for name, count in self._counts.items()}
 
     @property
     def given_up(self) -> float:
         """The share of the increments that slip which the routine flags as not solved; without a law, of all increments."""
         return self._given_up / self._slipping if self._slipping else 0.0
-
-    @property
-    def decades(self) -> Mapping[str, tuple[int, int]]:
-        """First and last power of ten of stresses, pressures and stiffnesses that are not zero."""
-        return dict(self._decades)
 
     def measure(self, query: Query) -> None:
         """Count the increments of a case that has been drawn, and those that cannot be judged."""
@@ -71,7 +61,7 @@ class Visited:
         self.unmeasured += int((~query.measurable).sum())
 
     def demand_measured(self, where: str) -> None:
-        """InputError where increments were drawn, and none of them could be judged."""
+        """Raise InputError where increments were drawn, and none of them could be judged."""
         if self._drawn and self.unmeasured == self._drawn:
             remedy = "give pressure, stiffness and parameters in other units"
             raise InputError(f"none of {self._drawn} increments can be judged: {UNMEASURED}", where=where, remedy=remedy)
@@ -93,7 +83,7 @@ class Visited:
     def _trials(self, query: Query, reply: Reply) -> None:
         solved, trial = reply.solved, reply.trial
         slips, boundary = query.slipping(reply)
-        self._asked += int(solved.sum())
+        self.increments += int(solved.sum())
         self._count("stick", ~slips & solved)
         self._count("slip", slips & solved)
         may_slip = slips | (not self.forces)  # an answer that is given up does not say whether it slips
@@ -133,5 +123,5 @@ class Visited:
         sizes = sizes[(sizes > 0.0) & np.isfinite(sizes)]
         if sizes.size:
             low, high = (int(np.floor(np.log10(x))) for x in (sizes.min(), sizes.max()))
-            before = self._decades.get(name, (low, high))
-            self._decades[name] = min(low, before[0]), max(high, before[1])
+            before = self.decades.get(name, (low, high))
+            self.decades[name] = min(low, before[0]), max(high, before[1])

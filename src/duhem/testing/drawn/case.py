@@ -48,11 +48,11 @@ class Case:
         return len(self.trial)
 
     def row(self, i: int) -> Case:
-        """The case of one increment alone."""
+        """Return the case of one increment alone."""
         return self.rows(slice(i, i + 1))
 
     def rows(self, which: slice | NDArray[np.intp]) -> Case:
-        """The case of some of the increments."""
+        """Return the case of some of the increments."""
         whole = ("parameters", "stiffness", "factor")
         parts = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in whole}
         rows: dict[str, Any] = {name: None if part is None else part[which] for name, part in parts.items()}
@@ -75,12 +75,14 @@ class Case:
             return f"<Case of {len(self)} increments, parameters {dict(self.parameters)}>"
         return f"Case({', '.join(self.arguments())})"
 
+    def plain(self) -> dict[str, Any]:
+        """Return the fields as numbers, lists and dictionaries, from which the case is built again to the last bit."""
+        parts = {f.name: getattr(self, f.name) for f in fields(self)} | {"parameters": dict(self.parameters)}
+        return {name: part.tolist() if isinstance(part, np.ndarray) else part for name, part in parts.items()}
+
     def arguments(self) -> list[str]:
-        """What builds the case again to the last bit, ``name=value`` each."""
-        parts = {f.name: getattr(self, f.name) for f in fields(self)}
-        texts = {name: repr(part.tolist() if isinstance(part, np.ndarray) else part) for name, part in parts.items()}
-        texts["parameters"] = repr(dict(self.parameters))
-        return [f"{name}={text}" for name, text in texts.items()]
+        """Return the arguments that build the case again to the last bit, each as ``name=value``."""
+        return [f"{name}={part!r}" for name, part in self.plain().items()]
 
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
         """As Hypothesis and IPython print: by the representation above, not field by field."""

@@ -40,7 +40,7 @@ class RunOptions:
     seed: int | None = None
 
     def check(self, law: Criterion | None) -> None:
-        """InputError for the first of them that cannot be used."""
+        """Raise InputError for the first option that cannot be used."""
         _check_stiffness(self.stiffness, law)
         _check_pressure(self.pressure, law)
         if not _is_number(self.accuracy) or not 0.0 < self.accuracy < 1.0:  # beyond, every stress would do
@@ -56,7 +56,7 @@ class RunOptions:
 
 
 def _check_count(given: Any, where: str, least: int | None) -> None:
-    """InputError unless it is a whole number, and not below ``least``."""
+    """Raise InputError unless it is a whole number, and not below ``least``."""
     if isinstance(given, bool) or not isinstance(given, Integral):
         raise InputError(f"{given!r} is not a whole number", where=where, remedy=f"give one, for example {max(least or 0, 1) * 10}")
     if least is not None and given < least:
@@ -64,13 +64,13 @@ def _check_count(given: Any, where: str, least: int | None) -> None:
 
 
 def check_share(given: Any, where: str) -> None:
-    """InputError unless it is a number from 0 to 1."""
+    """Raise InputError unless it is a number from 0 to 1."""
     if not _is_number(given) or not 0.0 <= given <= 1.0:
         raise InputError(f"{given!r} is no share", where=where, remedy="give a number from 0 to 1, for example 0.1")
 
 
 def stiffness_matrix(given: ArrayLike, law: Criterion | None) -> Array:
-    """k (d, d) of one number, (d,) or (d, d) in Pa/m, without a law (d,) or (d, d).  InputError for another shape.
+    """Return k (d, d) of one number, (d,) or (d, d) in Pa/m, without a law (d,) or (d, d).  Raises InputError for another shape.
 
     One number is a stiffness as :func:`duhem.project` takes it: of the tensors, where the law declares a stress.
     """
@@ -86,7 +86,7 @@ def stiffness_matrix(given: ArrayLike, law: Criterion | None) -> Array:
 
 
 def _check_stiffness(given: ArrayLike | Strategy | None, law: Criterion | None) -> None:
-    """InputError unless it is of a shape that the law takes, and positive definite; a strategy is not looked into."""
+    """Raise InputError unless it is of a shape that the law takes, and positive definite; a strategy is not looked into."""
     if given is None or isinstance(given, SearchStrategy):
         return
     k, least = stiffness_matrix(given, law), np.min(np.asarray(given, dtype=np.float64))
@@ -99,7 +99,7 @@ def _check_stiffness(given: ArrayLike | Strategy | None, law: Criterion | None) 
 
 
 def _check_pressure(given: float | Strategy | None, law: Criterion | None) -> None:
-    """InputError unless it is one number <= 0, in Pa, that the law admits; a strategy is not looked into."""
+    """Raise InputError unless it is one number <= 0, in Pa, that the law admits; a strategy is not looked into."""
     if given is None or isinstance(given, SearchStrategy):
         return
     value = _numbers(given, "pressure", "give one number, for example -1e6")

@@ -46,7 +46,7 @@ def _pressures(low: int, high: int) -> list[float]:
 
 
 def _admitted(law: Criterion) -> list[float]:
-    """Those in the range that the law declares, its ends among them."""
+    """Return the pressures in the range that the law declares, with its ends."""
     own = law.domain.get(law.pressure or "")
     if own is None:
         return _pressures(-6, 6)
@@ -99,7 +99,7 @@ def ways(d: int) -> Strategy:
 
 
 def _unit(ways: Array) -> Array:
-    """The same with components of the largest size, which is 1 at most, put to 1."""
+    """Return directions with the components of the largest size, which is 1 at most, put to 1."""
     size = np.abs(ways).max(axis=1, keepdims=True)
     return np.where(size < 1e-300, np.eye(ways.shape[1])[0], np.where(np.abs(ways) == size, np.sign(ways), ways))
 
@@ -246,36 +246,25 @@ def cases(
     A case of one increment shrinks; the rows of a larger one are picked from the same tables by a seed.
     """
     known = load_formula(law)
-    fixed = known.fix(values)
-    d = len(known.forces)
+    fixed, d = known.fix(values), len(known.forces)
     numbers = {name: float(domain.value) for name, domain in fixed.parameters.items() if domain.value is not None}
-    k = _given(stiffness, stiffnesses(d)).map(lambda x: stiffness_matrix(x, known))
+    k_drawn = _given(stiffness, stiffnesses(d)).map(lambda x: stiffness_matrix(x, known))
     given = None if pressure is None or not known.pressure else _given(pressure, st.nothing())
     tables = [*[_COMPONENTS] * (3 * d), *_TABLES, *[_admitted(known)] * 2]
-    return _cases(known, numbers, _drawn(fixed), k, given, tables, rows)
 
+    @st.composite
+    def case(draw: st.DrawFn) -> Case:
+        values = numbers | draw(_drawn(fixed))
+        k = draw(k_drawn)
+        factor = draw(table([2.0, 0.5, 4.0, 2.0**20, 2.0**-20]))
+        picked, rng = _picked(draw, tables, rows)
+        if rng is not None and rng.random() < _OPEN:
+            picked[-1, 3 * d], picked[-1, -2] = _PLACES.index(("ray", 0.0)), tables[-2].index(max(tables[-2]))
+        columns = _columns(tables, picked)
+        loads = np.array(columns[-2:], dtype=np.float64) if given is None else _loads(draw, given, rows)
+        return _case(Region(known, {name: values[name] for name in known.parameters}), k, factor, loads, columns)
 
-@st.composite
-def _cases(
-    draw: st.DrawFn,
-    law: Criterion,
-    numbers: Mapping[str, float],
-    open_: Strategy,
-    stiffness: Strategy,
-    pressure: Strategy | None,
-    tables: list[list[Any]],
-    rows: int,
-) -> Case:
-    free = draw(open_)
-    values = {name: free[name] if name in free else numbers[name] for name in law.parameters}
-    k = draw(stiffness)
-    factor = draw(table([2.0, 0.5, 4.0, 2.0**20, 2.0**-20]))
-    picked, rng = _picked(draw, tables, rows)
-    if rng is not None and rng.random() < _OPEN:
-        picked[-1, 3 * len(k)], picked[-1, -2] = _PLACES.index(("ray", 0.0)), tables[-2].index(max(tables[-2]))
-    columns = _columns(tables, picked)
-    loads = np.array(columns[-2:], dtype=np.float64) if pressure is None else _loads(draw, pressure, rows)
-    return _case(Region(law, values), k, factor, loads, columns)
+    return case()
 
 
 _TABLES: list[list[Any]] = [
@@ -284,17 +273,17 @@ _TABLES: list[list[Any]] = [
 
 
 def _given(given: Any, otherwise: Strategy) -> Strategy:
-    """What is given, a strategy or a value, as a strategy; ``otherwise`` where it is None."""
+    """Return what is given, a strategy or a value, as a strategy; ``otherwise`` where it is None."""
     return otherwise if given is None else given if isinstance(given, st.SearchStrategy) else st.just(given)
 
 
 def _drawn_from(draw: st.DrawFn, given: Any) -> Any:
-    """What is given, or what is drawn where it is a strategy."""
+    """Return what is given, or what is drawn from it where it is a strategy."""
     return draw(given) if isinstance(given, st.SearchStrategy) else given
 
 
 def _picked(draw: st.DrawFn, tables: Sequence[Sequence[Any]], rows: int) -> tuple[NDArray[np.intp], np.random.Generator | None]:
-    """Places (rows, tables) in tables: of one row drawn each, so that they shrink, of several by a generator of drawn seed."""
+    """Return places (rows, tables) in tables: those of one row are drawn, so that they shrink, those of several come from a drawn seed."""
     lengths = [len(each) for each in tables]
     if rows == 1:
         return np.array([draw(st.tuples(*(st.integers(0, n - 1) for n in lengths)))]), None
@@ -303,12 +292,12 @@ def _picked(draw: st.DrawFn, tables: Sequence[Sequence[Any]], rows: int) -> tupl
 
 
 def _columns(tables: Sequence[Sequence[Any]], picked: NDArray[np.intp]) -> list[list[Any]]:
-    """The entries of each table at the places of its column."""
+    """Return, for each table, its entries at the places of its column."""
     return [[each[i] for i in column] for each, column in zip(tables, picked.T.tolist(), strict=True)]
 
 
 def _loads(draw: st.DrawFn, pressure: float | Strategy, rows: int) -> Array:
-    """Pressures (2, rows): two for each path, as they are given or drawn."""
+    """Return pressures (2, rows), two for each row, as they are given or drawn."""
     if isinstance(pressure, st.SearchStrategy):
         return np.array([draw(st.lists(pressure, min_size=rows, max_size=rows)) for _ in range(2)], dtype=np.float64)
     return np.full((2, rows), float(pressure))

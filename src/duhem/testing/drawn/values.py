@@ -120,7 +120,7 @@ class Admitted:
         grid = np.array(sorted(x for x in own if x in self.law.parameters[name]))
 
         def margin(x: np.ndarray) -> np.ndarray:
-            """The least of what the constraints are satisfied by; negative outside."""
+            """Return the least margin by which the constraints are satisfied; it is negative outside."""
             with np.errstate(all="ignore"):
                 each = [np.broadcast_to(gap(others | {name: x}), x.shape) for gap in gaps]
             return np.asarray(np.nan_to_num(np.min(each, axis=0), nan=-np.inf))
@@ -161,7 +161,7 @@ def admitted(law: Criterion) -> Admitted:
 
 
 def _tried(here: Admitted) -> Iterator[dict[str, float]]:
-    """The draws, of a few, that reach the last parameter."""
+    """Yield the draws, of a few, that reach the last parameter."""
     dice = Random(0)
     for i in range(_TRIES):
         try:
@@ -177,7 +177,7 @@ def _fixed(law: Criterion) -> dict[sp.Symbol, sp.Rational]:
 
 @lru_cache(maxsize=256)
 def _about(law: Criterion, name: str, taken: frozenset[str]) -> tuple[int, ...]:
-    """The constraints on ``name`` and none but those taken or fixed."""
+    """Return the constraints on ``name`` and on no others than those taken or fixed."""
     known = {*taken, name, *(n for n, domain in law.parameters.items() if domain.value is not None)}
     used = [{str(s) for s in relation.free_symbols} for relation in law.constraints]
     return tuple(i for i, names in enumerate(used) if name in names and names <= known)
@@ -185,7 +185,7 @@ def _about(law: Criterion, name: str, taken: frozenset[str]) -> tuple[int, ...]:
 
 @lru_cache(maxsize=256)
 def _gap(law: Criterion, i: int) -> Callable[[Mapping[str, object]], np.ndarray]:
-    """What a constraint is satisfied by, of values by name."""
+    """Return the margin by which a constraint is satisfied, as a function of values by name."""
     relation = law.constraints[i]
     symbols = tuple(relation.free_symbols)
     program = compiled(relation.gts - relation.lts, symbols)

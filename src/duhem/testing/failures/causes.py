@@ -13,7 +13,7 @@ __all__ = ["CAUSES", "FREE_CAUSES", "Cause", "as_expected", "by_cause", "likelie
 
 @dataclass(frozen=True)
 class Cause:
-    """Where a check that fails is the cause: the checks that fail with it, and why they do."""
+    """A check that may be the cause, the checks that fail with it, and why they do."""
 
     check: str
     explains: tuple[str, ...]
@@ -68,7 +68,7 @@ _UNSYMMETRIC = {"potential", "firmness", "variational-inequality"}  # a stress w
 
 
 def by_cause(failures: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
-    """The failures that are likely causes, the likeliest first, and those that they explain.
+    """Return the failures that are likely causes, the likeliest first, and those that they explain.
 
     The diagnosis that explains most failures of a kind is taken first, and they are one; the others are ordered by the table.
     """
@@ -94,7 +94,7 @@ def by_cause(failures: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Fa
 def as_expected(
     reasons: Mapping[str, str], failed: Collection[str], passed: Collection[str], left_out: Mapping[str, str], of_a_law: bool
 ) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
-    """The checks that failed as expected, those that passed though they had to fail, and those left out; each by name with the reason.
+    """Return the checks that failed as expected, those that passed though they had to fail, and those left out, each with the reason.
 
     ``reasons`` are those for which checks are known to fail.  Which of the checks that a cause explains fail with it depends on the
     cases that were drawn, so that they may fail or pass.
@@ -110,25 +110,25 @@ def as_expected(
 
 
 def _explained_by(check: str, failed: Collection[str], of_a_law: bool) -> tuple[str, ...]:
-    """The checks that may fail for the reason for which ``check`` does, by the table alone; those that ``failed`` are with it."""
+    """Return the checks that may fail for the reason for which ``check`` does, by the tables; ``failed`` are all that failed with it."""
     behind = _TABLES[of_a_law].get(check, ())
     turned = _UNSYMMETRIC & {check, *behind} & set(failed)
     return (*behind, "tangent") if check in _STRESS and turned and "slope" not in failed else behind
 
 
 def likeliest_first(failure: Failure) -> tuple[int, int]:
-    """A key to sort failures by."""
+    """Return a key that sorts failures, the likeliest cause first."""
     order = [*_TABLES[failure.check.of_a_law], failure.check.name]
     return _kind(failure), order.index(failure.check.name)
 
 
 def of_stress(failure: Failure) -> bool:
-    """Whether it is one of the stress itself, not of what is returned beside it or of the calls."""
+    """Return whether a failure is one of the stress itself, not of what is returned beside it or of the calls."""
     return failure.check.of_a_law and failure.check.name in _STRESS
 
 
 def _kind(failure: Failure) -> int:
-    """0 for causes of all, 1 for those of stresses, 2 for those of what is returned beside them; without a law 0."""
+    """Return 0 for causes of all, 1 for those of stresses, 2 for those of what is returned beside them; without a law always 0."""
     if not failure.check.of_a_law:
         return 0
     name = failure.check.name

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from math import isnan
 from typing import Any, Literal, TypeAlias
@@ -24,8 +24,7 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
-from duhem.testing.checks.query import Query
-from duhem.testing.checks.reply import NoReply, Reply
+from duhem.testing.checks.query import NoReply, Query, Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.causes import likeliest_first
@@ -45,7 +44,7 @@ _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers 
 
 
 def _closest(law: Criterion | None, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> Array:
-    """duhem's own closest points (N, d); nan where it flags one, or the law, its values or the stiffness have none, or no law is known."""
+    """Return duhem's own closest points (N, d); nan where it flags one, where law, values or stiffness have none, or without a law."""
     if law is None:
         return np.full_like(trial, np.nan)
     free = {name: value for name, value in values.items() if law.parameters[name].value is None}
@@ -56,7 +55,7 @@ def _closest(law: Criterion | None, values: Mapping[str, float], trial: Array, p
 
 
 def departure(query: Query) -> Departure | None:
-    """The first increment of a case of one at which the answer departs from the closest point, or else its trial.
+    """Return the first increment of a case of one at which the answer departs from the closest point, or else that of its trial.
 
     None where the routine does not answer.
     """
@@ -82,7 +81,7 @@ def departure(query: Query) -> Departure | None:
 
 
 def _increments(query: Query) -> Iterator[tuple[Array, Array, Reply]]:
-    """What the checks ask of a case, in their order: pressure, stiffness and reply; without a law the trial alone."""
+    """Yield what the checks ask of a case, in their order: pressure, stiffness and reply; without a law the trial alone."""
     case, p, k = query.case, query.pressure, query.case.stiffness
     yield p, k, query.here
     if query.region.law is None:
@@ -99,28 +98,15 @@ def _increments(query: Query) -> Iterator[tuple[Array, Array, Reply]]:
         yield p if case.loads is None else case.loads[:, i], k, reply
 
 
-@dataclass(frozen=True)
 class Probe:
-    """The routine asked at N increments beside a failing one, which is the first; ``query`` holds them."""
+    """The routine asked at N increments beside a failing one, which is the first; ``query`` holds them.
 
-    query: Query
-    reply: Reply
+    Arrays: ``trial`` and ``returned`` stresses (N, d), ``pressure`` (N,), ``stiffness`` (d, d).
+    """
 
-    @property
-    def trial(self) -> Array:
-        return self.reply.trial
-
-    @property
-    def returned(self) -> Array:
-        return self.reply.stress
-
-    @property
-    def stiffness(self) -> Array:
-        return self.query.case.stiffness
-
-    @property
-    def pressure(self) -> Array:
-        return self.query.pressure
+    def __init__(self, query: Query, reply: Reply) -> None:
+        self.query, self.reply, self.trial, self.returned = query, reply, reply.trial, reply.stress
+        self.stiffness, self.pressure = query.case.stiffness, query.pressure
 
     @cached_property
     def closest(self) -> Array:
@@ -145,19 +131,12 @@ class Probe:
             columns.append(np.where(smooth[:, None], np.mean(ways, axis=0), np.nan))
         return np.asarray(np.stack(columns, axis=2) @ q.axes)  # the axes are L, and along them go steps L^-T of displacement
 
-    def projected(
-        self,
-        trial: Array | None = None,
-        pressure: Array | None = None,
-        stiffness: Array | None = None,
-        parameters: Mapping[str, float] | None = None,
-    ) -> Array:
-        """The closest points (N, d) of what is not as it should be; nan where they are not known."""
+    def projected(self, trial: Array | None = None, **other: Any) -> Array:
+        """Return the closest points (N, d) with another ``pressure``, ``stiffness`` or ``parameters``; nan where they are not known."""
         region = self.query.region
-        loads = None if region.law.pressure is None else self.pressure if pressure is None else pressure
-        values = {**region.parameters, **(parameters or {})}
-        k = self.stiffness if stiffness is None else stiffness
-        return _closest(region.law, values, self.trial if trial is None else trial, loads, k)
+        loads = None if region.law.pressure is None else other.get("pressure", self.pressure)
+        values = {**region.parameters, **other.get("parameters", {})}
+        return _closest(region.law, values, self.trial if trial is None else trial, loads, other.get("stiffness", self.stiffness))
 
     @cached_property
     def kept(self) -> list[tuple[str, Mapping[str, Any]]]:
@@ -177,7 +156,7 @@ class Probe:
             yield f"{told}, {'that' if len(kept) == 1 else 'those'}", {"parameters": kept}
 
     def _goes_back_to(self, given: Mapping[str, Any]) -> bool:
-        """Whether trial stresses outside the set that is kept come back to it, under another stiffness too.
+        """Return whether trial stresses outside the set that is kept come back to it, under another stiffness too.
 
         One inside is answered as by a routine that does nothing; another stiffness may have a first call of its own.
         """
@@ -214,7 +193,7 @@ def suggests(part: Part) -> Callable[[Suggest], Suggest]:
 
 
 def diagnoses(part: Part, query: Query, found: Departure) -> dict[str, str]:
-    """By name, what explains the answers beside ``found``, the best explanation first; empty where nothing does."""
+    """Return by name what explains the answers beside ``found``, the best explanation first; empty where nothing does."""
     believed: list[tuple[int, str, str]] = []
     with suppress(NoReply, InputError, np.linalg.LinAlgError), np.errstate(all="ignore"):
         probe = _probe(query, found)
@@ -224,7 +203,7 @@ def diagnoses(part: Part, query: Query, found: Departure) -> dict[str, str]:
             return {}
 
         def explains(answers: Array) -> tuple[int, int] | None:
-            """Of how many right increments it does not give the answer, and says another; None where not of all that are wrong."""
+            """Return how many right increments it answers otherwise, and of these those it has an answer for; None if not believed."""
             meant = _in_energy(part, probe, answers)
             same = _apart(given, meant) <= _CLEAR * allowed
             if not same[wrong].all() or not _apart(meant, right)[0] > _CLEAR * allowed[0]:
@@ -248,7 +227,7 @@ def _apart(a: Array, b: Array) -> Array:
 
 
 def _measured(part: Part, probe: Probe) -> tuple[Array, Array, Array]:
-    """What was returned, what is right, and the error allowed, as lengths in the energy of the stiffness: (N, m), (N, m), (N,)."""
+    """Return what was returned (N, m), what is right (N, m), and the error allowed (N,), as lengths in the energy of the stiffness."""
     q, reply, u = probe.query, probe.reply, probe.query.unit(probe.reply)
     given = getattr(reply, part)
     if given is None:
@@ -276,7 +255,7 @@ def _in_energy(part: Part, probe: Probe, answers: Array) -> Array:
 
 
 def _probe(query: Query, found: Departure) -> Probe:
-    """Increments beside, beyond and within, under other pressures too; the numbers are like no others, so that none is special."""
+    """Ask for increments beside, beyond and within, under other pressures too; the numbers are like no others, so that none is special."""
     trial, at = np.array(found.trial), np.array(query.case.trial[0]) if found.closest is None else np.array(found.closest)
     size, d = np.abs(trial).max(), len(trial)
     signs = np.where(np.arange(d) % 2 == 0, 1.0, -1.0)
@@ -311,7 +290,7 @@ def _probe(query: Query, found: Departure) -> Probe:
 
 
 def constant(values: Array) -> float | None:
-    """The value that all of them have that are finite, but for 1e-6 of it; None where they differ."""
+    """Return the value that all finite ones have, but for 1e-6 of it; None where they differ."""
     known = values[np.isfinite(values)]
     if not known.size or np.ptp(known) > 1e-6 * np.abs(known).max():
         return None
@@ -319,12 +298,12 @@ def constant(values: Array) -> float | None:
 
 
 def registered_suggestions() -> set[str]:
-    """The names of all that may be said."""
+    """Return the names of all suggestions."""
     return {name for each in _suggestions.values() for name in each}
 
 
 def diagnosed(failures: Iterable[Failure], asked: Callable[[Case], Query], made: Origin, accused: bool) -> list[Failure]:
-    """Failures with what the routine returned, asked again; of those of one part of its answer the likeliest causes are diagnosed.
+    """Return failures with what the routine returned, asked again; of those of one part of its answer the likeliest are diagnosed.
 
     ``accused``: a check of the stress has failed.  Without a law no closest point is known, and nothing is diagnosed.
     """
@@ -344,7 +323,7 @@ def diagnosed(failures: Iterable[Failure], asked: Callable[[Case], Query], made:
 
 
 def instead(failure: Failure, asked: Callable[[Case], Query], accused: bool) -> dict[str, str]:
-    """By name, what the routine does instead, where that is known.
+    """Return by name what the routine does instead, where that is known.
 
     Of a stress that is not the closest point a tangent says so first, where no check has ``accused`` the stress.
     """

@@ -41,11 +41,6 @@ class Departure:
     closest: Numbers | None
     apart: bool
 
-    @property
-    def difference(self) -> Numbers | None:
-        """``returned`` less ``closest``."""
-        return None if self.closest is None else tuple(np.subtract(self.returned, self.closest).tolist())
-
 
 @dataclass(frozen=True)
 class Failure:
@@ -118,14 +113,15 @@ class Failure:
         if (at := (found.trial, found.pressure, found.stiffness)) != asked:
             yield "at", f"{_increment(*at, of_tensors)}, which the check asks too"
         yield "returned", _vector(found.returned)
-        if found.closest is not None and found.difference is not None:
+        if found.closest is not None:
+            within = "" if found.apart else ", within what is allowed"
             yield "closest", _vector(found.closest)
-            yield "difference", _vector(found.difference) + ("" if found.apart else ", within what is allowed")
+            yield "difference", _vector(np.subtract(found.returned, found.closest).tolist()) + within
 
     # -- Python that shows it again ------------------------------------------------------------------------------------
 
     def reproducer(self) -> str:
-        """A few lines of Python that print the failure again wherever they are run.
+        """Return a few lines of Python that print the failure again wherever they are run.
 
         ``...`` stands for a routine or a law that has no name to import.  What need not show at one increment alone is shown by the run
         that draws them all again, where its arguments can be written.
@@ -150,7 +146,7 @@ class Failure:
         return "\n".join(lines)
 
     def replay(self, place: Path | None = None) -> str:
-        """The text of a test file for the folder ``place`` that fails as long as the routine does; a stub where routine or law lack names.
+        """Return the text of a test file for the folder ``place`` that fails as long as the routine does.
 
         It shows one increment, and where that passes the run that found it, with its arguments where these can be written: what a routine
         keeps of other calls shows only after them.  The folder of the routine, and files that it or the law is made of, such as a shared
@@ -206,7 +202,7 @@ def _vector(values: Sequence[float]) -> str:
 
 
 def _matrix(rows: Sequence[Sequence[float]], one: Sequence[float]) -> str:
-    """A multiple of ``one``, which is what a single number says, as that number, a diagonal as such."""
+    """Write a matrix: a multiple of ``one``, which is what a single number means, as that number, and a diagonal one as its diagonal."""
     diagonal = [row[i] for i, row in enumerate(rows)]
     if any(x for i, row in enumerate(rows) for j, x in enumerate(row) if i != j):
         return f"[{', '.join(map(_vector, rows))}]"
@@ -230,7 +226,7 @@ def _words(text: str) -> str:
 
 
 def _nameless(routine: str) -> str:
-    """What to put in the place of a routine that has no name to import."""
+    """Return a comment that says what to put in the place of a routine without a name to import."""
     maker, inner, _ = routine.rpartition(".<locals>.")
     return f"made by {maker}: put here the lines that make it" if inner else f"{routine} has no name that can be imported: put it here"
 
@@ -241,19 +237,19 @@ def _stub(routine: str) -> str:
 
 
 def _imports(law: str) -> list[str]:
-    """The line that imports what the Python for a law is made of."""
+    """Return the line that imports what the Python for a law uses, if any."""
     names = [name for name in ("Criterion", "Domain", "load") if f"{name}(" in law or f"{name}." in law]
     return [f"from duhem import {', '.join(names)}"] if names else []
 
 
 def drawn_again(given: Mapping[str, Any], **counts: Any) -> str:
-    """The arguments with which :func:`duhem.testing.conformance` draws the same cases, as Python; "" where one cannot be written."""
+    """Write as Python the arguments with which :func:`duhem.testing.conformance` draws the same cases; "" where one cannot be written."""
     plain = {name: _plain(value) for name, value in given.items() if value is not None}
     return "" if None in plain.values() else ", ".join(f"{name}={value!r}" for name, value in {**plain, **counts}.items())
 
 
 def _plain(value: Any) -> Any:
-    """Numbers, and lists and mappings of them; None for a strategy."""
+    """Return a value as numbers, and lists and mappings of them; None for a strategy."""
     if isinstance(value, Mapping):
         parts = {name: _plain(part) for name, part in value.items()}
         return None if None in parts.values() else parts
@@ -267,7 +263,7 @@ def _plain(value: Any) -> Any:
 
 
 def _from(place: Path | None, folder: str) -> str:
-    """Python for a folder or file as seen from the one of the file; '' where they have nothing in common."""
+    """Write as Python a folder or file as seen from ``place``; '' where they have no folder in common."""
     if place is None or not folder:
         return ""
     try:
@@ -280,7 +276,7 @@ def _from(place: Path | None, folder: str) -> str:
 
 
 def _moving(place: Path | None, text: str) -> str:
-    """Python with the files that it names by their whole path named from the folder of the file."""
+    """Return Python in which files that are named by their whole path are named from ``place``."""
     lines = text.encode().splitlines(keepends=True)  # ast counts bytes
     named = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
     for node in sorted(named, key=lambda node: (node.lineno, node.col_offset), reverse=True):

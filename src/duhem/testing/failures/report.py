@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from duhem.show.junit import JUnitCase, JUnitSuite, Outcome, as_xml
-from duhem.show.page import PAGE, Page
+from duhem.show.page import PAGE
 from duhem.show.printing import plain, sheet, text
 from duhem.show.sheet import Sheet
 from duhem.show.shown import Shown
@@ -124,7 +124,7 @@ class Report(Shown):
 
 @plain.register(Report)
 def as_dict(report: Report) -> dict[str, Any]:
-    """Everything a report holds, with what shows each failure again; numbers that are not finite as None."""
+    """Return everything a report holds, with what shows each failure again; a number that is not finite is None."""
     return {
         "law": report.law,
         "ok": report.ok,
@@ -147,15 +147,12 @@ def as_dict(report: Report) -> dict[str, Any]:
     }
 
 
-@text.register(Report)
-def as_text(report: Report, page: Page = PAGE) -> str:
-    """What ``str`` gives: lines of code to see a failure again stay as they are, however wide."""
-    return str(report)
+text.register(Report, lambda report, page=PAGE: str(report))  # lines of code to see a failure again stay as they are, however wide
 
 
 @sheet.register(Report)
 def as_sheet(report: Report) -> Sheet:
-    """A row a check; then what is likely wrong, and why checks were left out or expected to fail."""
+    """Return a sheet with a row a check; then what is likely wrong, and why checks were left out or expected to fail."""
     outcomes = dict.fromkeys(report.passed, "passed") | dict.fromkeys(report.left_out, "left out")
     outcomes |= dict.fromkeys(sorted(report.failed), "failed") | dict.fromkeys(report.expected, "failed, as expected")
     outcomes |= dict.fromkeys(report.unexpected, "passed, and was expected to fail")
@@ -200,7 +197,7 @@ def _finite(x: float) -> float | None:
 
 
 def as_junit(reports: Mapping[str, Report]) -> str:
-    """One suite a routine, by its name, and one case a check, and one for what it flags where that is bounded.
+    """Return JUnit's XML: a suite a routine, by its name, with a case a check, and one for what it flags where that is bounded.
 
     What was visited and drawn stands in properties.
     """
@@ -217,7 +214,7 @@ def _suite(name: str, report: Report) -> JUnitSuite:
 
 
 def _flagged(report: Report) -> Iterator[JUnitCase]:
-    """The case of what is flagged, where not any share may be."""
+    """Yield the case of what is flagged, where the share of it is bounded."""
     if report.flags_too_many:
         yield JUnitCase("flagged", Outcome.FAILED, report.flags())
     elif report.most_flagged is not None:

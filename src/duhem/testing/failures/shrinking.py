@@ -5,9 +5,10 @@ What the failure does not need is put to nothing, and the rest is rounded as far
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import fields, replace
+from dataclasses import replace
+from itertools import takewhile
 from math import floor, isfinite, log10
 from random import Random
 from time import monotonic
@@ -18,14 +19,14 @@ from hypothesis import find, settings
 from hypothesis.errors import Flaky, NoSuchExample
 
 from duhem.projection.result import Array
+from duhem.testing.checks.query import Raised
 from duhem.testing.checks.registry import Check
-from duhem.testing.checks.reply import Raised
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.values import Strategy, scaled
 from duhem.testing.failures.failure import Failure
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["RAISED", "least_case", "simplified", "unrounded"]
+__all__ = ["RAISED", "least_case", "simplified"]
 
 _TRIES = 200  # to make a case round
 _STRESSES = ("trial", "other", "third", "inside", "beside", "path")
@@ -84,13 +85,6 @@ def least_case(
     return None if least is None or first is None else (least, first)
 
 
-def unrounded(case: Case) -> int:
-    """How many numbers of a case have more than two digits; equal ones count once."""
-    parts = [getattr(case, f.name) for f in fields(case)[1:]]
-    every = {*case.parameters.values(), *(x for part in parts if part is not None for x in np.ravel(part).tolist())}
-    return sum(not _round(x) for x in every)
-
-
 def simplified(
     case: Case,
     fails: Callable[[Case], bool],
@@ -119,13 +113,13 @@ def simplified(
 
 
 class _Shorter:
-    """The shortest case so far; so many tries are ``left``."""
+    """The shortest case so far; ``left`` counts the tries that remain."""
 
     def __init__(self, case: Case, fails: Callable[[Case], bool]) -> None:
         self.case, self.fails, self.left = case, fails, _TRIES
 
     def put(self, **changes: Any) -> bool:
-        """Whether it still fails with something changed, which it then is."""
+        """Return whether the case still fails with ``changes``; they stay where it does."""
         if self.left == 0:
             return False
         self.left -= 1
@@ -135,21 +129,24 @@ class _Shorter:
         self.case = other
         return True
 
+    def first(self, changes: Iterable[Mapping[str, Any]]) -> bool:
+        """Try changes one after the other until the case still fails with one; return whether there was one."""
+        return any(self.put(**each) for each in changes)
+
     def whole(self) -> None:
-        """Parts that the failure does not look at."""
+        """Put to nothing the parts that the failure does not look at."""
         case = self.case
         zero = np.zeros_like(case.trial)
         loads = None if case.pressure is None else np.repeat(case.pressure[:, None], 2, axis=1)
         if self.put(**{name: zero for name in _STRESSES[1:5]}, path=np.repeat(zero[:, None], 2, axis=1), loads=loads, factor=2.0):
             return
-        for knots in range(2, case.path.shape[1]):
-            if self.put(path=case.path[:, :knots], loads=None if case.loads is None else case.loads[:, :knots]):
-                break
+        own, knots = case.loads, range(2, case.path.shape[1])
+        self.first({"path": case.path[:, :n], "loads": None if own is None else own[:, :n]} for n in knots)
         for name in _STRESSES[1:5]:
             self.put(**{name: zero})
 
     def pressed(self, may: Callable[[float], bool]) -> None:
-        """A pressure of 1 Pa, all stresses in proportion, or not; or a round one."""
+        """Put the pressure to -1 Pa, with all stresses in proportion or as they are, or else to a round number."""
         assert self.case.pressure is not None
         p = float(self.case.pressure[0])
         if may(-1.0) and p < 0.0:
@@ -157,17 +154,13 @@ class _Shorter:
             loads = None if self.case.loads is None else self.case.loads / -p
             if p == -1.0 or self.put(**stresses, pressure=[-1.0], loads=loads) or self.put(pressure=[-1.0]):
                 p = -1.0
-        for other in _rounder(p):
-            if may(other) and self.put(pressure=[other]):
-                break
+        self.first({"pressure": [other]} for other in _rounder(p) if may(other))
         if self.case.loads is not None and self.case.pressure is not None:
             self.put(loads=np.full_like(self.case.loads, self.case.pressure[0]))
 
     def stiff(self) -> None:
         k = self.case.stiffness
-        for other in (np.eye(len(k)), np.diag(np.diag(k))):
-            if not np.array_equal(other, self.case.stiffness) and self.put(stiffness=other):
-                break
+        self.first({"stiffness": other} for other in (np.eye(len(k)), np.diag(np.diag(k))) if not np.array_equal(other, k))
         for i, j in zip(*np.triu_indices(len(k)), strict=True):
             for x in _rounder(float(self.case.stiffness[i, j])):
                 other = self.case.stiffness.copy()
@@ -177,25 +170,20 @@ class _Shorter:
 
     def parameter(self, name: str, admitted: Callable[[Mapping[str, float]], bool]) -> None:
         now = self.case.parameters[name]
-        for x in (1.0, 0.5, *_rounder(now)):
-            if now in (1.0, x):
-                break
-            values = {**self.case.parameters, name: x}
-            if admitted(values) and self.put(parameters=values):
-                break
+        simpler = takewhile(lambda x: now not in (1.0, x), (1.0, 0.5, *_rounder(now)))
+        values = ({**self.case.parameters, name: x} for x in simpler)
+        self.first({"parameters": each} for each in values if admitted(each))
 
     def numbers(self, name: str) -> None:
-        """Each number of a part by itself; equal ones together first, so that what is alike stays so."""
+        """Round each number of a part by itself; equal ones are changed together, so that they stay equal."""
         given: Array = getattr(self.case, name)
         for x in np.unique(given[given != 0.0]).tolist():
-            for other in (0.0, *_rounder(x)):
-                now: Array = getattr(self.case, name)
-                if self.put(**{name: np.where(now == x, other, now)}):
-                    break
+            now: Array = getattr(self.case, name)
+            self.first({name: np.where(now == x, other, now)} for other in (0.0, *_rounder(x)))
 
 
 def _rounder(x: float) -> Iterator[float]:
-    """Numbers near ``x`` of one digit and of two, and the next of two towards zero; none where it has no more itself."""
+    """Yield numbers near ``x`` of one digit and of two, and the next of two towards zero; none where ``x`` has no more itself."""
     if _round(x):
         return
     yield float(f"{x:.0e}")

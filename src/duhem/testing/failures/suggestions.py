@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from duhem.projection.result import Array
-from duhem.testing.checks.reply import NoReply
+from duhem.testing.checks.query import NoReply
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.diagnosis import Probe, constant, suggests
 
@@ -69,13 +69,19 @@ def metric_of_the_inverse(p: Probe) -> Iterator[tuple[str, Array]]:
     yield "the closest point is taken in the metric of the inverse stiffness", p.projected(stiffness=0.5 * (inverse + inverse.T))
 
 
+def _exchanges(p: Probe) -> Iterator[tuple[str, list[int]]]:
+    """Yield each two forces by their names, with the order of all forces in which these two are exchanged."""
+    forces = p.query.region.law.forces
+    for i, j in combinations(range(len(forces)), 2):
+        order = [*range(len(forces))]
+        order[i], order[j] = j, i
+        yield f"{forces[i]} and {forces[j]}", order
+
+
 @suggests("stress")
 def metric_of_exchanged_entries(p: Probe) -> Iterator[tuple[str, Array]]:
-    forces = p.query.region.law.forces
-    for i, j in combinations(range(len(p.stiffness)), 2):
-        order = np.arange(len(p.stiffness))
-        order[[i, j]] = order[[j, i]]
-        said = f"the closest point is taken with the entries of the stiffness for {forces[i]} and {forces[j]} exchanged"
+    for both, order in _exchanges(p):
+        said = f"the closest point is taken with the entries of the stiffness for {both} exchanged"
         yield said, p.projected(stiffness=p.stiffness[np.ix_(order, order)])
 
 
@@ -89,13 +95,10 @@ def exchanged_parameters(p: Probe) -> Iterator[tuple[str, Array]]:
 
 @suggests("stress")
 def exchanged_components(p: Probe) -> Iterator[tuple[str, Array]]:
-    forces = p.query.region.law.forces
-    for i, j in combinations(range(p.trial.shape[1]), 2):
-        order = np.arange(p.trial.shape[1])
-        order[[i, j]] = order[[j, i]]
+    for both, order in _exchanges(p):
         turned = p.stiffness[np.ix_(order, order)]
-        yield f"{forces[i]} and {forces[j]} are exchanged in the set", p.projected(p.trial[:, order], stiffness=turned)[:, order]
-        yield f"{forces[i]} and {forces[j]} are exchanged in the answer", p.closest[:, order]
+        yield f"{both} are exchanged in the set", p.projected(p.trial[:, order], stiffness=turned)[:, order]
+        yield f"{both} are exchanged in the answer", p.closest[:, order]
 
 
 @suggests("stress")
@@ -105,7 +108,7 @@ def first_call(p: Probe) -> Iterator[tuple[str, Array]]:
 
 
 def needs_the_run(diagnoses: Mapping[str, str]) -> bool:
-    """Whether what was told first shows only after other calls, and so not by one increment alone."""
+    """Return whether the likeliest diagnosis shows only after other calls, and so not by one increment alone."""
     return next(iter(diagnoses), "") == first_call.__name__
 
 
@@ -221,7 +224,7 @@ def _slipping(p: Probe) -> NDArray[np.bool_]:
 
 
 def _moved(p: Probe) -> list[int]:
-    """The increments whose answer is neither right nor the trial stress: it may lie on a boundary that is not that of K."""
+    """Return the increments whose answer is neither right nor the trial stress: it may lie on a boundary that is not that of K."""
     q, u = p.query, p.query.unit(p.reply)
     wrong = (q.length(p.returned - p.closest) > u) & (q.length(p.returned - p.trial) > u)
     return [int(i) for i in np.flatnonzero(wrong)]
@@ -231,7 +234,7 @@ Levels: TypeAlias = Callable[[Array], Array]
 
 
 def _levels(p: Probe, i: int, parameter: str | None = None) -> Levels:
-    """g at the stress returned for one increment, over values (M,) of a parameter or else of the pressure."""
+    """Return g at the stress returned for one increment as a function of values (M,) of a parameter or else of the pressure."""
     law, known, stress = p.query.region.law, p.query.region.parameters, p.returned[i]
 
     def level(values: Array) -> Array:
@@ -251,7 +254,7 @@ def _roots(level: Levels, size: float) -> Iterator[float]:
 
 
 def _unlike_one(factor: float) -> str:
-    """With six digits, or as many as tell it from 1."""
+    """Return a factor with six digits, or as many as tell it from 1."""
     return next((said for n in range(6, 17) if float(said := f"{factor:.{n}g}") != 1.0), "1")
 
 
@@ -260,7 +263,7 @@ def _slip(p: Probe) -> Array:
 
 
 def _compliant(p: Probe, stress: Array) -> Array:
-    """k^-1 stress."""
+    """Return k^-1 stress (N, d)."""
     return np.asarray(np.linalg.solve(p.stiffness, stress.T).T)
 
 
@@ -352,12 +355,12 @@ def _length(vectors: Array) -> Array:
 
 @suggests("tangent")
 def elastic_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the tangent is the elastic one, the stiffness, where there is slip too", np.broadcast_to(p.stiffness, _shape(p))
+    yield "the tangent is the elastic one, the stiffness, where there is slip too", np.tile(p.stiffness, (len(p.trial), 1, 1))
 
 
 @suggests("tangent")
 def no_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the tangent is zero", np.zeros(_shape(p))
+    yield "the tangent is zero", np.zeros((len(p.trial), *p.stiffness.shape))
 
 
 @suggests("tangent")
@@ -395,8 +398,3 @@ def multiple_of_the_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
     if known.size and np.ptp(known) <= 1e-4 * np.abs(known).max():
         factor = float(np.median(known))
         yield f"the tangent is {factor:.4g} times the slope of the stress", factor * right
-
-
-def _shape(p: Probe) -> tuple[int, int, int]:
-    n, d = p.trial.shape
-    return n, d, d

@@ -41,11 +41,8 @@ def rotation(axes: ArrayLike) -> Array:
     q = np.array(axes, dtype=np.float64)
     if q.shape != (3, 3) or not np.allclose(q @ q.T, np.eye(3), atol=1e-12):
         raise InputError("the material axes are no rotation", where="axes", remedy="give three orthonormal directions as rows (3, 3)")
-    whole = np.zeros((6, 6))
-    for row, (i, j) in enumerate(_PAIRS):
-        for column, (a, b) in enumerate(_PAIRS):
-            whole[row, column] = q[i, a] * q[j, b] + (q[i, b] * q[j, a] if a != b else 0.0)
-    return whole
+    i, j = np.array(_PAIRS).T
+    return np.asarray(q[np.ix_(i, i)] * q[np.ix_(j, j)] + np.where(i != j, q[np.ix_(i, j)] * q[np.ix_(j, i)], 0.0))
 
 
 def umat(

@@ -33,8 +33,7 @@ def jax_routine(step: Callable[..., Any], *, tangent: bool = True) -> Update:
         slope, stress = jax.jacfwd(one, has_aux=True)(*given)
         return stress, slope @ given[2]
 
-    made = jax.jit(jax.vmap(both if tangent else one, in_axes=(0, 0, None, None)))
-    without = jax.jit(jax.vmap(both if tangent else one, in_axes=(0, None, None, None)))  # a law without pressure is given None
+    made, without = (jax.jit(jax.vmap(both if tangent else one, in_axes=(0, axis, None, None))) for axis in (0, None))  # or no pressure
 
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
         with jax.enable_x64(True) if hasattr(jax, "enable_x64") else jax.experimental.enable_x64():

@@ -18,15 +18,18 @@ from duhem.errors import InputError
 from duhem.projection.result import Array
 from duhem.testing.foreign.native import SECONDS, Native, NativeFault, OutOfTime
 from duhem.testing.routines.material import Material, MaterialState
-from duhem.testing.routines.overwritten import Overwritten, changed, overwritten
-from duhem.testing.routines.routine import Step
+from duhem.testing.routines.routine import Overwritten, Step, changed, overwritten
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["MEANINGS", "RETURNED", "Argument", "Prototype", "SharedLibrary", "loaded", "shared_library", "shared_material", "watched"]
+__all__ = ["Argument", "Prototype", "SharedLibrary", "loaded", "shared_library", "shared_material", "watched"]
 
-_GIVEN = ("pressure", "stiffness", "parameters", "n", "d", "trial", "increment", "strain", "duration")
-RETURNED = ("stress", "tangent", "slip", "multiplier", "dissipation", "status", "variables", "stored", "dissipated")
-MEANINGS = frozenset((*_GIVEN, *RETURNED))
+_RETURNED = ("stress", "tangent", "slip", "multiplier", "dissipation", "status", "variables", "stored", "dissipated")
+_BOTH, _OUT = ("pressure", "stiffness", "parameters", "n", "d"), ("stress", "tangent", "slip")
+_WORDS = {  # by what the routine is given
+    "trial": (*_BOTH, "trial", *_OUT, "multiplier", "dissipation", "status"),
+    "increment": (*_BOTH, "increment", "strain", "duration", *_OUT, "variables", "stored", "dissipated", "status"),
+}
+_MEANINGS = frozenset().union(*_WORDS.values())
 _NUMBERS: dict[str, tuple[str, Any]] = {"double": ("d", np.double), "int": ("i", np.intc), "size_t": ("n", np.uintp)}
 _ARGUMENT = re.compile(
     r"(?:const\s+)?(double|int|size_t)\s*(?:const\s*)?(\*?)\s*(?:(?:restrict|__restrict|__restrict__|const)\s+)*([A-Za-z_]\w*)\s*((?:\[\w*\]\s*)*)"
@@ -71,20 +74,14 @@ class Prototype:
         names = [a.name for a in arguments]
         if twice := [name for name in names if names.count(name) > 1]:
             raise InputError(f"{twice[0]!r} is named twice", where=f"signature of {symbol}", remedy="give each argument a name of its own")
-        words = [*_GIVEN[:5], driver, *(("strain", "duration") if driver == "increment" else ())]
-        words += (
-            RETURNED[:3] + (("variables", "stored", "dissipated") if driver == "increment" else ("multiplier", "dissipation")) + ("status",)
-        )
-        remedy = f"name the arguments by what they hold: {', '.join(words)}, or a parameter"
+        remedy = f"name the arguments by what they hold: {', '.join(_WORDS[driver])}, or a parameter"
         if lacking := [needed for needed in (driver, "stress") if needed not in names]:
             raise InputError(f"there is no argument {lacking[0]!r}", where=f"signature of {symbol}", remedy=remedy)
-        if strange := [name for name in names if name in MEANINGS and name not in words]:
+        if strange := [name for name in names if name in _MEANINGS and name not in _WORDS[driver]]:
             raise InputError(f"{strange[0]!r} is not known to a routine given {driver}", where=f"signature of {symbol}", remedy=remedy)
-        several = [a.name for a in arguments if a.name == "pressure" and not a.place]
-        if several and "n" in names:
-            raise InputError(
-                "one pressure for n increments", where=f"signature of {symbol}", remedy="make it an array: 'const double *pressure'"
-            )
+        if "n" in names and any(a.name == "pressure" and not a.place for a in arguments):
+            remedy = "make it an array: 'const double *pressure'"
+            raise InputError("one pressure for n increments", where=f"signature of {symbol}", remedy=remedy)
         return cls(symbol, arguments, back == "int")
 
     @property
@@ -94,7 +91,7 @@ class Prototype:
 
     def values(self) -> tuple[str, ...]:
         """The names that are no meaning of their own: parameters."""
-        return tuple(a.name for a in self.arguments if a.name not in MEANINGS)
+        return tuple(a.name for a in self.arguments if a.name not in _MEANINGS)
 
     def covers(self, values: Iterable[str]) -> None:
         """Raises InputError unless the numbers that are known are those that the signature has a place for."""
@@ -117,7 +114,7 @@ def _argument(text: str) -> Argument:
     argument = Argument(name, number, bool(star or brackets))
     if (number == "double") == (name in ("n", "d", "status")):
         raise InputError(f"{text.strip()!r}: a {number}", where="signature", remedy="n, d and status are integers, all else is double")
-    if name in RETURNED and not argument.place:
+    if name in _RETURNED and not argument.place:
         raise InputError(f"{text.strip()!r} cannot be written to", where="signature", remedy=f"make it a pointer: '{number} *{name}'")
     if not argument.place and name in ("trial", "increment", "strain", "stiffness", "parameters"):
         raise InputError(f"{text.strip()!r} is one number", where="signature", remedy=f"make it a pointer: 'const double *{name}'")
@@ -125,7 +122,7 @@ def _argument(text: str) -> Argument:
 
 
 def loaded(path: str | Path, symbol: str, kinds: str, isolated: bool, seconds: float) -> Native:
-    """The routine of a library.  Raises InputError for a file or symbol that is not there, and for no time at all."""
+    """Return the routine of a library.  Raises InputError for a file or symbol that is not there, and unless ``seconds`` > 0."""
     where = Path(path)
     if not seconds > 0.0:
         raise InputError(f"{seconds!r} s are no time to answer in", where="seconds", remedy="give a number > 0, or leave it out")
@@ -160,7 +157,7 @@ _DEFAULTS = {"parameters": {}, "variables": (), "solved": (0,), "column_major": 
 
 
 class _Call:
-    """A function with what its arguments hold; ``options`` are those of :func:`shared_library`."""
+    """A function with what its arguments hold; its options are those of :func:`shared_library`."""
 
     def __init__(
         self, path: str | Path, signature: str, driver: str, solved: Collection[int], column_major: bool, isolated: bool, seconds: float
@@ -168,13 +165,13 @@ class _Call:
         self.prototype, self.solved, self.column_major = Prototype.read(signature, driver), tuple(solved), column_major
         arguments = self.prototype.arguments
         self.names = [a.name for a in arguments]
-        self.given = [a.name for a in arguments if a.place and a.name not in RETURNED]  # a value is a copy
+        self.given = [a.name for a in arguments if a.place and a.name not in _RETURNED]  # a value is a copy
         self.native = loaded(path, self.prototype.symbol, "".join(a.kind for a in arguments), isolated, seconds)
 
     def __call__(
         self, by_row: Mapping[str, Any], pressure: Array | None, stiffness: Array, values: Mapping[str, float], **same: float
     ) -> tuple[dict[str, Array], Any, Overwritten | None]:
-        """What the function has written by name (n, …), which increments are solved (n,), and what it has overwritten (n,).
+        """Return what the function has written by name (n, …), which increments are solved (n,), and what it has overwritten (n,).
 
         ``by_row`` are arrays (n, …) of which it is given copies, the first one (n, d); ``values`` parameters, and ``same`` other numbers.
         What it returns is nan before, where ``by_row`` has no value.
@@ -202,7 +199,7 @@ class _Call:
 
 
 def _line(function: str, path: str | Path, *arguments: Any, **options: Any) -> str:
-    """The Python that makes a routine again, options at their defaults left out."""
+    """Return the Python that makes a routine again, without options at their defaults."""
     said = [
         repr(str(Path(path).resolve())),
         *map(repr, arguments),

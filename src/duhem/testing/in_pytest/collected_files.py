@@ -21,15 +21,10 @@ from duhem.proof.verdict import Verdict
 from duhem.proof.verification import ClaimResult, Verification, verify
 from duhem.testing.in_pytest.items import UnusableTest, group
 
-__all__ = ["collected"]
+__all__ = ["TomlTests"]
 
 LookedInto: TypeAlias = Callable[[Scene], Scene]
 """As :func:`duhem.vouched.histories.looked_into`, which this room does not know."""
-
-
-def collected(file: Path, parent: pytest.Collector, looked_into: LookedInto) -> pytest.Collector:
-    """The tests of a criterion or scene file."""
-    return TomlTests.from_parent(parent, path=file, looked_into=looked_into)
 
 
 class TomlTests(pytest.File):
@@ -68,7 +63,7 @@ class TomlTests(pytest.File):
 
     @cached_property
     def verification(self) -> Verification | DuhemError:
-        """Of the claims that are selected, once for all their nodes."""
+        """The verdicts on the claims that are selected, found once for all their nodes, or why there are none."""
         claims = [item.name for item in self.session.items if item.parent is self]
         try:
             return verify(self.law, claims=claims, effort=self.config.getoption("--duhem-effort"))

@@ -22,7 +22,7 @@ def group(item: pytest.Item, name: str) -> None:
 
 
 def group_marks(config: pytest.Config, name: str) -> list[pytest.MarkDecorator]:
-    """The marker of a group; none without xdist, which alone knows it."""
+    """Return the marker of a group; none without xdist, which alone knows it."""
     if not config.pluginmanager.hasplugin("xdist"):
         return []
     return [pytest.mark.xdist_group(re.sub(r"[][@]", "-", name))]  # xdist looks for brackets and @ itself

@@ -6,14 +6,13 @@ import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import cached_property
 from inspect import CO_ASYNC_GENERATOR, CO_COROUTINE, getattr_static, signature
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-import numpy as np
 import pytest
 
 from duhem.errors import DuhemError
@@ -84,21 +83,14 @@ class Trial:
         return [*self.asked, FLAGGED]
 
     def report(self, update: Update) -> Report:
-        """The report of all checks that are selected; the routine is run once."""
+        """Return the report of all checks that are selected; the routine is run once."""
         if self._outcome is None:
             if asked := {*self.selected} & {*self.asked}:
                 asked |= {*self.expected}  # one that fails explains others, though its node be left out
             checks = [each for name, each in self.asked.items() if name in asked] or list(self.asked.values())
+            options = {"checks": checks, "expected_failed_checks": self.expected, "first": [*self._kept.values()], **self.options}
             try:
-                self._outcome = conformance(
-                    self.law,
-                    update,
-                    self.parameters,
-                    checks=checks,
-                    expected_failed_checks=self.expected,
-                    first=list(self._kept.values()),
-                    **self.options,
-                )
+                self._outcome = conformance(self.law, update, self.parameters, **options)
             except DuhemError as fault:
                 self._outcome = fault
             else:
@@ -110,7 +102,7 @@ class Trial:
         return self._outcome
 
     def fails(self, update: Update) -> bool:
-        """Whether one of the selected nodes does."""
+        """Return whether one of the selected nodes fails."""
         report = self.report(update)
         unexpected = any(name in self.selected for name in report.unexpected)
         return bool(report.failures) or unexpected or (FLAGGED in self.selected and report.flagged_share > self.most_flagged)
@@ -150,7 +142,7 @@ class Trial:
         if failure is not None:
             yield "duhem_measured", repr(failure.measured)
             yield "duhem_allowed", repr(failure.allowed)
-            yield "duhem_witness", json.dumps(_plain(failure.case), sort_keys=True)
+            yield "duhem_witness", json.dumps(failure.case.plain(), sort_keys=True)
 
     # -- failing cases are kept, and tried first -----------------------------------------------------------------------
 
@@ -169,25 +161,18 @@ class Trial:
         return kept
 
     def _keep(self, report: Report) -> None:
-        """The cases that fail now, and those of checks that were not asked."""
+        """Keep the cases that fail now, and those of checks that did not run."""
         if getattr(self.config, "cache", None) is None or self.law is None:
             return
         ran = {*report.passed, *report.failed, *report.left_out}
         failing = {f.check.name: f.case for f in (*report.failures, *report.explained) if f.check.whole is None}
         cases = {name: case for name, case in self._kept.items() if name not in ran} | failing
         if cases or self._kept:
-            self.config.cache.set(self._key, {name: _plain(case) for name, case in cases.items()})
+            self.config.cache.set(self._key, {name: case.plain() for name, case in cases.items()})
 
 
 def _unusable(node: str, what: str, remedy: str) -> pytest.Collector.CollectError:
     return pytest.Collector.CollectError(f"{node}: {what}" + (f"; {remedy}" if remedy else ""))
-
-
-def _plain(case: Case) -> dict[str, Any]:
-    """The case as numbers, lists and dictionaries, from which it is made again to the last bit."""
-    parts = {field.name: getattr(case, field.name) for field in fields(case)}
-    plain = {name: part.tolist() if isinstance(part, np.ndarray) else part for name, part in parts.items()}
-    return plain | {"parameters": dict(case.parameters)}
 
 
 # -- a marked function ---------------------------------------------------------------------------------------------------
@@ -227,7 +212,7 @@ class CheckTest(pytest.Item):
 def check_items(
     collector: pytest.Module | pytest.Class, name: str, function: FunctionType, marks: Sequence[pytest.Mark]
 ) -> list[pytest.Item]:
-    """The nodes of a marked function; of a marker that cannot be used one, which errs."""
+    """Return the nodes of a marked function; a marker that cannot be used has one node, which errs."""
 
     def update() -> Update:
         if isinstance(collector, pytest.Class):
@@ -253,7 +238,7 @@ def check_items(
 
 
 def _trial_of(collector: pytest.Module | pytest.Class, name: str, function: FunctionType, mark: pytest.Mark) -> Trial:
-    """What a marker asks of the function under it.  Raises CollectError."""
+    """Return what a marker asks of the function under it.  Raises CollectError."""
     trial = Trial(f"{collector.nodeid}::{name}", mark, collector.config, name)
     if fault := _needs_pytest(function, collector, trial):
         remedy = "use the fixture duhem_check, in a test that hands a routine over: def test_it(duhem_check): duhem_check(update)"
@@ -262,7 +247,7 @@ def _trial_of(collector: pytest.Module | pytest.Class, name: str, function: Func
 
 
 def _needs_pytest(function: FunctionType, collector: pytest.Module | pytest.Class, trial: Trial) -> str:
-    """Why a marked function cannot be called as an update routine, "" where it can: what only a test is given, or awaited."""
+    """Return why a marked function cannot be called as an update routine, as it takes what only a test is given; "" where it can."""
     if function.__code__.co_flags & (CO_COROUTINE | CO_ASYNC_GENERATOR):
         return "it is async, and an update routine returns the stress"
     own = [mark.name for mark in (*function.pytestmark, *collector.iter_markers())]  # type: ignore[attr-defined]
@@ -285,7 +270,7 @@ def _needs_pytest(function: FunctionType, collector: pytest.Module | pytest.Clas
 
 
 def names_of_checks(definition: pytest.Item) -> list[Any]:
-    """What the fixture ``duhem_check`` is parametrised by: nodes, or what is wrong with the marker, which is one of them."""
+    """Return what parametrises the fixture ``duhem_check``: nodes, or one that says what is wrong with the marker."""
     marks = group_marks(definition.config, definition.nodeid)
     try:
         nodes = _trial(definition, definition.name, definition.nodeid).nodes
@@ -295,7 +280,7 @@ def names_of_checks(definition: pytest.Item) -> list[Any]:
 
 
 def checked(request: pytest.FixtureRequest) -> Callable[..., Report]:
-    """The function that a test with a marker hands its routine to."""
+    """Return the function that a test with a marker hands its routine to."""
     item = request.node
     if isinstance(request.param, pytest.Collector.CollectError):
         pytest.fail(str(request.param), pytrace=False)
@@ -320,7 +305,7 @@ def _trial(item: pytest.Item, name: str, node: str) -> Trial:
 
 
 def _shared(item: pytest.Item) -> str:
-    """What the nodes of one routine have in common: all but the check."""
+    """Return what the nodes of one routine have in common: all but the check."""
     call = getattr(item, "callspec", None)
     if call is None or "duhem_check" not in call.params:
         return ""

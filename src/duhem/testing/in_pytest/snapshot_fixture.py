@@ -62,14 +62,9 @@ def compared(request: pytest.FixtureRequest, project: Project) -> Callable[..., 
     return compare
 
 
-def _plain(name: str) -> str:
-    """As every file system takes it."""
-    return re.sub(r"[^A-Za-z0-9_.=+-]+", "-", name).strip("-")
-
-
 def _short(name: str) -> str:
-    """The same, and what is cut off of a long one still tells it from others."""
-    plain = _plain(name)
+    """A name as every file system takes it; what is cut off of a long one still tells it from others."""
+    plain = re.sub(r"[^A-Za-z0-9_.=+-]+", "-", name).strip("-")
     return plain if len(plain) <= _LONGEST else f"{plain[: _LONGEST - 9]}-{sha256(name.encode()).hexdigest()[:8]}"
 
 

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.routines.overwritten import FormerAnswers, Overwritten, changed, overwritten
-from duhem.testing.routines.routine import NoStep, Step, Update, called, named_after
+from duhem.testing.routines.routine import FormerAnswers, NoStep, Overwritten, Step, Update, called, named_after, noticed
 
 __all__ = ["ELASTIC", "Material", "MaterialState", "advanced", "from_material", "stateless"]
 
@@ -44,7 +43,7 @@ class MaterialState:
         return len(self.stress)
 
     def rows(self, index: Any) -> MaterialState:
-        """Some of the points, or all several times."""
+        """Return some of the points, or all several times."""
         return MaterialState(*(None if part is None else part[index] for part in vars(self).values()))  # type: ignore[arg-type]
 
     @staticmethod
@@ -52,10 +51,6 @@ class MaterialState:
         """The points of all, in their order, without what is of the last step alone; an energy that one of them does not have is None."""
         parts = [[getattr(state, name) for state in states] for name in ("strain", "stress", "variables", "stored", "dissipated")]
         return MaterialState(*(None if any(x is None for x in part) else np.concatenate(part) for part in parts))  # type: ignore[arg-type]
-
-    def copied(self) -> MaterialState:
-        """The same in arrays of its own."""
-        return MaterialState(*(None if part is None else np.array(part) for part in vars(self).values()))  # type: ignore[arg-type]
 
 
 # advance(before (N points), increment (N, d), pressure (N,) or None, duration in s) -> the points after the step
@@ -97,7 +92,7 @@ class Material:
         return np.asarray(self.stiffness)
 
     def virgin(self, n: int) -> MaterialState:
-        """n points at the beginning."""
+        """Return n points at the beginning."""
         zero, none = np.zeros((n, len(self.elastic))), np.zeros(n)
         energies = (none, none.copy()) if self.energies else (None, None)
         return MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), *energies)
@@ -110,28 +105,23 @@ def advanced(
 
     Raises NoStep where what it returns has not the shapes of :class:`MaterialState`.
     """
-    own, step, load = before.copied(), increment.copy(), None if pressure is None else pressure.copy()
+    own = MaterialState(*(None if part is None else np.array(part) for part in vars(before).values()))  # type: ignore[arg-type]
+    step, load = increment.copy(), None if pressure is None else pressure.copy()
     answer = material.advance(own, step, load, duration)
-    spoilt, after = answered.spoilt(len(increment), lambda: vars(answer)), _read(answer, before)
-    if after.overwritten is not None:
-        return after
     names = ("stress", "strain", "variables", "stored", "dissipated")
     pairs = {f"{name} before the step": (getattr(own, name), getattr(before, name)) for name in names}
     pairs |= {"increment": (step, increment), "pressure": (load, pressure)}
-    found = changed({name: pair for name, pair in pairs.items() if pair[1] is not None})
-    found |= {spoilt: np.full(len(increment), True)} if spoilt else {}
-    return after if (said := overwritten(found)) is None else replace(after, overwritten=said)
+    said = noticed(pairs, answered, len(increment), lambda: vars(answer))
+    after = _read(answer, before)
+    return after if said is None or after.overwritten is not None else replace(after, overwritten=said)
 
 
 def _read(answer: MaterialState, before: MaterialState) -> MaterialState:
-    """What a material has answered, in arrays of its own."""
+    """Return what a material has answered, in arrays of its own.  Raises NoStep."""
     n, d = before.stress.shape
     shapes: dict[str, tuple[int, ...]] = {"strain": (n, d), "stress": (n, d), "variables": before.variables.shape, "tangent": (n, d, d)}
     shapes |= {"slip": (n, d), **dict.fromkeys(("stored", "dissipated", "solved"), (n,))}
-    try:
-        parts: dict[str, Any] = {name: shaped(getattr(answer, name), name, shape) for name, shape in shapes.items()}
-    except ValueError as fault:
-        raise NoStep(str(fault)) from None
+    parts: dict[str, Any] = {name: shaped(getattr(answer, name), name, shape, NoStep) for name, shape in shapes.items()}
     if missing := [name for name in ("strain", "variables") if parts[name] is None]:
         raise NoStep(f"the routine returned no {missing[0]}")
     solved = None if parts["solved"] is None else parts["solved"].astype(np.bool_)
@@ -170,11 +160,8 @@ def stateless(update: Update | Material, stiffness: Array, values: Mapping[str, 
     return Material(advance, stiffness, (), True, getattr(update, "__name__", "update"), getattr(update, "__duhem_import__", ""), towards)
 
 
-def shaped(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:
-    """What a routine returned, as an array of the shape it must have and of its own; None for what is not returned.
-
-    Raises ValueError.
-    """
+def shaped(given: Any, name: str, shape: tuple[int, ...], fault: type[Exception] = ValueError) -> Array | None:
+    """What a routine returned, as an array of the shape it must have and of its own; None for what is not returned.  Raises ``fault``."""
     if given is None and name != "stress":
         return None
     if isinstance(given, np.ndarray) and given.dtype == np.float64 and given.shape == shape:
@@ -183,11 +170,11 @@ def shaped(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:
         whole = np.asarray(given)
         array = np.array(whole.real, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError(f"the {name} is not made of numbers: {given!r}") from None
+        raise fault(f"the {name} is not made of numbers: {given!r}") from None
     if np.iscomplexobj(whole):
-        raise ValueError(f"the {name} is complex ({whole.dtype}), not real")
+        raise fault(f"the {name} is complex ({whole.dtype}), not real")
     if array.shape != shape:
-        raise ValueError(f"the {name} has the shape {array.shape}, not {shape}")
+        raise fault(f"the {name} has the shape {array.shape}, not {shape}")
     return array
 
 

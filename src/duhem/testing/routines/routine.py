@@ -1,7 +1,8 @@
-"""The routine under test: what it is given, what it may answer, adapters for other shapes of routine, and duhem's own."""
+"""The routine under test: what it is given, may answer and must not spoil, adapters for other shapes of routine, and duhem's own."""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -20,9 +21,11 @@ from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.projection.validation import check_associated
 from duhem.testing.routines.origin import law_as_written, made_by
-from duhem.testing.routines.overwritten import FormerAnswers, changed, overwritten
 
-__all__ = ["PROMISED", "NoStep", "Step", "Update", "called", "from_displacements", "named_after", "own_solvers", "pointwise", "projection"]
+__all__ = [
+    "PROMISED", "FormerAnswers", "NoStep", "Overwritten", "Step", "Update", "called", "changed", "from_displacements", "named_after",
+    "noticed", "overwritten", "own_solvers", "pointwise", "projection",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class NoStep(Exception):
 
 
 def _as_step(answer: Any) -> Step:
-    """What a routine returned.  Raises NoStep."""
+    """Return what a routine returned as a step.  Raises NoStep."""
     if isinstance(answer, Step):
         return answer
     if isinstance(answer, Mapping):
@@ -72,7 +75,7 @@ def _as_step(answer: Any) -> Step:
 
 
 def _parts(answer: Any) -> Mapping[str, Any]:
-    """What a routine returned, by name.  Raises NoStep."""
+    """Return the parts of what a routine returned, by name.  Raises NoStep."""
     parts = dict(vars(_as_step(answer)))
     return parts | (parts.pop("returned") or {})
 
@@ -137,7 +140,7 @@ def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bo
 
 
 def named_after(update: Update, step: Callable[..., Any], adapter: str) -> Update:
-    """An adapted routine with the name of what it adapts, and the Python that makes it again."""
+    """Return an adapted routine with the name of what it adapts, and the Python that makes it again."""
     update.__name__, update.__wrapped__ = getattr(step, "__name__", "update"), step  # type: ignore[attr-defined]
     if making := made_by(step):
         update.__duhem_import__ = f"{making}\nfrom duhem.testing import {adapter}\n\nupdate = {adapter}(update)"  # type: ignore[attr-defined]
@@ -150,22 +153,17 @@ def called(
     """What a routine answers, called on copies, and which of them, or of what it has ``answered`` before, it has overwritten."""
     given = trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy()
     answer = update(*given, **values)
-    step, spoilt = _as_step(answer), answered.spoilt(len(trial), partial(_parts, answer))
-    pairs = {"trial": (given[0], trial)}
-    if pressure is not None and given[1] is not None:
-        pairs["pressure"] = given[1], pressure
-    found = changed(pairs | {"stiffness": (given[2], stiffness)})
-    if "stiffness" in found:
-        found["stiffness"] = np.full(len(trial), found["stiffness"].any())
-    found |= {spoilt: np.full(len(trial), True)} if spoilt else {}
-    return step if (said := overwritten(found)) is None else replace(step, overwritten=said)
+    step = _as_step(answer)
+    pairs = {"trial": (given[0], trial), "pressure": (given[1], pressure), "stiffness": (given[2][None], stiffness[None])}
+    said = noticed(pairs, answered, len(trial), partial(_parts, answer))
+    return step if said is None else replace(step, overwritten=said)
 
 
 PROMISED = {"cvxpy": 1e-6}  # relative errors in stress of methods that are less accurate than others: the root of a solver's gap
 
 
 def own_solvers(law: Criterion) -> Iterator[tuple[str, Update | str]]:
-    """Methods by name, with their routine, or the reason why they do not take the law.
+    """Yield duhem's own methods by name, each with its routine, or with the reason why it does not take the law.
 
     InputError for a law with a flow of its own, which none takes.
     """
@@ -193,3 +191,84 @@ def _answering(routine: Update) -> Update:
     update.__wrapped__ = routine  # type: ignore[attr-defined]
     update.__duhem_import__ = getattr(routine, "__duhem_import__", "")  # type: ignore[attr-defined]
     return update  # type: ignore[return-value]
+
+
+# -- what a routine must not spoil --------------------------------------------------------------------------------------
+
+Overwritten = NDArray[np.object_]  # (N,) names with commas, "" where nothing was
+
+
+def changed(pairs: Mapping[str, tuple[NDArray[Any], NDArray[Any]]]) -> dict[str, NDArray[np.bool_]]:
+    """Return which rows (N,) of arrays have changed, of pairs by name; pairs that are equal to the last bit are omitted."""
+    return {name: _differs(*pair) for name, pair in pairs.items() if pair[0].tobytes() != pair[1].tobytes()}
+
+
+def overwritten(found: Mapping[str, NDArray[np.bool_]]) -> Overwritten | None:
+    """Return the names of what was changed at each of N increments, from (N,) by name; None where nothing was changed."""
+    if not any(each.any() for each in found.values()):
+        return None
+    rows = np.array(list(found.values())).T
+    return np.array([", ".join(name for name, bad in zip(found, row, strict=True) if bad) for row in rows], dtype=object)
+
+
+def noticed(pairs: Mapping[str, tuple[Any, Any]], answered: FormerAnswers, count: int, parts: _Parts) -> Overwritten | None:
+    """What a call for ``count`` increments has overwritten: arrays that are not as they were, of pairs by name, and former answers.
+
+    An array of one row is that of all increments; ``parts`` reads what was answered (:meth:`FormerAnswers.spoilt`).
+    """
+    former = answered.spoilt(count, parts)
+    found = changed({name: pair for name, pair in pairs.items() if pair[1] is not None})
+    found |= {former: np.ones(1, dtype=np.bool_)} if former else {}
+    return overwritten({name: np.broadcast_to(rows, count) for name, rows in found.items()})
+
+
+def _differs(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return which rows (N,) differ in an entry; two nan count as equal."""
+    unlike = (one != other) & ~(np.isnan(one) & np.isnan(other))
+    return np.asarray(unlike.reshape(len(one), -1).any(axis=1))
+
+
+_KEPT = 4  # answers to so many increments: as many buffers may be taken by turns
+_Parts: TypeAlias = Callable[[], Mapping[str, Any]]
+_Answer: TypeAlias = tuple[_Parts, dict[str, bytes]]
+
+
+class FormerAnswers:
+    """The last answers to each number of increments, as the routine gave them, and what they said then.
+
+    A routine that hands out one and the same buffer, as wrappers of C are prone to, changes the answers that its caller has already.
+    """
+
+    def __init__(self) -> None:
+        self._kept: dict[int, deque[_Answer]] = {}
+        self._last = 0
+
+    def spoilt(self, count: int, parts: _Parts) -> str:
+        """Which parts of former answers are no longer what they were, "" where none; the answer to ``count`` increments is kept.
+
+        ``parts`` reads what was answered, by name, and reads it anew whenever it is called.
+        """
+        changed: dict[str, None] = {}
+        for number in {count, self._last} & self._kept.keys():
+            kept, same = self._kept[number], deque[_Answer](maxlen=_KEPT)
+            for i, (read, said) in enumerate(kept):
+                now = _said(read) if i in (0, len(kept) - 2, len(kept) - 1) else said  # each is looked at early, and once more at last
+                differs = [name for name in said if said[name] != now.get(name)]
+                changed |= dict.fromkeys(differs)
+                if not differs:
+                    same.append((read, said))
+            self._kept[number] = same
+        self._kept.setdefault(count, deque(maxlen=_KEPT)).append((parts, _said(parts)))
+        self._last = count
+        return ", ".join(f"{name} of an earlier answer" for name in changed)
+
+
+def _said(parts: _Parts) -> dict[str, bytes]:
+    """Return the bytes of each part of an answer; a part that is no array has none."""
+    said = {}
+    for name, part in parts().items():
+        try:
+            said[name] = b"" if part is None else np.asarray(part).tobytes()
+        except (TypeError, ValueError):
+            said[name] = b""
+    return said
