@@ -14,7 +14,7 @@ import duhem
 from duhem.errors import InputError
 from duhem.testing import Case, Failure, Report, Step, check, conformance, pointwise, violation
 from duhem.testing.checks.query import NothingToCheck, Query
-from duhem.testing.checks.registry import judged, registered
+from duhem.testing.checks.registry import judged, registered, worst
 from duhem.testing.checks.visited import Visited
 from duhem.testing.conformance import every_check
 from duhem.testing.drawn.region import Region
@@ -447,6 +447,14 @@ def test_two_bugs_are_two_causes() -> None:
     report = conformance("orthotropic", update, ELLIPSE, checks=["complementarity", "slip"], max_examples=5, tries=20)
     assert [f.check.name for f in report.failures] == ["complementarity", "slip"]
     assert "0.9 times" in report.failures[0].diagnosis
+
+
+def test_of_several_measurements_the_one_that_exceeds_most_is_the_finding_and_a_nan_exceeds_all() -> None:
+    measured = np.array([[1.0, 5.0, np.nan, -1.0], [3.0, 4.0, 9.0, -2.0], [2.0, 9.0, 0.0, -1.0]])
+    allowed = np.array([[0.0, 1.0, 1.0, 0.0], [1.0, 0.0, 1.0, 0.0], [2.0, 8.0, 1.0, 0.0]])
+    found = worst(zip(measured, allowed, strict=True))
+    np.testing.assert_array_equal(found.measured, [3.0, 5.0, np.nan, -1.0])
+    np.testing.assert_array_equal(found.allowed, [1.0, 1.0, 1.0, 0.0])
 
 
 def test_what_is_asked_again_of_some_increments_is_told_of_the_right_one() -> None:
