@@ -7,7 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from docs import docstrings, generated, mathml  # noqa: E402 (found beside this file)
+from docs import mathml  # noqa: E402 (found beside this file)
 
 from duhem.version import __version__  # noqa: E402
 
@@ -15,7 +15,7 @@ project = "duhem"
 author = copyright = "The duhem developers"
 version = release = __version__
 
-extensions = ["myst_nb", "sphinx.ext.autodoc"]
+extensions = ["myst_nb"]
 exclude_patterns = ["_build", "paper"]
 nb_execution_mode = "off"  # notebooks are kept with their outputs, which tests make again
 nb_mime_priority_overrides = [("html", "text/markdown", 5)]  # before HTML, whose formulas wait for a script
@@ -24,10 +24,6 @@ myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 smartquotes = False  # --out is an option
 suppress_warnings = ["mystnb.unknown_mime_type"]
-autodoc_typehints = "none"  # a signature is long enough; the docstrings say shapes and units
-autodoc_preserve_defaults = True
-autodoc_class_signature = "mixed"
-autodoc_member_order = "bysource"
 
 html_theme = "furo"
 html_title = f"duhem {__version__}"
@@ -39,11 +35,8 @@ html_show_sphinx = False
 
 
 def setup(app):
-    """The notebooks beside the pages, generated parts in their places, docstrings as they are written, formulas as MathML."""
+    """The notebooks beside the pages, and formulas as MathML."""
     course = Path(app.srcdir) / "course"
     shutil.rmtree(course / "notebooks", ignore_errors=True)
     shutil.copytree(ROOT / "notebooks", course / "notebooks", ignore=shutil.ignore_patterns(".*"))
-    app.connect("source-read", generated.fill)
-    app.connect("env-get-outdated", generated.outdated)
-    app.connect("autodoc-process-docstring", docstrings.as_restructured_text)
     mathml.setup(app)

@@ -1,11 +1,17 @@
-"""The parts of the pages that are made from the code, so that they cannot go stale: a line `<!-- generated: NAME -->` stands for each."""
+"""The parts of the pages that are made from the code: `python -m docs.generated` writes them, and a test fails where one has gone stale.
+
+A part stands between the lines `<!-- generated: NAME -->` and `<!-- end of NAME -->`.
+"""
 
 from __future__ import annotations
 
 import ast
+import inspect
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from enum import Enum
+from importlib import import_module
 from importlib.util import find_spec
 from inspect import getdoc
 from pathlib import Path
@@ -17,23 +23,14 @@ if TYPE_CHECKING:
     from duhem.law.atlas.entry import AtlasEntry
 
 SCHEMAS = Path(__file__).parent / "reference"
+PAGES = sorted(SCHEMAS.glob("*.md"))
 
-_PLACE = re.compile(r"^<!-- generated: ([a-z-]+) -->$", flags=re.M)
-
-
-def fill(app: Any, name: str, source: list[str]) -> None:
-    """Write the parts into a page that is being read (an event of Sphinx)."""
-    source[0] = filled(source[0])
-
-
-def outdated(app: Any, env: Any, added: set[str], changed: set[str], removed: set[str]) -> list[str]:
-    """The pages that the code may have changed: those with such parts (an event of Sphinx)."""
-    return [name for name in env.found_docs if name.startswith("reference/")]
+_PLACE = re.compile(r"^<!-- generated: ([a-z-]+) -->\n(?:.*?^<!-- end of \1 -->\n)?", flags=re.M | re.S)
 
 
 def filled(text: str) -> str:
-    """A page with its parts written out; KeyError for a part that there is not."""
-    return _PLACE.sub(lambda match: PARTS[match[1]](), text)
+    """A page with its parts as the code says them now; KeyError for a part that there is not."""
+    return _PLACE.sub(lambda match: f"<!-- generated: {match[1]} -->\n\n{PARTS[match[1]]()}\n\n<!-- end of {match[1]} -->\n", text)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -108,15 +105,18 @@ def _law(name: str) -> str:
 def _paragraphs(text: str) -> Iterator[str]:
     """Those of a docstring, as Markdown: indented ones as code, the others with their signs kept."""
     for paragraph in re.split(r"\n\s*\n", text):
-        if paragraph.startswith("    "):
+        if paragraph.startswith("- "):
+            yield "\n".join("- " + plain(" ".join(item.split())) for item in re.split(r"^- ", paragraph, flags=re.M)[1:])
+        elif paragraph.startswith("    "):
             yield "```text\n" + "\n".join(line.removeprefix("    ") for line in paragraph.splitlines()) + "\n```"
         else:
             yield plain(" ".join(paragraph.split()))
 
 
 def plain(text: str) -> str:
-    """Words and formulas as they stand: what Markdown would read as marks is kept from it."""
-    return re.sub(r"([\\*_|$<\[\]^~])", r"\\\1", text).replace("``", "`")
+    """Words and formulas as they stand: what Markdown would read as marks is kept from it, outside code."""
+    parts = re.split(r"(``.+?``)", re.sub(r":[a-z]+:`~?([^`]+)`", r"``\1``", text))
+    return "".join(part[1:-1] if i % 2 else re.sub(r"([\\*_|$<\[\]^~])", r"\\\1", part) for i, part in enumerate(parts))
 
 
 def claims() -> str:
@@ -216,6 +216,44 @@ def _type(schema: Mapping[str, Any]) -> str:
     return " or ".join([given] if isinstance(given, str) else given)
 
 
+def python() -> str:
+    """What each name that a program imports is, in the order of its module."""
+    known: set[object] = set()
+    return "\n\n".join(_module(name, known) for name in ("duhem", "duhem.testing", "duhem.testing.foreign"))
+
+
+def _module(name: str, known: set[object]) -> str:
+    """The names of a module that are not ``known`` yet from another."""
+    module = import_module(name)
+    parts = [f"## {name}", *_paragraphs(getdoc(module) or "")]
+    for each in module.__all__:
+        value = getattr(module, each)
+        if (inspect.isclass(value) or inspect.isfunction(value)) and value not in known:
+            known.add(value)
+            parts += _documented(f"### {each}", each, value)
+            parts += _members(each, value) if inspect.isclass(value) and not issubclass(value, Enum) else ()
+    return "\n\n".join(parts)
+
+
+def _documented(title: str, called: str, value: Any) -> list[str]:
+    """A title, how the value is called (without annotations, which the docstring says better), and its docstring."""
+    parts = [title] if title else []
+    if callable(value) and not (inspect.isclass(value) and issubclass(value, Enum)):
+        signature = inspect.signature(value)
+        free = [parameter.replace(annotation=parameter.empty) for parameter in signature.parameters.values()]
+        shown = re.sub(r"<function \S+ at 0x\w+>", "...", str(signature.replace(parameters=free, return_annotation=signature.empty)))
+        parts.append(f"```text\n{called}{shown}\n```")
+    return parts + list(_paragraphs(getdoc(value) or ""))
+
+
+def _members(of: str, value: type) -> Iterator[str]:
+    """The methods and properties that a class documents."""
+    for name, member in vars(value).items():
+        inner = getattr(member, "__func__", getattr(member, "fget", member))  # of a class method or a property
+        if not name.startswith("_") and inspect.isfunction(inner) and inner.__doc__:
+            yield from _documented(f"#### {of}.{name}", f"{of}.{name}", member if isinstance(member, property) else getattr(value, name))
+
+
 PARTS = {
     "atlas": atlas,
     "campaign": campaign,
@@ -225,8 +263,14 @@ PARTS = {
     "invariants": invariants,
     "json": json_keys,
     "laws": laws,
+    "python": python,
     "scene": scene,
     "stresses": stresses,
     "verdicts": verdicts,
     "words": words,
 }
+
+
+if __name__ == "__main__":
+    for page in PAGES:
+        page.write_text(filled(page.read_text("utf-8")), "utf-8")

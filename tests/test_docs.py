@@ -58,10 +58,22 @@ def test_every_page_is_in_a_table_of_contents() -> None:
     assert [page for page in PAGES if page not in listed] == [DOCS / "index.md"]
 
 
+@pytest.mark.parametrize("page", generated.PAGES, ids=lambda page: page.stem)
+def test_a_page_holds_what_the_code_says_now(page: Path) -> None:
+    kept = page.read_text("utf-8")
+    assert generated.filled(kept) == kept, "run python -m docs.generated"
+
+
+def test_what_a_page_says_otherwise_than_the_code_is_replaced() -> None:
+    made = generated.filled("a\n<!-- generated: exit-codes -->\nb\n")
+    assert made.startswith("a\n<!-- generated: exit-codes -->\n\n| code |") and made.endswith("<!-- end of exit-codes -->\nb\n")
+    assert generated.filled(made.replace("something refuted", "something else")) == made == generated.filled(made)
+
+
 def test_what_is_made_from_code_is_whole() -> None:
-    made = {name: make() for name, make in generated.PARTS.items() if name != "commands"}
     places = "\n".join(page.read_text("utf-8") for page in PAGES)
-    assert set(re.findall(r"<!-- generated: ([a-z-]+) -->", places)) == set(generated.PARTS)
+    made = {name: text for name, text in re.findall(r"^<!-- generated: (.+) -->\n(.+?)^<!-- end of \1 -->$", places, flags=re.M | re.S)}
+    assert set(made) == set(generated.PARTS)
     assert all(f"| `{word}` |" in made["words"] for word in WORDS)
     assert all(f"| `{law.name}` |" in made["atlas"] for law in entries())
     assert all(f"## {name}\n" in made["laws"] for name in catalogue.names() if catalogue.shipped(name))
@@ -70,7 +82,8 @@ def test_what_is_made_from_code_is_whole() -> None:
         (told,) = re.findall(rf"^\[+{section}\]((?:.|\n)*?)(?=^\[+(?!{section})\w|^```)", made["campaign"], flags=re.M)
         assert [key for key in keys if not re.search(rf"(^|; or ){key} = ", told, flags=re.M)] == []
     assert all(f"| {code} | {plain} |" in made["exit-codes"] for code, plain in MEANINGS.items())
-    assert list(re.findall(r"^## duhem (\S+)$", generated.commands(), flags=re.M)) == list(cli.commands)
+    assert list(re.findall(r"^## duhem (\S+)$", made["commands"], flags=re.M)) == list(cli.commands)
+    assert all(f"\n### {name}\n" in made["python"] for name in duhem.__all__ if callable(getattr(duhem, name)))
 
 
 def test_a_law_says_its_units() -> None:
