@@ -101,7 +101,7 @@ def _turned(by: str, across: str = "1") -> tuple[str, str]:
 
 def test_why_a_curve_has_no_potential_here() -> None:
     reasons = {
-        None: "the support function of K is known along the curve only, Phi = T . n at the normal n, not in closed form",
+        None: "no closed form found: the support function of K is known along the curve only, Phi = T . n at the normal n",
         NORMAL: "the law has a flow of its own, which no potential of K gives",
     }
     for flow, reason in reasons.items():

@@ -342,9 +342,9 @@ def test_the_potential_of_a_gauge() -> None:
     flat = evidence.duality(subject("abs(a) - 1"))
     assert flat is not None and flat.proof is not None and flat.proof.evidence["flat"] == ["d_b"]
     assert evidence.duality(subject("norm(a, q*b) - 1", q=UNIT)) is None and evidence.duality(subject("norm(a, b) - q", q=UNIT)) is None
-    none = "the rules of the polar gauge give this law no closed-form dissipation potential"
+    none = "no closed form found: the rules of the polar gauge give none for the dissipation potential of this law"
     assert evidence.duality(subject("abs(a) + b**2 - 1")) == Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", none)
-    part = "the claims are asked in a range of a, and no closed form is known of a part of K"
+    part = "no closed form found: the claims are asked in a range of a, and none is known of a part of K"
     assert evidence.duality(subject("norm(a, b) - 1", domain={"a": UNIT})) == Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", part)
 
 

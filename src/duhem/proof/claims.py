@@ -280,7 +280,7 @@ For a boundary curve T with flow d it is the sign of T . d all around.""",
 The potential dual to the indicator of K is its support function Phi(d) = sup of sigma . d over K (Legendre-Fenchel);
 for K = radius {gauge <= 1} it is the radius times the polar gauge (Rockafellar 1970, Theorems 14.5, 15.3).  For Eq. (35):
 Phi(d) = |sigma_n| sqrt((mu_a^+- d_a)^2 + (mu_b^+- d_b)^2), each sign that of d_i, and Phi** = Phi.
-Where the rules give no closed form the claim has no content.""",
+Where the rules find no closed form nothing is proved or refuted: the verdict is not applicable.""",
         methods=(
             ProofMethod(FormulaSubject, evidence.duality),
             ProofMethod(CurveSubject, curves.duality),

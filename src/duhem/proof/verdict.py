@@ -2,7 +2,7 @@
 
 ``proved``: a sound method decided it over the whole declared domain.  ``refuted``: an exact witness violates it.
 ``tested``: sampling found no violation, which proves nothing.  ``undecided``: no method decided it.
-``not_applicable``: the claim has no content for this law.
+``not_applicable``: the claim has no content for this law, or (of duality) no closed form was found that could be proved.
 """
 
 from __future__ import annotations

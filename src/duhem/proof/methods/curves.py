@@ -52,7 +52,7 @@ def duality(subject: CurveSubject) -> Evidence | None:
     """A boundary curve gives its support function point by point only."""
     if subject.law.flow is not None:
         return Evidence(Verdict.NOT_APPLICABLE, "curve", "the law has a flow of its own, which no potential of K gives")
-    reason = "the support function of K is known along the curve only, Phi = T . n at the normal n, not in closed form"
+    reason = "no closed form found: the support function of K is known along the curve only, Phi = T . n at the normal n"
     return Evidence(Verdict.NOT_APPLICABLE, "curve", reason)
 
 

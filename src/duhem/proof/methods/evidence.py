@@ -296,10 +296,10 @@ def _in_pressure(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:
 def duality(subject: FormulaSubject) -> Evidence | None:
     """Phi is the support function of K: each step is a theorem, its positivity hypotheses decided over the whole domain."""
     if bounded := [name for name in subject.law.forces if name in subject.law.domain]:
-        reason = f"the claims are asked in a range of {', '.join(bounded)}, and no closed form is known of a part of K"
+        reason = f"no closed form found: the claims are asked in a range of {', '.join(bounded)}, and none is known of a part of K"
         return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", reason)
     if (found := subject.support) is None:
-        reason = "the rules of the polar gauge give this law no closed-form dissipation potential"
+        reason = "no closed form found: the rules of the polar gauge give none for the dissipation potential of this law"
         return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", reason)
     swap = subject.problem.compressed
     # What the potential divides by must not vanish for any admitted parameters, whatever the rules that gave it have asked.
