@@ -131,11 +131,12 @@ def commands() -> str:
     """Each command with what its help says."""
     from duhem.cli import cli
 
-    return "\n\n".join(_command(name, command) for name, command in cli.commands.items())
+    whole = click.Context(cli, info_name="duhem", terminal_width=100, **cli.context_settings)
+    return "\n\n".join(_command(name, command, whole) for name, command in cli.commands.items())
 
 
-def _command(name: str, command: click.Command) -> str:
-    context = click.Context(command, info_name=f"duhem {name}", max_content_width=100, terminal_width=100)
+def _command(name: str, command: click.Command, whole: click.Context) -> str:
+    context = click.Context(command, parent=whole, info_name=name)
     return f"## duhem {name}\n\n```text\n{command.get_help(context)}\n```"
 
 

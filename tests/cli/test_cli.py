@@ -13,6 +13,7 @@ from dataclasses import replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 
@@ -114,6 +115,43 @@ def test_json_report(run: Run) -> None:
 def test_exit_code(run: Run, monkeypatch: pytest.MonkeyPatch, verdicts: tuple[Verdict, ...], strict: bool, code: int) -> None:
     monkeypatch.setattr(verification, "verify", made_up(*verdicts))
     assert run("verify", "coulomb", *(["--strict"] if strict else []))[0] == code
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "expected", "code", "said"),
+    [
+        ((Verdict.PROVED, Verdict.REFUTED), ["convexity=refuted"], 0, ""),
+        ((Verdict.REFUTED, Verdict.REFUTED), ["convexity=refuted"], 1, ""),
+        ((Verdict.PROVED, Verdict.PROVED), ["convexity = refuted"], 1, "duhem: coulomb: convexity is proved, where refuted is expected\n"),
+        ((Verdict.UNDECIDED, Verdict.REFUTED), ["origin=undecided", "convexity=refuted"], 0, ""),
+        ((Verdict.TESTED, Verdict.REFUTED), ["convexity=refuted"], 3, ""),
+    ],
+)
+def test_expected_verdicts_are_no_failure_and_others_in_their_place_are(
+    run: Run, monkeypatch: pytest.MonkeyPatch, verdicts: tuple[Verdict, ...], expected: list[str], code: int, said: str
+) -> None:
+    monkeypatch.setattr(verification, "verify", made_up(*verdicts))
+    words = [word for each in expected for word in ("--expect", each)]
+    found, _, err = run("verify", "coulomb", "--strict", *words)
+    assert (found, err) == (code, said)
+    found, out, _ = run("verify", "coulomb", "--strict", "--format", "junit", *words)
+    failed = ElementTree.fromstring(out).findall(".//failure")
+    assert found == code and bool(failed) == (code != 0)
+
+
+@pytest.mark.parametrize(
+    ("expected", "said"),
+    [
+        (["--expect", "smoothness"], "not of the form CLAIM=VERDICT"),
+        (["--expect", "smoothnes=refuted"], "did you mean 'smoothness'?"),
+        (["--expect", "smoothness=refused"], "unknown verdict 'refused'; did you mean 'refuted'?"),
+        (["--expect", "smoothness=proved", "--expect", "smoothness=refuted"], "smoothness is expected to be proved too"),
+        (["--expect", "smoothness=refuted", "--claims", "origin"], "claims asked for are: origin"),
+    ],
+)
+def test_what_cannot_be_expected_is_told(run: Run, expected: list[str], said: str) -> None:
+    code, out, err = run("verify", "coulomb", *expected)
+    assert (code, out) == (2, "") and said in err and "--expect smooth" in err
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,10 @@ def test_the_exit_code_of_several_laws(run: Run, monkeypatch: pytest.MonkeyPatch
         (["proved", "undecided"], ["--strict"], 3),
         (["undecided", "refuted"], ["--strict"], 1),
         (["proved", "not_applicable"], ["--strict"], 0),
+        (["refuted", "refuted"], ["--expect", "origin=refuted"], 0),
+        (["refuted", "proved"], ["--expect", "origin=refuted"], 1),
     ):
-        found, out, _ = run("verify", "coulomb", "box", "--claims", "origin", *strict)
+        found, out, err = run("verify", "coulomb", "box", "--claims", "origin", *strict)
         said = [verdict.replace("_", " ") for verdict in verdicts]
         assert found == code and out.splitlines() == [f"{law}: {word} origin" for law, word in zip(("coulomb", "box"), said, strict=True)]
+        assert err == ("duhem: box: origin is proved, where refuted is expected\n" if "--expect" in strict and code else "")

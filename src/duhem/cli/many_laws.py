@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import glob
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import click
 
 from duhem.cli.arguments import read_fixed_law, read_law, read_settings
-from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, REFUTED, UNDECIDED
+from duhem.cli.exit_code import FAILED, INTERRUPTED
+from duhem.cli.expected import code_of
 from duhem.cli.output import Progress, say
 from duhem.errors import InputError
 
@@ -38,7 +39,13 @@ def found_files(laws: Iterable[str]) -> list[str]:
 
 
 def verify_each(
-    laws: Sequence[str], settings: Sequence[str], claims: Sequence[str] | None, effort: str, strict: bool, workers: int | None
+    laws: Sequence[str],
+    settings: Sequence[str],
+    claims: Sequence[str] | None,
+    effort: str,
+    strict: bool,
+    expected: Mapping[str, str],
+    workers: int | None,
 ) -> int:
     """Say a line a law, in their order, each as soon as those before it are said; the exit code of all of them."""
     from duhem.expression.number import exact_text
@@ -56,23 +63,19 @@ def verify_each(
         for law in laws:
             _check_settings(law, settings)
     asked = Campaign((Given(tuple((name, values) for name in names)),), Claimed(wanted_claims(claims), effort))
-    verdicts, said = set[str | None](), 0
+    verdicts = list[dict[str, str | None]]()
     try:
         with Progress() as progress, Pool(asked, workers or cores()) as pool:
             for lines in _in_order(pool.texts([range(1, len(asked) + 1)])):
                 progress.show("")
-                said += 1
-                say(_told(laws[said - 1], lines))
-                verdicts |= {line.verdict for line in lines}
-                progress.show(f"{said} of {len(laws)} laws")
+                say(_told(laws[len(verdicts)], lines))
+                verdicts.append({line.claim: line.verdict for line in lines})
+                progress.show(f"{len(verdicts)} of {len(laws)} laws")
     except KeyboardInterrupt:
-        click.echo(f"duhem: interrupted after {said} of {len(laws)} laws", err=True)
+        click.echo(f"duhem: interrupted after {len(verdicts)} of {len(laws)} laws", err=True)
         return INTERRUPTED
-    if None in verdicts:
-        return FAILED
-    if "refuted" in verdicts:
-        return REFUTED
-    return UNDECIDED if strict and verdicts & {"undecided", "tested"} else HELD
+    code = code_of(zip(laws, verdicts, strict=True), expected, strict=strict)
+    return FAILED if any(None in found.values() for found in verdicts) else code
 
 
 def _named(law: str) -> LawName:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import click
 
 from duhem.cli.arguments import laws_argument, read_claims, read_fixed_law, report_format_option, settings_option
-from duhem.cli.exit_code import HELD, INTERRUPTED, REFUTED, UNDECIDED
+from duhem.cli.exit_code import INTERRUPTED
+from duhem.cli.expected import code_of, expect_option, read_expected
 from duhem.cli.many_laws import found_files, verify_each
 from duhem.cli.output import Progress, page, say
 from duhem.errors import InputError
@@ -37,6 +38,7 @@ __all__ = ["verify"]
     help="How many steps each claim may cost: an eighth, all, eight times as many.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 3 if a claim is neither proved nor refuted.")
+@expect_option
 @click.option("--workers", metavar="N", type=click.IntRange(min=1), help="Processes that verify several laws; left out, one a core.")
 def verify(
     laws: Sequence[str],
@@ -47,6 +49,7 @@ def verify(
     certificate: str | None,
     effort: str,
     strict: bool,
+    expect: Sequence[str],
     workers: int | None,
 ) -> int:
     """Prove or refute what is claimed of LAW, or of several laws, also by a pattern such as 'laws/*.toml'.
@@ -56,12 +59,14 @@ def verify(
     cannot be read, crashes, or takes more than 600 s of the processor or 4 GB; the exit code is then 4.  With --report, --format json or
     junit they are verified in full, one after the other.
     """
+    from duhem.proof.claims import CLAIMS
     from duhem.show.place import check_places, write
 
     laws = found_files(laws)
     asked = None if claims is None else read_claims(claims)
+    expected = read_expected(expect, asked or CLAIMS)
     if len(laws) > 1 and form == "text" and report is None and certificate is None:
-        return verify_each(laws, settings, asked, effort, strict, workers)
+        return verify_each(laws, settings, asked, effort, strict, expected, workers)
     if workers is not None:
         remedy = "name several laws, and leave --format, --report and --certificate out"
         raise InputError("these are the processes that say of several laws a line each", where=f"--workers {workers}", remedy=remedy)
@@ -75,7 +80,7 @@ def verify(
 
     from duhem.proof import verification
 
-    told = _Told(form, effort, strict, several=len(laws) > 1)
+    told = _Told(form, effort, strict, expected, several=len(laws) > 1)
     for law in fixed:
         decided: list[ClaimResult] = []
         try:
@@ -119,6 +124,7 @@ class _Told:
     form: str
     effort: str
     strict: bool
+    expected: Mapping[str, str]
     several: bool
     done: list[Verification] = field(default_factory=list)
 
@@ -147,11 +153,9 @@ class _Told:
             from duhem.proof.report import as_suite
             from duhem.show.junit import as_xml
 
-            say(as_xml(as_suite(found, strict=self.strict) for found in self.done))
+            say(as_xml(as_suite(found, strict=self.strict, expected=self.expected) for found in self.done))
 
     def code(self) -> int:
         """The exit code of all laws together."""
-        verdicts = {result.verdict.value for found in self.done for result in found.results}
-        if "refuted" in verdicts:
-            return REFUTED
-        return UNDECIDED if self.strict and {"undecided", "tested"} & verdicts else HELD
+        found = ((done.criterion.name, {result.claim: result.verdict.value for result in done.results}) for done in self.done)
+        return code_of(found, self.expected, strict=self.strict)

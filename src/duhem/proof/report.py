@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
+from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.stated import number_in_short, number_in_words
 from duhem.law.stated import stated as stated_law
 from duhem.left_out import LeftOut
@@ -88,10 +89,11 @@ def as_sheet_of_witness(witness: Witness) -> Sheet:
     return Sheet("Counterexample", notes=(("Counterexample", _sentences(witness)),))
 
 
-def as_suite(verification: Verification, *, strict: bool = False) -> JUnitSuite:
+def as_suite(verification: Verification, *, strict: bool = False, expected: Mapping[str, str] = FrozenMapping()) -> JUnitSuite:
     """A case a claim: proved passes, refuted fails with its witness, open is skipped.
 
-    With ``strict`` a claim that is neither proved nor refuted fails, unless it is not applicable.
+    With ``strict`` a claim that is neither proved nor refuted fails, unless it is not applicable.  A claim with an ``expected``
+    verdict passes with that one, and fails with every other.
     """
     law = verification.criterion
     said = {f"remark {i}": remark for i, remark in enumerate(verification.remarks, 1)}
@@ -105,14 +107,15 @@ def as_suite(verification: Verification, *, strict: bool = False) -> JUnitSuite:
         if result.witness is not None:
             about["witness"] = json.dumps(result.witness.to_dict(), ensure_ascii=False)
         properties |= {f"{result.claim} {key}": value for key, value in about.items()}
-    return JUnitSuite(law.name, tuple(_case(result, strict) for result in verification.results), properties)
+    return JUnitSuite(law.name, tuple(_case(result, strict, expected.get(result.claim)) for result in verification.results), properties)
 
 
-def _case(result: ClaimResult, strict: bool) -> JUnitCase:
-    if result.verdict is Verdict.PROVED:
+def _case(result: ClaimResult, strict: bool, due: str | None) -> JUnitCase:
+    if result.verdict == (due or Verdict.PROVED):
         trust = f", {result.trust}" if result.trust else ""
-        return JUnitCase(result.claim, output=f"proved by {result.method}{trust}; {result.scope}: {result.detail}", seconds=result.seconds)
-    failed = result.verdict is Verdict.REFUTED or (strict and result.verdict is not Verdict.NOT_APPLICABLE)
+        said = f"{_word(result.verdict)} by {result.method}{trust}; {result.scope}: {result.detail}"
+        return JUnitCase(result.claim, output=said, seconds=result.seconds)
+    failed = due is not None or result.verdict is Verdict.REFUTED or (strict and result.verdict is not Verdict.NOT_APPLICABLE)
     outcome = Outcome.FAILED if failed else Outcome.SKIPPED
     lines = [line for sentence in _sentences(result.witness) for line in Page(None).hanging(sentence)]
     return JUnitCase(result.claim, outcome, f"{_word(result.verdict)}: {result.detail}", "\n".join(lines), seconds=result.seconds)

@@ -1,0 +1,50 @@
+"""Verdicts that are expected: the option ``--expect``, and the exit code of what came."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import click
+
+from duhem.cli.arguments import check_names
+from duhem.cli.exit_code import HELD, REFUTED, UNDECIDED
+from duhem.errors import InputError
+
+__all__ = ["code_of", "expect_option", "read_expected"]
+
+expect_option = click.option(
+    "--expect",
+    metavar="CLAIM=VERDICT",
+    multiple=True,
+    help="A verdict that is no failure, such as smoothness=refuted for corners; any other on this claim is one. Repeatable.",
+)
+
+
+def read_expected(given: Sequence[str], asked: Iterable[str]) -> dict[str, str]:
+    """The verdicts by claim, each of a claim that is ``asked``."""
+    from duhem.proof.verdict import Verdict
+
+    expected: dict[str, str] = {}
+    for one in given:
+        claim, equals, verdict = (part.strip() for part in one.partition("="))
+        where = f"--expect {one}"
+        if not (claim and equals and verdict):
+            raise InputError("this is not of the form CLAIM=VERDICT", where=where, remedy="write for example --expect smoothness=refuted")
+        check_names("claim", [claim], asked, "claims asked for are", where)
+        check_names("verdict", [verdict], map(str, Verdict), "verdicts are", where)
+        if expected.setdefault(claim, verdict) != verdict:
+            raise InputError(f"{claim} is expected to be {expected[claim]} too", where=where, remedy="expect one verdict of each claim")
+    return expected
+
+
+def code_of(found: Iterable[tuple[str, Mapping[str, str | None]]], expected: Mapping[str, str], *, strict: bool) -> int:
+    """The exit code of each law with its verdicts by claim; a verdict other than the expected one is said on standard error."""
+    codes = {HELD}
+    for law, verdicts in found:
+        for claim, verdict in verdicts.items():
+            if (due := expected.get(claim)) is None:
+                codes.add(REFUTED if verdict == "refuted" else UNDECIDED if strict and verdict in ("undecided", "tested") else HELD)
+            elif verdict not in (due, None):
+                click.echo(f"duhem: {law}: {claim} is {verdict}, where {due} is expected", err=True)
+                codes.add(REFUTED)
+    return REFUTED if REFUTED in codes else max(codes)
