@@ -178,6 +178,17 @@ def test_a_law_is_tested_by_every_method_that_takes_it(run: Command, monkeypatch
     assert "tresca newton" in out.splitlines() and "closed-form left out: " in out
 
 
+@pytest.mark.parametrize("constraint", ["b > 4/b", "b > 1000", "1/b > 50"])
+def test_a_method_is_tried_at_parameters_that_the_law_admits(
+    constraint: str, run: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("duhem.testing.routines.own_solvers.METHODS", ["newton"])
+    head = f'[criterion]\nname = "bound"\ng = "norm(sigma_a, sigma_b) + b*sigma_n"\nconstraints = ["{constraint}"]\n'
+    (tmp_path / "bound.toml").write_text(f"{head}[parameters]\nb = {{ positive = true }}\n", "utf-8")
+    code, out, _ = run("test", "bound.toml", *FEW, "answers", "--examples", "1")
+    assert code == 0 and "bound newton" in out.splitlines()
+
+
 def test_a_routine_that_misses_a_parameter_that_is_set_is_told_why(run: Command) -> None:
     code, out, _ = run(*of("right"), "--set", "mu=0.3", *FEW, "answers")
     assert code == 1 and "missing 1 required positional argument: 'mu' (parameters that are left open are passed: mu is fixed, so " in out

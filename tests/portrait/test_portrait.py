@@ -50,6 +50,19 @@ def tensor(g: str, **more: object) -> duhem.Criterion:
     return duhem.Criterion(name="t", g=g, pressure=None, stress={"name": "s", "kind": "3d"}, **more)
 
 
+def test_numbers_that_nobody_gives_satisfy_the_constraints() -> None:
+    def law(*constraints: str) -> duhem.Criterion:
+        return duhem.Criterion(
+            name="bound", g="norm(sigma_a, sigma_b) + b*sigma_n", parameters={"b": duhem.POSITIVE}, constraints=constraints
+        )
+
+    for least, constraint in ((2, "b > 4/b"), (1000, "b > 1000")):
+        at = given(law(constraint))
+        assert at.chosen == ("b",) and at.values()["b"] > least
+    with pytest.raises(InputError, match="no numbers for b are found by themselves"):
+        given(law("exp(b) < 1"))
+
+
 # ---- the boundary
 
 

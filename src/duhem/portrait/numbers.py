@@ -10,9 +10,9 @@ import numpy as np
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import holds_at
 from duhem.law.curve_law import Law
-from duhem.law.parameter_domain import check_domain, simple_points
+from duhem.law.parameter_domain import check_domain
+from duhem.proof.certificate import admitted_values
 
 __all__ = ["Numbered", "numbered"]
 
@@ -42,7 +42,6 @@ def numbered(law: Law, given: Mapping[str, Any] | None = None) -> Numbered:
     fixed = law.fix(given)
     check_domain(fixed)
     left = tuple(name for name, domain in fixed.parameters.items() if domain.value is None)
-    for point in simple_points(fixed):
-        if all(holds_at(c, point) for c in fixed.constraints):
-            return Numbered(fixed.fix({name: value for x, value in point.items() if (name := str(x)) in left}), left)
-    raise InputError(f"no numbers for {', '.join(left)} are found by themselves", where=law.name, remedy="give each of them")
+    if (found := admitted_values(fixed)) is None:
+        raise InputError(f"no numbers for {', '.join(left)} are found by themselves", where=law.name, remedy="give each of them")
+    return Numbered(fixed.fix({name: found[name] for name in left}), left)

@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
-from duhem.law.parameter_domain import simple_points
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.projection.validation import check_associated
+from duhem.proof.certificate import admitted_values
 from duhem.testing.routines.origin import law_as_written, made_by
 
 __all__ = [
@@ -168,7 +168,7 @@ def own_solvers(law: Criterion) -> Iterator[tuple[str, Update | str]]:
     InputError for a law with a flow of its own, which none takes.
     """
     check_associated(law)
-    point = {str(symbol): value for symbol, value in next(iter(simple_points(law)), {}).items()}
+    point = admitted_values(law) or {}
     values = {name: point[name] for name, domain in law.parameters.items() if domain.value is None and name in point}
     for method in METHODS:
         try:
