@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import duhem
@@ -43,6 +44,34 @@ def test_other_laws_are_recovered_and_proved(name, parameters):
     assert dict(done.coefficients) == pytest.approx(parameters, rel=1e-8)
     assert done.verification.generalized_standard
     assert all(domain.value is not None for domain in done.law.parameters.values())
+
+
+@pytest.mark.parametrize("name, parameters, over", [("cohesive", {"mu": 0.3, "cohesion": 0.5}, None), ("coulomb", {"mu": 0.3}, 1.0)])
+def test_points_on_the_boundary_are_drawn_on_it_whatever_pressure_they_have(name, parameters, over):
+    pytest.importorskip("matplotlib")
+    points = rays(duhem.load(name), parameters, 30, 6)
+    axes = duhem.identify(points, name).plot()
+    places = next(line.get_xydata() for line in axes.lines if line.get_label().startswith("limit points"))
+    line = next(line.get_xydata() for line in axes.lines if line.get_label().startswith("boundary"))
+    size = 0.3 * (over or np.median(-points[:, 2])) + parameters.get("cohesion", 0.0)
+    assert np.ptp(points[:, 2]) > 1
+    assert np.hypot(*places.T) == pytest.approx(size, rel=1e-7) and np.hypot(*line.T) == pytest.approx(size, rel=1e-3)
+    assert axes.get_xlabel() == (r"$\sigma_{a}\,/\,|\sigma_{n}|$ [–]" if over else r"$\sigma_{a}$ [unit of the points]")
+    assert places[:, 0] * points[:, 1] == pytest.approx(places[:, 1] * points[:, 0], abs=1e-9)  # no point leaves its ray
+
+
+@pytest.mark.parametrize(("least", "most", "end"), [(0, "2/5", "greatest"), ("4/5", "9/10", "least"), (0, "9/10", "")])
+def test_a_parameter_that_ends_on_its_bound_is_said(least, most, end):
+    law = duhem.Criterion(
+        name="oval",
+        g="norm(sigma_a, sigma_b)**2 - mu*abs(sigma_n)*(norm(sigma_a, sigma_b) + e*sigma_a)",
+        parameters={"mu": duhem.POSITIVE, "e": duhem.Domain.between(least, most)},
+    )
+    points = rays(duhem.load("limacon"), {"mu": 0.3, "e": 0.6}, 30, 6)
+    done = duhem.identify(points, law, convex="assume")
+    said = f"e is on the {end} value of its domain; a better fit may lie beyond"
+    assert (said in done.to_text()) == (said in done.to_html()) == bool(end) == bool(done.to_dict()["parameters"]["e"]["remark"])
+    assert ("on its bound" in done.to_text()) == bool(end) and not done["mu"].remark
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,8 @@ def estimated(family: Criterion, read: Points, *, robust: bool, bootstrap: int, 
     fitted = _fixed(family, _short(family, problem, solved, corner, exponents) if exponents else values, read)
     draws = _draws(problem, solved, corner, bootstrap, seed)
     intervals = _intervals(problem, solved, spread, draws)
-    estimates = {n: _estimate(n, values[n], spread[i, i], intervals[i]) for i, n in enumerate(names)}
+    ends = _ends(problem, solved)
+    estimates = {n: _estimate(n, values[n], spread[i, i], intervals[i], ends[i]) for i, n in enumerate(names)}
     return Identification(
         law=fitted,
         family=family,
@@ -149,9 +150,7 @@ def _check_at_rest(problem: FitProblem, solved: Solved, robust: bool) -> None:
     """One more step would move no parameter, unless its domain holds it, by much of its standard error or of itself."""
     size = HUBER * solved.level
     pull = np.clip(solved.residual, -size, size) if robust else solved.residual
-    low, high = problem.coordinates.bounds
-    x = problem.coordinates.inward(solved.theta)
-    free = (x > low + _NEAR) & (x < high - _NEAR)
+    free = np.array([not end for end in _ends(problem, solved)])
     columns = (solved.slope * problem.coordinates.stretch(solved.theta))[:, free]
     if not columns.size:
         return
@@ -165,6 +164,14 @@ def _check_at_rest(problem: FitProblem, solved: Solved, robust: bool) -> None:
             where=problem.points.where,
             remedy="look for wrong points, try --robust, or fix one with --set",
         )
+
+
+def _ends(problem: FitProblem, solved: Solved) -> list[str]:
+    """On which end of its domain each fitted parameter lies, if on one."""
+    low, high = problem.coordinates.bounds
+    x = problem.coordinates.inward(solved.theta)
+    flags = zip(x <= low + _NEAR, x >= high - _NEAR, strict=True)
+    return ["least" if below else "greatest" if above else "" for below, above in flags]
 
 
 def _draws(problem: FitProblem, solved: Solved, corner: float | None, draws: int, seed: int) -> Array:
@@ -185,9 +192,10 @@ def _intervals(problem: FitProblem, solved: Solved, spread: Array, draws: Array)
     return [(a, b) if np.isfinite(a) and np.isfinite(b) else None for a, b in zip(low.tolist(), high.tolist(), strict=True)]
 
 
-def _estimate(name: str, value: str, variance: float, interval: tuple[float, float] | None) -> Estimate:
+def _estimate(name: str, value: str, variance: float, interval: tuple[float, float] | None, end: str) -> Estimate:
     error = float(np.sqrt(variance))
-    return Estimate(name, "fitted", float(value), error if np.isfinite(error) else None, interval)
+    remark = f"on the {end} value of its domain; a better fit may lie beyond, of which error and interval say nothing" if end else ""
+    return Estimate(name, "fitted", float(value), error if np.isfinite(error) else None, interval, remark)
 
 
 def _not_fitted(family: Criterion, name: str, unfelt: Mapping[str, str]) -> Estimate:

@@ -23,7 +23,7 @@ def as_text(done: Identification, page: Page = PAGE) -> str:
         [
             [*page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name), *_fields(_fitted(done), page)],
             page.table([_HEAD, *map(_row, done.estimates)], "lr"),
-            [*(line for name in done.open for line in page.item(f"{name} is {done[name].remark}")), *_outliers(done, page)],
+            [*(line for remark in _remarks(done) for line in page.item(remark)), *_outliers(done, page)],
             _fields(proved, page),
         ]
     )
@@ -31,9 +31,9 @@ def as_text(done: Identification, page: Page = PAGE) -> str:
 
 @sheet.register(Identification)
 def as_sheet(done: Identification) -> Sheet:
-    """The same as a sheet: coefficients in a table, what is open and what lies apart as notes."""
+    """The same as a sheet: coefficients in a table, what is open or on a bound and what lies apart as notes."""
     apart = tuple(f"row {o.row}: standardised {o.standardised:+.4g}, distance {o.distance:+.4g}" for o in done.outliers)
-    notes = (("Not identifiable", tuple(f"{name} is {done[name].remark}" for name in done.open)), ("Outliers", apart))
+    notes = (("Remarks", tuple(_remarks(done))), ("Outliers", apart))
     fields = {**_fitted(done), **_proved(done)}
     return Sheet(f"Identification of {done.family.name}", tuple(fields.items()), _HEAD, tuple(map(_row, done.estimates)), notes)
 
@@ -73,9 +73,14 @@ def _scatter(done: Identification) -> str:
     return f"{done.level:.4g} estimated, {unit}"
 
 
+def _remarks(done: Identification) -> Iterator[str]:
+    """What is said of parameters that are open, or end on a bound."""
+    return (f"{e.name} is {e.remark}" for e in done.estimates if e.remark and e.state != "given")
+
+
 def _row(estimate: Estimate) -> tuple[str, ...]:
     low, high = estimate.interval or (None, None)
-    state = {"fitted": "", "given": "given", "open": "not identifiable"}[estimate.state]
+    state = {"fitted": "on its bound" if estimate.remark else "", "given": "given", "open": "not identifiable"}[estimate.state]
     return (estimate.name, *map(_number, (estimate.value, estimate.standard_error, low, high)), state)
 
 

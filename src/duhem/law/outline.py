@@ -1,4 +1,4 @@
-"""The boundary of K as lines in the plane of two forces, fine enough to be drawn (matplotlib's contours, extra ``plot``)."""
+"""The boundary of K in the plane of two forces: as lines fine enough to be drawn (contours, extra ``plot``), and along rays."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import evaluate
+from duhem.expression.rays import Rays
 from duhem.law.formula_law import Criterion
 
-__all__ = ["outline"]
+__all__ = ["outline", "ray_ends"]
 
 Array = NDArray[np.float64]
 _GRID = 301
+_RADII = 10.0 ** np.linspace(-4.0, 4.0, 161)
 
 
 def outline(law: Criterion, parameters: Mapping[str, float], pressure: float | None, size: float) -> list[Array]:
@@ -38,7 +40,13 @@ def outline(law: Criterion, parameters: Mapping[str, float], pressure: float | N
     return [reach * line for line in lines]
 
 
-def _level(law: Criterion, parameters: Mapping[str, float], pressure: float | None, x: Array, y: Array) -> Array:
+def ray_ends(law: Criterion, parameters: Mapping[str, float], pressure: Array, forces: Array) -> Array:
+    """How many times as far out as ``forces`` (m, 2) K ends on their rays, at ``pressure`` (m,); 1e4 where it does not end before."""
+    rays = Rays(lambda p: _level(law, parameters, pressure[:, None], p[..., 0], p[..., 1]), np.zeros(2), forces)
+    return rays.left(_RADII)[0]
+
+
+def _level(law: Criterion, parameters: Mapping[str, float], pressure: Array | float | None, x: Array, y: Array) -> Array:
     """g at the stresses (x, y)."""
     table = law.symbols()
     known: dict[Any, Any] = {table[force]: place for force, place in zip(law.forces, (x, y), strict=True)}
