@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from importlib import import_module
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -94,13 +95,107 @@ table = "h.xls"
         ("s.toml:1:1", "did you mean antoni2007"),
         ("s.toml:2:1", "did you mean 'stiffness'"),
         ("s.toml:4:1", "did you mean 'circle'"),
+        ("s.toml:3:1", "a circle path needs radius"),
         ("s.toml:6:1", "did you mean 'exact'"),
         ("s.toml:7:1", "substeps"),
         ("s.toml:9:1", ".csv"),
         ("s.toml", "no stiffness"),
     ]:
         assert any(text.startswith(place) and word in text for text in found), (place, word, found)
-    assert len(found) == 7
+    assert len(found) == 8
+
+
+WHOLE = """\
+law = "antoni2007"
+stiffness = [1.0, 2.0]
+stress = [0.01, 0.0]
+[parameters]
+mu_a_plus = 0.2
+mu_a_minus = 0.08
+mu_b_plus = 0.12
+mu_b_minus = 0.15
+[method]
+integrator = "exact"
+substeps = 2
+[output]
+keep = 1
+[path]
+"""
+OF_ALL = [
+    ("stiffness = [1.0, 2.0]", "stiffness = [1.0, -2.0]"),
+    ("stress = [0.01, 0.0]", "stress = [9.0, 0.0]"),
+    ("mu_a_plus = 0.2", "mu_a_plus = -0.2"),
+    ("mu_b_minus = 0.15", ""),
+    ('integrator = "exact"', 'integrator = "exakt"'),
+    ("substeps = 2", "substeps = 0"),
+    ("keep = 1", "keep = -1"),
+]
+OF_PATHS = {
+    'kind = "linear"\npoints = [[0, 0], [1, 0], [1, 1]]\ntime = [0, 1, 2]\npressure = -1\n': [
+        ('"linear"', '"linea"'),
+        ("[[0, 0], [1, 0], [1, 1]]", "3"),
+        ("[1, 0], [1, 1]]", "[1, 'x'], [1, 1]]"),
+        ("[[0, 0], [1, 0], [1, 1]]", "[[0], [1], [1]]"),
+        ("time = [0, 1, 2]", "time = [0, 1, 1]"),
+        ("time = [0, 1, 2]", "time = [0, 1, 'x']"),
+        ("pressure = -1", "pressure = 1"),
+        ("pressure = -1", ""),
+    ],
+    'kind = "cycle"\namplitude = [1, 2]\ncycles = 2\nmean = [0, 1]\npressure = -1\n': [
+        ("amplitude = [1, 2]", 'amplitude = "wide"'),
+        ("amplitude = [1, 2]", ""),
+        ("cycles = 2", "cycles = 0"),
+        ("mean = [0, 1]", "mean = [0, nan]"),
+        ("pressure = -1", "pressure = [-1, 1]"),
+    ],
+    'kind = "circle"\nradius = 1.0\npoints = 8\nturns = 2\npressure = -1\n': [
+        ("radius = 1.0", "radius = [1]"),
+        ("points = 8", "points = 0"),
+        ("turns = 2", "turns = 'two'"),
+        ("pressure = -1", "presure = -1"),
+    ],
+    'kind = "random"\nseed = 1\npoints = 4\nscale = [1, 2]\npressure = -1\n': [
+        ("seed = 1", ""),
+        ("points = 4", "points = 0"),
+        ("scale = [1, 2]", "scale = [1, 2, 3]"),
+        ("pressure = -1", "pressure = 1"),
+    ],
+}
+
+
+def mistakes(text, folder="."):
+    try:
+        scene_file.reads(text, where="s", folder=folder)
+    except scene_file.SceneFaults as caught:
+        return {(fault.what, fault.remedy) for fault in caught.faults}
+    return set()
+
+
+@pytest.mark.parametrize("path", OF_PATHS, ids=lambda path: path.split('"')[1])
+def test_two_mistakes_are_told_together_and_nothing_else_is(path):
+    assert mistakes(WHOLE + path) == set()
+    wrong = {change: mistakes((WHOLE + path).replace(*change)) for change in (*OF_ALL, *OF_PATHS[path])}
+    assert all(wrong.values())
+    for one, other in combinations(wrong, 2):
+        if one[0] not in other[0] and other[0] not in one[0] and "pressure = [-1, 1]" not in (one[1], other[1]):
+            assert mistakes((WHOLE + path).replace(*one).replace(*other)) == wrong[one] | wrong[other]
+
+
+def test_mistakes_in_the_table_of_points_are_told_with_the_others(tmp_path):
+    (tmp_path / "points.csv").write_text("mu,sacle\n0.1,1\n0.2,2\n")
+    path = '[path]\nkind = "linear"\npoints = {}\npressure = {}\n[points]\ntable = "points.csv"\n[method]\nthreads = 999\n'
+    text = f'law = "coulomb"\nstiffness = -1\n{path}'
+    said = {what for what, _ in mistakes(text.format(3, 1), tmp_path)}
+    assert "unknown column 'sacle'" in said and len(said) == 4 and not any("needs a value" in what for what in said)
+    (tmp_path / "points.csv").write_text("mu,scale\n0.1,1\n-0.2,2\n")
+    said = {what for what, _ in mistakes(text.format("[[0, 0], [1, 0]]", -1), tmp_path)}
+    assert any("-1/5 lies outside" in what for what in said) and any("stiffness" in what for what in said) and "threads = 999" in said
+
+
+def test_outputs_that_cannot_be_written_are_told_with_the_others(tmp_path):
+    pytest.importorskip("matplotlib")
+    text = PLANE.replace("seed = 3", "seed = -3") + '[output]\ntable = "no/where/h.csv"\nplot = "h.xyz"\n'
+    assert {what.split()[0] for what, _ in mistakes(text, tmp_path)} == {"seed", "there", "xyz"}
 
 
 @pytest.mark.parametrize(

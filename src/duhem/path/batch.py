@@ -83,6 +83,11 @@ class Batch:
             what = f"the paths have {paths.values.shape[2]} columns and {known.name} the {d} forces {', '.join(known.forces)}"
             raise InputError(what, where="paths", remedy="give one column for each force")
         members, own = _members(known, run.stiffness, run.parameters, n)
+        checked_count(substeps, "substeps", 1)
+        checked_count(run.threads, "threads", 1, MOST_THREADS)
+        if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
+            raise InputError(f"{steps} steps are too many", where="substeps", remedy=f"take at most {MOST_NUMBERS // d} in all")
+        stress, knots = _start(known, run.stress, n), _kept(run.keep, steps)
         load = paths.pressure
         if load is not None and (out := np.argwhere(refused(known, load))).size:
             point, knot = out[0].tolist()
@@ -90,17 +95,13 @@ class Batch:
             what = f"pressure[{point}, {knot}] is {load[point, knot]}, outside the range of {known.domain[name].stated(name)}"
             raise InputError(what, where="paths", remedy="keep to the range, or declare a wider one in the law's domain")
         posed(members[0], np.zeros((1, d)), None if load is None else load[0, :1])
-        checked_count(substeps, "substeps", 1)
-        checked_count(run.threads, "threads", 1, MOST_THREADS)
-        if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
-            raise InputError(f"{steps} steps are too many", where="substeps", remedy=f"take at most {MOST_NUMBERS // d} in all")
         return cls(
             paths=paths,
             substeps=substeps,
             members=tuple(replace(member, convexity=run.convexity) for member in members),
             own=own,
-            stress=_start(known, run.stress, n),
-            knots=_kept(run.keep, steps),
+            stress=stress,
+            knots=knots,
             projection=run.projection,
             compiled=run.compiled,
             compliance=np.asarray(np.linalg.inv(members[0].stiffness)),

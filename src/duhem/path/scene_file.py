@@ -1,10 +1,14 @@
-"""Scenes from TOML: the keys of :mod:`duhem.path.scene_keys` read, and every mistake listed with its place."""
+"""Scenes from TOML: the keys of :mod:`duhem.path.scene_keys` read, and every mistake listed with its place.
+
+Where a value is wrong a stand-in that fits everything else takes its place, so that the other mistakes are found in the same reading.
+"""
 
 from __future__ import annotations
 
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path as File
 from typing import Any
@@ -12,9 +16,12 @@ from typing import Any
 import numpy as np
 
 from duhem.errors import InputError
+from duhem.expression import holds_at
 from duhem.expression.spelling import spelled
 from duhem.law.catalogue import load_formula, load_named
+from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
+from duhem.law.parameter_domain import simple_points
 from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
 from duhem.path.batch import Batch
 from duhem.path.integrators import INTEGRATORS
@@ -23,10 +30,27 @@ from duhem.path.paths import Paths, paths_from_csv, spread
 from duhem.path.run import Plan, Run
 from duhem.path.scene import Scene
 from duhem.path.scene_keys import CHOICES, KINDS, SECTIONS, VALUES
+from duhem.path.simulate import check_compiled, first_stress
+from duhem.show import figure
+from duhem.show.place import check_place
 
 __all__ = ["SceneFaults", "read", "reads"]
 
 MOST_BYTES = 1_000_000
+_PLAIN: Mapping[str, Any] = {"stiffness": 1.0, "threads": 1, "substeps": 1, "keep": 1, "stress": None, "compiled": False}
+_MISFITS = {  # what a check of the run names: section and key of it
+    "method": ("method", "integrator"),
+    "compiled": ("method", "compiled"),
+    "stiffness": ("", "stiffness"),
+    "point ": ("points", "table"),
+    "parameters": ("", "parameters"),
+    "threads": ("method", "threads"),
+    "substeps": ("method", "substeps"),
+    "keep": ("output", "keep"),
+    "pressure": ("path", "pressure"),
+    "stress": ("", "stress"),
+    "path": ("", "path"),
+}
 
 
 class SceneFaults(InputError):
@@ -71,11 +95,15 @@ class _SceneReader:
             self.fault(f"table {table!r} is neither .csv nor .parquet", "output", "table", 'write for example table = "history.csv"')
         if "stiffness" not in self.document:
             self.fault("there is no stiffness", "", "stiffness", "write for example stiffness = 1e9, in Pa/m, above the first [section]")
-        elif law is not None and path is not None and parameters is not None:
-            self.fits(Run(law, path, self.document["stiffness"], parameters, substeps=asked["substeps"], keep="last"), asked["method"])
+        stiffness, inputs = self.document.get("stiffness", 1.0), tuple(self.inputs)
+        if law is not None:
+            numbers = _admitted(law) if parameters is None or (path is None and own) else parameters
+            run = Run(law, path or _resting(law), stiffness, numbers)
+            if numbers is not None:
+                self.fits(law, replace(run, **{key: asked[key] for key in ("method", "substeps", "keep", "threads", "stress", "compiled")}))
         if self.faults or law is None or path is None:
+            self.writable(asked)
             raise SceneFaults(self.faults)
-        stiffness, inputs = self.document["stiffness"], tuple(self.inputs)
         return Scene(law=law, path=path, stiffness=stiffness, parameters=parameters or {}, inputs=inputs, **asked)
 
     def values(self, section: str) -> dict[str, Any]:
@@ -95,22 +123,32 @@ class _SceneReader:
         self.fault(f"{key} = {repr(given[key])[:40]}", section, key, remedy)
         return meant
 
-    def fits(self, run: Run, integrator: str) -> None:
-        """Whether law, numbers and path fit each other, by the check that the run itself makes."""
-        try:
-            if isinstance(run.path, Paths):
-                Batch.of(run)
+    def fits(self, law: Criterion, run: Run) -> None:
+        """Whether law, numbers and path fit each other, by the checks that the run itself makes."""
+        instead: dict[str, Mapping[str, Any]] = {key: {key: value} for key, value in _PLAIN.items()}
+        if (numbers := _admitted(law)) is not None:
+            resting = {"path": _resting(law), "parameters": numbers}
+            instead |= {"parameters": {"parameters": numbers}, "point ": {"parameters": numbers}, "pressure": resting, "path": resting}
+        told = set[str]()
+        while (fault := _misfit(run)) is not None:
+            key = next((key for key in _MISFITS if key in f"{fault.where} {fault.what}"), "path")
+            if key in told:
                 return
-            plan = Plan.of(run)
-        except InputError as fault:
-            key = next((k for k in ("stiffness", "pressure", "parameters", "path") if k in f"{fault.where} {fault.what}"), "path")
-            self.fault(fault.what, "path" if key == "pressure" else "", key, fault.remedy)
-            return
-        try:
-            if plan.path.control == "displacement" and (pieces := INTEGRATORS[integrator].piece) is not None:
-                pieces(plan)
-        except InputError as fault:
-            self.fault(fault.what, "method", "integrator", fault.remedy.replace("method=", "integrator = "))
+            what = f"{fault.where}: {fault.what}" if key == "point " else fault.what
+            self.fault(what, *_MISFITS[key], fault.remedy.replace("method=", "integrator = "))
+            told.add(key)
+            if key not in instead:
+                return
+            run = replace(run, **instead[key])
+
+    def writable(self, asked: Mapping[str, Any]) -> None:
+        """Whether the scene's outputs can be written; of a scene without faults that is asked once the command line has named its own."""
+        for key, check in (("table", check_place), ("plot", figure.check)):
+            try:
+                if asked[key] is not None:
+                    check(asked[key])
+            except InputError as fault:
+                self.fault(fault.what, "output", key, fault.remedy)
 
     def stress(self) -> tuple[float, ...] | None:
         given = self.document.get("stress")
@@ -139,23 +177,24 @@ class _SceneReader:
             self.faults.append(InputError(fault.what, where=place, remedy=fault.remedy))
             return None
 
-    def points(self, law: Criterion | None, path: Path | Paths | None) -> tuple[Path | Paths | None, Mapping[str, Any]]:
-        """The paths of many points, and their own parameters, where the scene has them."""
+    def points(self, law: Criterion | None, path: Path | Paths | None) -> tuple[Path | Paths | None, Mapping[str, Any] | None]:
+        """The paths of many points, and their own parameters, where the scene has them; None for what cannot be read."""
         given = self.section("points")
         self.known("points", given, SECTIONS["points"])
-        if "points" not in self.document or law is None or path is None:
+        if "points" not in self.document or law is None:
             return path, {}
         if not isinstance(given.get("table"), str):
             self.fault("[points] has no table", "points", "table", 'write for example table = "points.csv"')
-            return path, {}
+            return None, None
         try:
-            return spread(self.input(self.folder / given["table"]), law, path)
+            paths, own = spread(self.input(self.folder / given["table"]), law, path or _resting(law))
         except InputError as fault:
             self.faults.append(fault)
-            return path, {}
+            return None, None
+        return None if path is None else paths, own
 
-    def parameters(self, law: Criterion | None, own: Mapping[str, Any]) -> Mapping[str, Any] | None:
-        """The values of the scene, and those that are each point's ``own``."""
+    def parameters(self, law: Criterion | None, own: Mapping[str, Any] | None) -> Mapping[str, Any] | None:
+        """The values of the scene, and those that are each point's ``own``; None where one is wrong or missing."""
         given = self.section("parameters")
         if law is None:
             return None
@@ -168,6 +207,8 @@ class _SceneReader:
                 law.fix({name: value})
             except InputError as fault:
                 self.fault(f"{name}: {fault.what}", "parameters", name, fault.remedy)
+        if own is None:
+            return None
         values = {spelled(name): value for name, value in given.items()} | dict(own)
         if len(values) < len(given) + len(own):
             self.fault("a parameter is given twice, in two spellings or in [points] too", "", "parameters", "give it once")
@@ -185,36 +226,59 @@ class _SceneReader:
         before = len(self.faults)
         kind = self.choice("path", given, "kind")
         if kind is None:
+            kind = next(iter(get_close_matches(str(given.get("kind")), KINDS, n=1)), None)
+        if kind is None:
+            self.known("path", given, ("kind", "pressure", *(key for each in KINDS.values() for key in (*each.needs, *each.may))))
             return None
         _, needed, optional = KINDS[kind]
-        self.known("path", given, ("kind", *needed, *optional, "pressure"))
+        allowed, dimension = ("kind", *needed, *optional, "pressure"), 2 if law is None else len(law.forces)
+        self.known("path", given, allowed)
+        given = {key: value for key, value in given.items() if key in allowed}
         for key in needed:
             if key not in given:
                 self.fault(f"a {kind} path needs {key}", "", "path", f"write {key} = ... in [path]")
+                given[key] = _instead(kind, key, given, dimension)
         if "control" in given:
-            self.choice("path", given, "control")
+            given["control"] = self.choice("path", given, "control")
         if "pressure" not in given and kind != "table" and "points" not in self.document and law is not None and law.pressure is not None:
             self.fault(f"{law.name} needs the pressure {law.pressure}", "", "path", "write pressure = -1e6 in [path], in Pa")
-        if len(self.faults) > before:
-            return None
         del given["kind"]
-        table = given.get("file")
-        try:
-            return self.built(kind, given, 2 if law is None else len(law.forces))
-        except InputError as fault:
-            if kind == "table" and isinstance(table, str) and fault.where.startswith(f"{self.folder / table}"):
-                self.faults.append(fault)  # with the line of the table
+        made, known = None, set[str]()
+        while made is None and None not in (given[key] for key in needed):
+            try:
+                made = self.built(kind, given, dimension)
+            except InputError as fault:
+                table = given.get("file")
+                if kind == "table" and isinstance(table, str) and fault.where.startswith(f"{self.folder / table}"):
+                    self.faults.append(fault)  # with the line of the table
+                    return None
+                said = {key: found.start() for key in given if (found := re.search(rf"\b{key}\b", fault.what))}
+                at = min(said, key=said.__getitem__, default="kind")
+                if at in known:
+                    return None
+                self.fault(fault.what, "path", at, fault.remedy)
+                known.add(at)
+                if at in needed:
+                    given[at] = _instead(kind, at, given, dimension)
+                elif given.pop(at, None) is None:
+                    return None
+                if kind != "linear" and isinstance(given.get("pressure"), list):
+                    del given["pressure"]  # one a knot, and how many knots there are is not known
+            except TypeError:
+                self.fault(
+                    f"a value of a {kind} path has the wrong type", "path", "kind", "give numbers or lists of them, and names in quotes"
+                )
                 return None
-            at = next((key for key in given if re.search(rf"\b{key}\b", fault.what)), "kind")
-            self.fault(fault.what, "path", at, fault.remedy)
-        except TypeError:
-            self.fault(f"a value of a {kind} path has the wrong type", "path", "kind", "give numbers or lists of them, and names in quotes")
-        return None
+        if len(self.faults) > before and isinstance(made, Path) and law is not None:
+            load = _resting(law).pressure
+            return replace(made, pressure=None if load is None else np.full(len(made.time), load[0]))
+        return made
 
     def built(self, kind: str, given: dict[str, Any], dimension: int) -> Path | Paths:
         if kind == "table":
-            file = self.input(self.folder / given.pop("file"))
-            return paths_from_csv(file, **given) if "point" in given else Path.from_csv(file, **given)
+            rest = {key: value for key, value in given.items() if key != "file"}
+            file = self.input(self.folder / given["file"])
+            return paths_from_csv(file, **rest) if "point" in given else Path.from_csv(file, **rest)
         made: Path = getattr(Path, kind)(**given, **({"dimension": dimension} if kind == "random" else {}))
         return made
 
@@ -272,6 +336,52 @@ class _SceneReader:
     def place(self, section: str, key: str) -> str:
         """file:line:column of a key (or of the section it names), or the file where it is not written."""
         return self.toml.place(*filter(None, (section, key)))
+
+
+def _misfit(run: Run) -> InputError | None:
+    """What the run would say of law, numbers and path before its first step."""
+    try:
+        if isinstance(run.path, Paths):
+            Batch.of(run)
+            return None
+        plan = Plan.of(run)
+        if run.stress is not None:
+            first_stress(plan, run.stress)
+        if run.compiled:
+            check_compiled(run.method)
+    except InputError as fault:
+        return fault
+    try:
+        if plan.path.control == "displacement" and (pieces := INTEGRATORS[run.method].piece) is not None:
+            pieces(plan)
+    except InputError as fault:
+        return InputError(fault.what, where="method", remedy=fault.remedy)
+    return None
+
+
+def _instead(kind: str, key: str, given: Mapping[str, Any], dimension: int) -> Any:
+    """A value of a path in the place of one that is wrong or missing, as many numbers as the others ask for; None for a table's name."""
+    sizes = {name: len(value) for name, value in given.items() if isinstance(value, list)}
+    if key == "amplitude":
+        return [1.0] * sizes.get("mean", dimension)
+    if (kind, key) == ("linear", "points"):
+        return [[0.0] * dimension] * max(2, next((sizes[name] for name in ("points", "time", "pressure") if name in sizes), 2))
+    return {"radius": 1.0, "seed": 0, "points": 1}.get(key)
+
+
+def _resting(law: Criterion) -> Path:
+    """A path on which nothing moves, at a pressure that the law admits."""
+    domain = law.domain.get(law.pressure or "", Domain())
+    load = next((float(end) for end in (domain.high, domain.low) if end is not None), -1.0)
+    return Path.linear([[0.0] * len(law.forces)] * 2, pressure=None if law.pressure is None else load)
+
+
+def _admitted(law: Criterion) -> Mapping[str, Any] | None:
+    """Plain values of the parameters that the law admits, where some are at hand."""
+    for point in simple_points(law):
+        if all(holds_at(constraint, point) for constraint in law.constraints):
+            return {x.name: value for x, value in point.items() if law.parameters[x.name].value is None}
+    return None
 
 
 def _is(value: Any, kind: Any) -> bool:

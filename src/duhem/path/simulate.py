@@ -26,7 +26,7 @@ from duhem.path.step_formulas import booked
 from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.result import Array
 
-__all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "driven", "simulate"]
+__all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "check_compiled", "driven", "first_stress", "simulate"]
 
 Checkpoint = tuple[float, Callable[[History], object]]  # seconds, and who is given what is done
 
@@ -138,10 +138,15 @@ def driven(
     return _whole(ledger, plan, method, why)
 
 
-def _compiled(method: str) -> Callable[[Plan, Ledger], Iterator[int]]:
+def check_compiled(method: str) -> None:
+    """InputError for a method of which one path is not compiled."""
     if method != "implicit":
         what = f"one {method} path is not compiled"
         raise InputError(what, where="compiled", remedy='leave it out, or take method="implicit"')
+
+
+def _compiled(method: str) -> Callable[[Plan, Ledger], Iterator[int]]:
+    check_compiled(method)
     from duhem.path import compiled_run
 
     return compiled_run.advance
@@ -184,11 +189,12 @@ def _outside(plan: Plan, stress: Array) -> int | None:
 def _begun(plan: Plan, run: Run, start: History | None) -> Array:
     """The stress at the first knot: that of the part to go on from, where none is given."""
     if start is None or run.stress is not None or start.stress.shape[1:] != plan.path.values.shape[1:] or not len(start):
-        return _first(plan, run.stress)
-    return _first(plan, start.stress[0])
+        return first_stress(plan, run.stress)
+    return first_stress(plan, start.stress[0])
 
 
-def _first(plan: Plan, given: ArrayLike | None) -> Array:
+def first_stress(plan: Plan, given: ArrayLike | None) -> Array:
+    """The stress at the first knot (d,), 0 where none is given; InputError where it does not fit the law, or lies outside K."""
     law = plan.increment.law
     d = len(law.forces)
     try:
