@@ -411,7 +411,7 @@ def test_command(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     code, out, err = run(
         "bench", "limacon", "--set", "mu=0.25", "--set", "e=0.3", "--scene", "increment", "--repeats", "1", "--json", str(file)
     )
-    assert (code, err) == (0, "")
+    assert (code, err) == (0, f"duhem: wrote the results to {file}\n")
     assert "newton" in out and "Left out" in out and "closed-form: limacon declares no closed form" in out
     assert "newton, numba: numba is not installed" in out
     found = json.loads(file.read_text())
@@ -426,7 +426,7 @@ def test_command_draws(run: Run, tmp_path: Path) -> None:
     if find_spec("matplotlib") is None:
         assert code == 2 and 'pip install "duhem[plot]"' in err
         return
-    assert (code, err) == (0, "")
+    assert (code, err) == (0, f"duhem: wrote the picture to {file}\n")
     assert "exact" in out and "svg" in file.read_text()
     code, _, err = run(*arguments, str(tmp_path / "bench.xyz"))
     assert code == 2 and "no format of a figure" in err

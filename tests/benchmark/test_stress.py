@@ -255,7 +255,7 @@ def test_command(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, comp
         monkeypatch.setattr("duhem.benchmark.contenders.find_spec", lambda name: None)
     file = tmp_path / "stress.json"
     code, out, err = run("stress", "limacon", "--set", "mu=0.25", "--set", "e=0.3", "--axis", "trial size", "--json", str(file))
-    assert (code, err) == (0, "")
+    assert (code, err) == (0, f"duhem: wrote the results to {file}\n")
     assert "silently wrong: stress" in out and "trial size: " in out
     found = json.loads(file.read_text())
     assert set(found) == {
@@ -274,7 +274,7 @@ def test_command_draws(run: Run, tmp_path: Path) -> None:
     if find_spec("matplotlib") is None:
         assert code == 2 and 'pip install "duhem[plot]"' in err
         return
-    assert (code, err) == (0, "")
+    assert (code, err) == (0, f"duhem: wrote the picture to {file}\n")
     assert "mu_a_plus = 0.3, mu_a_minus = 0.08" in out and "svg" in file.read_text()
 
 

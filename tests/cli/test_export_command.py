@@ -24,7 +24,7 @@ def test_it_prints_or_writes_the_same(run: Run, tmp_path: Path) -> None:
     law = str(tmp_path / "disc.toml")
     code, out, err = run(law, "--to", "c")
     assert (code, err) == (0, "") and "int disc_increment(" in out and "dissipation  proved, checked" in out
-    assert run(law, "--to", "c", "--out", str(tmp_path / "disc.c")) == (0, "", "")
+    assert run(law, "--to", "c", "--out", str(tmp_path / "disc.c")) == (0, "", f"duhem: wrote the source to {tmp_path / 'disc.c'}\n")
     assert (tmp_path / "disc.c").read_text() == out
     code, out, _ = run(law, "--to", "fortran", "--set", "mu=0.3")
     assert code == 0 and "subroutine fric(" in out and "mu = 3/10" in out

@@ -189,6 +189,7 @@ def test_without_the_extras_the_page_stands_and_one_line_says_what_to_install(
     code, out, err = run("verify", "coulomb", "--claims", "origin", "--report", str(page))
     assert code == 0 and "origin" in out
     assert err == (
+        f"duhem: wrote the page to {page}\n"
         f"duhem: {page} is without pictures and typeset formulas: matplotlib is not installed, latex2mathml is not installed; "
         'install it with: pip install "duhem[report]"\n'
     )

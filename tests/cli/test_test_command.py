@@ -207,12 +207,14 @@ def test_who_interrupts_sees_what_was_found(run: Command) -> None:
 
 def test_a_routine_that_does_not_come_back_is_an_error_and_written_as_a_test(run: Command, tmp_path: Path) -> None:
     code, _, err = run(*of("endless"), *FEW, "feasibility", "--replay", "replays")
+    said, wrote = err.splitlines()
     assert (
         code == 4
-        and err.startswith("duhem: coulomb, mu = ")
-        and err.endswith(", asked by the check feasibility: endless has not answered within 120 s; look where its loop ends\n")
+        and said.startswith("duhem: coulomb, mu = ")
+        and said.endswith(", asked by the check feasibility: endless has not answered within 120 s; look where its loop ends")
     )
     (file,) = (tmp_path / "replays").iterdir()
+    assert wrote == f"duhem: wrote a failure as a test to replays/{file.name}"
     with pytest.raises(DuhemError, match="has not answered"):
         runpy.run_path(str(file))["test_feasibility"]()
 

@@ -27,7 +27,8 @@ def test_command_writes_a_law_that_verify_proves(tmp_path):
     points = write(tmp_path / "points.csv", table(PAPER, noise=300.0))
     law = tmp_path / "law.toml"
     done = run("identify", points, "--out", law, "--bootstrap", 20, "--seed", 3)
-    assert done.return_value == 0 and "mu_b_minus" in done.output and "bootstrap, 20 draws, seed 3" in done.output
+    assert done.return_value == 0 and "mu_b_minus" in done.stdout and "bootstrap, 20 draws, seed 3" in done.stdout
+    assert done.stderr == f"duhem: wrote the fitted law to {law}\n"
     assert run("verify", law, "--claims", "origin,convexity,normality,dissipation").return_value == 0
     direct = duhem.identify(points)
     read = duhem.load(str(law))

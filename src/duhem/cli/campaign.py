@@ -10,7 +10,7 @@ import click
 
 from duhem.cli.arguments import modules_beside_the_user
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, REFUTED
-from duhem.cli.output import Progress, page, say
+from duhem.cli.output import Progress, page, say, wrote
 
 if TYPE_CHECKING:
     from duhem.benchmark.extreme_cases import StressCases
@@ -121,6 +121,8 @@ def campaign(
     say(text(summary, page()))
     if picture is not None:
         summary.plot(picture, axes=over)
+    wrote(f"the table of {len(asked)} rows", table)
+    wrote("the picture", picture)
     return FAILED if summary.errors else REFUTED if summary.refuted else HELD
 
 

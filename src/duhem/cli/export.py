@@ -8,7 +8,7 @@ import click
 
 from duhem.cli.arguments import law_argument, read_fixed_formula, settings_option
 from duhem.cli.exit_code import HELD
-from duhem.cli.output import Progress, say
+from duhem.cli.output import Progress, say, wrote
 
 __all__ = ["export"]
 
@@ -47,4 +47,5 @@ def export(law: str, settings: Sequence[str], language: str, out: str | None) ->
         say(text.removesuffix("\n"))
     else:
         write(out, text)
+        wrote("the source", out)
     return HELD

@@ -9,7 +9,7 @@ import click
 
 from duhem.cli.arguments import convex_option, read_fixed_formula, settings_option
 from duhem.cli.exit_code import HELD
-from duhem.cli.output import Progress, page, say
+from duhem.cli.output import Progress, page, say, wrote
 from duhem.show.place import check_places
 
 __all__ = ["identify"]
@@ -62,4 +62,6 @@ def identify(
     say(text(done, page()) if form == "text" else json.dumps(done.to_dict(), indent=2, ensure_ascii=False))
     if plot is not None:
         done.plot(plot)
+    wrote("the fitted law", out)
+    wrote("the picture", plot)
     return HELD

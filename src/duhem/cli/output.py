@@ -17,7 +17,7 @@ from duhem.show.width import WIDTH, terminal_width
 if TYPE_CHECKING:
     from duhem.proof.decide import Budget
 
-__all__ = ["Progress", "endless_page", "page", "say"]
+__all__ = ["Progress", "endless_page", "page", "say", "wrote"]
 
 _TICK, _LONG = 1.0, 2.0  # seconds
 
@@ -28,6 +28,12 @@ def say(text: str) -> None:
         click.echo(text)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def wrote(what: str, file: str | None) -> None:
+    """Say on standard error what was written to a file, if there is one; standard output holds results alone."""
+    if file is not None:
+        click.echo(f"duhem: wrote {what} to {file}", err=True)
 
 
 def page() -> Page:

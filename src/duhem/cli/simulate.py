@@ -7,7 +7,7 @@ from time import monotonic
 import click
 
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, USAGE
-from duhem.cli.output import Progress, say
+from duhem.cli.output import Progress, say, wrote
 
 __all__ = ["simulate"]
 
@@ -69,6 +69,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
                     click.echo(f"duhem: in the slips of {came.stationary} of {came.points} points {NOT_SHOWN}", err=True)
                 if came.ended:
                     click.echo(f"duhem: {came.ended} points end early, at a step that cannot be vouched for or leaves a range", err=True)
+                wrote(f"the histories of {came.points} points", table)
                 return FAILED if came.ended else HELD
             history = scene_run.perform(chosen, table, resume, on_step)
         except scene_run.Stopped as stop:
@@ -79,6 +80,8 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
         say(history.to_text().removesuffix("\n"))
     if figure is not None:
         history.plot(figure)
+    wrote(f"the history of {len(history)} knots", table)
+    wrote("the picture", figure)
     if (remark := history.remark()) is not None:
         click.echo(f"duhem: {remark}", err=True)
     return HELD

@@ -10,7 +10,7 @@ import click
 
 from duhem.cli.arguments import read_fixed_formula, read_numbers
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED
-from duhem.cli.output import Progress, page, say
+from duhem.cli.output import Progress, page, say, wrote
 from duhem.show.place import check_places, write
 from duhem.version import __version__
 
@@ -63,4 +63,6 @@ def carry_out(
         write(json_file, json.dumps({"duhem": __version__, **done.to_dict()}, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
     if plot is not None:
         draw(done, plot)
+    wrote("the results", json_file)
+    wrote("the picture", plot)
     return INTERRUPTED if done.interrupted else FAILED if done.failed else HELD

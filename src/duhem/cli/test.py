@@ -26,7 +26,7 @@ from duhem.cli.arguments import (
     settings_option,
 )
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, REFUTED
-from duhem.cli.output import Progress, say
+from duhem.cli.output import Progress, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
@@ -151,10 +151,10 @@ def test(
     interrupted = about.carry_out(routines, checks_of, options)
     about.reports = {name: replace(report, most_flagged=most) for name, report in about.reports.items()}
     say(about.told(form))
-    if replay is not None:
-        about.write_replays(replay)
     if about.unfinished is not None:
         click.echo(f"duhem: {about.unfinished}", err=True)
+    if replay is not None:
+        about.write_replays(replay)
     return INTERRUPTED if interrupted else about.code()
 
 
@@ -307,10 +307,11 @@ class _About:
         """A test file for each cause, and for the increment that a routine does not come back from."""
         from duhem.testing.failures.failure import write_replays
 
-        for report in self.reports.values():
-            report.write_replays(folder)
+        failures = [failure for report in self.reports.values() for failure in report.failures]
         if self.unfinished is not None and self.unfinished.failure is not None:
-            write_replays([self.unfinished.failure], folder)
+            failures.append(self.unfinished.failure)
+        for file in write_replays(failures, folder):
+            wrote("a failure as a test", f"{file}")
 
     def code(self) -> int:
         """The exit code."""

@@ -13,7 +13,7 @@ from duhem.cli.arguments import laws_argument, read_claims, read_fixed_law, repo
 from duhem.cli.exit_code import INTERRUPTED
 from duhem.cli.expected import code_of, expect_option, read_expected
 from duhem.cli.many_laws import found_files, verify_each
-from duhem.cli.output import Progress, page, say
+from duhem.cli.output import Progress, page, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
@@ -97,11 +97,13 @@ def verify(
     told.end()
     if certificate is not None:
         told.done[0].certificate(certificate)
+        wrote("the certificate", certificate)
     if report is not None:
         from duhem.show.document import as_page
 
         commands = (again(law, settings, claims, effort) for law in laws)
         write(report, as_page([article(*each) for each in zip(told.done, commands, texts, strict=True)]))
+        wrote("the page", report)
         if lacking := without():
             click.echo(f"duhem: {report} is {lacking}", err=True)
     return told.code()
