@@ -2,19 +2,21 @@
 
     python -m tests.course FILE...
 
-executes each notebook and writes it with its outputs.  What is kept of them: texts, and pictures of few colours.  What is not: places of
-this machine, times of execution, the names of figures.  Seconds in a text may differ from run to run; a cell with the tag ``varies``
-shows what does so otherwise (times, the last digits of a solver), and only has to run.
+executes each notebook and says what it shows otherwise than is kept; with ``--write`` it keeps what is shown now.  What is kept:
+texts, and pictures of few colours.  What is not: places of this machine, times of execution, the names of figures.  Seconds in a text
+may differ from run to run; a cell with the tag ``varies`` shows what does so otherwise (times, the last digits of a solver), and only
+has to run.
 """
 
 from __future__ import annotations
 
+import argparse
 import base64
 import io
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby, zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,7 +30,7 @@ from nbclient import NotebookClient
 from nbformat import NotebookNode
 from nbformat.v4 import new_output
 
-__all__ = ["LONGEST", "NOTEBOOKS", "ROOT", "departures", "executed", "pictures", "texts"]
+__all__ = ["LONGEST", "NOTEBOOKS", "ROOT", "departures", "executed", "main", "pictures", "texts"]
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
@@ -164,7 +166,26 @@ def _close(a: float, b: float) -> bool:
     return abs(a - b) <= _DIGITS * max(abs(a), abs(b)) or max(abs(a), abs(b)) < _ROUNDING
 
 
+def main(arguments: Sequence[str]) -> int:
+    """The command; 1 where something is shown otherwise than kept and not written."""
+    parser = argparse.ArgumentParser(
+        "python -m tests.course", description="Execute notebooks and compare what they show with what is kept."
+    )
+    parser.add_argument("files", nargs="+", type=Path)
+    parser.add_argument("--write", action="store_true", help="keep what they show now")
+    asked = parser.parse_args(arguments)
+    code = 0
+    for file in asked.files:
+        book = executed(file)
+        others = departures(nbformat.read(file, as_version=4), book)
+        if asked.write:
+            nbformat.write(book, file)
+            print(f"wrote {file}")
+        else:
+            print(f"{file}: {'shows what is kept' if not others else 'shows something else (--write keeps it)'}", *others, sep="\n")
+            code = max(code, int(bool(others)))
+    return code
+
+
 if __name__ == "__main__":
-    for name in sys.argv[1:]:
-        nbformat.write(executed(Path(name)), name)
-        print(name)
+    sys.exit(main(sys.argv[1:]))

@@ -7,7 +7,7 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_notebook, new_output
 
-from tests.course import NOTEBOOKS, ROOT, departures, executed, pictures, texts
+from tests.course import NOTEBOOKS, ROOT, departures, executed, main, pictures, texts
 from tests.long import mostly_long
 
 SHORTEST = ROOT / "notebooks" / "01_coulombs_cone.ipynb"
@@ -30,7 +30,7 @@ def test_kept_with_light_outputs_that_name_no_place_of_a_machine(path: Path) -> 
     book = nbformat.read(path, as_version=4)
     nbformat.validate(book)
     code = [cell for cell in book.cells if cell.cell_type == "code"]
-    assert any(cell.outputs for cell in code), "kept without outputs: python -m tests.course"
+    assert any(cell.outputs for cell in code), "kept without outputs: python -m tests.course --write"
     assert not [cell.source for cell in code if cell.execution_count]
     assert not [text for cell in code for text in texts(cell) if PLACES.search(text) or text.startswith("stderr")]
     assert not [cell.source for cell in book.cells if PLACES.search(cell.source)]
@@ -73,6 +73,22 @@ def test_what_is_shown_otherwise_than_kept_is_told(kept: str, now: str, told: bo
 
     assert bool(departures(book(kept), book(now))) == told
     assert not departures(book(kept, tags=["varies"]), book(now))
+
+
+def test_the_command_writes_only_where_it_is_asked_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def book(text: str) -> nbformat.NotebookNode:
+        return new_notebook(cells=[new_code_cell("print(x)", id="one", outputs=[new_output("stream", name="stdout", text=text)])])
+
+    file = tmp_path / "part.ipynb"
+    nbformat.write(book("proved"), file)
+    kept = file.read_bytes()
+    for shown, code, said in (("proved", 0, "shows what is kept"), ("refuted", 1, "--- now\nrefuted")):
+        monkeypatch.setattr("tests.course.executed", lambda path, shown=shown: book(shown))
+        assert main([str(file)]) == code and said in capsys.readouterr().out and file.read_bytes() == kept
+    assert main(["--write", str(file)]) == 0 and capsys.readouterr().out == f"wrote {file}\n"
+    assert nbformat.read(file, as_version=4).cells[0].outputs[0].text == "refuted"
 
 
 @pytest.mark.slow(6)
