@@ -360,8 +360,12 @@ def test_where_power_is_lost_the_slip_is_not_normal(factor: str) -> None:
 def test_a_refuted_normality_says_by_how_much_the_flow_turns_away(turn: str) -> None:
     witness = verify("rotated-flow", {"delta": turn}, claims=["normality"])["normality"].witness
     assert witness is not None
-    a, b = (float(Fraction(witness.points["inside"][force])) for force in ("sigma_a", "sigma_b"))
-    angle = math.radians(witness.measures["slip_angle_degrees"]) - math.atan2(b, a)
+    (a, b), (c, d) = ([Fraction(witness.points[role][f"sigma_{x}"]) for x in "ab"] for role in ("inside", "outside"))
+    size = Fraction(witness.parameters["mu"]) * Fraction(witness.points["inside"]["sigma_n"])
+    way, along, short = (c - a) ** 2 + (d - b) ** 2, a * (c - a) + b * (d - b), a * a + b * b - size**2
+    t = -float(short) / (float(along) + math.sqrt(along**2 - way * short))  # (a + t (c - a), b + t (d - b)) lies on the circle
+    assert 0 <= t <= 1
+    angle = math.radians(witness.measures["slip_angle_degrees"]) - math.atan2(b + t * (d - b), a + t * (c - a))
     assert math.isclose(math.radians(witness.measures["deviation_degrees"]), float(Fraction(turn)), rel_tol=1e-6)
     assert math.isclose(math.remainder(angle, math.tau), float(Fraction(turn)), abs_tol=1e-9)
 

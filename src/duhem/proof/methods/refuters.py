@@ -26,7 +26,17 @@ from duhem.proof.facts.special_places import undefined_at_zero
 from duhem.proof.search.suggestion import Chord, Exit, Point, SectionCorner
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
-from duhem.proof.witness.points import EnclosedPoint, chord, enclosed, enclosed_flow, enclosed_normal, origin_outside, over_box, violation
+from duhem.proof.witness.points import (
+    EnclosedPoint,
+    chord,
+    enclosed,
+    enclosed_flow,
+    enclosed_normal,
+    origin_outside,
+    over_box,
+    rounded,
+    violation,
+)
 
 if TYPE_CHECKING:
     from duhem.proof.search.boundary_points import BoundaryScout
@@ -264,7 +274,9 @@ def normality_at_points(subject: FormulaSubject, choices: int = 12, near: bool =
         at_rest = ((exit, zero) for exit in scout.least_power(5))
         for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout) if near else ()):
             if witness := _leans_towards(subject, exit, target):
-                return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
+                taus = (tau for tau in rounded(target) if subject.admits(subject.values_at(exit.parameters, tau)))
+                short = (found for tau in taus if (found := _leans_towards(subject, exit, tau)))
+                return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", next(short, witness))
     return None
 
 

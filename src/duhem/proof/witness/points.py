@@ -3,7 +3,7 @@
 Nothing is refuted by a float.  A candidate is made rational, evaluated in the law as stated (no simplification), and
 kept only if every sign is certain; where one stays open the candidate is dropped.  A boundary point that is not rational is
 held between two rational ones: by continuity the boundary crosses a segment from a point inside K to one outside, and what is
-shown in balls for the whole box around the segment holds at that boundary point.
+shown in balls for the whole box around the segment holds at that boundary point.  The two have as few digits as leave it so.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
+from math import isclose, isfinite
 from typing import Any
 
 import sympy as sp
@@ -35,6 +36,7 @@ __all__ = [
     "enclosed_normal",
     "origin_outside",
     "over_box",
+    "rounded",
     "sign_at",
     "violation",
     "witness",
@@ -42,6 +44,10 @@ __all__ = [
 
 _PRECISIONS = (64, 128, 256, 512, 1024, 2048)
 _WIDTHS = (20, 40, 60, 90, 120)
+_DIGITS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24)
+_SHIFTS = (1, 3)  # by so many steps of the last digit the two points lie on either side
+_MEASURED = 50  # halvings between them, for what is measured at the boundary
+_ALIKE = 1e-4  # relative, of what is measured there
 
 
 def sign_at(expr: sp.Expr, values: Values, exact: bool = False) -> tuple[int | None, Any]:
@@ -204,20 +210,66 @@ def violation(
     target: Sequence[Fraction] | None = None,
     measures: Callable[[EnclosedPoint], dict[str, float]] = lambda point: {},
 ) -> Witness | None:
-    """A witness that ``quantity`` has the ``wanted`` sign at the boundary point between ``start`` and ``end``."""
+    """A witness that ``quantity`` has the ``wanted`` sign at the boundary point between ``start`` and ``end``, or at one beside it."""
     if not subject.admits(subject.values_at(parameters, start)):
         return None
     others: dict[str, Values] = {} if target is None else {"tau": subject.values_at(parameters, target)}
     if any(sign_at(subject.problem.stated, at)[0] not in (-1, 0) for at in others.values()):
         return None
-    for point in _narrowed(subject, parameters, start, end, _WIDTHS):
+
+    def seen(point: EnclosedPoint) -> Any:
         expr = quantity(point)
         if expr is None or not all(over_box(tree, subject, point).is_finite() for tree in subject.doubted):
-            continue
+            return None
         value = over_box(expr, subject, point)
-        if certain_sign(value) == wanted:
+        return value if certain_sign(value) == wanted else None
+
+    def measured(point: EnclosedPoint) -> dict[str, float]:
+        return measures(enclosed(subject, parameters, point.inside, point.outside, _MEASURED) or point)
+
+    for found in _narrowed(subject, parameters, start, end, _WIDTHS):
+        if seen(found) is not None:
+            worst = measured(found)
+            fit = (short for short in _shorter(subject, found) if seen(short) is not None and _alike(measured(short), worst))
+            point = next(fit, found)
             ends = {"inside": subject.values_at(parameters, point.inside), "outside": subject.values_at(parameters, point.outside)}
             points = {**ends, **others}
             shown = {f"g({role})": decimal_pair(sign_at(subject.problem.stated, at)[1]) for role, at in points.items()}
-            return witness(subject, points, {**shown, name: decimal_pair(value)}, statement, measures(point))
+            return witness(subject, points, {**shown, name: decimal_pair(seen(point))}, statement, measured(point))
     return None
+
+
+def _alike(one: Mapping[str, float], other: Mapping[str, float]) -> bool:
+    return one.keys() == other.keys() and all(isclose(one[name], other[name], rel_tol=_ALIKE) for name in one)
+
+
+def _shorter(subject: FormulaSubject, point: EnclosedPoint) -> Iterator[EnclosedPoint]:
+    """Points inside and outside beside these, of one digit first, then of more."""
+    middle = [(a + b) / 2 for a, b in zip(point.inside, point.outside, strict=True)]
+    way = [b - a for a, b in zip(point.inside, point.outside, strict=True)]
+    if (normal := enclosed_normal(subject, point)) is not None:  # the shortest way out of what is rounded
+        slopes = [float(over_box(slope, subject, point).mid()) for slope in normal]
+        way = [Fraction(slope) for slope in slopes] if any(slopes) and all(map(isfinite, slopes)) else way
+    far = max(map(abs, way))
+    for step, times in product(_steps(middle), _SHIFTS):
+        ends = (tuple(step * round(x / step + side * times * w / far) for x, w in zip(middle, way, strict=True)) for side in (-1, 1))
+        short = EnclosedPoint(point.parameters, *ends)
+        inside, outside = (subject.values_at(short.parameters, x) for x in (short.inside, short.outside))
+        signs = [sign_at(subject.problem.stated, at)[0] for at in (inside, outside) if subject.admits(at)]
+        if signs in ([-1, 1], [0, 1]):
+            yield short
+
+
+def rounded(point: Sequence[Fraction]) -> Iterator[tuple[Fraction, ...]]:
+    """Points beside one, of one digit first, then of more; each also rounded towards zero."""
+    for step in _steps(point):
+        yield tuple(step * round(x / step) for x in point)
+        yield tuple(step * int(x / step) for x in point)
+
+
+def _steps(point: Sequence[Fraction]) -> Iterator[Fraction]:
+    """Ever smaller powers of ten, from the size of the greatest coordinate down."""
+    size = max(map(abs, point))
+    if size:
+        first = (Decimal(size.numerator) / Decimal(size.denominator)).adjusted()
+        yield from (Fraction(10) ** (first + 1 - digits) for digits in _DIGITS)
