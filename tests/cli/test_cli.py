@@ -16,10 +16,11 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
+from click.shell_completion import ShellComplete
 
 import duhem
+from duhem.cli import cli, output
 from duhem.cli import installation as doctor
-from duhem.cli import output
 from duhem.errors import MissingExtraError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import groups
@@ -437,6 +438,31 @@ def test_completion_knows_the_laws_without_importing_sympy() -> None:
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60)
     assert "plain,antoni2007\nplain,antoni2007-1d" in done.stdout
     assert done.stderr == "False\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("verify coulomb --claims con", ["convexity"]),
+        ("verify coulomb --claims origin,d", ["origin,dissipation", "origin,duality"]),
+        ("verify coulomb --claims origin,o", []),
+        ("verify coulomb --expect smooth", ["smoothness="]),
+        ("verify coulomb --expect smoothness=re", ["smoothness=refuted"]),
+        ("explain sm", ["smoothness"]),
+        ("verify orthotropic --set ", ["mu_a=", "mu_b="]),
+        ("verify limacon coulomb --set ", ["mu=", "e="]),
+        ("project antoni2007 --set mu_a_p", ["mu_a_plus="]),
+        ("verify nothing-such --set ", []),
+        ("plot os:path --set ", []),
+        ("identify points.csv --law orthotropic --set mu_", ["mu_a=", "mu_b="]),
+        ("identify points.csv --law orthot", ["orthotropic", "orthot"]),
+        ("test --law coulomb mine:update --set ", ["mu="]),
+        ("snapshot orthot", ["orthotropic", "orthot"]),
+    ],
+)
+def test_what_the_shell_offers(line: str, offered: list[str]) -> None:
+    *words, last = line.split(" ")
+    assert [item.value for item in ShellComplete(cli, {}, "duhem", "_DUHEM_COMPLETE").get_completions(words, last)] == offered
 
 
 @pytest.mark.slow

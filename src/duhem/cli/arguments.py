@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 import click
 from click.shell_completion import CompletionItem
 
-from duhem.errors import InputError
+from duhem.errors import DuhemError, InputError
 from duhem.law.convex import CONVEX
 
 if TYPE_CHECKING:
@@ -25,6 +25,9 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 __all__ = [
     "Vectors",
     "check_names",
+    "complete_claims",
+    "complete_expected",
+    "complete_law",
     "convex_option",
     "law_argument",
     "laws_argument",
@@ -43,7 +46,7 @@ __all__ = [
 ]
 
 
-def _complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
+def complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
     from itertools import chain
 
     from duhem.law import catalogue
@@ -54,10 +57,44 @@ def _complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> lis
     return [*named, CompletionItem(incomplete, type="file")]
 
 
-law_argument = click.argument("law", shell_complete=_complete_law)
-laws_argument = click.argument("laws", nargs=-1, required=True, metavar="LAW...", shell_complete=_complete_law)
+def complete_claims(_: click.Context, __: click.Parameter, incomplete: str) -> list[str]:
+    """The claims that may follow in a list with commas."""
+    from duhem.proof.kernel.certificate import CLAIMS
+
+    before, comma, last = incomplete.rpartition(",")
+    return [f"{before}{comma}{name}" for name in CLAIMS if name.startswith(last) and name not in before.split(",")]
+
+
+def complete_expected(_: click.Context, __: click.Parameter, incomplete: str) -> list[str]:
+    """CLAIM=VERDICT: the claims first, then the verdicts."""
+    from duhem.proof.kernel.certificate import CLAIMS, VERDICTS
+
+    claim, equals, _verdict = incomplete.partition("=")
+    every = [f"{claim}={verdict}" for verdict in VERDICTS] if equals else [f"{name}=" for name in CLAIMS]
+    return [each for each in every if each.startswith(incomplete)]
+
+
+def _complete_setting(context: click.Context, _: click.Parameter, incomplete: str) -> list[str]:
+    """The parameters of the law that the line names before; what is no law, or would import a module, has none."""
+    named = [context.params.get(key) for key in ("law", "laws", "subject")]
+    given = next(filter(None, [*named, context.args, [""]]))  # an option without its value leaves arguments where they are
+    law = given if isinstance(given, str) else given[0]
+    try:
+        known = read_law(law).parameters if ":" not in law else ()
+    except DuhemError:
+        known = ()
+    return [f"{name}=" for name in known if name.startswith(incomplete)]
+
+
+law_argument = click.argument("law", shell_complete=complete_law)
+laws_argument = click.argument("laws", nargs=-1, required=True, metavar="LAW...", shell_complete=complete_law)
 settings_option = click.option(
-    "--set", "settings", metavar="NAME=VALUE", multiple=True, help="Fix a parameter, exactly: mu_a=0.15 or mu_a=3/20. Repeatable."
+    "--set",
+    "settings",
+    metavar="NAME=VALUE",
+    multiple=True,
+    shell_complete=_complete_setting,
+    help="Fix a parameter, exactly: mu_a=0.15 or mu_a=3/20. Repeatable.",
 )
 report_format_option = click.option(
     "--format",

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import click
 
-from duhem.cli.arguments import check_names
+from duhem.cli.arguments import check_names, complete_expected
 from duhem.cli.exit_code import HELD, REFUTED, UNDECIDED
 from duhem.errors import InputError
 
@@ -16,6 +16,7 @@ expect_option = click.option(
     "--expect",
     metavar="CLAIM=VERDICT",
     multiple=True,
+    shell_complete=complete_expected,
     help="A verdict that is no failure, such as smoothness=refuted for corners; any other on this claim is one. Repeatable.",
 )
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import click
 
-from duhem.cli.arguments import read_claims
+from duhem.cli.arguments import complete_claims, read_claims
 from duhem.cli.output import endless_page, say
 
 __all__ = ["explain"]
 
 
 @click.command()
-@click.argument("claim", required=False)
+@click.argument("claim", required=False, shell_complete=complete_claims)
 def explain(claim: str | None) -> None:
     """Explain the theory of CLAIM, or list the claims."""
     from duhem.proof.claims import CLAIMS

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import click
 
-from duhem.cli.arguments import convex_option, read_fixed_formula, settings_option
+from duhem.cli.arguments import complete_law, convex_option, read_fixed_formula, settings_option
 from duhem.cli.exit_code import HELD
 from duhem.cli.output import Progress, page, say, wrote
 from duhem.show.place import check_places
@@ -17,7 +17,13 @@ __all__ = ["identify"]
 
 @click.command()
 @click.argument("points", type=click.Path(dir_okay=False))
-@click.option("--law", default="antoni2007", show_default=True, help="The family to fit: a name, a criterion file, or module:attribute.")
+@click.option(
+    "--law",
+    default="antoni2007",
+    show_default=True,
+    shell_complete=complete_law,
+    help="The family to fit: a name, a criterion file, or module:attribute.",
+)
 @settings_option
 @click.option("--robust", is_flag=True, help="Minimise Huber's loss, which outliers hardly move, in place of squares.")
 @convex_option("Refuse a fit refuted to be convex, one not proved to be, or none.")

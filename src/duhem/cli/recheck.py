@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from duhem.cli.arguments import read_fixed_law, settings_option
+from duhem.cli.arguments import complete_law, read_fixed_law, settings_option
 from duhem.cli.exit_code import HELD, REFUTED, UNDECIDED
 from duhem.cli.output import page, say
 from duhem.errors import InputError
@@ -18,7 +18,7 @@ __all__ = ["recheck"]
 
 @click.command()
 @click.argument("certificate", type=click.Path(dir_okay=False))
-@click.option("--law", metavar="LAW", help="Also ask that the certificate is about this law.")
+@click.option("--law", metavar="LAW", shell_complete=complete_law, help="Also ask that the certificate is about this law.")
 @settings_option
 def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
     """Check the proofs in CERTIFICATE (duhem verify LAW --certificate FILE) against the text of the law in it.

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import click
 
-from duhem.cli.arguments import read_law
+from duhem.cli.arguments import laws_argument, read_law
 from duhem.cli.exit_code import HELD, REFUTED
 from duhem.cli.output import Progress, say
 
@@ -15,7 +15,7 @@ __all__ = ["snapshot"]
 
 
 @click.command()
-@click.argument("laws", metavar="LAW...", nargs=-1, required=True)
+@laws_argument
 @click.option("--file", metavar="FILE", default="duhem-snapshot.json", show_default=True, help="Where snapshots are kept.")
 @click.option("--update", is_flag=True, help="Keep what is found now.")
 def snapshot(laws: Sequence[str], file: str, update: bool) -> int:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from duhem.cli.arguments import read_fixed_formula, read_numbers
+from duhem.cli.arguments import complete_law, read_fixed_formula, read_numbers
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED
 from duhem.cli.output import Progress, page, say, wrote
 from duhem.show.place import check_places, write
@@ -24,7 +24,7 @@ __all__ = ["carry_out", "flagship_argument", "json_option", "peers_option", "rea
 FLAGSHIP = "antoni2007"
 FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}  # Antoni et al. 2007
 
-flagship_argument = click.argument("law", default=FLAGSHIP)
+flagship_argument = click.argument("law", default=FLAGSHIP, shell_complete=complete_law)
 stiffness_option = click.option("--stiffness", metavar="K ...", help="Diagonal stiffness, one number a force, in quotes; left out 1 2 ...")
 json_option = click.option("--json", "json_file", metavar="FILE", help="Write everything as one JSON object.")
 peers_option = click.option(

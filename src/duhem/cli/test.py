@@ -16,6 +16,7 @@ import click
 
 from duhem.cli.arguments import (
     check_names,
+    complete_law,
     read_attribute,
     read_fixed_formula,
     read_number,
@@ -43,8 +44,8 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
 
 
 @click.command()
-@click.argument("subject", metavar="LAW|MODULE:CALLABLE")
-@click.option("--law", metavar="LAW", help="The law that MODULE:CALLABLE is a routine for.")
+@click.argument("subject", metavar="LAW|MODULE:CALLABLE", shell_complete=complete_law)
+@click.option("--law", metavar="LAW", shell_complete=complete_law, help="The law that MODULE:CALLABLE is a routine for.")
 @settings_option
 @click.option(
     "--profile",

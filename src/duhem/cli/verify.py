@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import laws_argument, read_claims, read_fixed_law, report_format_option, settings_option
+from duhem.cli.arguments import complete_claims, laws_argument, read_claims, read_fixed_law, report_format_option, settings_option
 from duhem.cli.exit_code import INTERRUPTED
 from duhem.cli.expected import code_of, expect_option, read_expected
 from duhem.cli.many_laws import found_files, verify_each
@@ -26,7 +26,7 @@ __all__ = ["verify"]
 @click.command()
 @laws_argument
 @settings_option
-@click.option("--claims", metavar="A,B", help="Only these claims (duhem explain lists them).")
+@click.option("--claims", metavar="A,B", shell_complete=complete_claims, help="Only these claims (duhem explain lists them).")
 @report_format_option
 @click.option("--report", metavar="FILE", help="Also write a page for people, HTML in one file: pictures, derivation, how to reproduce it.")
 @click.option("--certificate", metavar="FILE", help="Also write the proofs for duhem recheck, as JSON.")
