@@ -194,6 +194,7 @@ def test_without_the_extras_the_page_stands_and_one_line_says_what_to_install(
         'install it with: pip install "duhem[report]"\n'
     )
     seen = read(page)
+    assert "mu: pure numbers" in seen.said
     assert any("matplotlib is not installed; install it" in said for said in seen.said)
     assert any("latex2mathml is not installed; install it" in said for said in seen.said)
     assert not {"svg", "math"} & set(seen.tags) and "Derivation" in seen.said

@@ -309,6 +309,20 @@ def test_a_part_cut_short_is_refused_or_resumes_to_the_same_last_digit(tmp_path)
     assert resumed == 1
 
 
+def test_the_picture_is_in_the_units_that_the_scene_names(folder, monkeypatch):
+    pytest.importorskip("matplotlib")
+    seen = {}
+    monkeypatch.setattr("duhem.show.figure.measure", lambda axis, symbol, unit="", size=0.0: seen.setdefault(unit, symbol))
+    for said, units in (("", {"Pa", "m", "J/m²"}), ('stress_unit = "MPa"\nlength_unit = "mm"\n', {"MPa", "mm", "MPa mm"})):
+        seen.clear()
+        (folder / "units.toml").write_text(f'{PLANE}[output]\nplot = "h.png"\n{said}')
+        assert run(folder / "units.toml").return_value == 0
+        assert {unit for unit in seen if unit != "s"} - {""} == units
+    (folder / "units.toml").write_text(f"{PLANE}[output]\nstress_unit = 3\n")
+    with pytest.raises(InputError, match="stress_unit = 3; write for example"):
+        scene_file.read(folder / "units.toml")
+
+
 def test_explain_says_what_is_left_out_and_why(folder):
     line = run(folder / "line.toml", "--explain").stdout
     for words in (

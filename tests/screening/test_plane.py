@@ -130,6 +130,20 @@ def test_a_summary_draws_as_many_marks_as_there_are_verdicts():
     assert drawn == {"proved": 1, "refuted": 3, "undecided": 1, "no verdict": 1}
 
 
+def test_axes_have_the_units_of_the_parameters():
+    def labels(law, *names):
+        rows = [
+            VerdictLine(i, law, json.dumps({name: str(i) for name in names}), "origin", "proved", "m", None, None, 0, 0.0, None)
+            for i in (1, 2, 3)
+        ]
+        axes = Counts(file.reads(CAMPAIGN)).summary(lines=tuple(rows)).plot(axes=names)[0]
+        return axes.get_xlabel(), axes.get_ylabel()
+
+    assert labels("cohesive", "mu", "cohesion") == (r"$\mu$ [–]", "$\\mathrm{cohesion}$ [unit of stress]")
+    assert labels("rotated-flow", "mu", "delta") == (r"$\mu$ [–]", r"$\delta$")
+    assert labels("not-here.toml", "mu", "c") == (r"$\mu$", "$c$") == labels("os:path", "mu", "c")
+
+
 def test_on_the_line_of_a_claim_no_verdict_hides_another():
     counts = Counts(file.reads(CAMPAIGN))
     axes = counts.summary(lines=tuple(counts.passing(iter(table())))).plot(axes=("mu",))

@@ -79,7 +79,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     if table is None:
         say(history.to_text().removesuffix("\n"))
     if figure is not None:
-        history.plot(figure)
+        history.plot(figure, units=(chosen.stress_unit, chosen.length_unit))
     wrote(f"the history of {len(history)} knots", table)
     wrote("the picture", figure)
     if (remark := history.remark()) is not None:

@@ -123,7 +123,7 @@ class History(Recorded, Shown):
         """Draw stress path, hysteresis loops and energies, into ``file``, a name or a binary stream, if one is given (extra ``plot``).
 
         ``ax=`` takes the stress path alone, ``axes=`` all three; what was drawn on is returned.  ``law=`` and its parameters
-        by name draw another criterion than that of the run.
+        by name draw another criterion than that of the run.  ``units=("MPa", "mm")`` names those of stress and length, else Pa and m.
         """
         return draw(self, file, **options)
 

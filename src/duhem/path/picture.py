@@ -32,6 +32,7 @@ _MARKED = 200  # knots, beyond which marks would hide the lines
 _TELLING = 9  # marks of a line among others that has more knots, so that they are told apart without colour
 _HEADS, _SHORT = 7, 0.005  # arrow heads on a line; their length before it, as a share of the whole
 _NAMED = 4  # forces, beyond which an axis does not name each
+_UNITS = "Pa", "m"  # of stress and length, where nobody names others
 _FIXED: dict[str, Any] = {"color": figure.GREY, "linewidth": 1.0}
 _VARIED: dict[str, Any] = {"color": "black", "linewidth": 1.2, "linestyle": (0, (5, 2)), "zorder": 2.5}  # over the path, which may hide one
 _START: dict[str, Any] = {"marker": "o", "linestyle": "none", "color": "white", "markeredgecolor": "black", "markersize": 8.0}
@@ -46,12 +47,13 @@ def picture(
     ax: Axes | None = None,
     axes: Iterable[Axes] | None = None,
     law: Criterion | str | os.PathLike[str] | None = None,
+    units: tuple[str, str] = _UNITS,
     **parameters: float,
 ) -> Axes | tuple[Axes, ...]:
     """The stress path on ``ax``, or three pictures side by side, on ``axes`` or a sheet of their own; what was drawn on.
 
-    Left out, ``law`` and its ``parameters`` are those of the run.  Raises MissingExtraError without matplotlib, InputError
-    for a file or format that cannot be written and a history that is not finite.
+    Left out, ``law`` and its ``parameters`` are those of the run.  ``units`` of stress and of length are any texts.  Raises
+    MissingExtraError without matplotlib, InputError for a file or format that cannot be written and a history that is not finite.
     """
     if ax is not None and axes is not None:
         raise InputError("both ax and axes are given", where="plot", remedy="give ax for the stress path alone, or axes for all three")
@@ -62,12 +64,12 @@ def picture(
     seen = trajectory(history)
     over = _over(history, law, parameters)
     if ax is not None:
-        return figure.drawn(lambda place: stress_path(place, seen, over, parameters), file, [ax])[0]
+        return figure.drawn(lambda place: stress_path(place, seen, over, parameters, units[0]), file, [ax])[0]
 
     def paint(left: Axes, middle: Axes, right: Axes) -> None:
-        stress_path(left, seen, over, parameters)
-        hysteresis(middle, seen)
-        energies(right, seen)
+        stress_path(left, seen, over, parameters, units[0])
+        hysteresis(middle, seen, units)
+        energies(right, seen, units)
 
     title = f"{history.law}: {history.method}, {history.why}"
     return figure.drawn(paint, file, axes, panels=3, size=(4.6, 4.4), title=title)
@@ -77,7 +79,7 @@ def _over(history: History, law: Criterion | str | os.PathLike[str] | None, para
     """The criterion to draw, its numbers in ``parameters``; that of the run where none is given."""
     if law is None:
         if parameters:
-            taken = "file, ax, axes, law, and with law its parameters"
+            taken = "file, ax, axes, units, law, and with law its parameters"
             raise InputError(f"unknown option {', '.join(parameters)}", where="plot", remedy=f"it takes {taken}")
         if history.plan is None:
             return None
@@ -94,47 +96,50 @@ def _over(history: History, law: Criterion | str | os.PathLike[str] | None, para
     return known
 
 
-def stress_path(axes: Axes, seen: Trajectory, law: Criterion | None = None, parameters: Mapping[str, float] | None = None) -> None:
+def stress_path(
+    axes: Axes, seen: Trajectory, law: Criterion | None = None, parameters: Mapping[str, float] | None = None, unit: str = "Pa"
+) -> None:
     """The first two forces, over the boundary of K at the extreme pressures where ``law`` is given and has two forces.
 
-    One force alone is drawn over time or, where the path states none, its steps.  Stresses in Pa.
+    One force alone is drawn over time or, where the path states none, its steps.  Stresses in their ``unit``.
     """
     states, forces = seen.states, [f"${latex_name(name)}$" for name in seen.states.forces]
     size, edges = float(np.abs(states.stress[:, :2]).max()), []
     if law is not None and len(law.forces) == 2:
         edges = _boundaries(states, law, parameters or {})
         size = max([size, *(float(np.abs(line).max()) for line in edges)])
-    stress, unit = states.stress / figure.outsize(size), figure.outsize(size)
+    scale = figure.outsize(size)
+    stress = states.stress / scale
     x, y = (states.time, stress[:, 0]) if len(forces) == 1 else (stress[:, 0], stress[:, 1])
     look, named = (_VARIED, "$K$ at extreme pressures") if _varied(states) else (_FIXED, "boundary of $K$")
     for i, line in enumerate(edges):
-        axes.plot(*(line / unit).T, **look, label="_" if i else named)
+        axes.plot(*(line / scale).T, **look, label="_" if i else named)
     _line(axes, seen, x, y, 0, heads=len(forces) > 1)
     axes.plot(x[0], y[0], **_START)
     if len(forces) == 1:
         _time(axes, states)
     else:
         axes.set_aspect("equal", adjustable="datalim")
-        figure.measure(axes.xaxis, forces[0], "Pa", size)
-    figure.measure(axes.yaxis, forces[min(1, len(forces) - 1)], "Pa", size)
+        figure.measure(axes.xaxis, forces[0], unit, size)
+    figure.measure(axes.yaxis, forces[min(1, len(forces) - 1)], unit, size)
     _key(axes, seen)
     figure.legend(axes)
 
 
-def hysteresis(axes: Axes, seen: Trajectory) -> None:
-    """Each force in Pa over its own displacement in m."""
+def hysteresis(axes: Axes, seen: Trajectory, units: tuple[str, str] = _UNITS) -> None:
+    """Each force over its own displacement, in their units."""
     states = seen.states
     forces, shifts = states.forces, [f"u_{name.removeprefix('sigma_')}" for name in states.forces]
     size, reach = float(np.abs(states.stress).max()), float(np.abs(states.displacement).max())
     stress, displacement = states.stress / figure.outsize(size), states.displacement / figure.outsize(reach)
     for i, (force, shift) in enumerate(zip(forces, shifts, strict=True)):
         _line(axes, seen, displacement[:, i], stress[:, i], i, f"${latex_name(force)}$ over ${latex_name(shift)}$")
-    figure.measure(axes.xaxis, _symbols("displacement", shifts), "m", reach)
-    figure.measure(axes.yaxis, _symbols("stress", forces), "Pa", size)
+    figure.measure(axes.xaxis, _symbols("displacement", shifts), units[1], reach)
+    figure.measure(axes.yaxis, _symbols("stress", forces), units[0], size)
     figure.legend(axes)
 
 
-def energies(axes: Axes, seen: Trajectory) -> None:
+def energies(axes: Axes, seen: Trajectory, units: tuple[str, str] = _UNITS) -> None:
     """Work, free energy and dissipation over time, each over the area of contact: 1 Pa m = 1 J/m²."""
     states = seen.states
     shown = [name for name in _SUMS if name != "numerical" or states.numerical.any()]
@@ -142,7 +147,7 @@ def energies(axes: Axes, seen: Trajectory) -> None:
     for i, name in enumerate(shown):
         _line(axes, seen, states.time, getattr(states, name) / figure.outsize(size), i, _SUMS[name], heads=False)
     _time(axes, states)
-    figure.measure(axes.yaxis, "energy over area", "J/m²", size)
+    figure.measure(axes.yaxis, "energy over area", "J/m²" if units == _UNITS else " ".join(units), size)
     figure.legend(axes)
 
 

@@ -44,6 +44,8 @@ class Scene(Run):
     checkpoint: float = 60.0
     table: str | None = None
     plot: str | None = None
+    stress_unit: str = "Pa"
+    length_unit: str = "m"
     inputs: tuple[str, ...] = ()
     convex: str = "ask"
 

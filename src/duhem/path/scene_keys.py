@@ -39,6 +39,8 @@ SECTIONS: Mapping[str, Mapping[str, str]] = {  # beside [parameters], whose keys
     "output": {
         "table": "the history, .csv or .parquet (extra parquet)",
         "plot": "stress path, hysteresis and energies (extra plot), .png, .svg, .pdf ...",
+        "stress_unit": "the unit of all stresses here, written at the axes of the picture, Pa if left out; no number is converted",
+        "length_unit": "that of displacements, m if left out",
         "keep": 'of many points: every how many knots are kept, or "last"',
         "checkpoint": "how often what is done is kept for --resume, in s, 60 if left out",
     },
@@ -48,6 +50,8 @@ VALUES: Mapping[str, tuple[Any, Any, str]] = {  # keys that hold a value: its ty
     "compiled": (bool, False, "write true or false"),
     "substeps": (int, 1, "give a whole number from 1 on"),
     "threads": (int, 1, "give a whole number from 1 on"),
+    "stress_unit": (str, "Pa", 'write for example stress_unit = "MPa"'),
+    "length_unit": (str, "m", 'write for example length_unit = "mm"'),
     "keep": ((int, str), 1, 'give every how many knots are kept, or "last"'),
     "checkpoint": ((int, float), 60, "give seconds, above 0"),
 }
@@ -142,6 +146,8 @@ substeps = 10                             # each step of the path is cut into so
 # [output]                                # optional; else the history goes to standard output, or where --out and --plot say
 # table = "NAME.csv"                      # or .parquet (extra parquet)
 # plot = "NAME.png"                       # extra plot
+# stress_unit = "MPa"                     # at the axes of the picture, where all numbers above are in MPa and, below, in mm
+# length_unit = "mm"
 
 # Many points that go the same way, each with parameters, pressure or scale of its own, a row each:
 # [points]

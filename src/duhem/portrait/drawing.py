@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.law.units import UNIT
 from duhem.portrait.lines import Vertex, closed
 from duhem.portrait.section import Arrow, View
 from duhem.portrait.step import TrialStep
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 __all__ = ["UNIT", "fill", "paint_section", "paint_step", "paint_violation"]
 
 Array = NDArray[np.float64]
-UNIT = "unit of stress"  # no law states one: all its stresses share it
 _DARK = "0.25"  # of normals: pink beside it is grey to one reader in twenty
 _ARROW = 0.085  # of the window's size
 _SHAFT = 0.0135  # inches

@@ -9,6 +9,7 @@ from typing import Any
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.stated import number_in_short, number_in_words
 from duhem.law.stated import stated as stated_law
+from duhem.law.units import units_in_words
 from duhem.left_out import LeftOut
 from duhem.proof.claims import CLAIMS
 from duhem.proof.verdict import ClaimResult, Trust, Verdict, Witness
@@ -125,8 +126,10 @@ def _case(result: ClaimResult, strict: bool, due: str | None) -> JUnitCase:
 
 
 def stated(verification: Verification) -> Chapter:
-    """The law as it was verified, and the effort where it was another than usual."""
-    return Chapter("The law", (Titled(sheet(verification.criterion).fields + _effort(verification)),))
+    """The law as it was verified, the units of its parameters, and the effort where it was another than usual."""
+    units = units_in_words(verification.criterion)
+    about = sheet(verification.criterion).fields + ((("units", units),) if units else ())
+    return Chapter("The law", (Titled(about + _effort(verification)),))
 
 
 def decided(verification: Verification) -> tuple[Chapter, ...]:

@@ -23,6 +23,7 @@ class VerdictPanel:
     """The points at which each verdict was found; with one parameter their second coordinate counts the claims."""
 
     title: str
+    law: str
     points: dict[str, tuple[array[float], array[float]]] = field(default_factory=dict)
 
     def add(self, verdict: str, x: float, y: float) -> None:
@@ -93,7 +94,7 @@ def plane(lines: Iterable[VerdictLine], axes: tuple[str, ...], found: Mapping[st
         if key not in panels:
             if len(panels) == _MOST:
                 raise InputError(f"there are more than {_MOST} pairs of a law and a claim", remedy="draw a table of fewer laws or claims")
-            panels[key] = VerdictPanel(f"{line.law}: {line.claim}" if len(axes) == 2 else line.law)
+            panels[key] = VerdictPanel(f"{line.law}: {line.claim}" if len(axes) == 2 else line.law, line.law)
         panels[key].add(line.verdict or NO_VERDICT, *point, *((float(count),) if len(axes) == 1 else ()))
     if not panels:
         raise InputError(f"no row has a number for {' and '.join(axes)}", where="axes", remedy="name parameters of one law")

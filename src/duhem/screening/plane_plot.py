@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from itertools import chain
 from statistics import median
 from typing import TYPE_CHECKING, NamedTuple
 
+from duhem.errors import InputError
+from duhem.law.catalogue import load
+from duhem.law.units import stress_powers, unit_in_words
 from duhem.screening.campaign import Campaign
 from duhem.screening.lines import VerdictLine
 from duhem.screening.plane import NO_VERDICT, VerdictPanel, VerdictPlane, chosen, plane, varying
@@ -147,12 +151,24 @@ def _height(seen: VerdictPlane) -> float:
 
 
 def _axis(axis: Axis, name: str, panel: VerdictPanel, i: int) -> None:
-    """Powers of ten where the values lie as these do; a criterion file does not say in which unit a parameter is."""
+    """Powers of ten where the values lie as these do."""
     values = sorted({*chain.from_iterable(points[i] for points in panel.points.values())})
     if len(values) > 2 and values[0] > 0.0 and median(values) - values[0] < 0.1 * (values[-1] - values[0]):
         getattr(axis.axes, f"set_{'xy'[i]}scale")("log")
-    size = _size(panel, i)
-    figure.measure(axis, f"${latex_name(name)}$", "unit of the law", size if figure.outsize(size) != 1.0 else 0.0)
+    size, unit = _size(panel, i), _unit(panel.law, name)
+    if unit is None and figure.outsize(size) == 1.0:
+        axis.set_label_text(f"${latex_name(name)}$")
+    else:
+        figure.measure(axis, f"${latex_name(name)}$", unit or "", size if figure.outsize(size) != 1.0 else 0.0)
+
+
+@lru_cache(maxsize=64)
+def _unit(law: str, name: str) -> str | None:
+    """The unit of a parameter, as the formula of the law has it; None where that, or the law, is not known here."""
+    try:
+        return None if ":" in law else unit_in_words(stress_powers(load(law)).get(name))
+    except InputError:
+        return None
 
 
 def _size(panel: VerdictPanel, i: int) -> float:

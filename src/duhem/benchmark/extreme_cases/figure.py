@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from duhem.benchmark.extreme_cases.cases import AXES
 from duhem.benchmark.extreme_cases.judge import MOST, POOR
 from duhem.benchmark.extreme_cases.stress import ExtremeCases
+from duhem.law.units import UNIT
 from duhem.show import figure
 from duhem.show.printing import draw
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["panels", "picture"]
 
 _QUANTITIES = {
-    "load": (r"$|\sigma_n|$ or trial stress", "Pa"),
+    "load": (r"$|\sigma_n|$ or trial stress", UNIT),
     "stiffness ratio": ("largest over smallest stiffness", ""),
     "aspect of K": ("one axis of $K$ shortened by", ""),
     "trial size": ("trial stress over reach of $K$", ""),
