@@ -182,7 +182,7 @@ def test_a_law_is_tested_by_every_method_that_takes_it(run: Command, monkeypatch
 def test_a_method_is_tried_at_parameters_that_the_law_admits(
     constraint: str, run: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("duhem.testing.routines.own_solvers.METHODS", ["newton"])
+    monkeypatch.setattr("duhem.testing.routines.routine.METHODS", ["newton"])
     head = f'[criterion]\nname = "bound"\ng = "norm(sigma_a, sigma_b) + b*sigma_n"\nconstraints = ["{constraint}"]\n'
     (tmp_path / "bound.toml").write_text(f"{head}[parameters]\nb = {{ positive = true }}\n", "utf-8")
     code, out, _ = run("test", "bound.toml", *FEW, "answers", "--examples", "1")
