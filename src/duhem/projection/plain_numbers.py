@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any, cast
@@ -42,24 +42,23 @@ def interpreted(text: str, entry: str, **constants: int) -> Callable[..., Any]:
     """
     tree = ast.parse(text)
     known = dict[str, Any](constants)
-    for place, node in enumerate(tree.body):
+    for node in tree.body:
         if isinstance(node, ast.Assign):
-            _remember(node, known)
-        elif isinstance(node, ast.FunctionDef):
-            tree.body[place] = _WrittenOut(known).visit(node)
+            known |= {name: value for name, value in _numbers(node, known) if name not in constants}
+    tree.body = [_WrittenOut(known).visit(node) if isinstance(node, ast.FunctionDef) else node for node in tree.body]
     run: Any = interpreted_text(ast.fix_missing_locations(tree), entry)
     run.__globals__.update(_FUNCTIONS)
     return run
 
 
-def _remember(node: ast.Assign, known: dict[str, Any]) -> None:
-    """The numbers that a line of the module gives names to; those that have one keep it."""
+def _numbers(node: ast.Assign, known: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """The names and numbers of a line of the module that gives numbers names."""
     for target in node.targets:
         names = target.elts if isinstance(target, ast.Tuple) else [target]
         values = node.value.elts if isinstance(node.value, ast.Tuple) and isinstance(target, ast.Tuple) else [node.value] * len(names)
         for name, value in zip(names, values, strict=True):
             if isinstance(name, ast.Name) and isinstance(found := _WrittenOut(known).visit(value), ast.Constant):
-                known.setdefault(name.id, found.value)
+                yield name.id, found.value
 
 
 class _WrittenOut(ast.NodeTransformer):
