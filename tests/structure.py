@@ -3,8 +3,8 @@
     python -m tests.structure [ROOT]
 
 prints every count of the checkout at ROOT (this one, if left out).  What syntax cannot tell is counted by a stand-in,
-which the printed line names: a table printer is a module that pads cells to a width it has computed, a way along a ray is
-a loop that halves an interval, a recorder is a function that appends steps to a program.
+which the printed line names: a table printer is a module that pads cells to a width it has computed, a recorder is a function
+that appends steps to a program.
 """
 
 from __future__ import annotations
@@ -147,12 +147,12 @@ class Package:
 
     # -- one word, one thing ------------------------------------------------------------------------------------------
 
-    def homonyms(self, private: bool = False) -> dict[str, list[str]]:
-        """Class names that stand in more than one module, with the modules."""
+    def homonyms(self) -> dict[str, list[str]]:
+        """Names of classes for everybody that stand in more than one module, with the modules."""
         where: dict[str, list[str]] = defaultdict(list)
         for name, module in self.modules.items():
             for word in module.classes():
-                if word.startswith("_") is private:
+                if not word.startswith("_"):
                     where[word].append(name)
         return {word: places for word, places in sorted(where.items()) if len(places) > 1}
 
@@ -167,18 +167,6 @@ class Package:
     def table_printers(self) -> list[str]:
         """Modules that pad text to a width which is no constant: by ljust, rjust or center, or in a format."""
         return [name for name, module in self.modules.items() if any(_pads(node) for node in module.nodes(ast.Call, ast.FormattedValue))]
-
-    def halvings(self) -> list[tuple[str, str, str]]:
-        """Module, function and arithmetic of every loop that takes the middle of two ends."""
-        found = []
-        for name, module in self.modules.items():
-            for function in module.nodes(ast.FunctionDef):
-                assert isinstance(function, ast.FunctionDef)
-                inner = {n for f in ast.walk(function) if isinstance(f, ast.FunctionDef) and f is not function for n in ast.walk(f)}
-                loops = [n for n in ast.walk(function) if isinstance(n, ast.For | ast.While) and n not in inner]
-                if any(_is_middle(node) for loop in loops for node in ast.walk(loop)):
-                    found.append((name, function.name, _arithmetic(module)))
-        return found
 
     def recorders(self) -> list[str]:
         """Modules that append a step, a tuple, to a list of steps."""
@@ -221,49 +209,22 @@ def _pads(node: ast.AST) -> bool:
     return _last(node.func) in ("ljust", "rjust", "center") and len(node.args) == 1 and not isinstance(node.args[0], ast.Constant)
 
 
-def _is_half(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and node.value == 0.5
-
-
-def _is_middle(node: ast.AST) -> bool:
-    """(low + high)/2, 0.5 (low + high), or low + a half of (high - low)."""
-    if not isinstance(node, ast.BinOp):
-        return False
-    if isinstance(node.op, ast.Div):
-        return _is_sum_of_ends(node.left, ast.Add) and isinstance(node.right, ast.Constant) and node.right.value == 2
-    if isinstance(node.op, ast.Mult):
-        return _is_half(node.left) and _is_sum_of_ends(node.right, ast.Add)
-    if isinstance(node.op, ast.Add) and isinstance(node.right, ast.BinOp):
-        rest = node.right
-        halved = isinstance(rest.op, ast.Div) and isinstance(rest.right, ast.Constant) and rest.right.value == 2
-        scaled = isinstance(rest.op, ast.Mult) and _is_half(rest.left)
-        return (halved and _is_sum_of_ends(rest.left, ast.Sub)) or (scaled and _is_sum_of_ends(rest.right, ast.Sub))
-    return False
-
-
-def _is_sum_of_ends(node: ast.AST, op: type[ast.operator]) -> bool:
-    """A sum or difference of two bare values: names, or elements of arrays."""
-    return (
-        isinstance(node, ast.BinOp)
-        and isinstance(node.op, op)
-        and all(isinstance(x, ast.Name | ast.Subscript) for x in (node.left, node.right))
-    )
-
-
-def _arithmetic(module: Module) -> str:
-    """What a module computes in, by what it imports or calls: NumPy has doubles, mpmath many digits, flint and Fraction are exact."""
-    met = module.packages()
-    if "numpy" in met:
-        return "doubles"
-    if "mpmath" in met or module.calls("mpf"):
-        return "digits"
-    return "exact" if met & {"flint", "fractions", "sympy"} else "doubles"
-
-
 def _records(call: ast.Call) -> bool:
     target = call.func
     appended = bool(call.args) and isinstance(call.args[0], ast.Tuple)
     return appended and isinstance(target, ast.Attribute) and _last(target.value).lstrip("_") == "steps"
+
+
+def _longest(edges: Mapping[str, set[str]]) -> int:
+    """How many modules stand in the longest chain in which each imports the next; there are no circles."""
+    known: dict[str, int] = {}
+
+    def length(name: str) -> int:
+        if name not in known:
+            known[name] = 1 + max((length(other) for other in edges.get(name, ())), default=0)
+        return known[name]
+
+    return max(map(length, edges), default=0)
 
 
 def circles(edges: Mapping[str, set[str]]) -> list[list[str]]:
@@ -309,10 +270,8 @@ def report(package: Package) -> Iterator[str]:
     round_about = circles(package.imports())
     shown = "; ".join(" <-> ".join(name or PACKAGE for name in circle) for circle in round_about)
     yield line(len(round_about), "circles of imports between modules, lazy and type-only ones too", shown)
-    for private in (False, True):
-        twice = package.homonyms(private)
-        kind = "private" if private else "public"
-        yield line(len(twice), f"{kind} class names used more than once", "; ".join(f"{w} ({places(p)})" for w, p in twice.items()))
+    twice = package.homonyms()
+    yield line(len(twice), "public class names used more than once", "; ".join(f"{w} ({places(p)})" for w, p in twice.items()))
     files = Counter(module.path.name for module in package.modules.values() if module.path.name != "__init__.py")
     repeated = {name: n for name, n in sorted(files.items()) if n > 1}
     yield line(len(repeated), "file names used more than once", places([f"{name} x{n}" for name, n in repeated.items()]))
@@ -331,10 +290,10 @@ def report(package: Package) -> Iterator[str]:
         ("modules that import one of a composed name", package.composed_imports()),
     ):
         yield line(len(found), what, places(found))
-    halvings = package.halvings()
-    for arithmetic in ("doubles", "digits", "exact"):
-        mine = [f"{module}.{function}" for module, function, kind in halvings if kind == arithmetic]
-        yield line(len(mine), f"loops that halve an interval, {arithmetic}", places(mine))
+    edges = package.imports()
+    users = Counter(name for met in edges.values() for name in met)
+    yield line(sum(count == 1 for count in users.values()), "modules that one other imports")
+    yield line(_longest(edges), "modules in the longest chain of imports")
     lines = list(sizes.values())
     yield line(len(sizes), "modules")
     yield line(sum(lines), "code lines (no blank lines, comments, docstrings)")
