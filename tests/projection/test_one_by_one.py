@@ -240,3 +240,11 @@ def test_no_counter_of_a_loop_that_runs_to_its_end_is_read_after_it() -> None:
             inside = {id(part) for node in own for part in ast.walk(node)}
             reads = [n for n in ast.walk(function) if isinstance(n, ast.Name) and n.id == counter and isinstance(n.ctx, ast.Load)]
             assert all(id(n) in inside for n in reads), (function.name, counter)
+
+
+def test_text_that_goes_on_has_the_values_that_compiled_code_has() -> None:
+    text = "from numpy import log, sqrt\ndef f(v, power):\n    return log(v[0, 0]), sqrt(v[0, 0]), 1.0 / v[0, 1], v[0, 0]**power\n"
+    run = interpreted(text, "f", True)
+    assert np.array_equal(run([[-4.0, 0.0]], 0.5), [np.nan, np.nan, np.inf, np.nan], equal_nan=True)
+    assert run([[0.0, -0.0]], -1.0) == (-np.inf, 0.0, -np.inf, np.inf)
+    assert all(type(x) is float for x in run([[4.0, 2.0]], 0.5))

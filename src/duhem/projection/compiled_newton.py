@@ -50,10 +50,13 @@ class Loop:
     mean: float
 
     @classmethod
-    def of(cls, increment: Increment, entry: str = "solve", *sources: ModuleType, plain: bool = False) -> Loop | None:
+    def of(
+        cls, increment: Increment, entry: str = "solve", *sources: ModuleType, plain: bool = False, goes_on: bool = False
+    ) -> Loop | None:
         """``entry`` of the kernel or of further ``sources``; None for a law with a word that has no derivatives as text.
 
-        ``plain``: as Python runs it, on plain numbers; else MissingExtraError without numba.
+        ``plain``: as Python runs it, on plain numbers, where an operation without a value raises unless it ``goes_on``; else
+        MissingExtraError without numba.
         """
         law = increment.law
         symbol = law.symbols()[law.pressure] if law.pressure else None
@@ -61,7 +64,7 @@ class Loop:
             return None
         text, inlined, formula, constants = made
         mean, root = whitening(increment)
-        run = interpreted(text, entry) if plain else compiled_text(text, entry, inlined)
+        run = interpreted(text, entry, goes_on) if plain else compiled_text(text, entry, inlined)
         return cls(run, formula, constants, only_read(root), only_read(np.linalg.inv(root)), mean)
 
     def data(self, pressure: Array) -> Array:
@@ -127,11 +130,19 @@ def plain_closest(increment: Increment) -> ClosestPoint | None:
     data = loop.data_at_one()
 
     def closest(trial: Sequence[float], pressure: float) -> Any:
-        stress, slip, multiplier, state = zeros(1, d), zeros(1, d), [0.0], [LEFT]
         try:
-            loop.run([trial], data(pressure).tolist(), *numbers, stress, slip, multiplier, state)
+            return found(loop.run, trial, pressure)
+        except FAULTS:  # 0/0 at a tip, a logarithm beyond its range: compiled code goes on
+            going_on = Loop.of(increment, plain=True, goes_on=True)
+            assert going_on is not None
+        try:
+            return found(going_on.run, trial, pressure)
         except FAULTS:
             return None
+
+    def found(run: Callable[..., None], trial: Sequence[float], pressure: float) -> Any:
+        stress, slip, multiplier, state = zeros(1, d), zeros(1, d), [0.0], [LEFT]
+        run([trial], data(pressure).tolist(), *numbers, stress, slip, multiplier, state)
         if state[0] == LEFT:
             return None
         return stress[0], [x / mean for x in slip[0]], multiplier[0] / mean

@@ -71,10 +71,10 @@ class Method(Generic[Own]):
     ``solve(question, options)`` returns the solution as the method left it, unjudged; ``tangent(question, solution)``
     d sigma/d u (N, d, d) in Pa/m and d sigma/d sigma_n (N, d), None for a law without pressure; no tangent at all is None.
     ``options`` is the type of the options.  ``convex``: where the method can be used K is convex, by a declared shape or by rules
-    of composition; else the judge looks for points of K that speak against it.  ``again`` is asked where the judge refuses what
-    ``solve`` found of few points.  ``plain(question, compiled)`` is the closest point to one trial, sooner than ``solve`` for one
-    point, run by Python on plain numbers or compiled; None where there is none.  It belongs to the ``solve`` beside it, in one module:
-    a method that was given another ``solve`` is asked by that alone.
+    of composition; else the judge looks for points of K that speak against it.  ``again(options, points)`` is the way to ask
+    where the judge refuses what ``solve`` found of so many points.  ``plain(question, compiled)`` is the closest point to one trial,
+    sooner than ``solve`` for one point, run by Python on plain numbers or compiled; None where there is none.  It belongs to the
+    ``solve`` beside it, in one module: a method that was given another ``solve`` is asked by that alone.
     """
 
     name: str
@@ -83,7 +83,7 @@ class Method(Generic[Own]):
     options: type[Own]
     tangent: Callable[[Increment, Solution], tuple[Array, Array | None]] | None = None
     convex: bool = False
-    again: Callable[[Increment, Own], Solution] | None = None
+    again: Callable[[Own, int], Callable[[Increment, Own], Solution]] | None = None
     plain: Callable[[Increment, bool], ClosestPoint | None] | None = None
 
     def options_of(self, given: Mapping[str, Any]) -> Own:

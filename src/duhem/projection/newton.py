@@ -11,6 +11,7 @@ are few (:mod:`duhem.projection.affine_faces`).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -18,7 +19,6 @@ from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
 from duhem.expression.rays import crossing
-from duhem.expression.vocabulary import EigMax
 from duhem.projection.affine_faces import faces
 from duhem.projection.close_look import close_look
 from duhem.projection.endless_directions import lineality
@@ -80,19 +80,25 @@ def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
     """
     fast = options if isinstance(options, NewtonOptions) and options.compiled else None
     if fast is None and len(increment.trial) > FEW_SEARCHED:
-        solution = search(increment)
-        if increment.g.has(EigMax) and (lost := np.flatnonzero(solution.failed)).size:  # an edge of equal eigenvalues is round
-            from duhem.projection.compiled_newton import solved_one_by_one
-
-            again, unsolved = solved_one_by_one(_some(increment, lost))
-            _put(solution, lost, again)
-            solution.failed[lost[unsolved]] = True
-        return solution
+        return search(increment)
     from duhem.projection.compiled_newton import solved, solved_one_by_one
 
     solution, left = solved_one_by_one(increment) if fast is None else solved(increment, fast.threads)
     if left.size:
         _put(solution, left, search(_some(increment, left)))
+    return solution
+
+
+def again(options: NewtonOptions, points: int) -> Callable[[Increment, NewtonOptions], Solution]:
+    """The other way: the loop of one point where many were searched for by arrays, else the search."""
+    return search if options.compiled or points <= FEW_SEARCHED else _by_the_loop
+
+
+def _by_the_loop(increment: Increment, _: Options = _DEFAULTS) -> Solution:
+    from duhem.projection.compiled_newton import solved_one_by_one
+
+    solution, left = solved_one_by_one(increment)
+    solution.failed[left] = True
     return solution
 
 
@@ -433,4 +439,4 @@ def plain(increment: Increment, compiled: bool = False) -> ClosestPoint | None:
     return compiled_closest(increment) if compiled else plain_closest(increment)
 
 
-NEWTON = Method("newton", applies, solve, NewtonOptions, tangent, again=search, plain=plain)
+NEWTON = Method("newton", applies, solve, NewtonOptions, tangent, again=again, plain=plain)

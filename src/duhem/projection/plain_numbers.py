@@ -1,8 +1,9 @@
 """Our own text as Python runs it, on plain numbers: for so few points that arrays take longer to call than to compute.
 
 What a compiler is given runs here.  Its arrays are lists of lists, its functions and powers those of ``math``: an operation that has no
-value raises, where an array has nan, and who called takes the point another way.  A loop over the few forces of a law is written out,
-and what constants decide is worked out once, so that little is left of it but the operations themselves.
+value raises, where compiled code has nan or an infinity and goes on.  Who called takes the point another way, or asks for the function
+that ``goes_on`` as well, which takes some ten times as long.  A loop over the few forces of a law is written out, and what constants
+decide is worked out once, so that little is left of it but the operations themselves.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from duhem.expression.elementary import ELEMENTARY
+from duhem.expression.elementary import ELEMENTARY, array_function
 from duhem.projection.kept_code import interpreted_text
 
 __all__ = ["FAULTS", "interpreted", "zeros"]
@@ -35,19 +36,21 @@ def zeros(*sizes: int) -> Any:
 
 
 @lru_cache(maxsize=128)
-def interpreted(text: str, entry: str, **constants: int) -> Callable[..., Any]:
+def interpreted(text: str, entry: str, goes_on: bool = False, **constants: int) -> Callable[..., Any]:
     """The function ``entry`` of the text, of whose ``constants`` these have other values; an array that it takes is a list of lists.
 
-    A power that is no real number raises, where Python would take it for a complex one.
+    A power that is no real number raises, where Python would take it for a complex one.  ``goes_on``: what has no value is nan or
+    infinite, as it is compiled.
     """
     tree = ast.parse(text)
     known = dict[str, Any](constants)
     for node in tree.body:
         if isinstance(node, ast.Assign):
             known |= {name: value for name, value in _numbers(node, known) if name not in constants}
-    tree.body = [_WrittenOut(known).visit(node) if isinstance(node, ast.FunctionDef) else node for node in tree.body]
+    called = {ast.Pow: "real_power", ast.Div: "quotient"} if goes_on else {ast.Pow: "real_power"}
+    tree.body = [_WrittenOut(known, called).visit(node) if isinstance(node, ast.FunctionDef) else node for node in tree.body]
     run: Any = interpreted_text(ast.fix_missing_locations(tree), entry)
-    run.__globals__.update(_FUNCTIONS)
+    run.__globals__.update(_FUNCTIONS, **(_GOING_ON if goes_on else {}))
     return run
 
 
@@ -57,18 +60,20 @@ def _numbers(node: ast.Assign, known: Mapping[str, Any]) -> Iterator[tuple[str, 
         names = target.elts if isinstance(target, ast.Tuple) else [target]
         values = node.value.elts if isinstance(node.value, ast.Tuple) and isinstance(target, ast.Tuple) else [node.value] * len(names)
         for name, value in zip(names, values, strict=True):
-            if isinstance(name, ast.Name) and isinstance(found := _WrittenOut(known).visit(value), ast.Constant):
+            if isinstance(name, ast.Name) and isinstance(found := _WrittenOut(known, {}).visit(value), ast.Constant):
                 yield name.id, found.value
 
 
 class _WrittenOut(ast.NodeTransformer):
     """Puts numbers for names that are ``known``, works out what they decide, and writes loops over them out.
 
+    Operations that have a function ``called`` in their place are handed to that.
+
     A loop that may end early stays one.  No text reads a counter after a loop that may not: nothing would count there.
     """
 
-    def __init__(self, known: Mapping[str, Any]) -> None:
-        self.known = known
+    def __init__(self, known: Mapping[str, Any], called: Mapping[type, str]) -> None:
+        self.known, self.called = known, called
 
     def generic_visit(self, node: ast.AST) -> ast.AST:
         """A node of what its parts become; the one that was given stays as it is, to be written out again."""
@@ -91,15 +96,13 @@ class _WrittenOut(ast.NodeTransformer):
         return ast.Constant(operator.neg(node.operand.value)) if negative else node  # type: ignore[attr-defined]
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
-        """What is made of two whole numbers; a power is a call of ``real_power``."""
+        """What is made of two numbers, or a call."""
         node = cast("ast.BinOp", self.generic_visit(node))
         a, b = node.left, node.right
-        if isinstance(node.op, ast.Pow):
-            if isinstance(a, ast.Constant) and isinstance(b, ast.Constant):
-                return ast.Constant(operator.pow(a.value, b.value))
-            return ast.Call(ast.Name("real_power", ast.Load()), [a, b], [])
         if isinstance(a, ast.Constant) and isinstance(b, ast.Constant) and type(node.op) in _OPERATORS:
             return ast.Constant(_OPERATORS[type(node.op)](a.value, b.value))
+        if type(node.op) in self.called:
+            return ast.Call(ast.Name(self.called[type(node.op)], ast.Load()), [a, b], [])
         return node
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
@@ -126,7 +129,7 @@ class _WrittenOut(ast.NodeTransformer):
         if few and not early and isinstance(node.target, ast.Name) and node.target.id != "_":
             lines = list[ast.stmt]()
             for turn in turns:
-                lines += _WrittenOut({**self.known, node.target.id: turn})._part(node.body)
+                lines += _WrittenOut({**self.known, node.target.id: turn}, self.called)._part(node.body)
             return lines or ast.Pass()
         return self.generic_visit(node)
 
@@ -144,6 +147,7 @@ _OPERATORS: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.FloorDiv: operator.floordiv,
+    ast.Pow: operator.pow,
 }
 _FUNCTIONS = {
     **{word.numpy: getattr(math, name) for name, word in ELEMENTARY.items()},
@@ -162,3 +166,17 @@ _FUNCTIONS = {
         float64=np.float64,
     ),
 }
+
+
+def _as_compiled(name: str) -> Callable[..., float]:
+    of_numpy = array_function(name)
+
+    def found(*numbers: float) -> float:
+        with np.errstate(all="ignore"):
+            return float(of_numpy(*map(np.float64, numbers)))
+
+    return found
+
+
+_GOING_ON = {name: _as_compiled(name) for name in _FUNCTIONS if callable(getattr(np, name, None)) and name != "isnan"}
+_GOING_ON |= {"real_power": _as_compiled("power"), "quotient": _as_compiled("divide")}

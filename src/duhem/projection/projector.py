@@ -99,8 +99,9 @@ class Projector:
         if left.size:
             solution, found = put_right(question, solution, found, self._judged, seen)
             in_blocks(left.size, BLOCK, lambda part: settle(solution, found, left[part]), threads)
-        if len(vouched) <= FEW_SEARCHED:
-            self._asked_again(question, solution, found, told)
+        worth = vouched | (len(vouched) <= FEW_SEARCHED)  # of many, where a stationary point is the closest one
+        refused = (told.status == Status.FAILED) | (told.status == Status.INACCURATE) & worth
+        self._asked_again(question, given, solution, found, told, np.flatnonzero(refused))
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(
             stress=solution.stress,
@@ -117,13 +118,15 @@ class Projector:
             compiled=isinstance(given, Compiling) and bool(given.compiled),
         )
 
-    def _asked_again(self, question: Increment, solution: Solution, found: Residuals, told: Told) -> None:
+    def _asked_again(
+        self, question: Increment, given: Options, solution: Solution, found: Residuals, told: Told, at: NDArray[np.intp]
+    ) -> None:
         """Put in the place of what the judge refuses what the method finds another way, where it has one and that passes."""
-        at = np.flatnonzero(np.isin(told.status, _REFUSED))
         if self.method.again is None or not at.size:
             return
+        another = self.method.again(given, len(told.status))
         asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
-        other = replace(self, method=replace(self.method, solve=self.method.again, again=None)).at(asked)
+        other = replace(self, method=replace(self.method, solve=another, again=None)).at(asked)
         better = np.flatnonzero(~np.isin(other.status, _REFUSED))
         for mine, its in ((solution, other), (found, other.residuals), (told, other)):
             for field in fields(mine):
