@@ -207,3 +207,30 @@ def test_beside_a_tip_of_a_saddle_the_loop_finds_no_normal_that_is_none(stiffnes
         assert ((inside - stress) @ slip).max() <= 1e-7 * np.linalg.norm(slip)
         tips += not stress.any()
     assert tips > 40 and unknown <= 4
+
+
+MANY = [
+    ("dimaggio-sandler", [0.3268697183801355] * 3, 0.1634348591900677 * HYDROSTATIC),
+    ("abaqus-linear", [4.368044, -1.206235, 6.988313], 10.0 / 7.0 * HYDROSTATIC),
+    ("menetrey-willam", [0.456368668689227, 0.12212576675334176, 0.9960409467762611], 0.09842009842009841 * HYDROSTATIC),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "trial", "apex"), MANY)
+@pytest.mark.parametrize("coupled", [0.0, 0.3])
+def test_many_points_are_answered_as_few_are(name: str, trial: list[float], apex: np.ndarray, coupled: float) -> None:
+    """What arrays refuse is asked one by one; a half-space beside a point without a normal cuts nothing off K."""
+    k = np.diag([1.0, np.sqrt(10.0), 10.0]) + coupled * (np.ones((3, 3)) - np.eye(3))
+    for count in (1, 40):
+        done = duhem.project(name, np.tile(trial, (count, 1)), stiffness=k)
+        assert (done.status == 1).all() and done.stress == pytest.approx(np.tile(apex, (count, 1)), abs=2e-12)
+
+
+@pytest.mark.slow
+def test_a_step_beyond_the_range_of_a_logarithm_is_shortened_by_plain_numbers_too() -> None:
+    trial, k = [0.12044543089953348, 0.05475643510808636, -0.18543492319957428], np.diag([1.0, np.sqrt(10.0), 10.0])
+    end = [0.05319067738847348, -0.04889797152620212, -0.15497757307562732]  # in many digits
+    for count in (1, 40):
+        done = duhem.project("original-cam-clay", np.tile(trial, (count, 1)), stiffness=k)
+        assert (done.status == 1).all() and done.stress == pytest.approx(np.tile(end, (count, 1)), abs=1e-15)

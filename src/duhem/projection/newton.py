@@ -291,8 +291,9 @@ def _search(k: Body, trial: Array, centre: Array) -> _Found:
         left, x = left[open_], x[open_]
         slot = outer.free_slot(left)
         cuts.x[left, slot], cuts.slope[left, slot], cuts.choices[left, slot] = x, touch.slope[open_], touch.choices[open_]
-        normal = touch.normal[open_]
-        outer.add(left, slot, normal, np.einsum("nd,nd->n", normal, k.whitened(x)))
+        normal, level = touch.normal[open_], touch.level[open_]
+        inner = np.where(level < -_DEPTH * _reach(k, x), level, 0.0)  # one beside a point without a normal may lie in K
+        outer.add(left, slot, normal, np.einsum("nd,nd->n", normal, k.whitened(x)) - inner)
     edge = np.flatnonzero(sharp & ~found.failed)  # round after all, perhaps, at a scale far below the rounding of the others
     _accept(found, k, refine(k, s[edge], found.x[edge], edge, steps=_EDGE_STEPS), edge, outer, cuts)
     return found
