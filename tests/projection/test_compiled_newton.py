@@ -202,7 +202,7 @@ def test_no_smooth_point_is_taken_for_an_apex() -> None:
     with np.errstate(all="ignore"):
         for n, end in enumerate(ends):
             size = space["begun"](question.trial, data, n, v, m, q, held)
-            assert not space["apex"](v, m, a, q, held, np.eye(d), np.eye(d))
+            assert space["apex"](v, m, a, q, held, np.eye(d), np.eye(d)) == 1
             assert v[space["X"]] * size == pytest.approx(end, abs=1e-5)
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy import nan, sqrt
 
+from duhem.projection.newton_apex import apex
 from duhem.projection.newton_kernel import LEFT, SLIP, STICK, solved
 from duhem.projection.newton_start import NAMED, NATURAL, piece
 from duhem.projection.newton_step import (
@@ -110,10 +111,12 @@ def increment(trial: Any, pressure: float, stiffness: Any, parameters: Any, stre
     for i in range(D):
         for j in range(D):
             tangent[i * D + j] = 0.0 if pointed else k[i, j]
-    if state == SLIP and not pointed and not (known(v, m, q, held, root) and slipping(v, m, a, root, mean, tangent)):
-        state = UNKNOWN
-        for i in range(D * D):
-            tangent[i] = nan
+    if state == SLIP and not pointed:
+        told = known(v, m, q, held, root) or apex(v, m, a, q, held, root, inverse) == 0  # a tip on an axis of K seems smooth from there
+        if not (told and slipping(v, m, a, root, mean, tangent)):
+            state = UNKNOWN
+            for i in range(D * D):
+                tangent[i] = nan
     return OUTSIDE if beyond(stress, ROUNDING * most + ALIKE * far) else state
 
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy import sqrt
 
-from duhem.projection.newton_start import NATURAL, crossed, level, piece
+from duhem.projection.newton_start import NATURAL, askew, crossed, level, piece
 from duhem.projection.newton_step import (
     BEND,
     BEST,
@@ -43,17 +43,22 @@ from duhem.projection.newton_step import (
     whitened,
 )  # fmt: skip
 
-__all__ = ["apex", "overtopped"]
+__all__ = ["added", "apex", "copied", "overtopped"]
+
+KINKS = 0  # how many kinks the law has
 
 # -- compiled from here ----------------------------------------------------------------------------------------
 
-CUTS, ASIDES, EVEN, REACHED = 40, 12, 4e-16, 1e-14  # so far beyond K, relative to 1 + |u|, is in K
+CUTS, ASIDES, EVEN, REACHED = 80, 12, 4e-16, 3e-15  # so far beyond K, relative to 1 + |u|, is in K
 SHARES, CLOSER, RAISE = 5, 0.07, 1e-6  # places each way, each at this share of the one before; so much of that over the plane
-FLAT, SHARP = 1e-10, 1e-4  # of a normal beside the span of others; of a corner: its volume times the least share of the way
+FLAT, SHARP = 1e-10, 1e-10  # of a normal beside the span of others; how far off an apex may lie, relative to 1 + |u|
 
 
-def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> bool:
-    """Whether the closest point is an apex, which is then in v and m with the D normals that press; else a point close to it is."""
+def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> int:
+    """0 where the closest point is an apex, which is then in v and m with the D normals that press.
+
+    Else a point close to it is, and how many pieces hold where the half-spaces that press touch K, which are the first of those held.
+    """
     count, deep = 0, aside(v, q)
     times(inverse, v, T, S)
     for i in range(D):
@@ -67,8 +72,9 @@ def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> 
             v[X, i] = v[CENTRE, i] + share * (v[BEST, i] - v[CENTRE, i])
             far = max(far, abs(v[BEST, i] - v[X, i]))
         if far <= REACHED * (1.0 + length(v, BEST)):
-            if count == D and cornered(v, m, a, inverse):
-                return not overtopped(v, q, root, inverse)
+            far = max(far, EVEN * (1.0 + length(v, BEST)))
+            if count == D and cornered(v, m, a, far, inverse) and not overtopped(v, q, root, inverse):
+                return 0
             break
         high = piece(v, X, q, NATURAL, held, D, RAW, m, RAWBEND)
         slope = whitened(v, root)
@@ -79,12 +85,36 @@ def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> 
         for i in range(D):
             v[WHITE, i] /= slope
             offset += v[WHITE, i] * v[U, i]
-        count = entered(v, m, a, count, offset, slope)
+        count = entered(v, m, a, held, count, offset, slope)
         if count == 0:
             break
+    pieces = 0
     for i in range(D):
         v[U, i] = v[BEST, i]
-    return False
+    if KINKS > 0:
+        for j in range(count):
+            copied(held, j, D)
+            if added(held, pieces):
+                pieces += 1
+    return pieces if pieces > 0 else 1
+
+
+def added(held: Any, count: int) -> bool:
+    """Whether the piece that holds is none of those held; then it is the next of them."""
+    for j in range(count):
+        equal = True
+        for k in range(KINKS):
+            equal = equal and held[j, k] == held[D, k]
+        if equal:
+            return False
+    copied(held, D, count)
+    return True
+
+
+def copied(held: Any, row: int, to: int) -> None:
+    """Puts one piece in the place of another."""
+    for k in range(KINKS):
+        held[to, k] = held[row, k]
 
 
 def overtopped(v: Any, q: Any, root: Any, inverse: Any) -> bool:
@@ -122,7 +152,7 @@ def aside(v: Any, q: Any) -> float:
         far = max(far, 0.5 * abs(v[FIRST, i] - v[CENTRE, i]))
     for _ in range(ASIDES):
         for i in range(D):
-            v[X, i] = v[CENTRE, i] + far * (1.0 if i % 2 == 0 else -1.0) / (1.5 + i * i)
+            v[X, i] = v[CENTRE, i] + far * askew(i)
         deep = level(v, X, q)
         if deep < 0.0:
             for i in range(D):
@@ -132,7 +162,7 @@ def aside(v: Any, q: Any) -> float:
     return level(v, CENTRE, q)
 
 
-def entered(v: Any, m: Any, a: Any, count: int, offset: float, slope: float) -> int:
+def entered(v: Any, m: Any, a: Any, held: Any, count: int, offset: float, slope: float) -> int:
     """How many half-spaces press once that of the normal ``WHITE`` has come, on the point that is their closest; 0 for none."""
     own, shares, across = 0.0, np.empty(D + 1), np.empty(D)
     for _ in range(2 * D + 2):
@@ -171,6 +201,7 @@ def entered(v: Any, m: Any, a: Any, count: int, offset: float, slope: float) -> 
             for i in range(D):
                 m[NORMALS, count, i] = v[WHITE, i]
             v[LENGTHS, count], v[LEVELS, count], v[SLOPES, count] = own, offset, slope
+            copied(held, D, count)
             return count + 1 if settled(v, m, a, count + 1) else 0
         if free:
             for i in range(D):
@@ -179,6 +210,7 @@ def entered(v: Any, m: Any, a: Any, count: int, offset: float, slope: float) -> 
         for i in range(D):
             m[NORMALS, leaves, i] = m[NORMALS, count, i]
         v[LENGTHS, leaves], v[LEVELS, leaves], v[SLOPES, leaves] = v[LENGTHS, count], v[LEVELS, count], v[SLOPES, count]
+        copied(held, count, leaves)
     return 0
 
 
@@ -206,8 +238,11 @@ def settled(v: Any, m: Any, a: Any, count: int) -> bool:
     return True
 
 
-def cornered(v: Any, m: Any, a: Any, inverse: Any) -> bool:
-    """Whether the D planes meet sharply and all press; then the point is the stress, without bends."""
+def cornered(v: Any, m: Any, a: Any, far: float, inverse: Any) -> bool:
+    """Whether the D planes meet sharply, ``far`` from K at most, and all press; then the point is the stress, without bends.
+
+    With s - u = sum lambda n the closest point of K is behind each plane by |s - u| far/lambda at most.
+    """
     volume, least, square = 1.0, np.inf, 0.0
     for i in range(D):
         v[X, i] = v[BEST, i]
@@ -230,4 +265,4 @@ def cornered(v: Any, m: Any, a: Any, inverse: Any) -> bool:
                 along += a[j, i] * a[k, i] / size
             for i in range(D):
                 a[k, i] -= along * a[j, i]
-    return least * volume >= SHARP * sqrt(square)
+    return sqrt(square) * far <= SHARP * (1.0 + length(v, U)) * least * volume

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy import sqrt
 
-from duhem.projection.newton_apex import apex, overtopped
+from duhem.projection.newton_apex import added, apex, copied, overtopped
 from duhem.projection.newton_pair import spread
 from duhem.projection.newton_start import DATA, NAMED, NATURAL, PAIR, begun, level, piece
 from duhem.projection.newton_step import (
@@ -116,33 +116,40 @@ def solved(
 
 def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> bool:
     """True where a stress is found that is optimal, with its normals and multipliers (0 for pieces that do not press)."""
-    count, near, most = 0, False, SHORT if PAIRS > 0 else LONG
+    count, near, meet, most = 0, False, 0, SHORT if PAIRS > 0 else LONG
     times(inverse, v, T, S)
     for i in range(D):
         v[X, i] = v[FIRST, i]
     while True:
-        count = pressed(v, m, a, q, held, most, root, inverse)
+        count = pressed(v, m, a, q, held, meet, most, root, inverse)
         if PAIRS > 0 and count == 0:
             count = paired(v, m, a, q, held, most, root, inverse)
-        if count > 0 or near:
+        if count == 0 and (meet > 0 or not near):
+            for i in range(D):
+                v[X, i] = v[FIRST, i]
+            if meet > 0:
+                meet = 0
+                continue
+            if PAIRS > 0 and most == SHORT:
+                most = LONG
+                continue
+            if KINKS > 0 and isfinite(newton(v, m, a, q, held, 1, NATURAL, LONG, root, inverse)):  # along a seam the piece may change
+                count = 1 if optimal(v, m, q, held, 1, root, inverse) else 0  # from step to step
+        if near or (count > 0 and not pinched(v, m)):
             break
-        if PAIRS > 0 and most == SHORT:
-            most = LONG
+        if count > 0:
             for i in range(D):
-                v[X, i] = v[FIRST, i]
-            continue
-        if KINKS > 0:  # along a seam without a corner the piece may change from step to step
-            for i in range(D):
-                v[X, i] = v[FIRST, i]
-            if isfinite(newton(v, m, a, q, held, 1, NATURAL, LONG, root, inverse)) and optimal(v, m, q, held, 1, root, inverse):
-                count = 1
-                break
-        if apex(v, m, a, q, held, root, inverse):
+                v[FIRST, i] = v[X, i]
+        meet, near = apex(v, m, a, q, held, root, inverse), True
+        if meet == 0:
             count = D
             break
+        if count == 0:
+            for i in range(D):
+                v[FIRST, i] = v[X, i]
+        meet = meet if meet > 1 else 0
         for i in range(D):
-            v[FIRST, i] = v[X, i]
-        near = True
+            v[X, i] = v[FIRST, i]
     if count == 0:
         return False
     for j in range(count, D):
@@ -151,11 +158,14 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
     return True
 
 
-def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inverse: Any) -> int:
-    """How many pieces press on the optimum, which is then in v; 0 where it is not found."""
-    count = 1
-    if KINKS > 0 and not isfinite(piece(v, U, q, NATURAL, held, 0, RAW, m, RAWBEND)):  # inside, scales say which is the greatest
-        piece(v, X, q, NATURAL, held, 0, RAW, m, RAWBEND)
+def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, first: int, most: int, root: Any, inverse: Any) -> int:
+    """How many pieces press on the optimum, which is then in v; 0 where it is not found.
+
+    Begun with the ``first`` pieces of those held, with 0 on the one that holds.
+    """
+    count = first if first > 0 else 1
+    if KINKS > 0 and first == 0 and not isfinite(piece(v, U, q, NATURAL, held, 0, RAW, m, RAWBEND)):
+        piece(v, X, q, NATURAL, held, 0, RAW, m, RAWBEND)  # inside, where scales say which is the greatest
     for _ in range(ROUNDS):
         if not isfinite(newton(v, m, a, q, held, count, NAMED, most, root, inverse)):
             return 0
@@ -167,8 +177,7 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inv
             if count == 1:
                 return 0
             count -= 1
-            for k in range(KINKS):
-                held[least, k] = held[count, k]
+            copied(held, count, least)
         elif optimal(v, m, q, held, count, root, inverse):
             return count
         elif KINKS == 0:  # of a smooth law there is no other piece
@@ -214,30 +223,13 @@ def exchanged(v: Any, m: Any, a: Any, held: Any) -> bool:
             leaves, first = j, v[LENGTHS, j] / a[j, D]
     if leaves == D or not added(held, D):
         return False
-    for k in range(KINKS):
-        held[leaves, k] = held[D, k]
-    return True
-
-
-def added(held: Any, count: int) -> bool:
-    """Whether the piece that holds is none of those held; then it is the next of them."""
-    for j in range(count):
-        equal = True
-        for k in range(KINKS):
-            equal = equal and held[j, k] == held[D, k]
-        if equal:
-            return False
-    for k in range(KINKS):
-        held[count, k] = held[D, k]
+    copied(held, D, leaves)
     return True
 
 
 def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, inverse: Any) -> bool:
     """Whether the stress satisfies the optimality conditions of a convex K; notes the piece that holds there."""
-    reach, curved, away, deep = 1.0 + length(v, U), 0.0, length(v, REST), 0.0
-    for i in range(D):
-        for j in range(D):
-            curved = max(curved, abs(m[BEND, i, j]))
+    reach, away, deep = 1.0 + length(v, U), length(v, REST), 0.0
     for j in range(count):
         deep = max(deep, abs(v[LEVELS, j]))
         if not v[LENGTHS, j] >= -ANGLE * (1.0 + away):
@@ -250,11 +242,25 @@ def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, inverse: A
             if not abs(v[LEVELS, j] - v[LEVELS, b]) <= DEPTH * reach * min(sqrt(apart), 1.0):
                 return False
     turned = turn(v, m, count) / (1.0 + away)
-    if not (turned <= min(max(1e-15 * reach * curved, ANGLE), LOOSE) and deep <= DEPTH * reach):
+    if not (turned <= min(max(1e-15 * reach * bending(m), ANGLE), LOOSE) and deep <= DEPTH * reach):
         return False
-    if curved > PINCHED * (1.0 + away) and overtopped(v, q, root, inverse):
+    if pinched(v, m) and overtopped(v, q, root, inverse):
         return False
     return KINKS == 0 or followed(v, m, q, held, count, root, DEPTH * reach)
+
+
+def pinched(v: Any, m: Any) -> bool:
+    """Whether K bends so much at the stress that it may be beside a tip, which is met less closely by its sides than by itself."""
+    return bending(m) > PINCHED * (1.0 + length(v, REST))
+
+
+def bending(m: Any) -> float:
+    """The greatest of the bends."""
+    most = 0.0
+    for i in range(D):
+        for k in range(D):
+            most = max(most, abs(m[BEND, i, k]))
+    return most
 
 
 def followed(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, depth: float) -> bool:

@@ -24,7 +24,7 @@ from duhem.projection.newton_step import (
     length,
 )  # fmt: skip
 
-__all__ = ["NAMED", "NATURAL", "PAIR", "begun"]
+__all__ = ["NAMED", "NATURAL", "PAIR", "askew", "begun"]
 
 DATA = 0  # how many data the law has
 
@@ -49,7 +49,9 @@ def resized(data: Any, n: int, size: float, q: Any) -> None:
 NAMED, NATURAL, PAIR = 0, 1, 2  # which piece is followed; the pair of the second eigenvalue of the formula is 3
 BRACKETS, START = 200, 1e-1  # how often and how closely the way to the trial is cut, relative
 NEAR = 2.0**-40  # of the way: where the origin has no value, K is looked for this close to it
+THIN = 2.0**-6  # of the way: where so little of it is in K beside the origin, K is met better from elsewhere
 WALK, BESIDE = 100, 1e-2  # steps from the trial to K; so close, relative, is there
+BETWEEN = 2.0**-20  # of the trial: where it has no value, K is looked for on both sides of it
 DEPTHS = 24  # from four trials' lengths down, each a quarter of the one before
 
 
@@ -71,12 +73,15 @@ def begun(trial: Any, data: Any, n: int, v: Any, m: Any, q: Any, held: Any) -> f
         if not isfinite(q[k]):
             return -1.0
     out = level(v, T, q)
-    if out <= 0.0:
+    if out <= 0.0 or (not out > 0.0 and between(v, q)):
         return 0.0
     deep = centred(v, m, q, held)
     if not deep < 0.0:
         return -1.0
     share, near = crossed(v, q, deep, out, T, START), 0.0
+    if share < THIN and 0.0 < length(v, CENTRE) <= NEAR * length(v, T):
+        better = walked(v, m, q, held)
+        share = crossed(v, q, better if better < 0.0 else deep, out, T, START)
     for i in range(D):
         v[FIRST, i] = v[CENTRE, i] + share * (v[T, i] - v[CENTRE, i])
         near = max(near, max(abs(v[FIRST, i]), abs(v[CENTRE, i])))
@@ -90,6 +95,21 @@ def begun(trial: Any, data: Any, n: int, v: Any, m: Any, q: Any, held: Any) -> f
         v[CENTRE, i] /= grown
         v[U, i] /= grown
     return size * grown
+
+
+def between(v: Any, q: Any) -> bool:
+    """Whether the trial lies between two points of a convex K."""
+    for way in range(2):
+        for i in range(D):
+            v[BEST, i] = v[T, i] + (BETWEEN if way == 0 else -BETWEEN) * askew(i)
+        if not level(v, BEST, q) <= 0.0:
+            return False
+    return True
+
+
+def askew(i: int) -> float:
+    """A component of a direction off all symmetries."""
+    return (1.0 if i % 2 == 0 else -1.0) / (1.5 + i * i)
 
 
 def centred(v: Any, m: Any, q: Any, held: Any) -> float:
