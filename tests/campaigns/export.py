@@ -14,8 +14,8 @@ suite      the checks of duhem.testing over the whole domain of the parameters b
 
 With --points: at how many increments the routine and duhem.project both have an answer, and both a tangent; how far the stresses lie
 apart at most, relative to the trial, and the tangents, relative to the stiffness, but where the stress has no derivative and the tangent
-is one of several; how many either alone has an answer to, and how many either alone has a tangent to; and the routine's processor time
-an increment, of the quickest block.
+is one of several; how many either alone has an answer to, and how many either alone has a tangent to; that nothing slips, where the
+simplest parameters leave K no end; and the routine's processor time an increment, of the quickest block.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ def agreement(name: str, points: int) -> tuple[str, bool]:
     place = ctypes.c_void_p
     many.argtypes, many.restype = [ctypes.c_long, place, ctypes.c_double, *[place] * 4], None
     every = trials(law, -(-points // 9))[: points // 3]
-    counts, stresses, tangents, quickest = Counter[str](), 0.0, 0.0, np.inf
+    counts, stresses, tangents, quickest, slips = Counter[str](), 0.0, 0.0, np.inf, False
     for k in ways:
         for start in range(0, len(every), _BLOCK):
             asked = np.ascontiguousarray(every[start : start + _BLOCK])
@@ -129,10 +129,11 @@ def agreement(name: str, points: int) -> tuple[str, bool]:
             told["one of several"] = told["tangents"] & (turned > _TANGENT)
             for row in np.flatnonzero(told["one of several"]):
                 told["one of several"][row] = _several(law, asked[row], pressure, k)
+            slips |= bool((known.slip[both] != 0.0).any())
             stresses = max(stresses, float(far[both].max(initial=0.0)))
             tangents = max(tangents, float(turned[told["tangents"] & ~told["one of several"]].max(initial=0.0)))
             counts.update({said: int(rows.sum()) for said, rows in told.items() if rows.any()})
-    said = ", ".join(f"{counts[what]} {what}" for what in sorted(counts))
+    said = ", ".join([f"{counts[what]} {what}" for what in sorted(counts)] + ["nothing slips"] * (not slips))
     return f"{stresses:.0e}, {tangents:.0e}  {1e9 * quickest:5.0f} ns  {said}", stresses > _STRESS or tangents > _TANGENT
 
 
