@@ -17,6 +17,7 @@ from duhem.projection.affine_faces import Faces, planes
 from duhem.projection.compiled_newton import solved_one_by_one
 from duhem.projection.increment import Increment
 from duhem.projection.referee import closest_beside
+from duhem.projection.projector import Projector
 from duhem.projection.result import ACCURACY, Array, Solution, Status
 from duhem.projection.scaled_formula import power_of_two
 from duhem.projection.validation import increment
@@ -105,7 +106,8 @@ def test_a_face_that_is_missing_is_noticed(monkeypatch: pytest.MonkeyPatch) -> N
         return None if known is None else Faces(known.normals[1:], known.offsets[1:])
 
     monkeypatch.setattr(newton, "faces", without_one)
-    done = duhem.project(question.law, question.trial, None, question.stiffness, method="newton")
+    alone = replace(newton.NEWTON, again=None)  # the loop of one point would find what is missing
+    done = Projector.of(question.law, question.stiffness, method=alone).at(question)
     told = done.status > Status.SLIP
     assert told.any()
     monkeypatch.setattr(newton, "faces", right)
