@@ -47,7 +47,7 @@ def interpreted(text: str, entry: str, goes_on: bool = False, **constants: int) 
     for node in tree.body:
         if isinstance(node, ast.Assign):
             known |= {name: value for name, value in _numbers(node, known) if name not in constants}
-    called = {ast.Pow: "real_power", ast.Div: "quotient"} if goes_on else {ast.Pow: "real_power"}
+    called: dict[type, str] = {ast.Pow: "real_power"} | ({ast.Div: "quotient"} if goes_on else {})
     tree.body = [_WrittenOut(known, called).visit(node) if isinstance(node, ast.FunctionDef) else node for node in tree.body]
     run: Any = interpreted_text(ast.fix_missing_locations(tree), entry)
     run.__globals__.update(_FUNCTIONS, **(_GOING_ON if goes_on else {}))
