@@ -200,3 +200,24 @@ def test_the_end_of_a_segment_holds_what_is_pushed_past_it(sides):
     )
     expected = [np.zeros((2, 2)), np.zeros((2, 2)), np.diag([2.0, 0.0]), np.diag([2.0, 0.0])]
     np.testing.assert_allclose(done.tangent, expected, atol=1e-12)
+
+
+WIDE = [
+    ("box", {"mu_a": 0.3, "mu_b": 0.35}, [1.0, 0.1]),
+    ("box", {"mu_a": 0.3, "mu_b": 0.35}, [3.0, -4.6]),
+    ("coulomb", {"mu": 0.3}, [1.0, 0.1]),
+    ("superellipse", {"mu_a": 0.3, "mu_b": 0.2, "p": 4}, [1.0, 0.3]),
+    ("antoni2007", {"mu_a_plus": 0.2, "mu_a_minus": 0.15, "mu_b_plus": 0.1, "mu_b_minus": 0.12}, [1.0, 0.3]),
+]
+
+
+@pytest.mark.parametrize("scale", [1e-290, 1e-155, 1e155, 1e290])
+@pytest.mark.parametrize(("name", "values", "trial"), WIDE)
+def test_a_tangent_is_the_same_at_stresses_of_any_size(name: str, values: dict[str, float], trial: list[float], scale: float) -> None:
+    """A square of such a stress is beyond doubles: none passes for a stress that does not slip."""
+    near, far = (
+        duhem.project(name, np.tile(trial, (2, 1)) * size, -size, 2.0, values, method="newton", tangent=True) for size in (1.0, scale)
+    )
+    assert near.tangent is not None and far.tangent is not None
+    np.testing.assert_allclose(far.tangent, near.tangent, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(far.tangent_pressure, near.tangent_pressure, rtol=1e-9, atol=1e-9)

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.jet import Array, Jet, added, least_order, outer, times
+from duhem.expression.length import length
 from duhem.expression.matrices import rows
 
 __all__ = ["ROUNDING", "STEEPEST", "Shifted", "eigmax", "finished", "norm"]
@@ -58,10 +59,10 @@ class Shifted(Protocol):
 def finished(noted: Mapping[int, Shifted], gradient: Array, hessian: Array, forces: Array, strict: bool) -> Array:
     """The Hessian (N, D, D) with what the shifted nodes add; the shifts come after the ``forces`` (N, d)."""
     d = forces.shape[1]
-    slope, length = np.linalg.norm(gradient[:, :d], axis=1), np.linalg.norm(forces, axis=1)
+    slope, size_of_forces = length(*gradient[:, :d].T), length(*forces.T)
     for index in sorted(noted, reverse=True):  # a node inside another is met before it
         node = noted[index]
-        rate, bend, size = gradient[:, d + index], hessian[:, d + index, d + index], node.steepness * length
+        rate, bend, size = gradient[:, d + index], hessian[:, d + index, d + index], node.steepness * size_of_forces
         by_argument = slope / node.steepness
         by = _Slope(rate, bend, ROUNDING * (by_argument + np.abs(bend) * size), STEEPEST * by_argument, size)
         used = (rate != 0.0) | (bend != 0.0)  # another piece of the formula may have no value there

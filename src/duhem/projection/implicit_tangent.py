@@ -26,6 +26,7 @@ from duhem.expression.jets import Choices, JetProgram, formula
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array, Solution
+from duhem.projection.row_by_row import length as lengths
 from duhem.projection.whitened_body import whitening
 
 __all__ = ["tangent"]
@@ -42,6 +43,7 @@ _AT_ONCE = 256  # corners, around each of which some dozens of points are looked
 _LITTLE = 1e-3  # of the push: sums of normals that are closer than this to the edge of their cone are on it
 
 
+@np.errstate(all="ignore")  # squares of numbers near the ends of the range; what has no value is nan
 def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | None]:
     """d sigma/d u (N, d, d) in Pa/m, and d sigma/d sigma_n (N, d) or None for a law without pressure.
 
@@ -63,7 +65,7 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
     of_u[slips], of_pressure[slips] = np.nan, np.nan
     point = np.concatenate([solution.stress, increment.pressure[:, None]], axis=1)[:, : len(names)]
     push = stiffness * (solution.slip @ root)  # s - u = sum lambda n, whitened
-    length = np.linalg.norm(push, axis=1)
+    length = lengths(push)
     there = pieces.at(point[slips])
     off = np.linalg.norm(push[slips] / length[slips, None] - there.normal, axis=1)
     along = off <= (_ALONG if there.choices.shape[1] else _SMOOTH)
@@ -117,7 +119,7 @@ class _Pieces:
         d = len(self.root)
         with np.errstate(all="ignore"):
             normal = jet.gradient[:, :d] @ self.root
-            slope = np.linalg.norm(normal, axis=1)
+            slope = lengths(normal)
             bend = self.root.T @ jet.hessian[:, :d, :d] @ self.root / slope[:, None, None]
             turn = jet.hessian[:, :d, d] @ self.root if self.pressure else np.zeros_like(normal)
             rise = jet.gradient[:, d] if self.pressure else np.zeros_like(slope)
@@ -138,6 +140,8 @@ class _Pieces:
     def reach(self, point: Array, inner: Array, step: float) -> bool:
         """Whether the stress can follow (d, d) from the point, one way or the other, and stay in K."""
         d = len(self.root)
+        if not np.isfinite(inner).all():
+            return False
         vectors, shares, _ = np.linalg.svd(inner)
         ways = vectors[:, shares > _SMOOTH].T @ self.root.T
         beside = np.tile(point, (2 * len(ways), 1))
@@ -188,7 +192,7 @@ def _at_corners(pieces: _Pieces, point: Array, push: Array) -> Iterator[tuple[Ar
     """d u/d s (d, d) and d u/d sigma_n (d,) where several normals meet, looked for around each point; None if they do not tell."""
     d = len(pieces.root)
     ways, size = _ways(d), np.abs(point[:, :d]).max(axis=1, initial=0.0)
-    size = np.where(size > 0.0, size, np.linalg.norm(push, axis=1))
+    size = np.where(size > 0.0, size, lengths(push))
     many = len(ways)
     for first in range(0, len(point), _AT_ONCE):
         some = np.arange(first, min(first + _AT_ONCE, len(point)))
@@ -207,7 +211,7 @@ def _at_corners(pieces: _Pieces, point: Array, push: Array) -> Iterator[tuple[Ar
 
 def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> tuple[Array, Array] | None:
     """Of the pieces found around a point, continued to it: smooth pieces meet, or all normals beside it are those of a tip, which stays."""
-    d, length = len(push), float(np.linalg.norm(push))
+    d, length = len(push), float(lengths(push[None])[0])
     meeting = there.only((np.abs(there.level) <= _MEETS * size) & np.isfinite(there.bend).all(axis=(1, 2)))
     tip = around.only(np.isfinite(around.normal).all(axis=1))
     for normals, few in ((meeting, True), (tip, False)):
@@ -233,6 +237,8 @@ def _without_inside(normals: Array) -> bool:
     """Whether a sum of the normals, none with a negative share, is none: no point is inside of all half-spaces."""
     from scipy.optimize import nnls
 
+    if not np.isfinite(normals).all():
+        return False
     system = np.vstack([normals.T, np.ones(len(normals))])
     return bool(nnls(system, np.append(np.zeros(normals.shape[1]), 1.0))[1] <= _SMOOTH)
 

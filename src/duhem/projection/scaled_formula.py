@@ -52,9 +52,10 @@ class ScaledFormula:
     def unstressed(self, forces: Iterable[sp.Symbol]) -> sp.Expr:
         """h where no force acts, over the data; nan where it is not defined."""
         try:
-            return self.expr.xreplace(dict.fromkeys(forces, sp.S.Zero))
+            found = self.expr.xreplace(dict.fromkeys(forces, sp.S.Zero))
         except (TypeError, ValueError):  # of a word that compares what is infinite, or none
             return sp.nan
+        return sp.nan if found.has(sp.AccumBounds) else found  # SymPy's atan of what is infinite to either side
 
     def values(self, pressure: Array, scale: Array) -> dict[sp.Symbol, Array]:
         """The data at each point, in units of ``scale`` = R > 0 (N,); ``pressure`` sigma_n (N,) in Pa.  Overflow shows as inf."""
