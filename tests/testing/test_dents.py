@@ -102,6 +102,7 @@ CONVEX = [(*law, 0) for law in (*ALWAYS, *AT_VALUES)] + [
         ("limacon", {"e": "1/2"}, 0),
         ("coulomb", {}, 1),
         ("tresca", {}, 0),
+        ("cpb06", {}, 0),  # |s| + s is 0 for s < 0, and a little less by rounding in 60 digits
     ),
     ids=str,
 )
