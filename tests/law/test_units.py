@@ -57,3 +57,8 @@ def test_units_in_words() -> None:
     assert units_in_words(duhem.load("cohesive")) == "mu: pure numbers; cohesion: unit of stress"
     assert units_in_words(duhem.load("ottosen")) == "a: (unit of stress)^(-2); b, k1: (unit of stress)^(-1); k2: pure numbers"
     assert units_in_words(duhem.load("hill48")) == ""
+
+
+def test_an_angle_of_two_stresses_is_a_pure_number() -> None:
+    g, parameters = "norm(a, b)*(1 + e*cos(2*atan2(b, a))) - q", {"q": duhem.POSITIVE, "e": duhem.POSITIVE}
+    assert stress_powers(duhem.Criterion("angled", g, forces=("a", "b"), pressure=None, parameters=parameters)) == {"q": 1, "e": 0}

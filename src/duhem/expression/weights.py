@@ -4,8 +4,8 @@ A weight w scales each symbol x to t^(w_x) x.  Every sum, maximum, norm or compa
 functions and symbolic exponents need weight 0.  The admissible weights are the null space of these linear conditions.
 
 ``ROLES`` says what units mean to each word.  Two walks read it: the one here leaves every weight open and collects the
-conditions, :mod:`duhem.projection.scaled_formula` knows that forces weigh 1 and rebuilds the formula as it goes; what
-else they do with a role is their own.
+conditions (:mod:`duhem.law.units` solves them for the units of parameters), :mod:`duhem.projection.scaled_formula` knows that
+forces weigh 1 and rebuilds the formula as it goes; what else they do with a role is their own.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["ROLES", "degree", "removable", "weighing"]
+__all__ = ["ROLES", "Conditions", "Weight", "combined", "degree", "removable", "weighing"]
 
 Weight = dict[sp.Symbol, sp.Rational]
 Role = Literal["alike", "kept", "pure", "angle", "placed", "compared", "chosen", "product", "power"]
@@ -47,7 +47,7 @@ def weighing(rows: Mapping[Role, Callable[..., Any]]) -> Table[Any]:
     return {kind: rows[role] for kind, role in ROLES.items()}
 
 
-class _Conditions:
+class Conditions:
     """Collects the linear conditions while a tree is weighed; a weight of None is that of 0, which fits every sum."""
 
     def __init__(self) -> None:
@@ -56,26 +56,28 @@ class _Conditions:
             {
                 "alike": self._equal,
                 "kept": self._equal,
-                "pure": self._pure,
+                "pure": self.pure,
                 "angle": self._angle,
                 "placed": self._equal,
                 "compared": self._equal,
                 "chosen": lambda node, _, a, b: self._equal(node, a, b),
                 "product": self._product,
-                "power": self._power,
+                "power": self.power,
             }
         )
 
     def weigh(self, expr: sp.Basic) -> Weight | None:
+        """The weight of a formula; what must vanish so that it has one is added to the ``rows``."""
         return fold(expr, self._table, lambda node: None if node.is_zero else {node: sp.S.One} if node.is_Symbol else {})
 
     def _equal(self, _: sp.Basic, *parts: Weight | None) -> Weight | None:
         real = [p for p in parts if p is not None]
         for part in real[1:]:
-            self.rows.append(_combine([(sp.S.One, real[0]), (sp.S.NegativeOne, part)]))
+            self.rows.append(combined([(sp.S.One, real[0]), (sp.S.NegativeOne, part)]))
         return real[0] if real else None
 
-    def _pure(self, _: sp.Basic, part: Weight | None) -> Weight:
+    def pure(self, _: sp.Basic, part: Weight | None) -> Weight:
+        """No weight, for what takes a pure number."""
         if part is not None:
             self.rows.append(part)
         return {}
@@ -86,18 +88,20 @@ class _Conditions:
 
     def _product(self, _: sp.Basic, *parts: Weight | None) -> Weight | None:
         real = [(sp.S.One, p) for p in parts if p is not None]
-        return _combine(real) if len(real) == len(parts) else None
+        return combined(real) if len(real) == len(parts) else None
 
-    def _power(self, node: Any, base: Weight | None, exponent: Weight | None) -> Weight | None:
+    def power(self, node: Any, base: Weight | None, exponent: Weight | None) -> Weight | None:
+        """A power whose exponent is no rational number is one of a pure number."""
         if base is None:
             return None
         if node.exp.is_Rational:
-            return _combine([(node.exp, base)])
-        self._pure(node, exponent)
-        return self._pure(node, base)
+            return combined([(node.exp, base)])
+        self.pure(node, exponent)
+        return self.pure(node, base)
 
 
-def _combine(parts: Iterable[tuple[sp.Expr, Weight]]) -> Weight:
+def combined(parts: Iterable[tuple[sp.Expr, Weight]]) -> Weight:
+    """The sum of weights times factors."""
     total: Weight = {}
     for factor, part in parts:
         for x, w in part.items():
@@ -107,7 +111,7 @@ def _combine(parts: Iterable[tuple[sp.Expr, Weight]]) -> Weight:
 
 def removable(expressions: Iterable[sp.Expr], relations: Iterable[sp.Basic], candidates: Sequence[sp.Symbol]) -> list[sp.Symbol]:
     """Candidates (positive, else unconstrained) that a change of units can set to 1 together, first come first served."""
-    conditions = _Conditions()
+    conditions = Conditions()
     try:
         for expr in [*expressions, *relations]:
             conditions.weigh(expr)
@@ -130,7 +134,7 @@ def removable(expressions: Iterable[sp.Expr], relations: Iterable[sp.Basic], can
 
 def degree(expr: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Rational | None:
     """Degree of positive homogeneity in the forces jointly; None where there is none to see."""
-    conditions = _Conditions()
+    conditions = Conditions()
     try:
         weight = conditions.weigh(expr)
     except InputError:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
+from typing import Any
 
 import sympy as sp
 
-from duhem.expression import Where
 from duhem.expression.inert_number import InertNumber
-from duhem.expression.vocabulary import EigMax, Neg, Norm, Pos
+from duhem.expression.weights import Conditions, Weight, combined
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 
 __all__ = ["UNIT", "stress_powers", "unit_in_words", "units_in_words"]
 
-_ALIKE = (sp.Add, sp.Max, sp.Min, sp.Abs, Norm, Pos, Neg, EigMax)  # whose arguments and value have one unit
 UNIT = "unit of stress"  # no law states one: all its stresses share it
 
 
@@ -24,41 +23,23 @@ def stress_powers(law: Law) -> Mapping[str, Fraction | None]:
     table = law.symbols()
     power = {table[name]: sp.Dummy() for name in law.parameters}
     known = power | {table[name]: sp.S.One for name in (*law.forces, *([law.pressure] if law.pressure else []))}
-    unlike: list[sp.Expr] = []
-
-    def of(node: sp.Basic) -> sp.Expr:
-        """The power of what stands there; what must vanish so that it has one is noted."""
-        if node in known:
-            return known[node]
-        if isinstance(node, InertNumber) or node.is_Number:
-            return sp.S.Zero
-        if isinstance(node, sp.Mul):
-            return sp.Add(*map(of, node.args))
-        if isinstance(node, sp.Pow):
-            unlike.append(of(node.exp))
-            return (node.exp.value if isinstance(node.exp, InertNumber) else node.exp) * of(node.base)
-        if isinstance(node, Where):
-            for comparison in node.args[0].atoms(sp.core.relational.Relational):
-                alike(comparison.args)
-            return alike(node.args[1:])
-        if isinstance(node, _ALIKE):
-            return alike(node.args)
-        unlike.extend(map(of, node.args))  # functions such as exp are of pure numbers
-        return sp.S.Zero
-
-    def alike(parts: Iterable[sp.Basic]) -> sp.Expr:
-        """The one power of all of them; 0 has any."""
-        each = [of(part) for part in parts if part != 0] or [sp.S.Zero]
-        unlike.extend(other - each[0] for other in each[1:])
-        return each[0]
-
+    conditions = _Conditions()
     for formula in _formulas(law):
-        found = of(formula)
+        found = conditions.weigh(formula)
         if not isinstance(law, Criterion):
-            unlike.append(found)  # a boundary curve is in units of the pressure
-    solved = next(iter(sp.linsolve(unlike, *power.values())), None) if unlike and power else tuple(power.values())
+            conditions.pure(formula, found)  # a boundary curve is in units of the pressure
+    rows = [sp.Add(*(factor * known.get(x, 0) for x, factor in row.items())) for row in conditions.rows]
+    solved = next(iter(sp.linsolve(rows, *power.values())), None) if rows and power else tuple(power.values())
     values = [None] * len(power) if solved is None else [Fraction(int(x.p), int(x.q)) if x.is_Rational else None for x in solved]
     return dict(zip(law.parameters, values, strict=True))
+
+
+class _Conditions(Conditions):
+    """Those of units, where an exponent may be a parameter too: (|a|^m + |b|^m)^(1/m) has the unit of a."""
+
+    def power(self, node: Any, base: Weight | None, exponent: Weight | None) -> Weight | None:
+        self.pure(node, exponent)
+        return None if base is None else combined([(node.exp.value if isinstance(node.exp, InertNumber) else node.exp, base)])
 
 
 def _formulas(law: Law) -> Iterator[sp.Expr]:
