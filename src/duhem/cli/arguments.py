@@ -39,6 +39,7 @@ __all__ = [
     "read_law",
     "read_number",
     "read_numbers",
+    "read_pair",
     "read_routine",
     "read_settings",
     "report_format_option",
@@ -159,6 +160,14 @@ def read_fixed_formula(text: str, settings: Sequence[str]) -> Criterion:
     return catalogue.load_formula(read_fixed_law(text, settings))
 
 
+def read_pair(text: str, where: str, form: str, example: str) -> tuple[str, str]:
+    """The two sides of an option such as NAME=VALUE."""
+    left, equals, right = (part.strip() for part in text.partition("="))
+    if not (left and equals and right):
+        raise InputError(f"this is not of the form {form}", where=where, remedy=f"write for example {example}")
+    return left, right
+
+
 def read_settings(settings: Sequence[str], law: Law | None = None) -> dict[str, Rational]:
     """The values of ``--set``, exactly, and as ``law`` admits them."""
     from duhem.expression.number import exact_number
@@ -166,10 +175,8 @@ def read_settings(settings: Sequence[str], law: Law | None = None) -> dict[str, 
 
     values: dict[str, Rational] = {}
     for setting in settings:
-        name, equals, value = (part.strip() for part in setting.partition("="))
         where = f"--set {setting}"
-        if not (name and equals and value):
-            raise InputError("this is not of the form NAME=VALUE", where=where, remedy="write for example --set mu_a=0.15")
+        name, value = read_pair(setting, where, "NAME=VALUE", "--set mu_a=0.15")
         if (name := spelled(name)) in values:
             raise InputError(f"{name} is set twice", where=where, remedy="set it once")
         try:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import click
 
-from duhem.cli.arguments import check_names, complete_expected
+from duhem.cli.arguments import check_names, complete_expected, read_pair
 from duhem.cli.exit_code import HELD, REFUTED, UNDECIDED
 from duhem.errors import InputError
 
@@ -27,10 +27,8 @@ def read_expected(given: Sequence[str], asked: Iterable[str]) -> dict[str, str]:
 
     expected: dict[str, str] = {}
     for one in given:
-        claim, equals, verdict = (part.strip() for part in one.partition("="))
         where = f"--expect {one}"
-        if not (claim and equals and verdict):
-            raise InputError("this is not of the form CLAIM=VERDICT", where=where, remedy="write for example --expect smoothness=refuted")
+        claim, verdict = read_pair(one, where, "CLAIM=VERDICT", "--expect smoothness=refuted")
         check_names("claim", [claim], asked, "claims asked for are", where)
         check_names("verdict", [verdict], map(str, Verdict), "verdicts are", where)
         if expected.setdefault(claim, verdict) != verdict:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import read_number
+from duhem.cli.arguments import read_number, read_pair
 from duhem.cli.exit_code import HELD
 from duhem.cli.output import endless_page, say
 from duhem.errors import InputError
@@ -84,9 +84,7 @@ def _read(settings: Sequence[str], chosen: Sequence[Recipe]) -> dict[str, float]
     known = {name: default for recipe in chosen for name, default in recipe.parameters.items()}
     values: dict[str, float] = {}
     for setting in settings:
-        name, equals, value = (part.strip() for part in setting.partition("="))
-        if not (name and equals and value):
-            raise InputError("this is not of the form NAME=VALUE", where=f"--set {setting}", remedy="write for example --set mu=0.24")
+        name, value = read_pair(setting, f"--set {setting}", "NAME=VALUE", "--set mu=0.24")
         if name not in known:
             raise unknown(f"parameter of figure {', '.join(recipe.name for recipe in chosen)}", name, known)
         if name in values:

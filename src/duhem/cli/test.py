@@ -21,6 +21,7 @@ from duhem.cli.arguments import (
     read_fixed_formula,
     read_number,
     read_numbers,
+    read_pair,
     read_routine,
     read_settings,
     report_format_option,
@@ -168,15 +169,7 @@ def _matrix(numbers: list[float], free: bool) -> Any:
 
 
 def _expected(given: Sequence[str]) -> dict[str, str]:
-    expected = {}
-    for one in given:
-        name, equals, reason = (part.strip() for part in one.partition("="))
-        if not (name and equals and reason):
-            raise InputError(
-                "this is not of the form CHECK=REASON", where=f"--expect {one}", remedy="write for example --expect slope='no tangent yet'"
-            )
-        expected[name] = reason
-    return expected
+    return dict(read_pair(one, f"--expect {one}", "CHECK=REASON", "--expect slope='no tangent yet'") for one in given)
 
 
 def _made(made: Callable[..., ConformanceRun], checks: Sequence[Check], **options: Any) -> ConformanceRun:

@@ -37,8 +37,8 @@ class Elementary:
     bend: str
     off: str
     numpy: str
-    domain: tuple[float, float] = _EVERYWHERE  # a finite end belongs to it, but that of a half line
-    far: tuple[float, float] | None = None  # what f tends to at -inf and inf, nan where to nothing; None where |x| never is too large
+    domain: tuple[float, float] = _EVERYWHERE  # two finite ends belong to it, the one end of a half line does not
+    far: tuple[float, float] | None = None  # the limits at -inf and inf, nan where there is none; None where f is worked out at any x
     poles: bool = False
     sign_change: tuple[int, int, int] | None = None  # (b, a, s): f(x) - b has the sign of s (x - a)
     curvature: Literal["convex", "concave"] | None = None  # on the domain
@@ -48,7 +48,7 @@ class Elementary:
 
     @property
     def analytic(self) -> bool:
-        """Whether it is on the whole line."""
+        """Whether it is analytic on the whole line."""
         return self.domain == _EVERYWHERE and not self.poles
 
 

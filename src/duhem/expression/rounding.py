@@ -161,7 +161,8 @@ def _pnorm(_: Any, p: Bounded, *args: Bounded) -> Bounded:
 def _elementary(word: Elementary, _: Any, x: Bounded) -> Bounded:
     value = array_function(word.numpy)(x.value)
     off = on_arrays(word.off)(x=x.value, v=value, e=x.bound)
-    return Bounded(value, off + _WORD * np.abs(value) + (_LEAST if word.far is not None and 0.0 in word.far else 0.0))
+    vanishing = _LEAST if word.far is not None and 0.0 in word.far else 0.0  # what tends to 0 underflows
+    return Bounded(value, off + _WORD * np.abs(value) + vanishing)
 
 
 def _atan2(_: Any, y: Bounded, x: Bounded) -> Bounded:
