@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.vocabulary import Neg, Pos
 from duhem.projection.increment import Increment
+from duhem.projection.metric import ROUNDING
 from duhem.projection.result import Array
 from duhem.projection.row_by_row import products, times
 
@@ -27,7 +28,6 @@ __all__ = ["Faces", "faces", "planes"]
 
 _MOST_FACES = 200
 _MOST_SETS = 1200  # more take longer than a search
-_ROUNDING = 4e-15  # of the numbers that enter a distance
 _INDEPENDENT = 1e-10  # the least eigenvalue of the products of unit normals
 
 
@@ -52,10 +52,8 @@ class Faces:
             weights = times(products(t, normals) - o[:, chosen], share)
             s = times(t, along) + times(o[:, chosen], pushed)
             s -= times(products(s, normals) - o[:, chosen], pushed)  # what rounding left of the way to the faces
-            beyond = products(s, self.normals) - o
-            right = (beyond <= _ROUNDING * (products(np.abs(s), np.abs(self.normals)) + np.abs(o))).all(axis=1) & (weights > 0.0).all(
-                axis=1
-            )
+            beyond, sizes = products(s, self.normals) - o, products(np.abs(s), np.abs(self.normals)) + np.abs(o)
+            right = (beyond <= ROUNDING * sizes).all(axis=1) & (weights > 0.0).all(axis=1)
             done = left[right]
             stress[done], slip[done] = s[right], times(weights[right], normals)
             multiplier[done] = times(weights[right], np.ones((len(chosen), 1)))[:, 0]
@@ -67,7 +65,10 @@ class Faces:
 
 @lru_cache(maxsize=64)
 def _sets(normals: bytes, stiffness: bytes, d: int) -> tuple[tuple[list[int], Array, Array, Array], ...]:
-    """The sets of independent faces, each with G = (N_S k N_S^T)^-1, the stress G N_S k that its offsets give, and 1 - N_S^T G N_S k."""
+    """The sets S of independent faces, each with ``share``, ``pushed`` and ``along``.
+
+    G = (N_S k N_S^T)^-1 makes weights of distances, G N_S k stresses of offsets, and 1 - N_S^T G N_S k takes a trial along the faces.
+    """
     n, k = np.frombuffer(normals).reshape(-1, d), np.frombuffer(stiffness).reshape(d, d)
 
     def each() -> Iterator[tuple[list[int], Array, Array, Array]]:
