@@ -140,6 +140,40 @@ def test_expected_verdicts_are_no_failure_and_others_in_their_place_are(
     assert found == code and bool(failed) == (code != 0)
 
 
+CORNERS = """[criterion]
+name = "corners"
+pressure = false
+g = "max(abs(sigma_a), abs(sigma_b)) - 1"
+expect = {expect}
+"""
+
+
+@pytest.mark.parametrize(
+    ("expect", "option", "code", "said"),
+    [
+        ('{ smoothness = "refuted" }', [], 0, ""),
+        ("{}", [], 1, ""),
+        ('{ smoothness = "proved" }', [], 1, "corners: smoothness is refuted, where proved is expected"),
+        ('{ smoothness = "proved" }', ["--expect", "smoothness=refuted"], 0, ""),
+        ('{ smoothness = "refuted", origin = "refuted" }', [], 1, "corners: origin is proved, where refuted is expected"),
+        ('{ smothness = "refuted" }', [], 2, "expect of corners: unknown claim 'smothness'; did you mean 'smoothness'?"),
+        ('{ smoothness = "refused" }', [], 2, "expect of corners: unknown verdict 'refused'; did you mean 'refuted'?"),
+        ("[1]", [], 2, 'corners.toml:5:1: expect is not a table of claims and verdicts; write expect = { smoothness = "refuted" }'),
+        ("{ smoothness = 1 }", [], 2, "expect is not a table of claims and verdicts"),
+    ],
+)
+def test_a_law_says_which_verdicts_are_no_failure(
+    run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, expect: str, option: list[str], code: int, said: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "corners.toml").write_text(CORNERS.replace("{expect}", expect))
+    found, _, err = run("verify", "corners.toml", "--claims", "origin,smoothness", *option)
+    assert found == code and said in err and bool(said) == bool(err), err
+    if code < 2:
+        _, out, _ = run("verify", "corners.toml", "--claims", "origin,smoothness", "--format", "junit", *option)
+        assert bool(ElementTree.fromstring(out).findall(".//failure")) == bool(code)
+
+
 @pytest.mark.parametrize(
     ("expected", "said"),
     [

@@ -19,6 +19,8 @@ def test_several_laws_have_a_line_each(run: Run, monkeypatch: pytest.MonkeyPatch
     for name, law in (("ball", "norm(sigma_a, sigma_b) - 1"), ("dent", "sigma_a**3 - 3*sigma_a*sigma_b**2 - 1")):
         (tmp_path / f"{name}.toml").write_text(f'[criterion]\nname = "{name}"\npressure = false\ng = "{law}"\n')
     (tmp_path / "broken.toml").write_text("[criterion]\nname =")
+    with (tmp_path / "dent.toml").open("a") as file:
+        file.write('expect = { convexity = "proved" }\n')
     code, out, err = run("verify", "limacon", "*.toml", "coulomb", "--claims", "convexity,origin", "--workers", "2")
     assert out.splitlines() == [
         "limacon: refuted convexity; proved origin",
@@ -27,7 +29,9 @@ def test_several_laws_have_a_line_each(run: Run, monkeypatch: pytest.MonkeyPatch
         "dent.toml: refuted convexity; proved origin",
         "coulomb: proved origin, convexity",
     ]
-    assert (code, err) == (4, "")
+    assert (code, err) == (4, "duhem: dent.toml: convexity is refuted, where proved is expected\n")
+    (tmp_path / "dent.toml").write_text((tmp_path / "dent.toml").read_text().replace('"proved"', '"refuted"'))
+    assert run("verify", "dent.toml", "ball.toml", "--claims", "convexity", "--workers", "1")[::2] == (0, "")
     for arguments, said in (
         (["coulomb", "no*.toml"], "no file is named"),
         (["coulomb", "none.toml"], "there is no file"),

@@ -1,4 +1,4 @@
-"""Verdicts that are expected: the option ``--expect``, and the exit code of what came."""
+"""Verdicts that are expected: the option ``--expect``, what a law expects of itself, and the exit code of what came."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from duhem.cli.arguments import check_names, complete_expected, read_pair
 from duhem.cli.exit_code import HELD, REFUTED, UNDECIDED
 from duhem.errors import InputError
 
-__all__ = ["code_of", "expect_option", "read_expected"]
+__all__ = ["check_expected", "code_of", "expect_option", "read_expected"]
 
 expect_option = click.option(
     "--expect",
     metavar="CLAIM=VERDICT",
     multiple=True,
     shell_complete=complete_expected,
-    help="A verdict that is no failure, such as smoothness=refuted for corners; any other on this claim is one. Repeatable.",
+    help="A verdict that is no failure, such as smoothness=refuted for corners; any other on this claim is one. Goes before what the"
+    " law's own file expects. Repeatable.",
 )
 
 
@@ -36,10 +37,18 @@ def read_expected(given: Sequence[str], asked: Iterable[str]) -> dict[str, str]:
     return expected
 
 
-def code_of(found: Iterable[tuple[str, Mapping[str, str | None]]], expected: Mapping[str, str], *, strict: bool) -> int:
-    """The exit code of each law with its verdicts by claim; a verdict other than the expected one is said on standard error."""
+def check_expected(law: str, expected: Mapping[str, str]) -> None:
+    """InputError for what a law expects of a claim, or for a verdict, that is none."""
+    from duhem.proof.kernel.certificate import CLAIMS, VERDICTS
+
+    check_names("claim", expected, CLAIMS, "claims are", where=f"expect of {law}")
+    check_names("verdict", expected.values(), VERDICTS, "verdicts are", where=f"expect of {law}")
+
+
+def code_of(found: Iterable[tuple[str, Mapping[str, str | None], Mapping[str, str]]], *, strict: bool) -> int:
+    """The exit code of laws with their verdicts and the expected ones, by claim; one that is not as expected is told on standard error."""
     codes = {HELD}
-    for law, verdicts in found:
+    for law, verdicts, expected in found:
         for claim, verdict in verdicts.items():
             if (due := expected.get(claim)) is None:
                 codes.add(REFUTED if verdict == "refuted" else UNDECIDED if strict and verdict in ("undecided", "tested") else HELD)

@@ -11,7 +11,7 @@ import click
 
 from duhem.cli.arguments import read_fixed_law, read_law, read_settings
 from duhem.cli.exit_code import FAILED, INTERRUPTED
-from duhem.cli.expected import code_of
+from duhem.cli.expected import check_expected, code_of
 from duhem.cli.output import Progress, say
 from duhem.errors import InputError
 
@@ -56,6 +56,7 @@ def verify_each(
     from duhem.screening.rows import Given
 
     names = [_named(law) for law in laws]
+    due = [_expected(name) for name in names]
     values = tuple(
         (name, exact_text(setting.partition("=")[2].strip())) for name, setting in zip(read_settings(settings), settings, strict=True)
     )
@@ -74,8 +75,9 @@ def verify_each(
     except KeyboardInterrupt:
         click.echo(f"duhem: interrupted after {len(verdicts)} of {len(laws)} laws", err=True)
         return INTERRUPTED
-    code = code_of(zip(laws, verdicts, strict=True), expected, strict=strict)
-    return FAILED if any(None in found.values() for found in verdicts) else code
+    found = ((law, verdict, {**own, **expected}) for law, verdict, own in zip(laws, verdicts, due, strict=True))
+    code = code_of(found, strict=strict)
+    return FAILED if any(None in each.values() for each in verdicts) else code
 
 
 def _named(law: str) -> LawName:
@@ -88,6 +90,15 @@ def _named(law: str) -> LawName:
     if not file.is_file():
         raise InputError(f"there is no file {law[:60]!r}", remedy="check its name")
     return LawName(law, os.path.abspath(file))
+
+
+def _expected(law: LawName) -> Mapping[str, str]:
+    """The verdicts that the law's own file, or its author in Python, expects."""
+    from duhem.law.criterion_file import expected_verdicts
+
+    found = law.value.expect if law.value is not None else {} if law.path is None else expected_verdicts(law.path)
+    check_expected(law.shown, found)
+    return found
 
 
 def _check_settings(law: str, settings: Sequence[str]) -> None:

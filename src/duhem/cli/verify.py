@@ -11,7 +11,7 @@ import click
 
 from duhem.cli.arguments import complete_claims, laws_argument, read_claims, read_fixed_law, report_format_option, settings_option
 from duhem.cli.exit_code import INTERRUPTED
-from duhem.cli.expected import code_of, expect_option, read_expected
+from duhem.cli.expected import check_expected, code_of, expect_option, read_expected
 from duhem.cli.many_laws import found_files, verify_each
 from duhem.cli.output import Progress, page, say, wrote
 from duhem.errors import InputError
@@ -71,6 +71,8 @@ def verify(
         remedy = "name several laws, and leave --format, --report and --certificate out"
         raise InputError("these are the processes that say of several laws a line each", where=f"--workers {workers}", remedy=remedy)
     fixed = [_fixed(law, settings, several=len(laws) > 1) for law in laws]
+    for law in fixed:
+        check_expected(law.name, law.expect)
     check_places([report, certificate], laws)
     if certificate is not None and len(laws) > 1:
         raise InputError("a certificate is of one law", where=f"--certificate {certificate}", remedy="verify the laws one by one")
@@ -155,9 +157,13 @@ class _Told:
             from duhem.proof.report import as_suite
             from duhem.show.junit import as_xml
 
-            say(as_xml(as_suite(found, strict=self.strict, expected=self.expected) for found in self.done))
+            say(as_xml(as_suite(found, strict=self.strict, expected=self.due(found)) for found in self.done))
 
     def code(self) -> int:
         """The exit code of all laws together."""
-        found = ((done.criterion.name, {result.claim: result.verdict.value for result in done.results}) for done in self.done)
-        return code_of(found, self.expected, strict=self.strict)
+        found = ((done.criterion.name, {r.claim: r.verdict.value for r in done.results}, self.due(done)) for done in self.done)
+        return code_of(found, strict=self.strict)
+
+    def due(self, found: Verification) -> Mapping[str, str]:
+        """The verdicts that are expected of a law: by its own file, and before that by ``--expect``."""
+        return {**found.criterion.expect, **self.expected}

@@ -224,6 +224,9 @@ g = "norm((sigma_a - shift*abs(sigma_n))/mu_a, sigma_b/mu_b) - abs(sigma_n)"
 # Relations between parameters, part of their domain (optional).
 constraints = ["shift < mu_a"]
 
+# Verdicts that are no failure (optional): the exit code of duhem verify is 0 if they come, 1 if others do.
+# expect = { smoothness = "refuted" }     # a law with corners
+
 # A stress instead of forces: kind = "3d" (sigma_xx yy zz yz xz xy), "plane" (sigma_xx yy xy) or "principal" (sigma_1 2 3).
 # With it I1 J2 J3 tr det cos3theta lode principal(1) are words too, or J2(sigma), principal(sigma, 1).  Each shear stress stands once;
 # its slip is the engineering shear 2 epsilon_xy, so that sums over the forces are inner products of tensors.

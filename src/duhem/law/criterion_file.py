@@ -31,10 +31,10 @@ from duhem.law.placed_toml import parsed, text_of
 from duhem.law.section_reader import SectionReader
 from duhem.law.yield_surface import YieldSurface
 
-__all__ = ["read", "reads"]
+__all__ = ["expected_verdicts", "read", "reads"]
 
 MOST_BYTES = 1_000_000
-_CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "potential", "constraints")
+_CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "potential", "constraints", "expect")
 _MOST = {
     ("criterion", "forces"): 100, ("criterion", "constraints"): 200, ("parameters",): 200, ("define",): 500, ("surface",): 200,
 }  # fmt: skip
@@ -53,6 +53,14 @@ def reads(text: str, where: str = "criterion") -> Law:
     if not text.strip():
         raise InputError("the file is empty", where=where, remedy="start from the template: duhem init NAME")
     return _CriterionReader(parsed(text, where, number=Decimal)).law()
+
+
+def expected_verdicts(path: str | PathLike[str]) -> Mapping[str, str]:
+    """What a file expects of its law, formulas unread; nothing where the file is none."""
+    try:
+        return _CriterionReader(parsed(text_of(path, "criterion file", MOST_BYTES), f"{path}", number=Decimal)).expected()
+    except InputError:
+        return {}
 
 
 class _CriterionReader(SectionReader):
@@ -85,6 +93,7 @@ class _CriterionReader(SectionReader):
         whole = YieldSurface(sp.nan) if surfaces else bounding.whole()
         constraints, texts = self.constraints(parameters, define)
         domain = self.ranges(forces, pressure)
+        expect = self.expected()
         try:
             law = Criterion(
                 name=name,
@@ -96,6 +105,7 @@ class _CriterionReader(SectionReader):
                 flow=whole.flow,
                 summary=self.line("criterion", "summary", required=False),
                 source=self.line("criterion", "source", required=False),
+                expect=expect,
                 written=whole.written,
                 written_flow=whole.written_flow,
                 written_constraints=texts,
@@ -138,6 +148,7 @@ class _CriterionReader(SectionReader):
             written_constraints=texts,
             summary=self.line("criterion", "summary", required=False),
             source=self.line("criterion", "source", required=False),
+            expect=self.expected(),
         )
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
@@ -171,6 +182,14 @@ class _CriterionReader(SectionReader):
             return Stress(**given)
         except InputError as fault:
             raise self.error(fault.what, "criterion", "stress", remedy=fault.remedy) from None
+
+    def expected(self) -> Mapping[str, str]:
+        """The verdicts by claim that are no failure."""
+        given = self.table("criterion").get("expect", {})
+        if not (isinstance(given, dict) and all(isinstance(verdict, str) for verdict in given.values())):
+            what = "expect is not a table of claims and verdicts"
+            raise self.error(what, "criterion", "expect", remedy='write expect = { smoothness = "refuted" }')
+        return given
 
     def definitions(self, known: Mapping[str, sp.Symbol], stress: Stress | None) -> Definitions:
         placed = {}

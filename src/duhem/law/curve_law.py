@@ -23,6 +23,7 @@ from duhem.expression.spelling import spelled
 from duhem.expression.verbatim import Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion
+from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.given_text import moved, moved_relations, relations, text_of
 from duhem.law.registry import register
 from duhem.law.shown_law import ShownLaw
@@ -43,6 +44,7 @@ class ParametricCriterion(Verbatim, ShownLaw):
     direction that goes with the point at the same angle; None means associated (normality rule).  ``instead`` names a
     law to take where a formula is needed, ``derivation`` (``module:attribute``) what derives the curve.  ``written`` and
     ``written_constraints`` are the components, those of the boundary first, and the constraints as they were given, where that was text.
+    ``expect`` maps claims to the verdicts that are no failure (:class:`duhem.law.formula_law.Criterion`).
     """
 
     name: str
@@ -59,6 +61,7 @@ class ParametricCriterion(Verbatim, ShownLaw):
     derivation: str = ""
     written: tuple[str, ...] = field(default=(), repr=False, compare=False)
     written_constraints: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    expect: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     _whole: ParametricCriterion | None = field(init=False, default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -67,6 +70,7 @@ class ParametricCriterion(Verbatim, ShownLaw):
         put(self, "pressure", spelled(self.pressure))
         put(self, "angle", spelled(self.angle))
         put(self, "parameters", Domains(self.parameters))
+        put(self, "expect", FrozenMapping(self.expect))
         names = [*self.forces, self.pressure, self.angle, *self.parameters]
         if len(self.forces) != 2 or len(set(names)) < len(names) or not all(n.isidentifier() for n in names):
             raise InputError(

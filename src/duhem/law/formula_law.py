@@ -27,6 +27,7 @@ from duhem.expression.spelling import spelled
 from duhem.expression.verbatim import HASH, Verbatim
 from duhem.law.definitions import Definitions
 from duhem.law.domain import POSITIVE, Domain, Domains, cover, range_fault
+from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.given_text import moved, moved_relations, relations
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, check_shape, converted
@@ -59,6 +60,9 @@ class Criterion(Verbatim, ShownLaw):
 
     Instead of g and flow a law may have several ``surfaces``: K is where all of them are <= 0, g the greatest of them.  At a
     boundary point the slip is a non-negative combination of the flows of the surfaces that are 0 there (Koiter 1953).
+
+    ``expect`` maps claims to the verdicts that the author knows of, such as ``{"smoothness": "refuted"}`` of a law with corners: the
+    exit code of ``duhem verify`` counts them as no failure, and any other verdict on these claims as one.
     """
 
     name: str
@@ -79,6 +83,7 @@ class Criterion(Verbatim, ShownLaw):
     potential: str | None = None
     domain: Mapping[str, Domain] = Domains()
     surfaces: tuple[YieldSurface, ...] = ()
+    expect: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
     _whole: Criterion | None = field(init=False, default=None, repr=False, compare=False)
 
@@ -88,6 +93,7 @@ class Criterion(Verbatim, ShownLaw):
         put(self, "forces", self._named_forces() if self.stress is None else self._components(self.stress))
         put(self, "pressure", spelled(self.pressure))
         put(self, "parameters", Domains(self.parameters))
+        put(self, "expect", FrozenMapping(self.expect))
         self._check_names()
         put(self, "_symbols", self._declared())
         known = self.symbols()
