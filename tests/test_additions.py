@@ -1,4 +1,5 @@
-"""What the layout promises: a law, a word, a decider and a method of projection are each one new file or one row a table.
+"""What the layout promises: a law, a word, a decider, a rule of the kernel, a method of projection and a check are each one new file or one
+row a table.
 
 Each is added to a copy of the checkout in which nothing else is edited, and must be taken up everywhere.
 """
@@ -163,6 +164,43 @@ def test_a_decider_is_asked_and_the_next_one_where_it_passes(tmp_path: Path) -> 
     assert after[1] == "discriminant" and after[3] == before[3]
 
 
+# -- a rule of the kernel: one file and one row ------------------------------------------------------------------------
+
+RULE = '''\
+"""K is a ball where g is the length of all forces and something in which there is no force."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from duhem.proof.kernel.domain import StatedLaw
+
+__all__ = ["ball"]
+
+
+def ball(law: StatedLaw, _: Mapping[str, Any]) -> bool:
+    """Whether g is the sum of norm(f1, ..., fn), with each force once, and of terms without a force."""
+    forces = {*law.forces}
+    parts = law.g.args if law.g.op == "+" else (law.g,)
+    moving = [part for part in parts if part.names() & forces]
+    return len(moving) == 1 and moving[0].op == "norm" and sorted(x.name for x in moving[0].args) == sorted(forces)
+'''
+ROW = '("convexity", "ball"): RuleRow(_NONE, ball, obligations.formula, "K is a ball: g is the length of the forces and a constant"),'
+
+
+@pytest.mark.long
+def test_a_rule_of_the_kernel_proves_is_reported_and_rechecked(tmp_path: Path) -> None:
+    tree, claims = Tree.copied(tmp_path), "src/duhem/proof/kernel/claims.py"
+    tree.write("src/duhem/proof/kernel/ball.py", RULE)
+    tree.insert(claims, "from duhem.proof.kernel import obligations", "from duhem.proof.kernel.ball import ball")
+    tree.insert(claims, "RULES: Mapping", ROW)
+    said = tree.run("-m", "duhem", "verify", "coulomb", "--claims", "convexity", "--format", "json", "--certificate", "made.json")
+    (found,) = json.loads(said)["claims"]
+    assert (found["verdict"], found["trust"], found["method"]) == ("proved", "checked", "ball") and "K is a ball" in found["detail"]
+    assert "confirmed" in tree.run("-m", "duhem", "recheck", "made.json")
+    (found,) = json.loads(tree.run("-m", "duhem", "verify", "orthotropic", "--claims", "convexity", "--format", "json"))["claims"]
+    assert (found["trust"], found["method"]) == ("checked", "composition")
+
+
 # -- a method of projection: one file and one row ----------------------------------------------------------------------
 
 METHOD = '''\
@@ -233,3 +271,66 @@ def test_a_method_of_projection_is_measured(with_method: Tree) -> None:
     assert {row["method"] for row in rows} >= {"closed-form", "halving", "newton"}
     (mine,) = (row for row in rows if row["method"] == "halving")
     assert mine["failure"] is None and mine["error"]["stress"] < 1e-15
+
+
+# -- a check of the testing kit: one file and one row ------------------------------------------------------------------
+
+CHECK = '''\
+"""A slip never needs more stress than the trial: |stress| <= |trial| where zero force is in K."""
+
+import numpy as np
+
+from duhem.testing.checks.query import Query
+from duhem.testing.checks.registry import Finding, register
+
+__all__: list[str] = []
+
+
+@register(
+    "nearer",
+    statement="the stress is no longer than the trial stress",
+    formula="|stress| <= |trial|",
+    source="made up",
+    tolerance="a thousandth of the trial",
+)
+def nearer(q: Query) -> Finding:
+    """The lengths of both."""
+    stress, trial = (np.linalg.norm(x, axis=1) for x in (q.here.stress, q.case.trial))
+    return Finding(stress, 1.001 * trial)
+'''
+ROUTINES = """\
+import duhem
+
+law = duhem.load("coulomb").fix({"mu": "1/2"})
+
+
+def right(trial, pressure, stiffness):
+    return duhem.project(law, trial, pressure, stiffness).stress
+
+
+def too_long(trial, pressure, stiffness):
+    return 2 * duhem.project(law, trial, pressure, stiffness).stress
+"""
+RUN = """\
+import sys
+sys.path.insert(0, ".")
+import routines
+from duhem.testing import conformance
+for each in (routines.right, routines.too_long):
+    report = conformance(routines.law, each, checks=["nearer"], max_examples=20)
+    print(report.ok, report if not report.ok else "")
+"""
+
+
+@pytest.mark.long
+def test_a_check_is_run_of_every_routine_and_told(tmp_path: Path) -> None:
+    tree = Tree.copied(tmp_path)
+    tree.write("src/duhem/testing/checks/nearer_checks.py", CHECK)
+    tree.insert(
+        "src/duhem/testing/checks/material_checks.py",
+        "from duhem.testing.checks import law_checks",
+        "from duhem.testing.checks import nearer_checks  # noqa: F401 (it registers)",
+    )
+    tree.write("routines.py", ROUTINES)
+    right, _, wrong = tree.run("-c", RUN).partition("\n")
+    assert right == "True " and wrong.startswith("False ") and "the stress is no longer than the trial stress" in wrong
