@@ -17,18 +17,19 @@ import pytest
 import sympy as sp
 
 import duhem
-from duhem.benchmark.contenders import Contender, applicable
-from duhem.benchmark.reference import Closest, Drive, NoReference, distance
-from duhem.benchmark.specimen import Specimen
-from duhem.benchmark.work_precision import bench, many_paths, throughput, whole_calls
+from duhem.benchmark.contenders import Contender, Specimen, applicable
+from duhem.benchmark.reference import Closest, NoReference, distance
+from duhem.benchmark.reference_path import Drive
+from duhem.benchmark.work_precision import bench, paths, throughput
+from duhem.benchmark.work_precision.report import duration
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target, WorkPrecision
-from duhem.benchmark.work_precision.text import duration, text
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
 from duhem.projection.closed_form import CLOSED_FORM, ClosedFormOptions
 from duhem.projection.increment import Increment
 from duhem.projection.result import Solution
+from duhem.show.printing import text
 from tests.long import long_at, long_but
 from tests.oracles.path import drive
 from tests.oracles.projection import closest
@@ -328,7 +329,7 @@ def test_whole_calls_are_held_to_a_copy_in_the_same_run() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("points", "often"), long_at([1], [(5_000, 2), (20_000, 4), (500_000, 40)]))
 def test_small_batches_are_taken_more_often(points: int, often: int) -> None:
-    rows = list(whole_calls.rows(throughput.Load.of(Specimen.of(coulomb()), points), [], repeats=2))
+    rows = list(throughput.call_rows(throughput.Load.of(Specimen.of(coulomb()), points), [], repeats=2))
     assert [row.seconds.repeats // 5 for row in rows if row.seconds is not None] == [2, often][-len(rows) :]
 
 
@@ -339,19 +340,19 @@ def test_whole_calls_set_a_law_without_closed_form_other_ratios() -> None:
         for name, x in (("newton, numba", 0.5), ("newton, numba, one thread", 1.0), ("copy of 24 bytes a point", 0.5))
     ]
     rows.append(Measurement("project", "newton", "N = 2000", seconds=spread[30.0]))
-    found = whole_calls.targets(rows, [LeftOut("closed-form", "declares none")])
+    found = throughput.call_targets(rows, [LeftOut("closed-form", "declares none")])
     assert [(target.value, target.holds) for target in found] == [(60.0, True), (2.0, True)]
 
 
 def test_steps_of_many_points_are_held_to_the_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
     seconds = {"kernel alone": 2e-8, "one path, numba": 3e-7, "many points, numba, one thread": 5e-8, "many points, numba": 4e-8}
     rows = [Measurement("paths", name, "", seconds=Spread.of([s])) for name, s in seconds.items()]
-    found = many_paths.targets(rows, [])
+    found = paths.long_targets(rows, [])
     assert [target.holds for target in found] == [True, True, False]
     assert [target.value for target in found] == pytest.approx([2.5, 0.3, 1.25])
-    lost = many_paths.targets([*rows[:1], Measurement("paths", "one path, numba", "", failure="no")], [])
+    lost = paths.long_targets([*rows[:1], Measurement("paths", "one path, numba", "", failure="no")], [])
     assert [(target.holds, target.reason[:11]) for target in lost] == [(None, "many points"), (None, "failed: no"), (None, "many points")]
-    monkeypatch.setattr(many_paths, "find_spec", lambda name: None)
+    monkeypatch.setattr(paths, "find_spec", lambda name: None)
     without = bench(coulomb(), scenes=("paths",), repeats=1, points=200, contenders=[])
     assert [(row.method, row.setting) for row in without.rows] == [("one path", "200 steps")] and not without.failed
     assert [target.holds for target in without.targets] == [None] * 3 and "wall time a step" in text(without)

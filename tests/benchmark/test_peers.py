@@ -10,16 +10,12 @@ import numpy as np
 import pytest
 
 import duhem
-from duhem.benchmark.contenders import Contender, applicable
+from duhem.benchmark.contenders import Contender, Specimen, applicable
 from duhem.benchmark.extreme_cases import stress
-from duhem.benchmark.peers import PEERS, Peer, PeerOptions
-from duhem.benchmark.peers.jaxmat_return import JAXMAT, _moduli, _said, _surface
-from duhem.benchmark.peers.scipy_slsqp import SLSQP
-from duhem.benchmark.specimen import Specimen
+from duhem.benchmark.peers import JAXMAT, PEERS, SLSQP, Peer, PeerOptions, _moduli, _said, _surface
 from duhem.benchmark.work_precision import bench, throughput
 from duhem.benchmark.work_precision.result import Measurement, Spread
-from duhem.benchmark.work_precision.targets import beside_peers
-from duhem.benchmark.work_precision.text import text
+from duhem.benchmark.work_precision.throughput import beside_peers
 from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
 from duhem.law.formula_law import Criterion
@@ -28,6 +24,7 @@ from duhem.projection.affine_faces import planes
 from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import ACCURACY, Status
+from duhem.show.printing import text
 
 SLSQP_ALONE = Contender("scipy SLSQP", SLSQP, PeerOptions())
 
@@ -138,7 +135,7 @@ def test_an_error_among_stacks_is_one_sentence() -> None:
 
 
 def test_what_is_not_installed_is_said_with_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    missing = Peer("nowhere", "no_such_package_at_all", "no-such-package", lambda: SLSQP)
+    missing = Peer(replace(SLSQP, name="nowhere"), "no-such-package")
     monkeypatch.setattr("duhem.benchmark.contenders.PEERS", (missing,))
     question = specimen("coulomb", mu="0.3").question(np.zeros((1, 2)), -1.0)
     found, left_out = applicable(question, peers=True)
@@ -151,7 +148,7 @@ def test_every_peer_is_measured_or_said_to_be_left_out() -> None:
     question = specimen("box", mu_a="0.5", mu_b="0.25").question(np.zeros((1, 2)), -1.0)
     found, left_out = applicable(question, peers=True)
     named = {contender.name for contender in found if contender.peer} | {part.part for part in left_out}
-    assert {peer.name for peer in PEERS} <= named
+    assert {peer.method.name for peer in PEERS} <= named
     assert any(contender.name == "scipy SLSQP" and contender.peer for contender in found)  # SciPy is there always
 
 
@@ -166,17 +163,17 @@ def test_every_peer_is_measured_or_said_to_be_left_out() -> None:
         specimen("antoni2007-1d", mu_plus="0.2", mu_minus="0.1"),
     ],
 )
-@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.name)
+@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.method.name)
 def test_a_peer_solves_the_same_increment(peer: Peer, found: Specimen) -> None:
     """To the accuracy it has by default, which is a few digits; another set or another metric is off by more."""
     if find_spec(peer.package) is None:
-        pytest.skip(f"{peer.name} is {peer.missing}")
+        pytest.skip(f"{peer.method.name} is {peer.missing}")
     question = asked(found, 20)
-    if peer.load().applies(question) is not None:
+    if peer.method.applies(question) is not None:
         return
     pressure = None if found.pressure is None else question.pressure
     mine = Projector.of(found.law, found.stiffness)(question.trial, pressure)
-    other = Projector.of(found.law, found.stiffness, method=peer.load())(question.trial, pressure)
+    other = Projector.of(found.law, found.stiffness, method=peer.method)(question.trial, pressure)
     assert not (other.status == Status.FAILED).any()
     assert np.abs(other.stress - mine.stress).max() <= 1e-2
     assert other.multiplier == pytest.approx(mine.multiplier, abs=1e-2)
@@ -217,7 +214,7 @@ def test_the_table_has_errors_flags_and_first_calls(monkeypatch: pytest.MonkeyPa
         "newton / scipy SLSQP, error of the stress at N = 150",
     }
     assert "first" in text(result)
-    monkeypatch.setattr(throughput, "_LIMIT", 1e-9)
+    monkeypatch.setattr(throughput, "LIMIT", 1e-9)
     (short,) = [
         r for r in bench(law, scenes=("throughput",), repeats=1, points=150, contenders=[SLSQP_ALONE]).rows if r.method in "scipy SLSQP"
     ]

@@ -16,18 +16,15 @@ import numpy as np
 import pytest
 
 import duhem
-from duhem.benchmark.contenders import Contender
+from duhem.benchmark.contenders import Contender, Specimen
 from duhem.benchmark.extreme_cases import AXES, cases, stress
 from duhem.benchmark.extreme_cases.cases import aspect
-from duhem.benchmark.extreme_cases.judge import digits
-from duhem.benchmark.extreme_cases.refusals import refusals
-from duhem.benchmark.extreme_cases.stress import ExtremeCases, Tally
-from duhem.benchmark.extreme_cases.text import text
-from duhem.benchmark.specimen import Specimen
+from duhem.benchmark.extreme_cases.stress import ExtremeCases, Tally, digits, refusals
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.closed_form import CLOSED_FORM, ClosedFormOptions
 from duhem.projection.result import Projection, Status
+from duhem.show.printing import text
 from tests.long import mostly_long
 
 FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}

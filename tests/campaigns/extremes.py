@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         result = stress(law(name), axes=given.axis or tuple(AXES), every=given.every, peers=given.peers)
         print(f"{name}: reference to {result.reference:.0e}")
         print("\n".join(lines(result)), flush=True)
-        own = result.silently_wrong.keys() - {peer.name for peer in PEERS}
+        own = result.silently_wrong.keys() - {peer.method.name for peer in PEERS}
         wrong |= any(result.silently_wrong[method][0] for method in own)
     return int(wrong)
 

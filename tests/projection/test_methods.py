@@ -15,8 +15,7 @@ import pytest
 
 import duhem
 from duhem.benchmark import contenders
-from duhem.benchmark.contenders import Contender, applicable
-from duhem.benchmark.specimen import Specimen
+from duhem.benchmark.contenders import Contender, Specimen, applicable
 from duhem.errors import InputError
 from duhem.projection import projector
 from duhem.projection.increment import Increment

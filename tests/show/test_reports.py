@@ -12,11 +12,9 @@ import sympy as sp
 
 import duhem
 from duhem.benchmark.extreme_cases import AXES, ExtremeCases, Tally
-from duhem.benchmark.extreme_cases.refusals import Refusal
-from duhem.benchmark.extreme_cases.text import text as extremes_text
+from duhem.benchmark.extreme_cases.stress import Refusal
 from duhem.benchmark.work_precision import WorkPrecision
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target
-from duhem.benchmark.work_precision.text import text as precision_text
 from duhem.left_out import LeftOut
 from duhem.micromodel.experiment import STEEL_ON_ALUMINIUM
 from duhem.projection import report as increment
@@ -77,8 +75,8 @@ def projected() -> Callable[[Page], str]:
 REPORTS: dict[str, Callable[[], Callable[[Page], str]]] = {
     "verify": verified,
     "project": projected,
-    "bench": lambda: lambda page: precision_text(work_precision(), page),
-    "stress": lambda: lambda page: extremes_text(extreme_cases(), page),
+    "bench": lambda: lambda page: text(work_precision(), page),
+    "stress": lambda: lambda page: text(extreme_cases(), page),
     "experiment": lambda: lambda page: text(STEEL_ON_ALUMINIUM, page, scatter=sp.Rational(1, 100)),
 }
 

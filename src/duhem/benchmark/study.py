@@ -1,19 +1,29 @@
-"""What every benchmark leaves behind, whatever it measures: the law, the machine, what was left out, whether it got to its end."""
+"""What every benchmark leaves behind, whatever it measures: the law, the machine, what was left out, and the frame of its text."""
 
 from __future__ import annotations
 
+import platform
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from duhem.left_out import LeftOut
+from duhem.projection.in_blocks import cores
+from duhem.show.page import Page
 
-__all__ = ["Study"]
+__all__ = ["Study", "machine", "report"]
+
+_PACKAGES = (
+    "numpy", "scipy", "sympy", "mpmath", "cvxpy", "clarabel", "numba", "cvxopt", "ecos", "moreau", "osqp", "qoco", "scs", "jax", "jaxmat",
+    "qpax", "proxsuite",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class Study(ABC):
-    """``subject``: parameters and stiffness in words; ``machine`` as :func:`duhem.benchmark.machine.machine` has it."""
+    """``subject``: parameters and stiffness in words; ``machine`` as :func:`duhem.benchmark.study.machine` has it."""
 
     law: str
     subject: str
@@ -34,3 +44,41 @@ class Study(ABC):
         """For JSON; a number that is not finite is null."""
         head = {"law": self.law, "subject": self.subject, "machine": self.machine}
         return head | self.measured() | {"left_out": [part.to_dict() for part in self.left_out]}
+
+
+def machine() -> dict[str, Any]:
+    """Processor, system, versions."""
+    return {
+        "processor": _processor(),
+        "processors_usable": cores(),
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "python": platform.python_version(),
+        "versions": {name: found for name in _PACKAGES if (found := _version(name)) is not None},
+    }
+
+
+def _processor() -> str:
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as stream:
+            for line in stream:
+                if line.startswith("model name"):
+                    return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def _version(name: str) -> str | None:
+    for candidate in (name, f"{name}-base"):
+        try:
+            return version(candidate)
+        except PackageNotFoundError:
+            continue
+    return None
+
+
+def report(study: Study, facts: Sequence[str], parts: Sequence[Sequence[str]], page: Page) -> str:
+    """Law and ``facts``, the parts, then what was left out and whether the run was stopped."""
+    head = [*page.hanging(f"{study.law}: {study.subject}"), *(line for fact in facts for line in page.hanging(fact, rest=""))]
+    stopped = ["Interrupted: this is what was done."] if study.interrupted else []
+    return page.report([head, *parts, page.items("Left out", study.left_out), stopped])

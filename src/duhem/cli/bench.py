@@ -69,7 +69,6 @@ def bench(
     fixed, diagonal = read_subject(law, settings, stiffness)
 
     from duhem.benchmark import work_precision
-    from duhem.benchmark.work_precision import text
 
     def measure(progress: Progress) -> WorkPrecision:
         return work_precision.bench(
@@ -82,4 +81,4 @@ def bench(
             on_row=lambda row: progress.show(f"{row.scene}: {row.method} {row.setting}"),
         )
 
-    return carry_out(measure, text.text, json_file, plot, [law])
+    return carry_out(measure, json_file, plot, [law])

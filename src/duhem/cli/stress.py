@@ -38,7 +38,6 @@ def stress(
     printing what was done.
     """
     from duhem.benchmark import extreme_cases
-    from duhem.benchmark.extreme_cases import text
 
     check_names("axis", axes, extreme_cases.AXES, "axes are", "--axis")
     fixed, diagonal = read_subject(law, settings, stiffness)
@@ -52,4 +51,4 @@ def stress(
             on_row=lambda row: progress.show(f"{row.axis} {row.label}: {row.method}"),
         )
 
-    return carry_out(measure, text.text, json_file, plot, [law])
+    return carry_out(measure, json_file, plot, [law])

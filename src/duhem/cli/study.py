@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
@@ -17,7 +17,6 @@ from duhem.version import __version__
 if TYPE_CHECKING:
     from duhem.benchmark.study import Study
     from duhem.law.formula_law import Criterion
-    from duhem.show.page import Page
 
 __all__ = ["carry_out", "flagship_argument", "json_option", "peers_option", "read_subject", "stiffness_option"]
 
@@ -31,8 +30,6 @@ peers_option = click.option(
     "--peers", is_flag=True, help="Measure other programs too (SciPy, jaxmat, qpax, ProxQP), those that are installed."
 )
 
-AnyStudy = TypeVar("AnyStudy", bound="Study")
-
 
 def read_subject(law: str, settings: Sequence[str], stiffness: str | None) -> tuple[Criterion, list[float] | None]:
     """The law, with those of Figure 5 for the parameters of the flagship that are left open, and the diagonal stiffness."""
@@ -42,16 +39,10 @@ def read_subject(law: str, settings: Sequence[str], stiffness: str | None) -> tu
     return read_fixed_formula(law, settings), None if stiffness is None else read_numbers(stiffness, "--stiffness")
 
 
-def carry_out(
-    measure: Callable[[Progress], AnyStudy],
-    text: Callable[[AnyStudy, Page], str],
-    json_file: str | None,
-    plot: str | None,
-    inputs: Sequence[str],
-) -> int:
+def carry_out(measure: Callable[[Progress], Study], json_file: str | None, plot: str | None, inputs: Sequence[str]) -> int:
     """Measure, print, write what is asked for, over none of the ``inputs``; the exit code."""
     from duhem.show import figure
-    from duhem.show.printing import draw
+    from duhem.show.printing import draw, text
 
     if plot is not None:
         figure.check(plot)

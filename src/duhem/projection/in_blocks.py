@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-__all__ = ["BLOCK", "FEW", "FEW_SEARCHED", "evenly", "in_blocks"]
+__all__ = ["BLOCK", "FEW", "FEW_SEARCHED", "cores", "evenly", "in_blocks"]
 
 BLOCK = 24_000
 """Points of a block of NumPy's passes.  The flagship's million points took 206 to 214 ns a point at least, with 16,384 251 to 260."""
@@ -31,7 +31,7 @@ def in_blocks(n: int, size: int, fill: Callable[[slice], None], threads: int | N
     ``threads``: None for as many as this process may use cores.  More than one is of use to what lets go of the interpreter.
     """
     blocks = [slice(start, min(start + size, n)) for start in range(0, n, size)]
-    many = min(len(blocks), threads or _cores())
+    many = min(len(blocks), threads or cores())
     if many > 1:
         from concurrent.futures import ThreadPoolExecutor
 
@@ -43,5 +43,6 @@ def in_blocks(n: int, size: int, fill: Callable[[slice], None], threads: int | N
             fill(block)
 
 
-def _cores() -> int:
+def cores() -> int:
+    """How many processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from duhem.benchmark.specimen import Specimen
+from duhem.benchmark.contenders import Specimen
 from duhem.errors import InputError
 from duhem.expression.number import fraction
 from duhem.law.domain import Domain

@@ -1,29 +1,93 @@
-"""Every method on every extreme case, judged against many digits."""
+"""Every method on every extreme case, judged against many digits: finite, feasible, how many digits, flagged or not.
+
+Input that must not be answered has to be refused, with the argument and the index named.  What a campaign asks of each of its rows is a
+line a case: its error against the reference, its status.
+"""
 
 from __future__ import annotations
 
+import json
 import math
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from time import monotonic
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender, applicable
-from duhem.benchmark.extreme_cases.cases import AXES, ExtremeCase, cases
-from duhem.benchmark.extreme_cases.judge import Judgement, judged
-from duhem.benchmark.extreme_cases.refusals import Refusal, refusals
-from duhem.benchmark.machine import machine
-from duhem.benchmark.reference import Closest, ReferenceIncrement
-from duhem.benchmark.specimen import Specimen
-from duhem.benchmark.study import Study
+from duhem.benchmark.contenders import Contender, Specimen, applicable
+from duhem.benchmark.extreme_cases.cases import AXES, ExtremeCase, cases, labels
+from duhem.benchmark.reference import Closest, ReferenceIncrement, distance
+from duhem.benchmark.study import Study, machine
 from duhem.errors import DuhemError, InputError
+from duhem.law.catalogue import load_formula
+from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
-from duhem.projection.result import Status
+from duhem.projection.methods import METHODS
+from duhem.projection.projector import Projector
+from duhem.projection.result import Array, Projection, Status
 
-__all__ = ["ExtremeCases", "Tally", "stress"]
+__all__ = ["MOST", "POOR", "ExtremeCases", "Refusal", "StressCases", "Tally", "digits", "refusals", "stress"]
+
+POOR = 6.0  # an answer with fewer digits is wrong
+MOST = 16.0  # as many as a double shows
+_SMALLEST = 2.0**-1022  # below it doubles lose digits, whoever computes
+_LARGEST = 1.79e308
+_INSIDE = 1e-7  # of the stress, taken off before asking whether it lies in K
+
+_REFUSALS = "refusals"
+_Line: TypeAlias = tuple[str, str | None, str | None, str | None, str | None, int, float]
+
+
+def digits(got: Sequence[float], exact: Sequence[Any], otherwise: Any) -> float:
+    """Accurate digits, between 0 and 16; 0 where the exact number is beyond doubles, which only a flag can tell."""
+    size = max(abs(x) for x in exact)
+    if size > _LARGEST:
+        return 0.0
+    unit = max(size if size != 0 else otherwise, _SMALLEST)
+    off = distance(got, exact, unit)
+    return MOST if off == 0.0 else min(MOST, max(0.0, -math.log10(off))) if math.isfinite(off) else 0.0
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """One bad input: ``held`` whether the method raised InputError naming ``place``; ``answer`` what it said or did instead."""
+
+    what: str
+    method: str
+    place: str
+    held: bool
+    answer: str
+
+
+def refusals(specimen: Specimen, contender: Contender) -> Iterator[Refusal]:
+    """The bad inputs in turn, each the last of three increments."""
+    d, given = len(specimen.law.forces), specimen.pressure
+    good = np.full((3, d), 0.5)
+
+    def spoilt(whole: Array, at: tuple[int, ...], value: float) -> Array:
+        whole = whole.copy()
+        whole[at] = value
+        return whole
+
+    bad: list[tuple[str, str, Array, Any, Array | None]] = []
+    for value in (np.nan, np.inf, -np.inf):
+        bad.append((f"trial {value}", f"trial[2, {d - 1}]", spoilt(good, (2, d - 1), value), given, None))
+    for value in (np.nan, -np.inf, 1.0) if given is not None else ():
+        bad.append((f"pressure {value}", "pressure[2]", good, spoilt(np.full(3, -1.0), (2,), value), None))
+    for value in (np.nan, np.inf, 0.0, -1.0):
+        bad.append((f"stiffness {value}", f"stiffness[{d - 1}]", good, given, spoilt(np.ones(d), (d - 1,), value)))
+    for what, place, *asked in bad:
+        held = False
+        try:
+            answer = f"answered {contender.project(specimen, *asked).stress[-1].tolist()}"
+        except InputError as fault:
+            held, answer = place in str(fault), str(fault)
+        except Exception as fault:  # an error of another kind says less than it should
+            answer = f"{type(fault).__name__}: {fault}"
+        yield Refusal(what, contender.name, place, held, answer)
 
 
 @dataclass(frozen=True)
@@ -51,6 +115,8 @@ class Tally:
 @dataclass(frozen=True, kw_only=True)
 class ExtremeCases(Study):
     """Rows in the order taken; ``refusals`` of input that cannot be used; ``reference`` the largest error of the reference."""
+
+    printed_by: ClassVar[str] = "duhem.benchmark.extreme_cases.report"
 
     rows: tuple[Tally, ...]
     refusals: tuple[Refusal, ...]
@@ -151,25 +217,148 @@ def _absent(specimen: Specimen, axis: str) -> str:
 def _row(case: ExtremeCase, contender: Contender, closest: Closest, answers: Sequence[ReferenceIncrement]) -> Tally:
     where = (case.axis, case.label, case.decade, contender.name, len(case.trial))
     try:
-        each = list(_judged(case, contender, closest, answers))
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")  # an overflow on the way is no flag: what comes back is judged
+            done = contender.project(case.specimen, case.trial, case.pressure)
+        finite = [bool(np.isfinite([s, u]).all()) for s, u in zip(done.stress, done.slip, strict=True)]
+        judged = [_judged(case, closest, answer, done, i) if finite[i] else (False, 0.0, 0.0) for i, answer in enumerate(answers)]
     except Exception as fault:  # an error is a flag: nothing was returned
         return Tally(*where, 0, 0, len(case.trial), 0.0, 0.0, 0, 0, f"{type(fault).__name__}: {fault}")
+    flagged = np.isin(done.status, (Status.INACCURATE, Status.FAILED))
+    feasible, stress, slip = map(np.array, zip(*judged, strict=True))
     return Tally(
         *where,
-        sum(j.finite for j in each),
-        sum(j.feasible for j in each),
-        sum(j.flagged for j in each),
-        min(j.stress for j in each),
-        min(j.slip for j in each),
-        sum(j.wrong_stress for j in each),
-        sum(j.wrong_slip for j in each),
+        sum(finite),
+        int(feasible.sum()),
+        int(flagged.sum()),
+        float(stress.min()),
+        float(slip.min()),
+        int((~flagged & ~(stress >= POOR)).sum()),
+        int((~flagged & ~(slip >= POOR)).sum()),
     )
 
 
-def _judged(case: ExtremeCase, contender: Contender, closest: Closest, answers: Sequence[ReferenceIncrement]) -> Iterator[Judgement]:
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")  # an overflow on the way is no flag: what comes back is judged
-        done = contender.project(case.specimen, case.trial, case.pressure)
-    for i, answer in enumerate(answers):
-        flagged = done.status[i] in (Status.INACCURATE, Status.FAILED)
-        yield judged(closest, case.trial[i].tolist(), case.pressure, answer, done.stress[i], done.slip[i], bool(flagged))
+def _judged(case: ExtremeCase, closest: Closest, answer: ReferenceIncrement, done: Projection, i: int) -> tuple[bool, float, float]:
+    """Whether a stress lies in K, and the accurate digits of stress and slip.
+
+    Digits are relative to the largest component of the exact stress or slip; where that is zero, to the trial stress and
+    to k^-1 times it; below the smallest normal number, to that number.
+    """
+    mp = closest.context
+    tail = [] if case.pressure is None else [mp.mpf(case.pressure)]
+    shrunk = [mp.mpf(float(s)) * (1 - mp.mpf(_INSIDE)) for s in done.stress[i]]
+    trial = mp.matrix([mp.mpf(float(t)) for t in case.trial[i]])
+    return (
+        bool(closest.formula.read([*shrunk, *tail]).value <= 0),
+        digits(done.stress[i].tolist(), answer.stress, max(map(abs, trial))),
+        digits(done.slip[i].tolist(), answer.slip, max(map(abs, closest.compliance * trial))),
+    )
+
+
+@dataclass(frozen=True)
+class StressCases:
+    """Stiff and extreme increments, as ``duhem stress`` tries them, for ``duhem.campaign(..., ask=StressCases())``.
+
+    A line a case of the ``axes`` (all of them if left out), named as axis and label, and, of several ``methods``, the method; ``auto`` is
+    the cheapest that applies.  It is ``wrong`` where an answer has fewer than 6 accurate digits of stress or slip and no flag, ``flagged``
+    where the method says of an answer that it is none, else ``ok``; ``undecided`` where there is no reference, ``not_applicable`` where
+    the law has no such case or the method does not take the law.  The witness has the fewest accurate digits of the points (16 at most)
+    and how many are finite, in K, flagged and silently wrong; ``steps`` are the points.  One line more, ``refusals``: what is not
+    finite is refused with argument and index named.
+
+    Every row fixes all parameters of its law, at k = diag(1, 2, ...) Pa/m.  Raises InputError for an unknown axis or method.
+    """
+
+    axes: tuple[str, ...] = tuple(AXES)
+    methods: tuple[str, ...] = ("auto",)
+    options: ClassVar[tuple[str, ...]] = ()
+    alone: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        for where, given, known in (("axes", self.axes, tuple(AXES)), ("methods", self.methods, ("auto", *METHODS))):
+            remedy = f"they are: {', '.join(known)}"
+            if not isinstance(given, tuple) or not given or len(set(given)) < len(given):
+                raise InputError(f"{where} is no list of different names", where=where, remedy=remedy)
+            if strange := [name for name in given if name not in known]:
+                raise InputError(f"unknown name {str(strange[0])[:40]!r}", where=where, remedy=remedy)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(self._name(case, method) for method in self.methods for case in (*self._cases(), _REFUSALS))
+
+    def told(self) -> str:
+        return f"stress {','.join(self.axes)} by {','.join(self.methods)}"
+
+    def _cases(self) -> list[str]:
+        return [f"{axis} {label}" for axis in self.axes for label in labels(axis)]
+
+    def _name(self, case: str, method: str) -> str:
+        return case if len(self.methods) == 1 else f"{case}, {method}"
+
+    def answers(self, law: Law) -> Iterator[_Line]:
+        """A line for each name; InputError where the law cannot be asked."""
+        formula = load_formula(law)
+        if missing := [name for name, domain in formula.parameters.items() if domain.value is None]:
+            raise InputError(f"no value is given for {', '.join(missing)}", where=law.name, remedy="give it in set, grid, draw or table")
+        for method in self.methods:
+            yield from self._of_method(formula, method)
+
+    def _of_method(self, law: Criterion, method: str) -> Iterator[_Line]:
+        def without(case: str, verdict: str, reason: str) -> _Line:
+            return self._name(case, method), verdict, None, None, json.dumps({"reason": reason}), 0, 0.0
+
+        contender = _contender(law, method)
+        if isinstance(contender, str):
+            yield from (without(case, "not_applicable", contender) for case in (*self._cases(), _REFUSALS))
+            return
+        last, taken = monotonic(), dict[str, float]()
+
+        def on_row(row: Tally) -> None:
+            nonlocal last
+            now = monotonic()
+            taken[f"{row.axis} {row.label}"], last = now - last, now
+
+        found = stress(law, axes=self.axes, contenders=[contender], on_row=on_row)
+        if found.interrupted:
+            raise KeyboardInterrupt
+        rows = {f"{row.axis} {row.label}": row for row in found.rows}
+        why = {each.part: each.reason for each in found.left_out}
+        for axis in self.axes:
+            for case in (f"{axis} {label}" for label in labels(axis)):
+                if (row := rows.get(case)) is not None:
+                    told = self._name(case, method), _verdict(row), contender.name, None, json.dumps(_witness(row))
+                    yield *told, row.points, round(taken[case], 6)
+                elif case in why:
+                    yield without(case, "undecided", why[case])
+                else:
+                    yield without(case, "not_applicable", why.get(f"axis {axis}", "the law has none"))
+        refused = [{"input": each.what, "place": each.place, "answer": each.answer} for each in found.refusals if not each.held]
+        witness = json.dumps({"refused": len(found.refusals) - len(refused), "not": refused})
+        told = self._name(_REFUSALS, method), "wrong" if refused else "ok", contender.name, None, witness
+        yield *told, len(found.refusals), round(monotonic() - last, 6)
+
+
+def _contender(law: Criterion, method: str) -> Contender | str:
+    """Who is asked, or why the method does not take the law."""
+    specimen = Specimen.of(law)
+    if method == "auto":
+        chosen = Projector.of(specimen.law, specimen.stiffness).method
+        return Contender(chosen.name, chosen, chosen.options_of({}))
+    reason = METHODS[method]().applies(specimen.question(np.zeros((1, len(law.forces))), specimen.pressure))
+    return Contender.of(method, method) if reason is None else reason
+
+
+def _verdict(row: Tally) -> str:
+    return "wrong" if row.wrong_stress or row.wrong_slip else "flagged" if row.flagged or row.failure is not None else "ok"
+
+
+def _witness(row: Tally) -> Mapping[str, Any]:
+    found = {
+        "points": row.points,
+        "digits": {"stress": round(row.stress_digits, 1), "slip": round(row.slip_digits, 1)},
+        "finite": row.finite,
+        "in_K": row.feasible,
+        "flagged": row.flagged,
+        "wrong": {"stress": row.wrong_stress, "slip": row.wrong_slip},
+    }
+    return found if row.failure is None else found | {"failure": row.failure}

@@ -6,22 +6,20 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender, applicable
-from duhem.benchmark.machine import machine
+from duhem.benchmark.contenders import Contender, Specimen, applicable
 from duhem.benchmark.reference import NoReference
-from duhem.benchmark.specimen import Specimen
+from duhem.benchmark.study import machine
 from duhem.benchmark.work_precision import increments as increment
-from duhem.benchmark.work_precision import many_paths, throughput, whole_calls
 from duhem.benchmark.work_precision import paths as path
+from duhem.benchmark.work_precision import throughput
 from duhem.benchmark.work_precision.result import Measurement, WorkPrecision
-from duhem.benchmark.work_precision.targets import beside_peers, targets
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
 
 __all__ = ["SCENES", "bench"]
 
-SCENES = (increment.SCENE, path.SCENE, throughput.SCENE, whole_calls.SCENE, many_paths.SCENE)
+SCENES = (increment.SCENE, path.SCENE, throughput.SCENE, throughput.CALLS, path.LONG)
 
 
 def bench(
@@ -69,17 +67,13 @@ def bench(
         reference[path.SCENE] = work.driven.error
         yield from path.rows(work, repeats, left_out, tuple(steps))
 
-    def loads() -> Iterator[Measurement]:
-        load = throughput.Load.of(specimen, points, left_out)
-        yield from throughput.rows(load, chosen, repeats)
-
-    def calls() -> Iterator[Measurement]:
-        yield from whole_calls.rows(throughput.Load.of(specimen, points), chosen, repeats)
-
-    def histories() -> Iterator[Measurement]:
-        yield from many_paths.rows(many_paths.LongPaths.of(specimen, points), chosen, repeats)
-
-    runs = {many_paths.SCENE: histories, whole_calls.SCENE: calls, increment.SCENE: increments, path.SCENE: paths, throughput.SCENE: loads}
+    runs: dict[str, Callable[[], Iterator[Measurement]]] = {
+        increment.SCENE: increments,
+        path.SCENE: paths,
+        throughput.SCENE: lambda: throughput.rows(throughput.Load.of(specimen, points, left_out), chosen, repeats),
+        throughput.CALLS: lambda: throughput.call_rows(throughput.Load.of(specimen, points), chosen, repeats),
+        path.LONG: lambda: path.long_rows(path.LongPaths.of(specimen, points), chosen, repeats),
+    }
     interrupted = False
     try:
         for scene in scenes:
@@ -100,16 +94,12 @@ def bench(
         repeats=repeats,
         rows=tuple(rows),
         targets=(
-            *targets(rows, left_out),
-            *whole_calls.targets(rows, left_out),
-            *many_paths.targets(rows, left_out),
-            *beside_peers(rows, _names(chosen, False), _names(chosen, True)),
+            *throughput.targets(rows, left_out),
+            *throughput.call_targets(rows, left_out),
+            *path.long_targets(rows, left_out),
+            *throughput.beside_peers(rows, *([c.name for c in chosen if c.peer == peer] for peer in (False, True))),
         ),
         reference=reference,
         left_out=tuple(left_out),
         interrupted=interrupted,
     )
-
-
-def _names(contenders: Sequence[Contender], peer: bool) -> tuple[str, ...]:
-    return tuple(contender.name for contender in contenders if contender.peer == peer)

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender
-from duhem.benchmark.reference import ReferenceIncrement, distance
-from duhem.benchmark.specimen import Specimen
-from duhem.benchmark.work_precision.result import Measurement
-from duhem.benchmark.work_precision.timing import timed
+from duhem.benchmark.contenders import Contender, Specimen
+from duhem.benchmark.reference import ReferenceIncrement
+from duhem.benchmark.work_precision.result import Measurement, largest_errors, timed
 from duhem.projection.cvxpy_method import CvxpyOptions
 from duhem.projection.increment import Increment
 from duhem.projection.projector import ACCURACY
@@ -92,13 +90,10 @@ def _row(work: Exercise, contender: Contender, repeats: int) -> Measurement:
 
 def _errors(work: Exercise, found: Sequence[Solution]) -> dict[str, float]:
     """The largest of the answers there are."""
-    answered = [(f, a) for f, a in zip(found, work.answers, strict=True) if not f.failed[0]]
+    answered = [(f.stress[0], f.slip[0], a) for f, a in zip(found, work.answers, strict=True) if not f.failed[0]]
     if not answered:
         raise ArithmeticError("no answer to any increment")
-    return {
-        "stress": max(distance(f.stress[0].tolist(), a.stress) for f, a in answered),
-        "slip": max(distance(f.slip[0].tolist(), a.slip) for f, a in answered),
-    }
+    return largest_errors(answered)
 
 
 def _flagged(work: Exercise, found: Sequence[Solution]) -> int:

@@ -1,30 +1,46 @@
-"""A loading path by every integrator over step counts, against the path in many digits."""
+"""Loading paths: one by every integrator over step counts, against the path in many digits; and ``duhem.simulate`` at length.
+
+At length are many points over many implicit steps, and one path of very many, in wall time a step of one point.  What the steps of
+many points are held to is the compiled kernel by itself, on as many points as stay in the cache.  Memory is what the run takes at its
+peak, results included, beyond what it was given.  What is compiled on first use is compiled before.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from importlib.util import find_spec
 
 import numpy as np
 
-from duhem.benchmark.reference import Drive, Driven, distance
-from duhem.benchmark.specimen import Specimen
-from duhem.benchmark.work_precision.result import Measurement
-from duhem.benchmark.work_precision.timing import timed
+from duhem.benchmark.contenders import Contender, Specimen
+from duhem.benchmark.reference import distance
+from duhem.benchmark.reference_path import Drive, Driven
+from duhem.benchmark.work_precision.result import Measurement, Target, at_most, measured, memory, ratio, timed
 from duhem.errors import DuhemError
 from duhem.left_out import LeftOut
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import Path
+from duhem.path.paths import Paths
 from duhem.path.simulate import simulate
+from duhem.projection.in_blocks import cores
 from duhem.projection.result import Array
 
-__all__ = ["SCENE", "STEPS", "Route", "route", "rows"]
+__all__ = ["LONG", "SCENE", "STEPS", "LongPaths", "Route", "long_rows", "long_targets", "route", "rows"]
 
-SCENE = "path"
+SCENE, LONG = "path", "paths"
 STEPS = (1, 4, 16, 64, 256, 1024)
 _SLOW = 1.0  # a setting whose run takes longer is the last of its integrator
-_TURNS = np.array([0.0, 0.35, -0.5, 0.15, 0.8])  # of pi, the directions of the steps in the first two displacements
-_LENGTHS = np.array([0.0, 1.8, 1.5, 2.2, 2.5])  # of the reach of K, as a displacement
+_TURNS = np.array([0.35, -0.5, 0.15, 0.8])  # of pi, the directions of the steps in the first two displacements
+_LENGTHS = np.array([1.8, 1.5, 2.2, 2.5])  # of the reach of K, as a displacement
+
+KERNEL, ONE, MANY, ALONE = "kernel alone", "one path", "many points", ", one thread"
+NUMBA = ", numba"
+_KERNEL = 4_032  # points of the kernel
+_PIECES = 10  # straight pieces of each path
+_UNCOMPILED = 1_000  # steps of what is not compiled; a law without a declared shape takes so many times fewer points
+_FEW = 100  # steps of each of many points where the law declares no shape
 
 
 @dataclass(frozen=True)
@@ -39,14 +55,14 @@ class Route:
 def route(specimen: Specimen) -> Route:
     """Four straight steps that slip, turn and unload; NoReference where the path has no reference."""
     d = len(specimen.law.forces)
-    angles = np.pi * _TURNS[1:]
+    angles = np.pi * _TURNS
     ways = np.zeros((len(angles), d))
     ways[:, 0] = np.cos(angles) if d > 1 else np.cos(np.pi * np.arange(len(angles)))
     if d > 1:
         ways[:, 1] = np.sin(angles)
     axes = np.eye(d)[: min(d, 2)]
     reach = min(r for r in (specimen.radius(sign * axis, specimen.pressure) for axis in axes for sign in (1, -1)) if r > 0)
-    points = np.vstack([np.zeros(d), np.cumsum(_LENGTHS[1:, None] * reach * ways, axis=0)]) / float(np.diagonal(specimen.stiffness).mean())
+    points = np.vstack([np.zeros(d), np.cumsum(_LENGTHS[:, None] * reach * ways, axis=0)]) / float(np.diagonal(specimen.stiffness).mean())
     question = specimen.question(np.zeros((1, d)), specimen.pressure)
     symbol = None if specimen.law.pressure is None else specimen.law.symbols()[specimen.law.pressure]
     drive = Drive(question.g, specimen.law.force_symbols(), symbol, question.stiffness.tolist(), specimen.pressure)
@@ -86,3 +102,84 @@ def _row(work: Route, method: str, count: int, repeats: int) -> Measurement:
     knots = history.stress[::count].tolist()
     error = max(distance(got, exact, unit) for got, exact in zip(knots, work.driven.stress, strict=True))
     return Measurement(SCENE, method, setting, {"stress": error}, seconds, note=history.why)
+
+
+@dataclass(frozen=True)
+class LongPaths:
+    """A path of ``size`` steps and more; many points, multiples of it, take a thousand steps each, and ``size`` / 10 is their number."""
+
+    specimen: Specimen
+    path: Path
+    size: int
+
+    @classmethod
+    def of(cls, specimen: Specimen, size: int) -> LongPaths:
+        """Turns of chance, each a few times the reach of K, under constant pressure."""
+        d = len(specimen.law.forces)
+        draw = np.random.default_rng(1)
+        width = specimen.width() / np.diagonal(specimen.stiffness)
+        points = np.vstack([np.zeros(d), np.cumsum(draw.normal(size=(_PIECES, d)) * 1.5 * width, axis=0)])
+        return cls(specimen, Path.linear(points, pressure=specimen.pressure), size)
+
+    @property
+    def shaped(self) -> bool:
+        """Whether the law declares the shape of its K."""
+        return self.specimen.law.closed_form is not None
+
+    def many(self) -> tuple[Paths, int]:
+        """The points and how many steps each takes."""
+        count = max(1, self.size // (10 if self.shaped else _UNCOMPILED))
+        factor = np.random.default_rng(2).normal(size=(count, self.path.values.shape[1]))
+        return Paths.scaled(self.path, factor), 1_000 if self.shaped else _FEW
+
+
+def long_rows(drive: LongPaths, contenders: Sequence[Contender], repeats: int) -> Iterator[Measurement]:
+    """Seconds a step of one point: the kernel, one path and many, with and without the compiler, on one thread and on all."""
+    given = {"stiffness": drive.specimen.stiffness}
+    slow = max(1, min(_UNCOMPILED, drive.size) // _PIECES)
+    run = partial(simulate, drive.specimen.declared, drive.path, **given)
+    yield measured(LONG, ONE, f"{slow * _PIECES} steps", partial(run, substeps=slow), repeats, slow * _PIECES)
+    if find_spec("numba") is None:
+        return
+    name = "closed-form" if drive.shaped else "newton"
+    kernel = next((c for c in contenders if c.method.name == name and vars(c.options).get("compiled")), None)
+    if kernel is not None:
+        yield _kernel(drive, kernel, repeats)
+    long = max(1, drive.size // _PIECES)
+    one = partial(run, substeps=long, compiled=True)
+    yield measured(LONG, ONE + NUMBA, f"{long * _PIECES} steps", one, repeats, long * _PIECES)
+    points, steps = drive.many()
+    setting, count = f"N = {len(points)}, {steps} steps", len(points) * steps
+    many = partial(simulate, drive.specimen.declared, points, substeps=steps // _PIECES, keep="last", compiled=True, **given)
+    for label, threads in ((MANY + NUMBA + ALONE, 1), (MANY + NUMBA, cores())):
+        yield measured(LONG, label, setting, partial(many, threads=threads), repeats, count)
+    yield memory(LONG, MANY + NUMBA, "peak memory", partial(many, threads=cores()), results=True)
+
+
+def _kernel(drive: LongPaths, contender: Contender, repeats: int) -> Measurement:
+    d = len(drive.specimen.law.forces)
+    reach = np.abs(drive.path.values).max() * np.diagonal(drive.specimen.stiffness)
+    trial = np.random.default_rng(3).normal(size=(_KERNEL, d)) * (0.3 * reach)
+    question = drive.specimen.question(trial, None if drive.specimen.pressure is None else np.full(_KERNEL, drive.specimen.pressure))
+    run, often = partial(contender.solve, question), 20
+    if contender.method.name == "closed-form":
+        run, often = partial(contender.again, question, contender.solve(question)), 100
+    return measured(LONG, KERNEL, f"N = {_KERNEL}", run, often * repeats, _KERNEL)
+
+
+def long_targets(rows: Sequence[Measurement], left_out: Sequence[LeftOut]) -> tuple[Target, ...]:
+    """The ratios of least times that duhem sets itself; of one that was not measured, why."""
+    own = [row for row in rows if row.scene == LONG]
+    least = {row.method: row.seconds.least for row in own if row.seconds is not None}
+    numba = next((part.reason for part in left_out if part.part.endswith(NUMBA)), None)
+    absent = {} if numba is None else dict.fromkeys((ONE + NUMBA, MANY + NUMBA, MANY + NUMBA + ALONE, KERNEL), numba)
+    absent |= {row.method: f"failed: {row.failure}" for row in own if row.failure}
+    if not own:
+        return ()
+    target = partial(ratio, seconds=least, absent=absent)
+    one = 1e6 * least[ONE + NUMBA] if ONE + NUMBA in least else None
+    return (
+        target("implicit steps of many points (numba), one thread / kernel alone", MANY + NUMBA + ALONE, KERNEL, "<=", 3.0),
+        at_most("10^6 implicit steps of one path (numba), s", one, 1.0, absent.get(ONE + NUMBA, "not measured")),
+        target("implicit steps of many points (numba), one thread / all", MANY + NUMBA + ALONE, MANY + NUMBA, ">=", 1.6),
+    )

@@ -1,14 +1,22 @@
-"""What a benchmark leaves behind: rows with errors and times, targets, what was left out; failures are rows like others."""
+"""What a benchmark leaves behind: rows with errors and times by a clock, ratios that are targets; failures are rows like others."""
 
 from __future__ import annotations
 
 import math
+import tracemalloc
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from time import perf_counter
+from typing import Any, ClassVar, TypeVar
 
+from duhem.benchmark.reference import ReferenceIncrement, distance
 from duhem.benchmark.study import Study
+from duhem.projection.result import Array
 
-__all__ = ["Measurement", "Spread", "Target", "WorkPrecision"]
+__all__ = ["LIMIT", "Measurement", "Spread", "Target", "WorkPrecision", "at_most", "largest_errors", "measured", "memory", "ratio", "timed"]
+
+LIMIT = 6.0  # s: of the runs of one row; no more are begun beyond
+Key = TypeVar("Key")
 
 
 @dataclass(frozen=True)
@@ -76,6 +84,8 @@ class Target:
 class WorkPrecision(Study):
     """The rows in the order taken; ``reference`` the reference's own error by scene, or why there is none."""
 
+    printed_by: ClassVar[str] = "duhem.benchmark.work_precision.report"
+
     repeats: int
     rows: tuple[Measurement, ...]
     targets: tuple[Target, ...]
@@ -105,3 +115,81 @@ def _finite(value: Any) -> Any:
         case float():
             return value if math.isfinite(value) else None
     return value
+
+
+def timed(
+    run: Callable[[], object], repeats: int, share: float = 1.0, limit: float = 1.5, clock: Callable[[], float] = perf_counter
+) -> Spread:
+    """Seconds of ``run`` times ``share``: up to ``repeats`` runs, fewer (but three, or one long one) past ``limit`` seconds.
+
+    ``clock``: by default the wall's.
+    """
+    seconds: list[float] = []
+    while len(seconds) < repeats and (sum(seconds) < limit or (len(seconds) < 3 and seconds[0] < limit)):
+        began = clock()
+        run()
+        seconds.append(clock() - began)
+    return Spread.of(seconds, share)
+
+
+def measured(
+    scene: str,
+    name: str,
+    setting: str,
+    run: Callable[[], object],
+    repeats: int,
+    count: int,
+    clock: Callable[[], float] = perf_counter,
+    note: str = "",
+) -> Measurement:
+    """The row of a run by :func:`timed`, seconds for one of ``count``; a first run compiles what is compiled on first use."""
+    try:
+        run()
+        return Measurement(scene, name, setting, seconds=timed(run, repeats, 1.0 / count, LIMIT, clock), note=note)
+    except Exception as fault:
+        return Measurement.failing(scene, name, setting, fault)
+
+
+def memory(scene: str, name: str, setting: str, run: Callable[[], object], *, results: bool) -> Measurement:
+    """Bytes that a run takes at its peak, in MB, as an error-free row of its own; without ``results`` those beyond what these keep."""
+    tracemalloc.start()
+    try:
+        kept = run()
+        now, peak = tracemalloc.get_traced_memory()
+        del kept
+    except Exception as fault:
+        return Measurement.failing(scene, name, setting, fault)
+    finally:
+        tracemalloc.stop()
+    return Measurement(scene, name, setting, {"megabytes": (peak if results else peak - now) / 1e6})
+
+
+def largest_errors(found: Sequence[tuple[Array, Array, ReferenceIncrement]]) -> dict[str, float]:
+    """The largest relative errors of stresses (d,) and slips (d,) against their references."""
+    return {
+        "stress": max(distance(stress.tolist(), answer.stress) for stress, _, answer in found),
+        "slip": max(distance(slip.tolist(), answer.slip) for _, slip, answer in found),
+    }
+
+
+def ratio(
+    what: str,
+    over: Key,
+    under: Key,
+    relation: str,
+    bound: float,
+    *,
+    seconds: Mapping[Key, float],
+    absent: Mapping[str, str],
+    name: Callable[[Key], str] = str,
+) -> Target:
+    """One of the ``seconds`` over another; of one that was not measured why, which ``absent`` has by its ``name``."""
+    missing = dict.fromkeys(name(key) for key in (over, under) if key not in seconds)
+    value = None if missing or seconds[under] == 0.0 else seconds[over] / seconds[under]
+    reason = "; ".join(absent.get(each, f"{each} was not measured") for each in missing)
+    return Target(what, value, relation, bound, reason or ("" if value is not None else "too short for this clock"))
+
+
+def at_most(what: str, value: float | None, bound: float, reason: str) -> Target:
+    """A number of its own; ``reason`` says why there is none."""
+    return Target(what, value, "<=", bound, "" if value is not None else reason)

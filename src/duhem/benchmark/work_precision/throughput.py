@@ -7,12 +7,17 @@ compared with the first, what returns new ones with the second.
 Times are the processor's, all threads together: what else the machine does in between would distort a ratio of a short
 run to a long one.  Each method is measured at growing numbers of points, as far as it takes seconds; errors are those of a few
 of the first points against many digits, flags those of duhem's own residuals.
+
+The calls of ``duhem.project`` by users, checks, residuals and statuses included, are a scene of their own, in wall time.  Their
+bound is a copy of three numbers a point between arrays that exist, by one thread: what reading a trial stress and a pressure in
+the plane costs at least.  Compiled calls are taken on one thread and on all that there are; what is compiled on first use is
+compiled before.  Small batches, the copy of them too, are taken as often as it takes to see as many points, up to twenty times as
+often: five calls of half a millisecond are all over while another program has the processor.
 """
 
 from __future__ import annotations
 
-import tracemalloc
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter, process_time
@@ -20,11 +25,20 @@ from time import perf_counter, process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.benchmark.contenders import Contender
-from duhem.benchmark.reference import NoReference, ReferenceIncrement, distance
-from duhem.benchmark.specimen import Specimen
-from duhem.benchmark.work_precision.result import Measurement, Spread
-from duhem.benchmark.work_precision.timing import measured, timed
+from duhem.benchmark.contenders import Contender, Specimen
+from duhem.benchmark.reference import NoReference, ReferenceIncrement
+from duhem.benchmark.work_precision.result import (
+    LIMIT,
+    Measurement,
+    Spread,
+    Target,
+    at_most,
+    largest_errors,
+    measured,
+    memory,
+    ratio,
+    timed,
+)
 from duhem.left_out import LeftOut
 from duhem.projection.closed_form import ClosedFormOptions
 from duhem.projection.increment import Increment
@@ -32,17 +46,19 @@ from duhem.projection.projector import ACCURACY
 from duhem.projection.residuals import residuals
 from duhem.projection.result import Array, Projection, Solution, Status
 
-__all__ = ["ANEW", "BOUND", "BOUND_NEW", "ONCE", "REUSED", "SCENE", "WHOLE", "Load", "rows"]
+__all__ = ["CALLS", "SCENE", "Load", "beside_peers", "call_rows", "call_targets", "rows", "targets"]
 
-SCENE = "throughput"
+SCENE, CALLS = "throughput", "project"
 BOUND, BOUND_NEW, WHOLE = "memory bandwidth", "memory bandwidth, new arrays", "duhem.project"
 REUSED = ", arrays reused"
+COPY, ONE = "copy of 24 bytes a point", ", one thread"
 ONCE, ANEW = "cvxpy, compiled once", "cvxpy, a new problem a point"
 _SIZES = (100, 10_000)  # points, before the number asked for
 _FEWER = 20  # points for cvxpy
-_LIMIT = 6.0
 _LOOKED_AT = 100  # of the first points: those that are judged
 _KNOWN = 20  # of them: those that have an answer in many digits; the largest error of fewer is luck
+_SMALL, _FEW = 10_000, 2_000  # points of a small batch; of newton without a compiler beside many
+_OFTEN = 20
 
 
 @dataclass(frozen=True)
@@ -83,8 +99,8 @@ class Load:
 def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[Measurement]:
     """Seconds a point: the bound, each method alone (from the checked question to its answer), and duhem.project whole."""
     n = len(load.question.trial)
-    yield Measurement(SCENE, BOUND, f"N = {n}", seconds=_bound(load, repeats, new=False), note="copies and fills, one thread")
-    yield Measurement(SCENE, BOUND_NEW, f"N = {n}", seconds=_bound(load, repeats, new=True), note="copies and fills, one thread")
+    for name, new in ((BOUND, False), (BOUND_NEW, True)):
+        yield Measurement(SCENE, name, f"N = {n}", seconds=_bound(load, repeats, new), note="copies and fills, one thread")
     for contender in contenders:
         if contender.method.name == "cvxpy":
             continue
@@ -92,7 +108,7 @@ def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[
         if contender.method.name == "closed-form":
             yield _reused(contender, load.question, repeats)
             if contender.options == ClosedFormOptions(compiled=False):
-                yield _memory(contender.name, partial(contender.solve, load.question))
+                yield memory(SCENE, contender.name, "extra memory", partial(contender.solve, load.question), results=False)
     if any(contender.method.name == "cvxpy" for contender in contenders):
         yield from _cvxpy(load, min(n, _FEWER), repeats)
     first = next((contender for contender in contenders if not contender.peer), None)
@@ -103,7 +119,7 @@ def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[
 
         yield from _grown(load, WHOLE, whole, min(repeats, 3), "checks, residuals and statuses included")
         if first.method.name == "closed-form":
-            yield _memory(WHOLE, partial(whole, load.question))
+            yield memory(SCENE, WHOLE, "extra memory", partial(whole, load.question), results=False)
 
 
 def _grown(
@@ -120,7 +136,7 @@ def _grown(
             return
         median = row.seconds.median
         least = least or median
-        ends = more is None or median * more > _LIMIT
+        ends = more is None or median * more > LIMIT
         said = [
             note,
             f"a point takes {median / least:.2g} times what it takes at N = {sizes[0]}" if ends and n > sizes[0] and least > 0.0 else "",
@@ -145,7 +161,7 @@ def _judged(load: Load, name: str, n: int, solve: Callable[[Increment], Solution
         del found, failed  # a million answers that are kept would make the next million dearer
         worst = residuals(load.first(min(n, _LOOKED_AT)), head).worst()
         note = f"{missing} of {n} points without an answer" if missing else ""
-        seconds = timed(partial(solve, part), repeats, 1.0 / n, _LIMIT, process_time)
+        seconds = timed(partial(solve, part), repeats, 1.0 / n, LIMIT, process_time)
         flagged = int(np.count_nonzero(head.failed | ~(worst <= ACCURACY)))
         return Measurement(SCENE, name, f"N = {n}", _errors(load, head), seconds, flagged, None, note, first)
     except Exception as fault:
@@ -154,13 +170,8 @@ def _judged(load: Load, name: str, n: int, solve: Callable[[Increment], Solution
 
 def _errors(load: Load, found: Solution) -> dict[str, float]:
     """The largest, relative, of the points that have an answer here and in many digits."""
-    known = [(i, answer) for i, answer in load.answers.items() if i < len(found.failed) and not found.failed[i]]
-    if not known:
-        return {}
-    return {
-        "stress": max(distance(found.stress[i].tolist(), answer.stress) for i, answer in known),
-        "slip": max(distance(found.slip[i].tolist(), answer.slip) for i, answer in known),
-    }
+    known = {i: answer for i, answer in load.answers.items() if i < len(found.failed) and not found.failed[i]}
+    return largest_errors([(found.stress[i], found.slip[i], answer) for i, answer in known.items()]) if known else {}
 
 
 def _cvxpy(load: Load, count: int, repeats: int) -> Iterator[Measurement]:
@@ -174,12 +185,8 @@ def _cvxpy(load: Load, count: int, repeats: int) -> Iterator[Measurement]:
         for question in alone:
             solve(question)
 
-    yield _measured(ONCE, count, partial(solve, part), repeats, f"{count} points, CLARABEL")
-    yield _measured(ANEW, count, each, repeats, f"{count} points, CLARABEL")
-
-
-def _measured(name: str, n: int, run: Callable[[], object], repeats: int, note: str) -> Measurement:
-    return measured(SCENE, name, f"N = {n}", run, repeats, 1.0 / n, _LIMIT, process_time, note)
+    for name, run in ((ONCE, partial(solve, part)), (ANEW, each)):
+        yield measured(SCENE, name, f"N = {count}", run, repeats, count, process_time, f"{count} points, CLARABEL")
 
 
 def _reused(contender: Contender, question: Increment, repeats: int) -> Measurement:
@@ -189,21 +196,7 @@ def _reused(contender: Contender, question: Increment, repeats: int) -> Measurem
         room = contender.solve(question)
     except Exception as fault:
         return Measurement.failing(SCENE, name, f"N = {n}", fault)
-    return _measured(name, n, lambda: contender.again(question, room), repeats, "")
-
-
-def _memory(name: str, run: Callable[[], object]) -> Measurement:
-    """Peak bytes beyond what the results keep, in MB, as an error-free row of its own."""
-    tracemalloc.start()
-    try:
-        kept = run()
-        now, peak = tracemalloc.get_traced_memory()
-        del kept
-    except Exception as fault:
-        return Measurement.failing(SCENE, name, "extra memory", fault)
-    finally:
-        tracemalloc.stop()
-    return Measurement(SCENE, name, "extra memory", {"megabytes": (peak - now) / 1e6})
+    return measured(SCENE, name, f"N = {n}", lambda: contender.again(question, room), repeats, n, process_time)
 
 
 def _bound(load: Load, repeats: int, new: bool) -> Spread:
@@ -226,3 +219,114 @@ def _bound(load: Load, repeats: int, new: bool) -> Spread:
 
     run()
     return timed(run, max(3 * repeats, 9), 1.0 / n, clock=process_time)
+
+
+def targets(rows: Sequence[Measurement], left_out: Sequence[LeftOut]) -> tuple[Target, ...]:
+    """The ratios of medians that duhem sets itself, at the most points measured; where one was not measured, why."""
+    absent = {part.part: part.reason for part in left_out} | {r.method: f"failed: {r.failure}" for r in rows if r.failure is not None}
+    seconds = {row.method: row.seconds.median for row in rows if row.scene == SCENE and row.seconds is not None}
+    megabytes_of = {row.method: row.error["megabytes"] for row in rows if row.scene == SCENE and "megabytes" in row.error}
+    if BOUND not in seconds or BOUND_NEW not in seconds:
+        return ()
+    if "closed-form" not in seconds:  # what duhem.project is held to is held to with a closed form
+        seconds.pop(WHOLE, None)
+    absent |= {name + REUSED: reason for name, reason in absent.items()}
+
+    target = partial(ratio, seconds=seconds, absent=absent)
+
+    def megabytes(name: str) -> Target:
+        return at_most(f"extra memory of {name}, MB", megabytes_of.get(name), 16.0, f"{name} was not measured")
+
+    return (
+        target("closed form (NumPy) / memory bandwidth", "closed-form" + REUSED, BOUND, "<=", 40.0),
+        target("closed form (numba) / memory bandwidth", "closed-form, numba" + REUSED, BOUND, "<=", 5.0),
+        target("closed form (NumPy) / memory bandwidth, new arrays", "closed-form", BOUND_NEW, "<=", 40.0),
+        target("closed form (numba) / memory bandwidth, new arrays", "closed-form, numba", BOUND_NEW, "<=", 5.0),
+        target("duhem.project, residuals included / memory bandwidth, new arrays", WHOLE, BOUND_NEW, "<=", 40.0),
+        target("CVXPY, a new problem a point / closed form (NumPy)", ANEW, "closed-form", ">=", 1e4),
+        target("CVXPY, compiled once / closed form (NumPy)", ONCE, "closed-form", ">=", 1e4),
+        megabytes("closed-form"),
+        megabytes(WHOLE),
+    )
+
+
+def beside_peers(rows: Sequence[Measurement], own: Collection[str], peers: Collection[str]) -> tuple[Target, ...]:
+    """For each peer the time and the error of the quickest of duhem's ``own`` methods, both at the most points both were measured at."""
+    found: list[Target] = []
+    measured = {(row.method, row.setting): row for row in rows if row.scene == SCENE and row.seconds is not None}
+    for peer in peers:
+        at = [setting for name, setting in measured if name == peer and any((mine, setting) in measured for mine in own)]
+        if not at:
+            continue
+        theirs = measured[peer, at[-1]]
+        mine = min((measured[name, at[-1]] for name in own if (name, at[-1]) in measured), key=_median)
+        what = f"{peer} / {mine.method}, time a point at {at[-1]}"
+        found.append(Target(what, _median(theirs) / _median(mine) if _median(mine) > 0.0 else None, ">=", 1.0, "too short for this clock"))
+        if "stress" in theirs.error and "stress" in mine.error:
+            off, other = mine.error["stress"], theirs.error["stress"]
+            share = 0.0 if off == 0.0 else off / other if other > 0.0 else float("inf")
+            found.append(Target(f"{mine.method} / {peer}, error of the stress at {at[-1]}", share, "<=", 1.0))
+    return tuple(found)
+
+
+def _median(row: Measurement) -> float:
+    assert row.seconds is not None
+    return row.seconds.median
+
+
+def call_rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[Measurement]:
+    """Seconds a point of the copy and of each call: large and small batches, with and without the compiler."""
+    n = len(load.question.trial)
+    for many in sorted({n, min(n, _SMALL)}, reverse=True):
+        there, here, often = np.ones((many, 3)), np.empty((many, 3)), repeats * min(n // many, _OFTEN)
+        copy = partial(np.copyto, here, there)
+        yield measured(CALLS, COPY, f"N = {many}", copy, 5 * often, many, note="one thread")
+        for contender in contenders:
+            name, options = contender.method.name, vars(contender.options)
+            if "compiled" not in options:
+                continue
+            if not options["compiled"] and name == "newton":
+                yield _called(load, contender, contender.name, min(many, _FEW) if many == n else many, often)
+                continue
+            yield _called(load, contender, contender.name, many, often)
+            if options["compiled"]:
+                alone = Contender.of(contender.name, name, compiled=True, threads=1)
+                yield _called(load, alone, contender.name + ONE, many, often)
+
+
+def _called(load: Load, contender: Contender, name: str, count: int, repeats: int) -> Measurement:
+    trial = load.question.trial[:count]
+    pressure = None if load.specimen.pressure is None else load.question.pressure[:count]
+    return measured(CALLS, name, f"N = {count}", lambda: contender.project(load.specimen, trial, pressure), repeats, count)
+
+
+def call_targets(rows: Sequence[Measurement], left_out: Sequence[LeftOut]) -> tuple[Target, ...]:
+    """The ratios of least times that duhem sets itself; of one that was not measured, why."""
+    own = [row for row in rows if row.scene == CALLS]
+    least = {(row.method, int(row.setting.removeprefix("N = "))): row.seconds.least for row in own if row.seconds is not None}
+    absent = {part.part: part.reason for part in left_out} | {row.method: f"failed: {row.failure}" for row in own if row.failure}
+    if not own:
+        return ()
+    n = max(count for _, count in least) if least else 0
+    small = min(n, _SMALL)
+
+    target = partial(ratio, seconds=least, absent=absent, name=lambda key: key[0].removesuffix(ONE))
+    fast = [
+        target("duhem.project / copy of 24 bytes a point", ("closed-form", n), (COPY, n), "<=", 160.0),
+        target("duhem.project (numba) / copy of 24 bytes a point", ("closed-form, numba", n), (COPY, n), "<=", 50.0),
+        at_most(
+            f"duhem.project (numba), ns a point of N = {small}",
+            1e9 * least["closed-form, numba", small] if ("closed-form, numba", small) in least else None,
+            100.0,
+            absent.get("closed-form, numba", "not measured"),
+        ),
+        target("closed form (numba), one thread / all", ("closed-form, numba" + ONE, n), ("closed-form, numba", n), ">=", 1.6),
+    ]
+    newton = [
+        target("newton / newton (numba)", ("newton", min(n, _FEW)), ("newton, numba", n), ">=", 15.0),
+        target("newton (numba), one thread / all", ("newton, numba" + ONE, n), ("newton, numba", n), ">=", 1.6),
+    ]
+    if small < n:
+        both = f"newton / newton (numba), both at N = {small}"
+        newton.insert(1, target(both, ("newton", small), ("newton, numba", small), ">=", 15.0))
+    return tuple(newton if "closed-form" in absent else fast)

@@ -1,4 +1,4 @@
-"""A criterion in as many digits as asked for, with its derivatives by differences and its kinks by name.
+"""A criterion in as many digits as asked for: its derivatives by differences, its kinks by name, and where rays leave its K.
 
 Central differences at a step of h lose h^2; with 150 digits and h = 1e-45 some 90 digits of a gradient stay.  So one
 evaluation of the formula is all that is trusted, and no rule of differentiation is shared with any method.
@@ -18,9 +18,26 @@ from duhem.expression import Neg, Pos, Where
 from duhem.expression.mpmath_ import constant, table
 from duhem.expression.recording import recorded
 
-__all__ = ["Choices", "NoReference", "PreciseFormula", "Reading", "Slice", "steep", "within_reach"]
+__all__ = [
+    "Choices",
+    "NoReference",
+    "PreciseFormula",
+    "Reading",
+    "Slice",
+    "Vector",
+    "dot",
+    "extents",
+    "reach",
+    "root",
+    "steep",
+    "within_reach",
+]
 
 Choices = tuple[int, ...]
+
+_FARTHEST = 14  # 2^(2^14): how far a ray is followed for the boundary
+
+Vector = list[Any]
 
 
 class NoReference(DuhemError):
@@ -39,9 +56,14 @@ def within_reach(digits: int) -> Iterator[None]:
         raise NoReference(f"{digits} digits do not suffice: {said}") from None
 
 
+def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    """The scalar product."""
+    return sum(x * y for x, y in zip(a, b, strict=True))
+
+
 def steep(normal: Sequence[Any], digits: int) -> Any:
     """|normal|^2, which is not zero: NoReference where the boundary has no direction in so many digits."""
-    square = sum(c * c for c in normal)
+    square = dot(normal, normal)
     if not square > 0:
         raise NoReference(f"the gradient of g vanishes on the boundary, in {digits} digits")
     return square
@@ -95,7 +117,7 @@ class Slice:
 
     def forces(self, w: Sequence[Any]) -> list[Any]:
         """The forces at ``w``."""
-        return [sum(c * x for c, x in zip(row, w, strict=True)) for row in self.columns]
+        return [dot(row, w) for row in self.columns]
 
     def read(self, w: Sequence[Any], choices: Choices | None = None) -> Reading:
         """The formula at ``w``."""
@@ -183,3 +205,80 @@ def _where(told: int | None, difference: Any, a: Any, b: Any) -> tuple[Any, int,
 
 _COMPARISONS = (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan)
 _KINKS: dict[type, Callable[..., Any]] = {Pos: _pos, Neg: _neg, sp.Abs: _abs, sp.Max: _most, sp.Min: _least, Where: _where}
+
+
+def extents(plain: Slice, y: Vector) -> Vector | None:
+    """How far K reaches along each coordinate; None where it is the origin alone."""
+    m, mp = len(y), plain.formula.context
+    if plain.read([0 * c for c in y]).value > 100 * mp.eps * abs(plain.read(y).value):
+        raise NoReference("the origin is not inside K")
+    hint = max(abs(c) for c in y)
+    axes = [[s * (1 if i == j else 0) for j in range(m)] for i in range(m) for s in (1, -1)]
+    ends = [reach(plain, [mp.mpf(c) for c in axis], hint, digits=3) for axis in axes]
+    toward = reach(plain, y, mp.mpf(1), digits=3)
+    if toward is None:
+        if any(r is not None for r in ends):
+            raise NoReference("the origin is not inside K")
+        return None
+    sizes = []
+    for i in range(m):
+        both = [r for r in ends[2 * i : 2 * i + 2] if r is not None]
+        sizes.append(max(both) if both else toward * hint)
+    return sizes
+
+
+def reach(slice_: Slice, direction: Vector, hint: Any, digits: int) -> Any:
+    """The t > 0 at which g(t direction) = 0, to ``digits``; None where no point of the ray lies in K."""
+    mp = slice_.formula.context
+
+    def at(t: Any) -> Any:
+        value = slice_.read([t * c for c in direction]).value
+        return mp.inf if mp.isnan(value) else value
+
+    low = high = hint
+    f_low = f_high = at(hint)
+    for power in range(_FARTHEST):
+        factor = mp.mpf(2) ** (2**power)
+        if f_low > 0:
+            high, f_high = low, f_low
+            low = low / factor
+            f_low = at(low)
+        elif f_high <= 0:
+            low, f_low = high, f_high
+            high = high * factor
+            f_high = at(high)
+        else:
+            break
+    if f_low > 0:
+        return None
+    if f_high <= 0:
+        raise NoReference("K does not end along a ray")
+    while high > 4 * low:  # brackets found by growing factors are wide
+        middle = mp.sqrt(low * high)
+        f = at(middle)
+        low, f_low, high, f_high = (middle, f, high, f_high) if f <= 0 else (low, f_low, middle, f)
+    return root(at, low, f_low, high, f_high, mp.mpf(10) ** -digits)
+
+
+def root(at: Any, low: Any, f_low: Any, high: Any, f_high: Any, tolerance: Any) -> Any:
+    """Regula falsi with the Illinois weights, a halving wherever it dawdles."""
+    side = 0
+    for turn in range(400):
+        if f_low == 0 or high - low <= tolerance * high:
+            return low
+        infinite = f_high - f_low == f_high.context.inf if hasattr(f_high, "context") else False
+        t = (low + high) / 2 if turn % 3 == 2 or infinite else (low * f_high - high * f_low) / (f_high - f_low)
+        if not low < t < high:
+            t = (low + high) / 2
+        f = at(t)
+        if f == 0:
+            return t
+        if f < 0:
+            low, f_low = t, f
+            f_high = f_high / 2 if side < 0 else f_high
+            side = -1
+        else:
+            high, f_high = t, f
+            f_low = f_low / 2 if side > 0 else f_low
+            side = 1
+    return low

@@ -18,8 +18,7 @@ from typing import Any
 import sympy as sp
 from mpmath import MPContext
 
-from duhem.benchmark.reference.formula import Choices, NoReference, PreciseFormula, Slice, steep, within_reach
-from duhem.benchmark.reference.ray import extents, root
+from duhem.benchmark.precise_formula import Choices, NoReference, PreciseFormula, Slice, Vector, dot, extents, root, steep, within_reach
 
 __all__ = ["Drive", "Driven"]
 
@@ -27,8 +26,6 @@ _SUBSTEPS = (2, 4, 6, 8, 10, 12, 14, 16)
 _AHEAD = 1e-12  # of a step: far enough to tell the branches that come next, too short to matter where n is continuous
 _LEAST = 1e-13  # of a segment: no step is shorter
 _CORNER = 1e-9  # a turn of the normal at a kink that is more than the step beyond it explains
-
-Vector = list[Any]
 
 
 @dataclass(frozen=True)
@@ -79,7 +76,7 @@ class Drive:
         stress = [list(w)]
         for before, after in pairwise(exact):
             du = [b - a for a, b in zip(before, after, strict=True)]
-            q = [sum(c * u for c, u in zip(row, du, strict=True)) / s for row, s in zip(self.k, self.size, strict=True)]
+            q = [dot(row, du) / s for row, s in zip(self.k, self.size, strict=True)]
             w, slips, lost = self._segment(w, q, slips)
             error += lost
             stress.append(self.slice.forces(w))
@@ -91,7 +88,7 @@ class Drive:
         if not any(q):
             return w, slips, mp.mpf(0)
         time, error, step = mp.mpf(0), mp.mpf(0), mp.mpf(1) / 2
-        if not slips or sum(a * b for a, b in zip(self._normal(w, self.slice.read(w).choices), q, strict=True)) <= 0:
+        if not slips or dot(self._normal(w, self.slice.read(w).choices), q) <= 0:
             end = self._to_the_boundary(w, q)
             if end is None:
                 return _moved(w, q, mp.mpf(1)), False, error
@@ -159,8 +156,8 @@ class Drive:
     def _rate(self, w: Vector, q: Vector, choices: Choices) -> Vector:
         n = self._normal(w, choices)
         steep(n, self.mp.dps)
-        back = [sum(a * b for a, b in zip(row, n, strict=True)) for row in self.scaled]
-        push = sum(a * b for a, b in zip(n, q, strict=True)) / sum(a * b for a, b in zip(n, back, strict=True))
+        back = [dot(row, n) for row in self.scaled]
+        push = dot(n, q) / dot(n, back)
         return [a - push * b for a, b in zip(q, back, strict=True)]
 
     def _extrapolated(self, w: Vector, q: Vector, choices: Choices, h: Any) -> tuple[Vector, Any]:

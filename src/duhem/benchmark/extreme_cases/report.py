@@ -1,4 +1,8 @@
-"""Accurate digits over decades, a panel an axis, a line a method; crosses are silently wrong (extra ``plot``)."""
+"""The extreme cases as tables and as a figure (extra ``plot``).
+
+Tables have decades down, methods across, and what was silently wrong; the figure has accurate digits over decades, a panel an axis, a
+line a method, and crosses where an answer is silently wrong.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +11,23 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from duhem.benchmark.extreme_cases.cases import AXES
-from duhem.benchmark.extreme_cases.judge import MOST, POOR
-from duhem.benchmark.extreme_cases.stress import ExtremeCases
+from duhem.benchmark.extreme_cases.stress import MOST, POOR, ExtremeCases, Tally
+from duhem.benchmark.study import report
 from duhem.law.units import UNIT
 from duhem.show import figure
-from duhem.show.printing import draw
+from duhem.show.page import PAGE, Page, tied
+from duhem.show.printing import draw, text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["panels", "picture"]
+__all__ = ["as_text", "panels", "picture"]
+
+LEGEND = (
+    "Cells: accurate digits of the stress / of the slip, the fewest of the points, at most 16. F: flagged (status inaccurate or "
+    "failed, or an error raised). X: numbers that are not finite. O: outside K. !stress, !slip: silently wrong, that is fewer than "
+    "6 digits of it and no flag."
+)
 
 _QUANTITIES = {
     "load": (r"$|\sigma_n|$ or trial stress", UNIT),
@@ -28,6 +39,64 @@ _QUANTITIES = {
 }
 _NUMBERS = 12  # most at an axis
 _APART = 0.5  # the methods at one place stand side by side within this part of a place
+
+
+@text.register(ExtremeCases)
+def as_text(result: ExtremeCases, page: Page = PAGE) -> str:
+    """Axis by axis, then a summary for each method, refusals, and what was left out."""
+    facts = [f"reference: the optimality conditions in many digits, its own error {result.reference:.0e}"]
+    axes = [_axis(result, axis, meaning, page) for axis, meaning in AXES.items()]
+    return report(
+        result,
+        facts,
+        [page.hanging(LEGEND, rest=""), *axes, ["Summary", *_summary(result, page)], _refusals(result, page), _errors(result, page)],
+        page,
+    )
+
+
+def _axis(result: ExtremeCases, axis: str, meaning: str, page: Page) -> list[str]:
+    rows = {(row.label, row.method): row for row in result.rows if row.axis == axis}
+    labels = dict.fromkeys(label for label, _ in rows)
+    body = [[label, *(_cell(rows[label, m]) if (label, m) in rows else "" for m in result.methods)] for label in labels]
+    return [*page.hanging(f"{axis}: {meaning}"), *page.table([["", *result.methods], *body], "l")] if rows else []
+
+
+def _cell(row: Tally) -> str:
+    if row.failure is not None:
+        return tied("- / -") + "  F"
+    marks = [
+        "F" if row.flagged else "",
+        "X" if row.finite < row.points else "",
+        "O" if row.feasible < row.finite else "",
+        " !stress" if row.wrong_stress else "",
+        " !slip" if row.wrong_slip else "",
+    ]
+    digits = tied(f"{row.stress_digits:4.1f} / {row.slip_digits:4.1f}")
+    return f"{digits} {''.join(marks).lstrip()}".rstrip()
+
+
+def _summary(result: ExtremeCases, page: Page) -> list[str]:
+    body: list[tuple[str, ...]] = [("method", "points", "finite", "in K", "flagged", "silently wrong: stress", "slip")]
+    for method in result.methods:
+        rows = [row for row in result.rows if row.method == method]
+        counts = [sum(getattr(row, name) for row in rows) for name in ("points", "finite", "feasible", "flagged")]
+        wrong = result.silently_wrong[method]
+        body.append((method, *map(str, counts), *map(str, wrong)))
+    return page.table(body, "lr")
+
+
+def _refusals(result: ExtremeCases, page: Page) -> list[str]:
+    if not result.refusals:
+        return []
+    held = sum(r.held for r in result.refusals)
+    title = f"Input that cannot be used: {held} of {len(result.refusals)} refused with argument and index named"
+    answered = [f"{r.method}, {r.what} ({r.place}): {r.answer}" for r in result.refusals if not r.held]
+    return [*page.hanging(title), *(line for sentence in answered for line in page.item(sentence))]
+
+
+def _errors(result: ExtremeCases, page: Page) -> list[str]:
+    raised = {(row.method, row.failure) for row in result.rows if row.failure is not None}
+    return page.items("Errors raised", [f"{method}: {failure}" for method, failure in sorted(raised, key=str)])
 
 
 def panels(result: ExtremeCases) -> tuple[str, ...]:
