@@ -9,8 +9,7 @@ import sympy as sp
 
 from duhem import InputError
 from duhem.micromodel.experiment import STEEL_ON_ALUMINIUM as PAPER
-from duhem.micromodel.experiment import Experiment
-from duhem.micromodel.experiment.errata import errata
+from duhem.micromodel.experiment import Experiment, errata
 from duhem.micromodel.wedge import coefficients
 
 

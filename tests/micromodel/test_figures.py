@@ -17,7 +17,7 @@ import duhem
 from duhem.__main__ import main
 from duhem.errors import InputError, MissingExtraError
 from duhem.micromodel.figures import FIGURES, Figure, Table
-from duhem.micromodel.figures.boundary import boundary
+from duhem.micromodel.figures.paper import boundary
 from duhem.micromodel.figures.value import Arrows, Curve
 from tests.long import long_but, mostly_long
 

@@ -16,10 +16,9 @@ from hypothesis import strategies as st
 
 import duhem
 from duhem.errors import InputError
-from duhem.micromodel import derivation, facets, oblique, proofs
-from duhem.micromodel.fit import associated_fit
+from duhem.micromodel import derivation, facets, proofs
 from duhem.micromodel.profile import by_quadrature, simulate_profile
-from duhem.micromodel.wedge import coefficients, limit_point, slip_direction
+from duhem.micromodel.wedge import associated_fit, coefficients, limit_point, slip_direction
 from duhem.proof.verdict import Verdict
 
 STEEL = (np.pi / 4, np.arctan(0.25), 0.25, 0.25)  # the specimen of the paper at mu = 1/4
@@ -192,9 +191,9 @@ def test_wrong_statements_are_not_proved(monkeypatch: pytest.MonkeyPatch, reques
 
 
 def test_the_steps_of_the_star_shape_can_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    parts = oblique._parts
-    monkeypatch.setattr(oblique, "_parts", lambda t, u: (*parts(t, u)[:3], 2 * parts(t, u)[3]))
-    assert oblique.star_shaped().verdict is Verdict.UNDECIDED
+    parts = proofs._parts
+    monkeypatch.setattr(proofs, "_parts", lambda t, u: (*parts(t, u)[:3], 2 * parts(t, u)[3]))
+    assert proofs.star_shaped().verdict is Verdict.UNDECIDED
 
 
 @pytest.mark.slow

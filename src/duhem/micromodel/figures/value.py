@@ -1,20 +1,39 @@
-"""A figure as a value: what is on it, in numbers, before anything is drawn."""
+"""A figure as a value, what is on it in numbers before anything is drawn, and how it is made: a function of named numbers."""
 
 from __future__ import annotations
 
 import csv
+import inspect
 import io
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.errors import InputError
 from duhem.show.page import Page
 
-__all__ = ["Array", "Arrows", "Axis", "Band", "Curve", "Fact", "Figure", "Layer", "Marks", "Note", "Panel", "Rule", "Table"]
+__all__ = [
+    "Array",
+    "Arrows",
+    "Axis",
+    "Band",
+    "Curve",
+    "Fact",
+    "Figure",
+    "Layer",
+    "Marks",
+    "Note",
+    "Panel",
+    "Recipe",
+    "Rule",
+    "Table",
+    "unknown",
+]
 
 Array = NDArray[np.float64]
 Row = tuple[str, float, float, float, float]  # series, x, y, dx, dy
@@ -51,8 +70,8 @@ class Axis:
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
-    """A line through (x, y), both (n,).
+class _Points:
+    """Places (x, y), both (n,).
 
     Here and below ``name`` is the key, ``label`` what stands on the figure (mathtext; nothing if empty), and ``hue`` a place
     in the palette, None for grey.
@@ -68,18 +87,12 @@ class Curve:
         return ((self.name, x, y, _NONE, _NONE) for x, y in zip(self.x.tolist(), self.y.tolist(), strict=True))
 
 
-@dataclass(frozen=True, eq=False)
-class Marks:
-    """Marks at (x, y), both (n,)."""
+class Curve(_Points):
+    """A line through places."""
 
-    name: str
-    x: Array
-    y: Array
-    hue: int | None = 0
-    label: str = ""
 
-    def rows(self) -> Iterator[Row]:
-        return ((self.name, x, y, _NONE, _NONE) for x, y in zip(self.x.tolist(), self.y.tolist(), strict=True))
+class Marks(_Points):
+    """Marks at places."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,8 +171,14 @@ class Panel:
         return {layer.name: layer for layer in self.layers if not isinstance(layer, Note)}[name]
 
 
-class _Facts:
-    facts: tuple[Fact, ...]
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Made:
+    """What a recipe says of what it has made: ``settings`` are the parameters it was computed from, ``source`` author, year, figure."""
+
+    title: str = ""
+    source: str = ""
+    settings: Mapping[str, float] = field(default_factory=dict)
+    facts: tuple[Fact, ...] = ()
 
     def __getitem__(self, name: str) -> float:
         """The value of the fact of that name; KeyError if there is none."""
@@ -167,14 +186,10 @@ class _Facts:
 
 
 @dataclass(frozen=True, eq=False)
-class Figure(_Facts):
-    """Panels side by side; ``settings`` are the parameters they were computed from, ``source`` author, year, figure."""
+class Figure(_Made):
+    """Panels side by side."""
 
-    title: str
-    source: str
-    settings: Mapping[str, float]
     panels: tuple[Panel, ...]
-    facts: tuple[Fact, ...] = ()
 
     def to_csv(self) -> str:
         """Every point of every layer, one a row: panel, series, x, y, and the direction dx, dy of an arrow."""
@@ -188,16 +203,12 @@ class Figure(_Facts):
 
 
 @dataclass(frozen=True, eq=False)
-class Table(_Facts):
+class Table(_Made):
     """A figure that says more in rows: ``rows`` of text and numbers under ``columns``; ``remarks`` below them."""
 
-    title: str
-    source: str
-    settings: Mapping[str, float]
     columns: tuple[str, ...]
     rows: tuple[tuple[str | float, ...], ...]
     remarks: tuple[str, ...] = ()
-    facts: tuple[Fact, ...] = ()
 
     def column(self, name: str) -> tuple[str | float, ...]:
         """One column from top to bottom."""
@@ -226,3 +237,37 @@ def _csv(header: tuple[str, ...], rows: Any) -> str:
     writer.writerow(header)
     writer.writerows(rows)
     return stream.getvalue()
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """The figure ``name``; its parameters and their defaults are those of ``function``; ``drawn`` unless it is a table."""
+
+    name: str
+    title: str
+    source: str
+    function: Callable[..., Figure | Table]
+    drawn: bool = True
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """Name and default of each parameter, in order."""
+        return {name: float(p.default) for name, p in inspect.signature(self.function).parameters.items()}
+
+    def __call__(self, **settings: float) -> Figure | Table:
+        """The figure, computed from its defaults and ``settings``.  InputError for an unknown name or what is no finite number."""
+        known = self.parameters
+        given = {**known, **settings}
+        for name, value in settings.items():
+            if name not in known:
+                raise unknown(f"parameter of figure {self.name}", name, known)
+            if not math.isfinite(value):
+                raise InputError(f"{name} is {value}", where=f"figure {self.name}", remedy="give a finite number")
+        return replace(self.function(**given), title=self.title, source=self.source, settings=given)
+
+
+def unknown(what: str, name: str, known: Mapping[str, object]) -> InputError:
+    """The error for a name that is not among ``known``, with the nearest of them."""
+    near = get_close_matches(name[:40], list(known), n=1)
+    hint = f"did you mean {near[0]}? " if near else ""
+    return InputError(f"unknown {what} {name[:60]!r}", remedy=f"{hint}there are: {', '.join(known)}")

@@ -3,14 +3,15 @@
 A steel specimen with wedges (period L, height h, angle alpha; 1/tan alpha + 1/tan beta = L/h) under an aluminium one.  The
 local coefficient mu = mu_alpha = mu_beta was not measured; mu_a_plus and mu_a_minus grow with it, since dH(x, y)/dx =
 (1 + tan^2 y)/(1 - x tan y)^2 > 0, so that a range of either reading is a range of mu.  Whatever is compared is a rational
-number: an end of a range is a :class:`Bracket` whose two ends were evaluated exactly.
+number: an end of a range is a :class:`Bracket` whose two ends were evaluated exactly.  The errata are where the print
+contradicts itself, each with numbers computed from what it says elsewhere.
 
-Source: Antoni et al. (2007), section 3, Eqs. (4), (6), (13), (15), (16), Figs. 8 and 9.
+Source: Antoni et al. (2007), section 3, Eqs. (4), (6)-(10), (13), (15), (16), (35), Figs. 8 and 9.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,10 +19,12 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
-from duhem.micromodel.facets import exact_coefficients
+from duhem.law.catalogue import load_formula
+from duhem.micromodel.facets import F_0, HEIGHT, K_N, SLOPE, U, averages, exact_coefficients, height
+from duhem.show.page import PAGE, Page
 from duhem.show.printing import text
 
-__all__ = ["STEEL_ON_ALUMINIUM", "Bracket", "Consistency", "Experiment", "Prediction", "Range"]
+__all__ = ["STEEL_ON_ALUMINIUM", "Bracket", "Consistency", "Erratum", "Experiment", "Prediction", "Range", "as_text", "errata"]
 
 _REACH = sp.Rational(1, 2**52)
 
@@ -152,10 +155,8 @@ class Experiment:
         sp_, sm = exact_number(scatter_plus), exact_number(scatter_plus if scatter_minus is None else scatter_minus)
         if sp_ < 0 or sm < 0:
             raise InputError("a scatter is negative", where="consistent", remedy="give numbers >= 0")
-        ends = [self.local_friction(plus=self.measured_plus + s) for s in (-sp_, sp_)]
-        by_plus = Range(*ends)
-        ends = [self.local_friction(minus=self.measured_minus + s) for s in (-sm, sm)]
-        by_minus = Range(*ends)
+        by_plus = Range(*(self.local_friction(plus=self.measured_plus + s) for s in (-sp_, sp_)))
+        by_minus = Range(*(self.local_friction(minus=self.measured_minus + s) for s in (-sm, sm)))
         low = max(by_plus.low, by_minus.low, key=lambda b: b.low)
         high = min(by_plus.high, by_minus.high, key=lambda b: b.high)
         return Consistency(sp_, sm, by_plus, by_minus, Range(low, high) if low.low <= high.high else None)
@@ -206,3 +207,147 @@ STEEL_ON_ALUMINIUM = Experiment(
     mu_low=sp.Rational(23, 100),
     mu_high=sp.Rational(29, 100),
 )
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """``printed``: what stands at ``place``; ``follows``: what its own premises give; ``numbers``: ours, each computed here."""
+
+    place: str
+    printed: str
+    follows: str
+    numbers: Mapping[str, Any]
+
+
+def errata(experiment: Experiment = STEEL_ON_ALUMINIUM) -> tuple[Erratum, ...]:
+    """The four, in the order of the paper."""
+    return _spring_force(), _differentiability(), _misprinted_load(experiment), _rounded_prediction(experiment)
+
+
+def _spring_force() -> Erratum:
+    top = HEIGHT / SLOPE["alpha"]
+    period = HEIGHT * (1 / SLOPE["alpha"] + 1 / SLOPE["beta"])
+    rise = sp.integrate(height("alpha"), (U, 0, top)) + sp.integrate(height("beta"), (U, top, period))
+    as_printed = sp.expand(sp.cancel(-(F_0 + K_N * sp.cancel(rise / period))))
+    derived = sp.expand(averages(+1).normal)
+    return Erratum(
+        "Eq. (9)",
+        "F_n = -(F_0 + k_n u_n), with F_0 = -k_n (delta - h) <= 0",
+        "its mean over a period is not Eq. (10), F_0 - k_n h/2, which follows from F_n = F_0 - k_n u_n; Eqs. (13), (15) stand",
+        {
+            "mean of Eq. (9) as printed": as_printed,
+            "mean of F_0 - k_n u_n": derived,
+            "printed less Eq. (10)": sp.expand(as_printed - derived),
+        },
+    )
+
+
+def _differentiability() -> Erratum:
+    law = load_formula("antoni2007").fix({"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"})
+    names = law.symbols()
+
+    def rate(sense: int) -> sp.Rational:
+        """g along sense * t_a from the origin at sigma_n = 0, where it is homogeneous: the one-sided derivative."""
+        values = {names["sigma_a"]: sp.Integer(sense), names["sigma_b"]: sp.S.Zero, names["sigma_n"]: sp.S.Zero}
+        at = law.g.xreplace(values | {names[n]: d.value for n, d in law.parameters.items()})
+        return sp.nsimplify(at.doit())
+
+    return Erratum(
+        "section 2.6, before Eq. (35)",
+        "the criterion (35) is differentiable",
+        "it is, except at sigma_t = 0: there the one-sided derivatives along t_a and -t_a do not add up to zero (Fig. 5 coefficients)",
+        {"derivative along +t_a": rate(+1), "derivative along -t_a": rate(-1), "their sum": rate(+1) + rate(-1)},
+    )
+
+
+def _misprinted_load(experiment: Experiment) -> Erratum:
+    printed = sp.Integer(229)
+    other = printed / experiment.normal_load
+    mu = experiment.local_friction(minus=other)
+    return Erratum(
+        "section 3.2, Fig. 8",
+        "tangential loads of 330 N and 229 N, coefficients of 0.33 and 0.29",
+        "0.29 is the coefficient of 290 N; 229 N would also contradict the model, whose other coefficient would be too small",
+        {
+            "229 N over the normal load": other,
+            "load of 0.29 (N)": experiment.measured_minus * experiment.normal_load,
+            "mu_a_plus where mu_a_minus is that": experiment.predicted(mu.low).plus.n(15),
+        },
+    )
+
+
+def _rounded_prediction(experiment: Experiment) -> Erratum:
+    quarter, less = experiment.predicted("0.25"), experiment.predicted("0.24")
+    return Erratum(
+        "section 3.2, Fig. 9",
+        "near a local coefficient of 0.25 the calculated coefficients are 0.32 and 0.29",
+        "Eqs. (13), (15) give 0.32 and 0.29 at two different local coefficients, both nearer 0.24",
+        {
+            "mu_a_plus at 0.25": quarter.plus,
+            "mu_a_minus at 0.25": quarter.minus,
+            "mu_a_plus at 0.24": less.plus.n(6),
+            "mu_a_minus at 0.24": less.minus.n(6),
+            "mu where mu_a_plus = 0.32": experiment.local_friction(plus="0.32"),
+            "mu where mu_a_minus = 0.29": experiment.local_friction(minus="0.29"),
+        },
+    )
+
+
+@text.register(Experiment)
+def as_text(experiment: Experiment, page: Page = PAGE, *, scatter: sp.Rational) -> str:
+    """Everything about ``experiment`` with readings that may be off by ``scatter``."""
+    parts = (_specimen(experiment, page), _table(experiment, page), _friction(experiment, scatter, page), _errata(experiment, page))
+    return page.report([[*part] for part in parts])
+
+
+def _specimen(e: Experiment, page: Page) -> Iterator[str]:
+    lengths = f"L = {float(e.period) * 1e6:g} um, h = {float(e.height) * 1e6:g} um"
+    yield from page.hanging(f"{lengths}, tan alpha = {e.tan_alpha}, tan beta = {e.tan_beta}, load {e.normal_load} N")
+    read = f"mu_a_plus = {float(e.measured_plus):g}, mu_a_minus = {float(e.measured_minus):g}"
+    yield from page.hanging(f"measured {read} (Antoni et al. 2007, section 3)")
+
+
+def _table(e: Experiment, page: Page) -> Iterator[str]:
+    quarter, (best, _) = sp.Rational(1, 4), e.least_scatter()
+    rows: list[tuple[str, ...]] = [
+        ("local mu", "mu_a_plus", "mu_a_minus", "load + (N)", "load - (N)", "plus - measured", "minus - measured")
+    ]
+    for mu in sorted({e.mu_low, sp.Rational(24, 100), best.low, quarter, e.mu_high}):
+        at = e.predicted(mu)
+        numbers = (mu, at.plus, at.minus, at.load_plus, at.load_minus, at.plus - e.measured_plus, at.minus - e.measured_minus)
+        rows.append(tuple(f"{float(x):+.5f}" if i > 4 else f"{float(x):.5f}" for i, x in enumerate(numbers)))
+    yield from page.table(rows, "r")
+
+
+def _friction(e: Experiment, scatter: sp.Rational, page: Page) -> Iterator[str]:
+    found = e.consistent(scatter)
+    mu, least = e.least_scatter()
+    yield from page.hanging(f"local mu that agrees with readings off by at most {float(scatter):g} each (ends proved by exact evaluation)")
+    ranges = {
+        "mu_a_plus alone": f"{found.by_plus}",
+        "mu_a_minus alone": f"{found.by_minus}",
+        "both": f"{found.both or 'none'}",
+        "the paper (Fig. 9)": f"{float(e.mu_low):.6f} ... {float(e.mu_high):.6f}",
+    }
+    for title, between in ranges.items():
+        yield from page.field(title, between, max(map(len, ranges)))
+    apart = f"no mu agrees with both readings if each is off by less than {float(least):.6f}"
+    yield from page.item(f"{apart}; with that, mu = {float(mu):.6f}")
+
+
+def _errata(e: Experiment, page: Page) -> Iterator[str]:
+    yield "errata of the print"
+    for entry in errata(e):
+        yield from page.item(entry.place)
+        yield from page.item(f"printed: {entry.printed}", "    ")
+        yield from page.item(f"follows: {entry.follows}", "    ")
+        for name, value in entry.numbers.items():
+            yield from page.item(f"{name} = {_shown(value)}", "      ")
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, Bracket):
+        return f"{float(value):.12f}"
+    if isinstance(value, sp.Rational) and not value.is_integer:
+        return f"{value} = {float(value):.12g}"
+    return str(value)
