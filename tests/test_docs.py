@@ -16,7 +16,7 @@ from docs import generated
 
 import duhem
 from duhem.cli import cli
-from duhem.cli.exit_code import MEANINGS
+from duhem.cli.output import MEANINGS
 from duhem.expression import WORDS
 from duhem.law import catalogue
 from duhem.law.atlas.entry import entries

@@ -14,7 +14,7 @@ from typing import TextIO
 import click
 
 from duhem.cli import cli
-from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, USAGE
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, USAGE
 from duhem.errors import DuhemError
 
 __all__ = ["main"]

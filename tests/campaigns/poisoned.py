@@ -28,9 +28,7 @@ import numpy as np
 import duhem
 from duhem.law.curve_law import Law
 from duhem.screening import file, pool
-from duhem.screening.campaign import Campaign
-from duhem.screening.inquiries import Answer
-from duhem.screening.lines import VerdictLine, asked
+from duhem.screening.campaign import Answer, Campaign, VerdictLine, asked
 from duhem.testing import RoutineChecks
 
 __all__ = ["REASONS", "campaign", "faults"]

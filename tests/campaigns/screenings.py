@@ -37,8 +37,7 @@ from statistics import median
 
 import duhem
 from duhem.screening import file
-from duhem.screening.inquiries import Answered
-from duhem.screening.lines import asked
+from duhem.screening.campaign import Answered, asked
 from tests.campaigns.polynomials import PLANE, plane_ray
 
 NAMES = ["a{}{}{}".format(*powers) for powers in PLANE]

@@ -20,7 +20,7 @@ from click.shell_completion import ShellComplete
 
 import duhem
 from duhem.cli import cli, output
-from duhem.cli import installation as doctor
+from duhem.cli.doctor import CORE, EXTRAS, PURPOSES
 from duhem.errors import MissingExtraError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import groups
@@ -436,10 +436,10 @@ def test_doctor_lists_what_the_project_declares(run: Run) -> None:
     def names(requirements: list[str]) -> set[str]:
         return {re.split(r"[\[><=~!; ]", r)[0] for r in requirements} - {"duhem"}
 
-    assert names(project["dependencies"]) == set(doctor.CORE)
+    assert names(project["dependencies"]) == set(CORE)
     declared = {extra: names(r) for extra, r in project["optional-dependencies"].items() if extra != "all"}
-    assert declared == {extra: set(packages) for extra, packages in doctor.EXTRAS.items()}
-    assert set(doctor.PURPOSES) == set(doctor.EXTRAS)
+    assert declared == {extra: set(packages) for extra, packages in EXTRAS.items()}
+    assert set(PURPOSES) == set(EXTRAS)
     code, out, _ = run("doctor")
     assert code == 0
     assert re.search(r"^  sympy +\d", out, re.MULTILINE)
@@ -452,12 +452,12 @@ def test_doctor_gives_the_remedy_for_a_gap(run: Run, monkeypatch: pytest.MonkeyP
             raise PackageNotFoundError(name)
         return "1.0"
 
-    monkeypatch.setattr(doctor, "version", version)
+    monkeypatch.setattr("importlib.metadata.version", version)
     code, out, _ = run("doctor")
     assert code == 0
     assert 'pip install "duhem[plot]"' in out
     assert 'pip install "duhem"' not in out
-    monkeypatch.setattr(doctor, "CORE", ("matplotlib",))
+    monkeypatch.setattr(sys.modules["duhem.cli.doctor"], "CORE", ("matplotlib",))
     code, out, _ = run("doctor")
     assert code == 4
     assert 'pip install "duhem"' in out

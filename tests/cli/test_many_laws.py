@@ -6,8 +6,7 @@ from typing import Any
 
 import pytest
 
-from duhem.screening.inquiries import Answered
-from duhem.screening.lines import VerdictLine, as_text
+from duhem.screening.campaign import Answered, VerdictLine, as_text
 
 Run = Callable[..., tuple[int, str, str]]
 

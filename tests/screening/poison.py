@@ -5,7 +5,7 @@ import subprocess
 import time
 from dataclasses import dataclass
 
-from duhem.screening.inquiries import Answered
+from duhem.screening.campaign import Answered
 
 NAMES = ("alive", "well")
 

@@ -13,8 +13,7 @@ from duhem import InputError
 from duhem.benchmark.extreme_cases import StressCases
 from duhem.cli import cli
 from duhem.screening import entry, file, pool
-from duhem.screening.campaign import Campaign
-from duhem.screening.lines import asked
+from duhem.screening.campaign import Campaign, asked
 from duhem.screening.rows import Grid, LawName
 from duhem.show.printing import text
 from duhem.testing import RoutineChecks, inquiry

@@ -19,9 +19,7 @@ from duhem.cli import cli
 from duhem.law.catalogue import load
 from duhem.proof.verification import claim_results
 from duhem.screening import entry, file, pool, rows
-from duhem.screening.campaign import Campaign
-from duhem.screening.inquiries import Claimed
-from duhem.screening.lines import as_text, asked
+from duhem.screening.campaign import Campaign, Claimed, as_text, asked
 from duhem.screening.rows import Grid, LawName
 from duhem.show.growing_file import beside, rows_beside
 from duhem.show.printing import text

@@ -8,9 +8,7 @@ import pytest
 import duhem
 from duhem import InputError
 from duhem.screening import Increments, Trials, file
-from duhem.screening.campaign import Campaign
-from duhem.screening.inquiries import Claimed
-from duhem.screening.lines import asked
+from duhem.screening.campaign import Campaign, Claimed, asked
 from duhem.screening.rows import given
 
 HEAD = '[campaign]\nask = "increments"\n'

@@ -8,9 +8,9 @@ from click.testing import CliRunner
 
 from duhem import InputError
 from duhem.cli import cli
-from duhem.screening import file, plane_plot
-from duhem.screening.lines import VerdictLine
-from duhem.screening.plane import NO_VERDICT, chosen, plane, varying
+from duhem.screening import file
+from duhem.screening.campaign import VerdictLine
+from duhem.screening.plane import _LOOKS, NO_VERDICT, chosen, plane, plot_table, varying
 from duhem.screening.summary import Counts
 from duhem.screening.table import read_lines, write_table
 
@@ -107,19 +107,19 @@ def test_a_finished_table_is_read_and_drawn(tmp_path, ending):
 
 
 TOGETHER = {
-    "claims": {"proved", "refuted", "tested", "undecided", "not_applicable", plane_plot.NO_VERDICT},
-    "increments": {"ok", "flagged", plane_plot.NO_VERDICT},
-    "checks": {"passed", "failed", "xfailed", "xpassed", "not_applicable", plane_plot.NO_VERDICT},
-    "stress": {"ok", "flagged", "wrong", "undecided", "not_applicable", plane_plot.NO_VERDICT},
+    "claims": {"proved", "refuted", "tested", "undecided", "not_applicable", NO_VERDICT},
+    "increments": {"ok", "flagged", NO_VERDICT},
+    "checks": {"passed", "failed", "xfailed", "xpassed", "not_applicable", NO_VERDICT},
+    "stress": {"ok", "flagged", "wrong", "undecided", "not_applicable", NO_VERDICT},
 }
 
 
 @pytest.mark.parametrize("verdicts", TOGETHER.values(), ids=TOGETHER)
 def test_marks_and_hues_tell_verdicts_apart(verdicts):
     """Those that one campaign may have."""
-    looks = [plane_plot._LOOKS[verdict] for verdict in verdicts]
+    looks = [_LOOKS[verdict] for verdict in verdicts]
     assert len({look.mark for look in looks}) == len({look.colour for look in looks}) == len(looks)
-    assert set(plane_plot._LOOKS) == set().union(*TOGETHER.values())
+    assert set(_LOOKS) == set().union(*TOGETHER.values())
 
 
 @pytest.mark.slow
@@ -166,4 +166,4 @@ def test_what_has_no_plane_is_not_asked_first(tmp_path):
     for text in ("", "row,law\n1,coulomb\n", "\0"):
         (tmp_path / "no.csv").write_text(text)
         with pytest.raises(InputError, match=r"no table of a campaign|no parameter"):
-            plane_plot.plot_table(str(tmp_path / "no.csv"))
+            plot_table(str(tmp_path / "no.csv"))

@@ -8,7 +8,7 @@ import pytest
 import duhem
 from duhem import InputError
 from duhem.screening import file
-from duhem.screening.lines import asked
+from duhem.screening.campaign import asked
 from duhem.screening.rows import given
 
 HEAD = '[campaign]\nclaims = ["origin", "convexity"]\n'

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from duhem.cli.arguments import modules_beside_the_user
-from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, REFUTED
-from duhem.cli.output import Progress, page, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, page, say, wrote
 
 if TYPE_CHECKING:
     from duhem.benchmark.extreme_cases import StressCases
@@ -60,7 +59,7 @@ def campaign(
     """
     from duhem.errors import InputError
     from duhem.expression.spelling import spelled
-    from duhem.screening import entry, file, plane_plot
+    from duhem.screening import entry, file, plane
     from duhem.screening.table import finished_csv
     from duhem.show import figure
     from duhem.show.place import check_place, check_places
@@ -76,7 +75,7 @@ def campaign(
         if picture is None or workers is not None or scheduler is not None or resume or out is not None or row is not None or routine:
             raise InputError("a finished table is drawn, not asked", where=campaign_file, remedy="give --plot FILE, and at most --axes")
         check_place(picture, [campaign_file])
-        plane_plot.plot_table(campaign_file, picture, over)
+        plane.plot_table(campaign_file, picture, over)
         say(picture)
         return HELD
     if routine is not None:
@@ -91,7 +90,7 @@ def campaign(
         raise InputError("there is no place for the table", where=campaign_file, remedy='write out = "table.csv" in [campaign], or --out')
     if picture is not None:
         check_places([table, picture], asked.inputs)
-        plane_plot.check(asked, over)
+        plane.check(asked, over)
     if resume and finished_csv(table):
         click.echo(f"duhem: {table} is finished, and CSV says not what was asked of it: every row is asked anew", err=True)
     with Progress("starting") as progress:
@@ -140,7 +139,7 @@ def _stress(**options: Any) -> StressCases:
 
 def _alone(asked: Campaign, row: int) -> int:
     from duhem.errors import InputError
-    from duhem.screening.lines import lines_of
+    from duhem.screening.campaign import lines_of
     from duhem.screening.pool import Pool
     from duhem.screening.summary import AGAINST
 

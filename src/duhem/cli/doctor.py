@@ -1,13 +1,48 @@
-"""``duhem doctor``: what is installed."""
+"""``duhem doctor``: what is installed and on what machine it runs, from package metadata alone: nothing of it is imported."""
 
 from __future__ import annotations
 
+import os
+import platform
+import sys
+from collections.abc import Iterator
+
 import click
 
-from duhem.cli.exit_code import FAILED, HELD
-from duhem.cli.output import say
+from duhem.cli.output import FAILED, HELD, say
+from duhem.show.page import PAGE
 
-__all__ = ["doctor"]
+__all__ = ["CORE", "EXTRAS", "PURPOSES", "doctor", "installed", "missing", "versions"]
+
+# As in pyproject.toml, by the names of the distributions; a test compares the two.
+CORE = ("click", "clarabel", "cvxpy-base", "hypothesis", "mpmath", "numpy", "python-flint", "scipy", "sympy", "z3-solver")
+EXTRAS = {
+    "parquet": ("pyarrow",),
+    "cluster": ("dask", "distributed"),
+    "plot": ("matplotlib",),
+    "notebooks": ("ipykernel", "nbclient", "nbformat", "matplotlib"),
+    "report": ("latex2mathml", "matplotlib"),
+    "fast": ("numba",),
+    "second": ("cvc5",),
+    "docs": ("furo", "latex2mathml", "myst-nb", "sphinx"),
+    "test": ("import-linter", "jsonschema", "mypy", "pytest", "pytest-xdist", "pyyaml", "ruff"),
+    "mutation": ("cosmic-ray", "coverage"),
+}
+PURPOSES = {
+    "parquet": "histories as Parquet: simulate --out history.parquet",
+    "cluster": "campaigns on many machines, by Dask: duhem campaign --scheduler ADDRESS",
+    "plot": "pictures: duhem plot, duhem figures, and --plot of other commands",
+    "notebooks": "the course in notebooks, run without a browser; jupyterlab opens it",
+    "report": "pages with pictures and typeset formulas: verify --report FILE",
+    "fast": "compiled increments and paths, through numba",
+    "second": "cvc5, a second solver; nothing in this version asks it",
+    "docs": "the pages in docs: python -m sphinx docs docs/_build",
+    "test": "the tests: python -m pytest",
+    "mutation": "which changes of the code no test sees: python -m tests.campaigns.mutation",
+}
+# Distributions that bring the same module under another name.
+_ALSO = {"cvxpy-base": "cvxpy"}
+_FIELD = 15
 
 
 @click.command()
@@ -16,7 +51,55 @@ def doctor() -> int:
 
     Ends with facts about the machine that help with a bug report.
     """
-    from duhem.cli import installation
+    say(installed())
+    return FAILED if missing() else HELD
 
-    say(installation.report())
-    return FAILED if installation.missing() else HELD
+
+def installed() -> str:
+    """Core and optional packages with their versions, the remedy for each gap, and facts for a bug report."""
+    from duhem.version import __version__
+
+    lines = [f"duhem {__version__}", "", "core", *_rows(CORE, "duhem")]
+    for extra, packages in EXTRAS.items():
+        lines += ["", *PAGE.hanging(f"extra {extra}: {PURPOSES[extra]}"), *_rows(packages, f"duhem[{extra}]")]
+    lines += ["", *PAGE.hanging('every extra at once: pip install "duhem[all]"; from a clone, pip install ".[all]"')]
+    return "\n".join([*lines, "", "machine", *_machine()])
+
+
+def missing() -> tuple[str, ...]:
+    """The core packages that are not installed."""
+    return tuple(name for name in CORE if _version(name) is None)
+
+
+def versions(packages: tuple[str, ...]) -> dict[str, str]:
+    """Those of the packages that are installed, with their versions."""
+    return {name: found for name in packages if (found := _version(name)) is not None}
+
+
+def _rows(packages: tuple[str, ...], requirement: str) -> Iterator[str]:
+    for name in packages:
+        yield from PAGE.field(name, _version(name) or "not installed", _FIELD)
+    if any(_version(name) is None for name in packages):
+        yield f'  install with: pip install "{requirement}"'
+
+
+def _version(name: str) -> str | None:
+    from importlib.metadata import PackageNotFoundError, version  # takes longer than all else that duhem --help imports
+
+    for candidate in (name, _ALSO.get(name)):
+        try:
+            return version(candidate) if candidate else None
+        except PackageNotFoundError:
+            continue
+    return None
+
+
+def _machine() -> Iterator[str]:
+    facts = {
+        "python": f"{platform.python_version()} ({platform.python_implementation()}, {platform.architecture()[0]})",
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "processors": f"{len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else os.cpu_count()} usable",
+        "encoding": f"{sys.stdout.encoding or 'unknown'}, file system {sys.getfilesystemencoding()}",
+    }
+    for name, fact in facts.items():
+        yield from PAGE.field(name, fact, _FIELD)

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import click
 
 from duhem.cli.arguments import law_argument, read_fixed_formula, settings_option
-from duhem.cli.exit_code import HELD
-from duhem.cli.output import Progress, say, wrote
+from duhem.cli.output import HELD, Progress, say, wrote
 
 __all__ = ["export"]
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from duhem.cli.arguments import read_number, read_pair
-from duhem.cli.exit_code import HELD
-from duhem.cli.output import endless_page, say
+from duhem.cli.output import HELD, endless_page, say
 from duhem.errors import InputError
 from duhem.show.page import tied
 from duhem.show.place import check_place, write

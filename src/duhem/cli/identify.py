@@ -8,8 +8,7 @@ from collections.abc import Sequence
 import click
 
 from duhem.cli.arguments import complete_law, convex_option, read_fixed_formula, settings_option
-from duhem.cli.exit_code import HELD
-from duhem.cli.output import Progress, page, say, wrote
+from duhem.cli.output import HELD, Progress, page, say, wrote
 from duhem.show.place import check_places
 
 __all__ = ["identify"]

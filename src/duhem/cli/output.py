@@ -1,4 +1,4 @@
-"""What the commands say: results on standard output, progress on standard error."""
+"""What the commands say, results on standard output and progress on standard error, and how they end: exit codes, one meaning each."""
 
 from __future__ import annotations
 
@@ -17,7 +17,18 @@ from duhem.show.width import WIDTH, terminal_width
 if TYPE_CHECKING:
     from duhem.proof.decide import Budget
 
-__all__ = ["Progress", "endless_page", "page", "say", "wrote"]
+__all__ = ["FAILED", "HELD", "INTERRUPTED", "MEANINGS", "REFUTED", "UNDECIDED", "USAGE", "Progress", "endless_page", "page", "say", "wrote"]
+
+HELD, REFUTED, USAGE, UNDECIDED, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
+
+MEANINGS = {
+    HELD: "nothing refuted",
+    REFUTED: "something refuted",
+    USAGE: "usage or file error",
+    UNDECIDED: "undecided with --strict",
+    FAILED: "internal or solver failure",
+    INTERRUPTED: "interrupted",
+}
 
 _TICK, _LONG = 1.0, 2.0  # seconds
 

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import click
 
 from duhem.cli.arguments import Vectors, law_argument, read_law, read_number, read_numbers, read_settings, settings_option
-from duhem.cli.exit_code import HELD
-from duhem.cli.output import say
+from duhem.cli.output import HELD, say
 
 __all__ = ["plot"]
 

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import click
 
 from duhem.cli.arguments import Vectors, convex_option, law_argument, read_fixed_formula, read_number, read_numbers, settings_option
-from duhem.cli.exit_code import FAILED, HELD
-from duhem.cli.output import page, say
+from duhem.cli.output import FAILED, HELD, page, say
 from duhem.errors import InputError
 from duhem.projection.methods import METHODS
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import click
 
 from duhem.cli.arguments import complete_law, read_fixed_law, settings_option
-from duhem.cli.exit_code import HELD, REFUTED, UNDECIDED
-from duhem.cli.output import page, say
+from duhem.cli.output import HELD, REFUTED, UNDECIDED, page, say
 from duhem.errors import InputError
 from duhem.proof import recheck as rechecking
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from duhem.cli import installation
+from duhem.cli.doctor import CORE, versions
 from duhem.errors import DuhemError, InputError, MissingExtraError
 from duhem.left_out import LeftOut
 from duhem.version import __version__
@@ -114,7 +114,7 @@ def _certified(document: Mapping[str, Any] | InputError) -> Chapter:
 def _again(command: str, law: str) -> Chapter:
     from duhem.show.document import Chapter, Lines, Paragraph, Titled
 
-    packages = installation.versions((*installation.CORE, *_SHOWN_WITH))
+    packages = versions((*CORE, *_SHOWN_WITH))
     about = (
         ("duhem", __version__),
         ("python", f"{platform.python_version()} ({platform.python_implementation()})"),

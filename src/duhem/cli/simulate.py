@@ -6,8 +6,7 @@ from time import monotonic
 
 import click
 
-from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, USAGE
-from duhem.cli.output import Progress, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, USAGE, Progress, say, wrote
 
 __all__ = ["simulate"]
 

@@ -8,8 +8,7 @@ from collections.abc import Sequence
 import click
 
 from duhem.cli.arguments import laws_argument, read_law
-from duhem.cli.exit_code import HELD, REFUTED
-from duhem.cli.output import Progress, say
+from duhem.cli.output import HELD, REFUTED, Progress, say
 
 __all__ = ["snapshot"]
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from duhem.cli.arguments import complete_law, read_fixed_formula, read_numbers
-from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED
-from duhem.cli.output import Progress, page, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, Progress, page, say, wrote
 from duhem.show.place import check_places, write
 from duhem.version import __version__
 

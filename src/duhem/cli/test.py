@@ -27,8 +27,7 @@ from duhem.cli.arguments import (
     report_format_option,
     settings_option,
 )
-from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, REFUTED
-from duhem.cli.output import Progress, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:

@@ -1,26 +1,49 @@
-"""``duhem verify``: the claims, decided."""
+"""``duhem verify``: the claims, decided; of several laws a line each, as rows of a campaign without a table."""
 
 from __future__ import annotations
 
+import glob
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import complete_claims, laws_argument, read_claims, read_fixed_law, report_format_option, settings_option
-from duhem.cli.exit_code import INTERRUPTED
-from duhem.cli.expected import check_expected, code_of, expect_option, read_expected
-from duhem.cli.many_laws import found_files, verify_each
-from duhem.cli.output import Progress, page, say, wrote
+from duhem.cli.arguments import (
+    check_names,
+    complete_claims,
+    complete_expected,
+    laws_argument,
+    read_claims,
+    read_fixed_law,
+    read_law,
+    read_pair,
+    read_settings,
+    report_format_option,
+    settings_option,
+)
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, UNDECIDED, Progress, page, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
     from duhem.law.curve_law import Law
-    from duhem.proof.verification import ClaimResult, Verification
+    from duhem.proof.verification import ClaimResult
+    from duhem.screening.campaign import VerdictLine
+    from duhem.screening.rows import LawName
 
 __all__ = ["verify"]
+
+_expect_option = click.option(
+    "--expect",
+    metavar="CLAIM=VERDICT",
+    multiple=True,
+    shell_complete=complete_expected,
+    help="A verdict that is no failure, such as smoothness=refuted for corners; any other on this claim is one. Goes before what the"
+    " law's own file expects. Repeatable.",
+)
+
+_ORDER = ("refuted", "undecided", "tested", "proved", "not_applicable")  # what deserves a look comes first
 
 
 @click.command()
@@ -38,7 +61,7 @@ __all__ = ["verify"]
     help="How many steps each claim may cost: an eighth, all, eight times as many.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 3 if a claim is neither proved nor refuted.")
-@expect_option
+@_expect_option
 @click.option("--workers", metavar="N", type=click.IntRange(min=1), help="Processes that verify several laws; left out, one a core.")
 def verify(
     laws: Sequence[str],
@@ -62,17 +85,17 @@ def verify(
     from duhem.proof.claims import CLAIMS
     from duhem.show.place import check_places, write
 
-    laws = found_files(laws)
+    laws = _found_files(laws)
     asked = None if claims is None else read_claims(claims)
-    expected = read_expected(expect, asked or CLAIMS)
+    expected = _read_expected(expect, asked or CLAIMS)
     if len(laws) > 1 and form == "text" and report is None and certificate is None:
-        return verify_each(laws, settings, asked, effort, strict, expected, workers)
+        return _verify_each(laws, settings, asked, effort, strict, expected, workers)
     if workers is not None:
         remedy = "name several laws, and leave --format, --report and --certificate out"
         raise InputError("these are the processes that say of several laws a line each", where=f"--workers {workers}", remedy=remedy)
     fixed = [_fixed(law, settings, several=len(laws) > 1) for law in laws]
     for law in fixed:
-        check_expected(law.name, law.expect)
+        _check_expected(law.name, law.expect)
     check_places([report, certificate], laws)
     if certificate is not None and len(laws) > 1:
         raise InputError("a certificate is of one law", where=f"--certificate {certificate}", remedy="verify the laws one by one")
@@ -81,10 +104,12 @@ def verify(
     texts = [law_lines(law) for law in laws] if report is not None else []
 
     from duhem.proof import verification
+    from duhem.show.printing import text
 
-    told = _Told(form, effort, strict, expected, several=len(laws) > 1)
+    done: list[verification.Verification] = []
     for law in fixed:
         decided: list[ClaimResult] = []
+        interrupted = False
         try:
             with Progress() as progress:
 
@@ -92,23 +117,38 @@ def verify(
                     decided.append(result)
                     progress.show(f"{len(decided)}: {result.claim} {result.verdict}")
 
-                told.complete(verification.verify(law, claims=asked, effort=effort, on_claim=on_claim, on_method=progress.tries))
-        except KeyboardInterrupt:
-            told.interrupted(law, decided)
-            return INTERRUPTED
-    told.end()
+                found = verification.verify(law, claims=asked, effort=effort, on_claim=on_claim, on_method=progress.tries)
+        except KeyboardInterrupt:  # what was found before is said
+            found, interrupted = verification.Verification(law, tuple(decided), (), (), effort=effort, interrupted=True), True
+        if form == "text":
+            say(f"\n{text(found, page())}" if done else text(found, page()))
+        done.append(found)
+        if interrupted:
+            break
+    if form == "json":  # one object, or a list of them where several laws are asked for
+        objects = ",\n".join(json.dumps(found.to_dict(), indent=2, ensure_ascii=False) for found in done)
+        say(f"[\n{objects}\n]" if len(laws) > 1 else objects)
+    elif form == "junit":
+        from duhem.proof.report import as_suite
+        from duhem.show.junit import as_xml
+
+        say(as_xml(as_suite(found, strict=strict, expected={**found.criterion.expect, **expected}) for found in done))
+    if interrupted:
+        return INTERRUPTED
     if certificate is not None:
-        told.done[0].certificate(certificate)
+        done[0].certificate(certificate)
         wrote("the certificate", certificate)
     if report is not None:
         from duhem.show.document import as_page
 
         commands = (again(law, settings, claims, effort) for law in laws)
-        write(report, as_page([article(*each) for each in zip(told.done, commands, texts, strict=True)]))
+        write(report, as_page([article(*each) for each in zip(done, commands, texts, strict=True)]))
         wrote("the page", report)
         if lacking := without():
             click.echo(f"duhem: {report} is {lacking}", err=True)
-    return told.code()
+    verdicts = [{result.claim: result.verdict.value for result in found.results} for found in done]
+    due = [{**found.criterion.expect, **expected} for found in done]
+    return _code_of(((found.criterion.name, *each) for found, *each in zip(done, verdicts, due, strict=True)), strict=strict)
 
 
 def _fixed(law: str, settings: Sequence[str], *, several: bool) -> Law:
@@ -121,49 +161,136 @@ def _fixed(law: str, settings: Sequence[str], *, several: bool) -> Law:
         raise InputError(fault.what, where=f"{law}, {fault.where}", remedy=fault.remedy) from None
 
 
-@dataclass
-class _Told:
-    """What is said of one law after the other; a text as soon as it is there, what programs read at the end."""
+def _read_expected(given: Sequence[str], asked: Iterable[str]) -> dict[str, str]:
+    """The verdicts by claim, each of a claim that is ``asked``."""
+    from duhem.proof.verdict import Verdict
 
-    form: str
-    effort: str
-    strict: bool
-    expected: Mapping[str, str]
-    several: bool
-    done: list[Verification] = field(default_factory=list)
+    expected: dict[str, str] = {}
+    for one in given:
+        where = f"--expect {one}"
+        claim, verdict = read_pair(one, where, "CLAIM=VERDICT", "--expect smoothness=refuted")
+        check_names("claim", [claim], asked, "claims asked for are", where)
+        check_names("verdict", [verdict], map(str, Verdict), "verdicts are", where)
+        if expected.setdefault(claim, verdict) != verdict:
+            raise InputError(f"{claim} is expected to be {expected[claim]} too", where=where, remedy="expect one verdict of each claim")
+    return expected
 
-    def complete(self, found: Verification) -> None:
-        """Add what was found of a law."""
-        if self.form == "text":
-            from duhem.show.printing import text
 
-            report = text(found, page())
-            say(f"\n{report}" if self.done else report)
-        self.done.append(found)
+def _check_expected(law: str, expected: Mapping[str, str]) -> None:
+    """InputError for what a law expects of a claim, or for a verdict, that is none."""
+    from duhem.proof.kernel.certificate import CLAIMS, VERDICTS
 
-    def interrupted(self, law: Law, decided: Sequence[ClaimResult]) -> None:
-        """Say what was found before somebody interrupted."""
-        from duhem.proof.verification import Verification
+    check_names("claim", expected, CLAIMS, "claims are", where=f"expect of {law}")
+    check_names("verdict", expected.values(), VERDICTS, "verdicts are", where=f"expect of {law}")
 
-        self.complete(Verification(law, tuple(decided), (), (), effort=self.effort, interrupted=True))
-        self.end()
 
-    def end(self) -> None:
-        """Say what is still to say: one object, or a list of them where several laws are asked for."""
-        if self.form == "json":
-            objects = [json.dumps(found.to_dict(), indent=2, ensure_ascii=False) for found in self.done]
-            say("[\n" + ",\n".join(objects) + "\n]" if self.several else objects[0])
-        elif self.form == "junit":
-            from duhem.proof.report import as_suite
-            from duhem.show.junit import as_xml
+def _code_of(found: Iterable[tuple[str, Mapping[str, str | None], Mapping[str, str]]], *, strict: bool) -> int:
+    """The exit code of laws with their verdicts and the expected ones, by claim; one that is not as expected is told on standard error."""
+    codes = {HELD}
+    for law, verdicts, expected in found:
+        for claim, verdict in verdicts.items():
+            if (due := expected.get(claim)) is None:
+                codes.add(REFUTED if verdict == "refuted" else UNDECIDED if strict and verdict in ("undecided", "tested") else HELD)
+            elif verdict not in (due, None):
+                click.echo(f"duhem: {law}: {claim} is {verdict}, where {due} is expected", err=True)
+                codes.add(REFUTED)
+    return REFUTED if REFUTED in codes else max(codes)
 
-            say(as_xml(as_suite(found, strict=self.strict, expected=self.due(found)) for found in self.done))
 
-    def code(self) -> int:
-        """The exit code of all laws together."""
-        found = ((done.criterion.name, {r.claim: r.verdict.value for r in done.results}, self.due(done)) for done in self.done)
-        return code_of(found, strict=self.strict)
+def _found_files(laws: Iterable[str]) -> list[str]:
+    """The laws as they are named, a pattern such as laws/*.toml as the files that it fits.  InputError where it fits none."""
+    found = list[str]()
+    for law in laws:
+        if any(letter in law for letter in "*?[") and not os.path.exists(law):
+            files = sorted(glob.glob(law, recursive=True))
+            if not files:
+                raise InputError(f"no file is named {law[:60]!r}", remedy=f"they are looked for in {os.getcwd()}")
+            found += files
+        else:
+            found.append(law)
+    return found
 
-    def due(self, found: Verification) -> Mapping[str, str]:
-        """The verdicts that are expected of a law: by its own file, and before that by ``--expect``."""
-        return {**found.criterion.expect, **self.expected}
+
+def _verify_each(
+    laws: Sequence[str],
+    settings: Sequence[str],
+    claims: Sequence[str] | None,
+    effort: str,
+    strict: bool,
+    expected: Mapping[str, str],
+    workers: int | None,
+) -> int:
+    """Say a line a law, in their order, each as soon as those before it are said; the exit code of all of them."""
+    from duhem.expression.number import exact_text
+    from duhem.proof.verification import wanted_claims
+    from duhem.screening.campaign import Campaign, Claimed
+    from duhem.screening.pool import Pool, cores
+    from duhem.screening.rows import Given
+
+    names = [_law_name(law) for law in laws]
+    due = [_expected_of(name) for name in names]
+    values = tuple((name, exact_text(value)) for name, value in read_settings(settings).items())
+    for law in laws if values else ():
+        try:
+            _fixed(law, settings, several=True)
+        except InputError as fault:  # what else is wrong with the law is said in its line
+            if fault.where.startswith(f"{law}, --set"):
+                raise
+    asked = Campaign((Given(tuple((name, values) for name in names)),), Claimed(wanted_claims(claims), effort))
+    verdicts = list[dict[str, str | None]]()
+    try:
+        with Progress() as progress, Pool(asked, workers or cores()) as pool:
+            for lines in _in_order(pool.texts([range(1, len(asked) + 1)])):
+                progress.show("")
+                say(_one_line(laws[len(verdicts)], lines))
+                verdicts.append({line.claim: line.verdict for line in lines})
+                progress.show(f"{len(verdicts)} of {len(laws)} laws")
+    except KeyboardInterrupt:
+        click.echo(f"duhem: interrupted after {len(verdicts)} of {len(laws)} laws", err=True)
+        return INTERRUPTED
+    found = ((law, verdict, {**own, **expected}) for law, verdict, own in zip(laws, verdicts, due, strict=True))
+    code = _code_of(found, strict=strict)
+    return FAILED if any(None in each.values() for each in verdicts) else code
+
+
+def _law_name(law: str) -> LawName:
+    """A law for the process that asks it: what is wrong in a file is that row's fault, a name that is none is told at once."""
+    from duhem.law import catalogue
+    from duhem.screening.rows import LawName
+
+    if (file := catalogue.file_read(law)) is None:
+        return LawName(law) if catalogue.shipped(law.strip().replace("_", "-")) else LawName(law, value=read_law(law))
+    if not file.is_file():
+        raise InputError(f"there is no file {law[:60]!r}", remedy="check its name")
+    return LawName(law, os.path.abspath(file))
+
+
+def _expected_of(law: LawName) -> Mapping[str, str]:
+    """The verdicts that the law's own file, or its author in Python, expects."""
+    from duhem.law.criterion_file import expected_verdicts
+
+    found = law.value.expect if law.value is not None else {} if law.path is None else expected_verdicts(law.path)
+    _check_expected(law.shown, found)
+    return found
+
+
+def _in_order(texts: Iterable[str]) -> Iterator[tuple[VerdictLine, ...]]:
+    """The lines of each row by its number, whichever is done first."""
+    from duhem.screening.campaign import lines_of, number_of
+
+    done, following = dict[int, str](), 1
+    for text in texts:
+        done[number_of(text)] = text
+        while following in done:
+            yield lines_of(done.pop(following))
+            following += 1
+
+
+def _one_line(law: str, lines: Sequence[VerdictLine]) -> str:
+    from duhem.proof.claims import CLAIMS
+
+    if lines[0].error is not None:
+        return f"{law}: no verdict: {lines[0].error}"
+    by_claim = sorted(lines, key=lambda line: list(CLAIMS).index(line.claim))
+    groups = {verdict: ", ".join(line.claim for line in by_claim if line.verdict == verdict) for verdict in _ORDER}
+    return f"{law}: " + "; ".join(f"{verdict.replace('_', ' ')} {claims}" for verdict, claims in groups.items() if claims)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from duhem.screening import plane_plot  # noqa: F401 (how a campaign is drawn)
 from duhem.screening.entry import campaign
 from duhem.screening.increments import Increments, Trials
 from duhem.screening.summary import Summary

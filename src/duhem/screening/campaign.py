@@ -1,19 +1,109 @@
-"""A campaign as a frozen value: its rows, what is asked of each, and what a row may cost."""
+"""A campaign as a frozen value: its rows, what is asked of each and what that may cost; and the lines of one row, whatever comes of it.
+
+An inquiry is a value that can be sent to another process, with an answer for each line.  The text of a row is a JSON list of its lines,
+which is what processes and parts hold.
+"""
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
+import os
+import traceback
 from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
+from typing import ClassVar, NamedTuple, Protocol, TypeAlias
 
-from duhem.screening.inquiries import Inquiry
+from duhem.errors import DuhemError, words_of
+from duhem.law.curve_law import Law
 from duhem.screening.rows import Row, RowBlock
 from duhem.version import __version__
 
-__all__ = ["Campaign"]
+__all__ = [
+    "Answer",
+    "Answered",
+    "Campaign",
+    "Claimed",
+    "Inquiry",
+    "VerdictLine",
+    "as_text",
+    "asked",
+    "ended",
+    "lines_of",
+    "number_of",
+]
+
+_MOST_OF_AN_ERROR = 1_000  # characters of an error
+_A_LIBRARY = 100_000_000  # bytes: what is mapped at once of a large one, or for a thread
+
+
+class Answered(NamedTuple):
+    """One line of a row: of which claim, and what came of it; ``witness`` is JSON text, ``steps`` what it cost, counted."""
+
+    claim: str
+    verdict: str | None
+    method: str | None
+    trust: str | None
+    witness: str | None
+    steps: int
+    seconds: float
+
+
+Answer: TypeAlias = tuple[str, str | None, str | None, str | None, str | None, int, float]
+"""The fields of :class:`Answered` in turn, as rooms give them that do not know this one."""
+
+
+class Inquiry(Protocol):
+    """``names`` are the lines that each row has, whatever comes of it; ``options`` what the command line names beside the campaign.
+
+    ``alone`` says that a row may leave behind what the next one meets, so that each is asked in a process of its own.
+    """
+
+    @property
+    def names(self) -> tuple[str, ...]: ...
+
+    @property
+    def options(self) -> tuple[str, ...]: ...
+
+    @property
+    def alone(self) -> bool: ...
+
+    def told(self) -> str:
+        """The inquiry in words that tell it from every other."""
+        ...
+
+    def answers(self, law: Law) -> Iterator[Answer]:
+        """A line for each name; InputError where the law cannot be asked."""
+        ...
+
+
+@dataclass(frozen=True)
+class Claimed:
+    """The claims of :func:`duhem.verify`, over what the row leaves open of the parameters."""
+
+    claims: tuple[str, ...]
+    effort: str = "normal"
+    options: ClassVar[tuple[str, ...]] = ()
+    alone: ClassVar[bool] = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.claims
+
+    def told(self) -> str:
+        return f"claims {','.join(self.claims)} {self.effort}"
+
+    def answers(self, law: Law) -> Iterator[Answered]:
+        from duhem.proof.verification import claim_results
+
+        for r in claim_results(law, self.claims, self.effort):
+            witness = None if r.witness is None else json.dumps(r.witness.to_dict())
+            trust = None if r.trust is None else r.trust.value
+            yield Answered(r.claim, r.verdict.value, r.method, trust, witness, r.steps, round(r.seconds, 6))
 
 
 @dataclass(frozen=True)
@@ -49,3 +139,102 @@ class Campaign:
         """What tells the campaign's table from every other: all that is asked, and the version of duhem."""
         told = [__version__, self.inquiry.told(), self.seconds, self.memory, *(block.told() for block in self.blocks)]
         return hashlib.sha256(json.dumps(told).encode()).hexdigest()
+
+
+class VerdictLine(NamedTuple):
+    """One line of the table.  ``parameters`` are those that the row fixes and ``witness`` a violation, both as JSON text.
+
+    ``error`` says why there is no verdict; ``steps`` are what the verdict cost, counted, and ``seconds`` what it took.
+    """
+
+    row: int
+    law: str
+    parameters: str
+    claim: str
+    verdict: str | None
+    method: str | None
+    trust: str | None
+    witness: str | None
+    steps: int
+    seconds: float
+    error: str | None
+
+
+def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
+    """The lines of a row, sorted by claim; an error of any kind but lack of memory is in them, one that ends a program too."""
+    row = campaign.row(number)
+    try:
+        return _lines(row, [Answered(*each) for each in campaign.inquiry.answers(row.law())], None)
+    except DuhemError as fault:
+        return ended(campaign, row, str(fault))
+    except MemoryError:
+        raise
+    except SystemExit as fault:
+        return ended(campaign, row, f"it asks the program to end, with {fault.code!r}")
+    except BaseException as fault:  # a routine raises what it likes
+        if _for_lack_of_memory(fault):
+            raise MemoryError from None
+        place = traceback.extract_tb(fault.__traceback__)[-1]
+        where = f"{os.path.basename(place.filename)}:{place.lineno}"
+        return ended(campaign, row, f"{': '.join(filter(None, (type(fault).__name__, ' '.join(words_of(fault).split()))))} (at {where})")
+
+
+def _for_lack_of_memory(fault: BaseException) -> bool:
+    """Whether memory was lacking, also where what lacked it, a library that does not load or a thread, is told as an error of its own."""
+    met = set[int]()
+    cause: BaseException | None = fault
+    while cause is not None and id(cause) not in met:
+        if isinstance(cause, MemoryError) or (isinstance(cause, OSError) and cause.errno == errno.ENOMEM):
+            return True
+        if (isinstance(cause, ImportError) or "start new thread" in words_of(cause)) and _all_but_taken():
+            return True
+        met.add(id(cause))
+        cause = cause.__cause__ or cause.__context__
+    return False
+
+
+def _all_but_taken() -> bool:
+    """Whether this process has come so near to the memory that it may have that a thread or a library more does not fit."""
+    try:
+        import resource
+
+        with open("/proc/self/status") as stream:
+            peak = next(1024 * int(line.split()[1]) for line in stream if line.startswith("VmPeak"))
+        most = resource.getrlimit(resource.RLIMIT_AS)[0]
+    except (ImportError, OSError, StopIteration):  # a platform that does not count
+        return False
+    return most != resource.RLIM_INFINITY and peak > most - _A_LIBRARY
+
+
+def ended(campaign: Campaign, row: Row, error: str) -> tuple[VerdictLine, ...]:
+    """The lines of a row without verdicts, and why."""
+    answers = [Answered(name, None, None, None, None, 0, 0.0) for name in campaign.inquiry.names]
+    return _lines(row, answers, error if len(error) <= _MOST_OF_AN_ERROR else f"{error[:_MOST_OF_AN_ERROR]} ...")
+
+
+def _lines(row: Row, answers: Sequence[Answered], error: str | None) -> tuple[VerdictLine, ...]:
+    why = None if error is None else _writable(error)
+    law, values = _writable(row.name.shown), json.dumps(dict(row.values))
+    return tuple(
+        VerdictLine(row.number, law, values, r.claim, r.verdict, r.method, r.trust, r.witness, r.steps, r.seconds, why)
+        for r in sorted(answers, key=lambda reply: reply.claim)
+    )
+
+
+def _writable(text: str) -> str:
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
+def as_text(lines: Sequence[VerdictLine]) -> str:
+    """The lines of one row as one line of text."""
+    return json.dumps(lines, separators=(",", ":"))
+
+
+def number_of(text: str) -> int:
+    """Of which row a text of :func:`as_text` is."""
+    return int(text[2 : text.index(",")])
+
+
+def lines_of(text: str) -> tuple[VerdictLine, ...]:
+    """What :func:`as_text` has written."""
+    return tuple(VerdictLine(*values) for values in json.loads(text))

@@ -11,12 +11,10 @@ from typing import Any
 from duhem.errors import InputError
 from duhem.law.curve_law import Law
 from duhem.screening import file
-from duhem.screening.campaign import Campaign
+from duhem.screening.campaign import Campaign, Claimed, Inquiry, VerdictLine, lines_of, number_of
 from duhem.screening.cluster import Cluster
+from duhem.screening.file import Means
 from duhem.screening.increments import Project
-from duhem.screening.inquiries import Claimed, Inquiry
-from duhem.screening.inquiry_file import Means
-from duhem.screening.lines import VerdictLine, lines_of, number_of
 from duhem.screening.pool import Pool, cores
 from duhem.screening.rows import given
 from duhem.screening.summary import Counts, Summary

@@ -49,33 +49,52 @@ from __future__ import annotations
 import glob
 import os
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from decimal import Decimal
 from math import isfinite
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, TypedDict, Unpack
 
 from duhem.errors import InputError
 from duhem.expression.number import exact_number, exact_text, fraction
 from duhem.expression.spelling import spelled
+from duhem.law.convex import check_convex
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import Key, meant, parsed, text_of
-from duhem.screening.campaign import Campaign
-from duhem.screening.inquiry_file import SECTIONS, InquiryReader, Means
-from duhem.screening.rows import AsStated, Draw, Grid, LawName, RowBlock, Span, TableRows
-from duhem.screening.value_table import cells_in_lines
+from duhem.law.section_reader import SectionReader
+from duhem.path.table_file import read_table
+from duhem.screening.campaign import Campaign, Claimed, Inquiry
+from duhem.screening.increments import Increments, Project, Trials
+from duhem.screening.rows import Draw, Given, Grid, LawName, RowBlock, Span, TableRows, cells_in_lines
 
-__all__ = ["KEYS", "read", "reads"]
+__all__ = ["KEYS", "Means", "read", "reads"]
 
 MOST_BYTES = 1_000_000
 MOST_ROWS = 10_000_000
 _LEAST_MEMORY = 0.5  # GB; with less some library does not load, another of its name is, and a row says anything but that
+_SECTIONS = {
+    "increments": ("n", "seed", "table", "pressure", "stiffness", "method", "convex"),
+    "checks": ("checks", "examples", "seed", "accuracy", "most_flagged", "shrink", "expect"),
+    "stress": ("axes", "methods"),
+}
+_ASKED = ("claims", *_SECTIONS)
+_MOST_TRIALS = 1_000_000
 KEYS = {
     "campaign": ("ask", "claims", "effort", "out", "seconds", "memory"),
     "rows": ("laws", "law", "set", "grid", "draw", "table", "columns"),
-    **SECTIONS,
+    **_SECTIONS,
 }
 _KINDS = ("grid", "draw", "table")
+
+
+class Means(TypedDict, total=False):
+    """What this room does not know and a file may ask: ``project`` solves increments, ``checks`` makes the inquiry about a ``routine``,
+    and ``stress`` that about extreme cases; InputError, by the name of the option, of what cannot be used."""
+
+    project: Project | None
+    routine: Any
+    checks: Callable[..., Inquiry] | None
+    stress: Callable[..., Inquiry] | None
 
 
 def read(file: str | os.PathLike[str], **means: Unpack[Means]) -> Campaign:
@@ -92,14 +111,12 @@ def reads(text: str, where: str = "campaign", folder: str | os.PathLike[str] = "
     return _CampaignReader(parsed(text, where, number=Decimal)).campaign(Path(folder), means)
 
 
-class _CampaignReader(InquiryReader):
+class _CampaignReader(SectionReader):
     """From the document of a campaign to its value; stops at the first fault."""
 
     def campaign(self, folder: Path, means: Means) -> Campaign:
         self.keys("", self.document, tuple(KEYS))
-        head = self.document.get("campaign", {})
-        if not isinstance(head, dict):
-            raise self.error("campaign is not a table", "campaign", remedy="write [campaign] on a line of its own")
+        head = self.table("campaign", required=False)
         self.keys("campaign", head, KEYS["campaign"])
         inquiry, tables = self.inquiry(head, folder, means)
         given = self.document.get("rows")
@@ -151,11 +168,12 @@ class _CampaignReader(InquiryReader):
             if kinds:
                 raise self.error(f"{kinds[0]} is for one law", "rows", i, kinds[0], remedy='write law = "..."')
             names = self.names(i, folder)
-            return AsStated(names, self.fixed(i)), [name.path for name in names if name.path]
+            values = self.fixed(i)
+            return Given(tuple((name, values) for name in names)), [name.path for name in names if name.path]
         name = self.named(self.string("rows", i, "law"), folder, "rows", i, "law")
         values, files = self.fixed(i), [name.path] if name.path else []
         if not kinds:
-            return AsStated((name,), values), files
+            return Given(((name, values),)), files
         law = self.law(name, i)
         for parameter, _ in values:
             self.known(law, parameter, "rows", i, "set", parameter)
@@ -253,15 +271,11 @@ class _CampaignReader(InquiryReader):
         ranges = {spelled(key): (key, value) for key, value in given.items() if key not in ("n", "seed")}
         for parameter, (key, _) in ranges.items():
             self.known(law, parameter, "rows", i, "draw", key)
-        for key, least in (("n", 1), ("seed", 0)):
-            value = given.get(key)
-            if not isinstance(value, int) or isinstance(value, bool) or value < least:
-                what = f"draw has no {key}" if value is None else f"{key} = {str(value)[:40]}"
-                raise self.error(what, "rows", i, "draw", key, remedy=f"give a whole number from {least} on")
+        n, seed = (self.whole("draw", "rows", i, "draw", key, least=least) for key, least in (("n", 1), ("seed", 0)))
         fixed = dict(values)
         free = [p for p, d in law.parameters.items() if p in ranges or (p not in fixed and d.value is None)]
         spans = tuple(self.span(i, law, parameter, *ranges.get(parameter, (parameter, None))) for parameter in free)
-        return Draw(name, spans, given["n"], given["seed"], values)
+        return Draw(name, spans, n, seed, values)
 
     def span(self, i: int, law: Law, parameter: str, key: str, given: Any) -> Span:
         path: tuple[Key, ...] = ("rows", i, "draw", key)
@@ -293,3 +307,130 @@ class _CampaignReader(InquiryReader):
                 remedy = f"{meant(name, law.parameters)}; columns = [...] names those to take"
                 raise InputError(f"the column {name[:40]!r} is no parameter of {law.name}", where=where, remedy=remedy)
         return tuple(name if name in wanted else None for name in found)
+
+    # -- what is asked ------------------------------------------------------------------------------------------
+
+    def inquiry(self, head: Mapping[str, Any], folder: Path, means: Means) -> tuple[Inquiry, list[str]]:
+        """What is asked, and the files that it is read from."""
+        ask = self.one_of(_ASKED, head.get("ask", "claims"), "campaign", "ask")
+        for section in _SECTIONS:
+            if section in self.document and section != ask:
+                raise self.error(f"[{section}] is not asked for", section, remedy=f'write ask = "{section}" in [campaign]')
+        routine = means.get("routine")
+        if routine is not None and ask != "checks":
+            raise self.error(f"a routine is given, and {ask} are asked", "campaign", "ask", remedy='write ask = "checks"')
+        if ask == "claims":
+            from duhem.proof.decide import EFFORTS
+
+            return Claimed(self.claims(head), self.one_of(EFFORTS, head.get("effort", "normal"), "campaign", "effort")), []
+        for key in ("claims", "effort"):
+            if key in head:
+                raise self.error(f"{key} is for claims, and {ask} are asked", "campaign", key, remedy="leave it out")
+        if ask == "increments":
+            return self.increments(folder, means.get("project"))
+        if ask == "stress":
+            return self.made("stress", means.get("stress"), "give stress=duhem.benchmark.extreme_cases.StressCases"), []
+        if routine is None:
+            remedy = "name it: --routine module:callable, or routine=... in Python; a file is data and runs nothing"
+            raise self.error("checks are of a routine, and none is given", "campaign", "ask", remedy=remedy)
+        return self.made("checks", means.get("checks"), "give checks=duhem.testing.RoutineChecks", routine), []
+
+    def made(self, section: str, make: Callable[..., Inquiry] | None, remedy: str, *given: Any) -> Inquiry:
+        """What another room makes of the options in a section; what it refuses is told with its place."""
+        if make is None:
+            raise self.error(f"{section} is asked, and nothing is given that asks it", "campaign", "ask", remedy=remedy)
+        options = self.table(section, required=False)
+        self.keys(section, options, _SECTIONS[section])
+        try:
+            return make(*given, **{key: _plain(value) for key, value in options.items()})
+        except InputError as fault:
+            if fault.where not in _SECTIONS[section]:
+                raise
+            raise self.error(fault.what, section, fault.where, remedy=fault.remedy) from None
+
+    def claims(self, head: Mapping[str, Any]) -> tuple[str, ...]:
+        from duhem.proof.claims import CLAIMS
+
+        asked = head.get("claims", list(CLAIMS))
+        if not isinstance(asked, list) or not asked:
+            raise self.error("claims is not a list of claims", "campaign", "claims", remedy=f"the claims are: {', '.join(CLAIMS)}")
+        for i, name in enumerate(asked):
+            if not isinstance(name, str) or name not in CLAIMS:
+                raise self.error(f"unknown claim {str(name)[:40]!r}", "campaign", "claims", i, remedy=meant(f"{name}", CLAIMS))
+        return tuple(dict.fromkeys(asked))
+
+    def one_of(self, allowed: Collection[str], given: Any, *path: Key) -> str:
+        """A word that is allowed at a place."""
+        if not isinstance(given, str) or given not in allowed:
+            raise self.error(f"unknown {path[-1]} {str(given)[:40]!r}", *path, remedy=f"one of: {', '.join(allowed)}")
+        return given
+
+    # -- increments --------------------------------------------------------------------------------------------
+
+    def increments(self, folder: Path, project: Project | None) -> tuple[Increments, list[str]]:
+        from duhem.projection.methods import METHODS
+
+        if project is None:
+            raise self.error(
+                "increments are asked, and nothing is given to solve them", "campaign", "ask", remedy="give project=duhem.project"
+            )
+        given = self.table("increments", required=False)
+        self.keys("increments", given, _SECTIONS["increments"])
+        if ("n" in given) == ("table" in given):
+            raise self.error("increments are drawn or given", "increments", remedy='write n = 1000 and seed = 1, or table = "trials.csv"')
+        if "table" in given:
+            self.alone("table", "increments", "seed", "pressure")
+        method, convex = given.get("method", "auto"), given.get("convex", "ask")
+        if method not in ("auto", *METHODS):
+            raise self.error(f"unknown method {str(method)[:40]!r}", "increments", "method", remedy=meant(f"{method}", ("auto", *METHODS)))
+        try:
+            check_convex(convex)
+        except InputError as fault:
+            raise self.error(fault.what, "increments", "convex", remedy=fault.remedy) from None
+        how = {"stiffness": self.stiffness(given), "method": method, "convex": convex}
+        if "table" in given:
+            table = str(folder / self.string("increments", "table"))
+            columns, rows = read_table(table, least=1)
+            return Increments(project, trials=Trials(tuple(columns), tuple(map(tuple, rows.tolist()))), **how), [table]
+        pressure = self.real(given.get("pressure", -1), "increments", "pressure")
+        if pressure > 0.0:
+            raise self.error(f"pressure = {pressure:g}", "increments", "pressure", remedy="give it <= 0 in compression")
+        n = self.whole("[increments]", "increments", "n", least=1, most=_MOST_TRIALS)
+        seed = self.whole("[increments]", "increments", "seed", least=0)
+        return Increments(project, n, seed, pressure=pressure, **how), []
+
+    def whole(self, told: str, *path: Key, least: int, most: int | None = None) -> int:
+        """The whole number at a place in what is ``told``, from ``least`` to ``most``."""
+        *place, key = path
+        value = self.value(*place).get(key)
+        if not isinstance(value, int) or isinstance(value, bool) or value < least or (most is not None and value > most):
+            what = f"{told} has no {key}" if value is None else f"{key} = {str(value)[:40]}"
+            span = f"from {least} on" if most is None else f"from {least} to {most}"
+            raise self.error(what, *(place if value is None else path), remedy=f"give a whole number {span}")
+        return value
+
+    def real(self, value: Any, *path: Key) -> float:
+        return float(exact_number(self.number(value, *path)))
+
+    def stiffness(self, given: Mapping[str, Any]) -> Any:
+        """One number, one a force, or the matrix; whether it fits a law is said of its row."""
+        value = given.get("stiffness", 1)
+        if not isinstance(value, list):
+            return self.real(value, "increments", "stiffness")
+        path = ("increments", "stiffness")
+        if not value:
+            raise self.error("stiffness is empty", *path, remedy="give one number, one a force, or the matrix row by row")
+        if any(isinstance(row, list) for row in value):
+            if not all(isinstance(row, list) and len(row) == len(value) for row in value):
+                raise self.error("stiffness is no square matrix", *path, remedy="give as many rows as columns")
+            return tuple(tuple(self.real(x, *path, i, j) for j, x in enumerate(row)) for i, row in enumerate(value))
+        return tuple(self.real(x, *path, i) for i, x in enumerate(value))
+
+
+def _plain(value: Any) -> Any:
+    """A value of TOML as a program gives it."""
+    if isinstance(value, list):
+        return tuple(map(_plain, value))
+    if isinstance(value, dict):
+        return tuple((key, _plain(each)) for key, each in value.items())
+    return float(value) if isinstance(value, Decimal) else value

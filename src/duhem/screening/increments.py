@@ -19,7 +19,7 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array, Projection, Status
 from duhem.projection.validation import increment
-from duhem.screening.inquiries import Answered
+from duhem.screening.campaign import Answered
 
 __all__ = ["Increments", "Project", "Trials"]
 

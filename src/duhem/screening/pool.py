@@ -25,8 +25,7 @@ from types import TracebackType
 
 from duhem.errors import InputError
 from duhem.screening import worker
-from duhem.screening.campaign import Campaign
-from duhem.screening.lines import as_text, ended
+from duhem.screening.campaign import Campaign, as_text, ended
 
 __all__ = ["Pool", "cores"]
 

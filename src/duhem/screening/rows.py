@@ -1,15 +1,19 @@
 """Laws times parameter sets: blocks of rows, each row made from its number alone, in whichever process asks for it.
 
 Values are exact and travel as text such as ``3/20``.  What is wrong with one row is that row's ``fault``, not the block's.
+
+The cells of tables of parameter values, CSV or Parquet, are text: what is written, so that decimals stay exact.  A line that is malformed
+stays a line: it is the fault of its row, and the rows beside it are asked.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import os
 import random
 from array import array
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -18,17 +22,23 @@ from typing import Any, Protocol
 
 import sympy as sp
 
-from duhem.errors import InputError
+from duhem.errors import InputError, MissingExtraError
 from duhem.expression import holds_at
 from duhem.expression.number import exact_number, exact_text, ratio
+from duhem.expression.spelling import spelled
 from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import text_of
+from duhem.path.table_file import cells_of, header_of
+from duhem.show import parquet_package
 
-__all__ = ["AsStated", "Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "counted", "given"]
+__all__ = ["Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "cells_in_lines", "counted", "given"]
 
 _FINENESS = 10**6  # equal parts of a range, at whose ends values are drawn
 _TRIES = 1_000
+
+_MOST_CHARACTERS = 100_000  # of a line
+_TOGETHER = 8_192  # of Parquet, read together
 
 
 @dataclass(frozen=True)
@@ -96,25 +106,8 @@ class RowBlock(Protocol):
 
 
 @dataclass(frozen=True)
-class AsStated:
-    """Every law as it stands, or with the same values."""
-
-    names: tuple[LawName, ...]
-    values: tuple[tuple[str, str], ...] = ()
-
-    def __len__(self) -> int:
-        return len(self.names)
-
-    def row(self, i: int, number: int) -> Row:
-        return Row(number, self.names[i], dict(self.values))
-
-    def told(self) -> str:
-        return json.dumps(["as stated", [name.told() for name in self.names], self.values])
-
-
-@dataclass(frozen=True)
 class Given:
-    """Pairs of a law and its values, as a program gives them."""
+    """Pairs of a law and its values."""
 
     pairs: tuple[tuple[LawName, tuple[tuple[str, str], ...]], ...]
 
@@ -255,3 +248,64 @@ def given(laws: tuple[tuple[Any, ...], ...]) -> Given:
         shown = law if isinstance(law, str) else found.name
         pairs.append((LawName(shown, value=found), tuple((str(p), exact_text(x)) for p, x in (values or {}).items())))
     return Given(tuple(pairs))
+
+
+def cells_in_lines(file: str) -> tuple[tuple[str, ...], bytes]:
+    """The names of the columns, and a line for each row, its cells between tabs.
+
+    InputError where there is no header or no row, or the file cannot be read.  Blank lines of CSV and those that begin with # are
+    left out.
+    """
+    try:
+        names, text = _from_parquet(file) if file.endswith(".parquet") else _from_csv(file)
+    except (InputError, MissingExtraError):
+        raise
+    except UnicodeDecodeError:
+        raise InputError("this is not text in UTF-8", where=file, remedy="write the table as CSV") from None
+    except (OSError, ValueError) as fault:
+        reason = getattr(fault, "strerror", None) or " ".join(str(fault).split())[:200]
+        raise InputError(f"the table cannot be read: {reason}", where=file, remedy="check its name and kind") from None
+    if not text:
+        raise InputError("the table has no rows", where=file, remedy="give a header and at least one row")
+    return names, text
+
+
+def _from_csv(file: str) -> tuple[tuple[str, ...], bytes]:
+    lines = bytearray()
+    names: tuple[str, ...] = ()
+    with open(file, encoding="utf-8-sig") as stream:
+        for number, text in enumerate(iter(lambda: stream.readline(_MOST_CHARACTERS + 1), ""), 1):
+            place = f"{file}:{number}"
+            if len(text) > _MOST_CHARACTERS:
+                raise InputError("this is no line of a table", where=place, remedy="write the table as CSV")
+            if not text.strip() or text.lstrip().startswith("#"):
+                continue
+            if not names:
+                names = tuple(header_of(cells_of(text.rstrip("\r\n"), place), place))
+                continue
+            try:
+                cells = cells_of(text.rstrip("\r\n"), place)
+            except InputError:
+                cells = [text]
+            lines += _line(cells)
+    if not names:
+        raise InputError("the table is empty", where=file, remedy="give a header and at least one row")
+    return names, bytes(lines)
+
+
+def _from_parquet(file: str) -> tuple[tuple[str, ...], bytes]:
+    _, parquet = parquet_package.packages()
+    with open(os.fspath(file), "rb") as stream:
+        table = parquet.ParquetFile(stream)
+        names = tuple(spelled(name) for name in table.schema_arrow.names)
+        return names, b"".join(_line(row) for batch in table.iter_batches(_TOGETHER) for row in _cells(batch))
+
+
+def _cells(batch: Any) -> Iterator[list[str]]:
+    """Numbers as their shortest decimals; nothing where there is none."""
+    columns = [["" if value is None else str(value) for value in column.to_pylist()] for column in batch.columns]
+    yield from map(list, zip(*columns, strict=True))
+
+
+def _line(cells: list[str]) -> bytes:
+    return "\t".join(" ".join(cell.split()) for cell in cells).encode() + b"\n"

@@ -12,8 +12,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from duhem.errors import InputError
-from duhem.screening.campaign import Campaign
-from duhem.screening.lines import VerdictLine, lines_of, number_of
+from duhem.screening.campaign import Campaign, VerdictLine, lines_of, number_of
 from duhem.show import parquet_package
 from duhem.show.growing_file import DAMAGED, GrowingFile, beside, check_growing
 from duhem.show.place import AnyPath, check_place, written

@@ -35,7 +35,7 @@ def _serve(link: Connection) -> None:
     process = os.getpid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # who asks ends it otherwise, and what a row raises as if it were one is the row's
     link.send_bytes(READY)
-    from duhem.screening.lines import as_text, asked
+    from duhem.screening.campaign import as_text, asked
 
     _bound_memory(campaign)
     while True:
