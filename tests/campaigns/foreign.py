@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from duhem.show.table import table
+from duhem.show.page import table
 from duhem.testing import Report, conformance, decades
 from duhem.testing.foreign import jax_routine
 from tests.testing.examples import BUGS, EXAMPLES, friction, interface, mises

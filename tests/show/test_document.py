@@ -9,9 +9,8 @@ from xml.etree import ElementTree
 import pytest
 
 from duhem.show import mathematics
-from duhem.show.document import Article, Block, Chapter, Columns, Display, Drawing, Lines, Paragraph, Sentences, Titled, as_page
+from duhem.show.document import Article, Block, Chapter, Columns, Display, Drawing, Lines, Paragraph, Sentences, Titled, as_page, themed
 from duhem.show.sheet import Typeset
-from duhem.show.theme import themed
 from tests.oracles.strict_html import Strict
 
 HOSTILE = "</title></style></pre><script>alert(1)</script><img src=x onerror=alert(2)>&amp;'\"\u202e\0"

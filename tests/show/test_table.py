@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from duhem.show.page import Page, tied
-from duhem.show.table import table
-from duhem.show.width import LEAST, READABLE, WIDTH, terminal_width
+from duhem.show.page import LEAST, READABLE, WIDTH, Page, table, terminal_width, tied
 
 VERDICTS = [
     ("claim", "verdict", "method", "scope", "time"),

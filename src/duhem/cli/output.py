@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from duhem.show.page import Page
-from duhem.show.width import WIDTH, terminal_width
+from duhem.show.page import WIDTH, Page, terminal_width
 
 if TYPE_CHECKING:
     from duhem.proof.decide import Budget

@@ -1,10 +1,12 @@
 """A page that stands alone: articles of chapters, written as one HTML file that asks nothing of a network and runs nothing.
 
 All text is text: the page is a tree, and what writes the tree escapes it.  Formulas are MathML where latex2mathml is there.
+A sheet of matplotlib's is a part of it: its greys are mixed of the page's ink and paper, its colours lifted where that is dark.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
@@ -16,13 +18,17 @@ from duhem.errors import MissingExtraError
 from duhem.show.mathematics import check, ems, mathematics
 from duhem.show.page import printable
 from duhem.show.sheet import Typeset
-from duhem.show.theme import themed
 from duhem.version import __version__
 
-__all__ = ["Article", "Block", "Chapter", "Columns", "Display", "Drawing", "Lines", "Paragraph", "Sentences", "Titled", "as_page"]
+__all__ = ["Article", "Block", "Chapter", "Columns", "Display", "Drawing", "Lines", "Paragraph", "Sentences", "Titled", "as_page", "themed"]
 
 _WIDEST = 90.0  # ems: on paper its letters would be of 5 points
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'"
+
+_COLOUR = re.compile(r"#([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})(?![0-9a-f])")
+_NAMED = re.compile(r"(?:href=\"|url\()#([^\")]+)")
+_LINK = "{http://www.w3.org/1999/xlink}href"
+_INHERITED = "fill:var(--ink);stroke-linejoin:round;stroke-linecap:butt"  # what matplotlib says of every element of its file
 
 
 @dataclass(frozen=True)
@@ -245,3 +251,38 @@ def _say(place: Element, tag: str, text: str, kind: str = "") -> Element:
 
 def _lines(text: str) -> Iterator[str]:
     return (line.expandtabs() for line in text.splitlines())
+
+
+def themed(svg: str, name: str) -> Element:
+    """The text of an SVG file as an element; the names that it needs begin with ``name``, so that several stand on one page."""
+    root = ElementTree.fromstring(svg)
+    for parent in root.iter():
+        for child in [*parent]:
+            if child.tag.rpartition("}")[2] in ("metadata", "style"):
+                parent.remove(child)
+    needed = set(_NAMED.findall(svg))
+    for element in root.iter():
+        element.tag = element.tag.rpartition("}")[2]
+        if element.get("id") not in needed:
+            element.attrib.pop("id", None)
+        for key, value in [*element.attrib.items()]:
+            if key == _LINK:
+                del element.attrib[key]
+                element.set("href", value.replace("#", f"#{name}-"))
+            elif key == "id":
+                element.set(key, f"{name}-{value}")
+            elif key == "style":
+                element.set(key, _COLOUR.sub(_mixed, value).replace("url(#", f"url(#{name}-"))
+            elif value.startswith("url(#"):
+                element.set(key, value.replace("url(#", f"url(#{name}-"))
+    for key in ("width", "height", "version"):
+        root.attrib.pop(key, None)
+    root.set("style", _INHERITED)
+    return root
+
+
+def _mixed(colour: re.Match[str]) -> str:
+    """A grey as so much of the page's ink on its paper; another colour with the page's share of ink, which is none on white."""
+    if len({*colour.groups()}) > 1:
+        return f"color-mix(in srgb,{colour[0]},var(--ink) var(--lift))"
+    return f"color-mix(in srgb,var(--ink) {100.0 * (1.0 - int(colour[1], 16) / 255.0):.3g}%,var(--paper))"
