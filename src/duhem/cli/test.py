@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from math import isqrt
 from random import Random
@@ -127,36 +127,47 @@ def test(
         "expect": expect,
         "every": every,
     }
-    drawn = seed if seed is not None else 0 if profile == "ci" else Random().getrandbits(32)
-    about = _About(subject, asked, examples or _EXAMPLES[profile], drawn)
-    most = about.most_flagged(most_flagged)
-    expected = _expected(expect)
+    seed = seed if seed is not None else 0 if profile == "ci" else Random().getrandbits(32)
+    again = _again(subject, {**asked, "seed": seed})
+    own = _is_routine(subject)
+    most = _most_flagged(most_flagged, own)
+    expected = dict(read_pair(one, f"--expect {one}", "CHECK=REASON", "--expect slope='no tangent yet'") for one in expect)
     named = None if checks is None else tuple(dict.fromkeys(name.strip() for name in checks.split(",") if name.strip()))
     held_to = None if accuracy is None else read_number(accuracy, "--accuracy")
-    free = law is None and about.is_routine()
+    free = law is None and own
     fixed = {
         "stiffness": None if stiffness is None else _matrix(read_numbers(stiffness, "--stiffness"), free),
         "pressure": None if pressure is None else read_number(pressure, "--pressure"),
     }
-    checks_of = about.checks(free, named, expected)
-    routines = about.without_law(settings, held_to) if free else about.routines(law, settings, held_to)
-    options = {
-        "max_examples": about.examples,
-        "rows": 30,
-        "every": every,
-        "tries": shrink,
-        "seed": about.seed,
-        "expected": expected,
-        **fixed,
-    }
-    interrupted = about.carry_out(routines, checks_of, options)
-    about.reports = {name: replace(report, most_flagged=most) for name, report in about.reports.items()}
-    say(about.told(form))
-    if about.unfinished is not None:
-        click.echo(f"duhem: {about.unfinished}", err=True)
-    if replay is not None:
-        about.write_replays(replay)
-    return INTERRUPTED if interrupted else about.code()
+    asked_for = _checks(None if free else subject, named, expected)
+    left_out: dict[str, str] = {}
+    if free:
+        routines = _without_law(subject, settings, held_to, stiffness)
+    elif law is not None:
+        routines = _of_law(subject, law, settings, held_to)
+    else:
+        routines, left_out = _own_methods(subject, settings, held_to)
+    options = {"max_examples": examples or _EXAMPLES[profile], "rows": 30, "every": every, "tries": shrink, "seed": seed}
+    tested, ended = _carry_out(routines, asked_for, most, {**options, "expected": expected, **fixed})
+    say(_told(form, tested, left_out, again))
+    unfinished = None if isinstance(ended, KeyboardInterrupt) else ended
+    if unfinished is not None:
+        click.echo(f"duhem: {unfinished}", err=True)
+    reports = [each.report for each in tested.values()]
+    if replay is not None:  # a test file for each cause, and for the increment that a routine does not come back from
+        from duhem.testing.failures.failure import write_replays
+
+        failures = [failure for report in reports for failure in report.failures]
+        if unfinished is not None and unfinished.failure is not None:
+            failures.append(unfinished.failure)
+        for file in write_replays(failures, replay):
+            wrote("a failure as a test", f"{file}")
+    if isinstance(ended, KeyboardInterrupt):
+        return INTERRUPTED
+    silent = [report for report in reports if report.points and report.flagged == report.points]
+    if unfinished is None and any(not report.ok for report in reports if report not in silent):
+        return REFUTED
+    return FAILED if unfinished is not None or silent or not reports else HELD
 
 
 def _matrix(numbers: list[float], free: bool) -> Any:
@@ -165,10 +176,6 @@ def _matrix(numbers: list[float], free: bool) -> Any:
         return numbers[0]
     d = isqrt(len(numbers))
     return [numbers[i : i + d] for i in range(0, d * d, d)] if d * d == len(numbers) and d > 1 else numbers
-
-
-def _expected(given: Sequence[str]) -> dict[str, str]:
-    return dict(read_pair(one, f"--expect {one}", "CHECK=REASON", "--expect slope='no tangent yet'") for one in given)
 
 
 def _made(made: Callable[..., ConformanceRun], checks: Sequence[Check], **options: Any) -> ConformanceRun:
@@ -181,168 +188,157 @@ def _made(made: Callable[..., ConformanceRun], checks: Sequence[Check], **option
         raise InputError(fault.what, where=f"--{fault.where}", remedy=fault.remedy) from None
 
 
-@dataclass
-class _About:
-    """One call of the command: what is tested, and what has been found."""
+@dataclass(frozen=True)
+class _Tested:
+    """What came of a routine, the seconds it took, and of how many increments one was asked again."""
 
-    subject: str
-    asked: Mapping[str, Any]
-    examples: int
-    seed: int
-    reports: dict[str, Report] = field(default_factory=dict)
-    seconds: dict[str, float] = field(default_factory=dict)
-    every: dict[str, int] = field(default_factory=dict)
-    without: dict[str, str] = field(default_factory=dict)
-    unfinished: Unfinished | None = None
+    report: Report
+    seconds: float
+    every: int
 
-    def checks(self, free: bool, named: Sequence[str] | None, expected: Mapping[str, str]) -> list[Check]:
-        """Those that are asked for; InputError for one that there is not."""
-        from duhem.testing.conformance import every_check
 
-        known = {c.name: c for c in every_check(None if free else self.subject)}
-        check_names("check", named or (), known, "checks are", "--checks")
-        if named == ():
-            raise InputError("no check is named", where="--checks", remedy=f"checks are: {', '.join(known)}")
-        check_names("check", expected, known, "checks are", "--expect")
-        return [c for c in known.values() if c.demanded] if named is None else [known[name] for name in named]
+def _checks(law: str | None, named: Sequence[str] | None, expected: Mapping[str, str]) -> list[Check]:
+    """Those that are asked for; InputError for one that there is not."""
+    from duhem.testing.conformance import every_check
 
-    def is_routine(self) -> bool:
-        """Whether the subject is something else than a law."""
-        if ":" not in self.subject:
-            return False
-        from duhem.law.curve_law import Law
+    known = {c.name: c for c in every_check(law)}
+    check_names("check", named or (), known, "checks are", "--checks")
+    if named == ():
+        raise InputError("no check is named", where="--checks", remedy=f"checks are: {', '.join(known)}")
+    check_names("check", expected, known, "checks are", "--expect")
+    return [c for c in known.values() if c.demanded] if named is None else [known[name] for name in named]
 
-        return not isinstance(read_attribute(self.subject), Law)
 
-    def most_flagged(self, given: str | None) -> float:
-        """The share of increments that may be flagged; InputError for what is none, or where duhem's own methods are tested."""
-        from duhem.testing.drawn.options import check_share
-
-        if not self.is_routine():
-            if given is not None:
-                remedy = "leave it out: a method says of what it does not take that it is not solved"
-                raise InputError("it is for a routine of your own", where=f"--most-flagged {given}", remedy=remedy)
-            return 1.0
-        share = 0.0 if given is None else read_number(given, "--most-flagged")
-        check_share(share, "--most-flagged")
-        return share
-
-    def routines(self, law: str | None, settings: Sequence[str], accuracy: float | None) -> dict[str, Routine]:
-        """What is tested against a law, by the name it is shown under."""
-        from duhem.testing.conformance import ACCURACY
-        from duhem.testing.routines.material import Material
-        from duhem.testing.routines.routine import PROMISED, own_solvers
-        from duhem.testing.run import ConformanceRun
-
-        if law is not None:
-            known, given = read_fixed_formula(law, settings), read_routine(self.subject)
-            if isinstance(given, Material):
-                remedy = "name a routine that from_material makes of it, or leave out --law"
-                raise InputError("a material has its own stiffness", where=self.subject, remedy=remedy)
-            return {self.subject: (partial(ConformanceRun, known, given, None, given=law), ACCURACY if accuracy is None else accuracy)}
-        known = read_fixed_formula(self.subject, settings)
-        found: dict[str, Routine] = {}
-        for method, routine in own_solvers(known):
-            if isinstance(routine, str):
-                self.without[method] = routine
-            else:
-                run = partial(ConformanceRun, known, routine, None, given=self.subject)
-                found[f"{known.name} {method}"] = run, PROMISED.get(method, ACCURACY) if accuracy is None else accuracy
-        return found
-
-    def without_law(self, settings: Sequence[str], accuracy: float | None) -> dict[str, Routine]:
-        """The same of a routine of which no law is known; its parameters are those that are set."""
-        from duhem.testing.conformance import ACCURACY
-        from duhem.testing.routines.material import Material
-        from duhem.testing.run import ConformanceRun
-
-        routine, values = read_routine(self.subject), read_settings(settings)
-        if isinstance(routine, Material) and values:
-            raise InputError("a material has its own parameters", where=f"--set {settings[0]}", remedy="give them where it is made")
-        if not isinstance(routine, Material) and self.asked["stiffness"] is None:
-            what = f"{self.subject} is a routine: without a law nothing says how many forces there are"
-            raise InputError(what, where="--law", remedy="say which law it is for, as --law coulomb, or give --stiffness")
-        given = None if isinstance(routine, Material) else {name: float(value) for name, value in values.items()}
-        return {self.subject: (partial(ConformanceRun, None, routine, given), ACCURACY if accuracy is None else accuracy)}
-
-    def carry_out(self, routines: Mapping[str, Routine], checks: Sequence[Check], options: Mapping[str, Any]) -> bool:
-        """Test them one after the other; whether somebody interrupted."""
-        from duhem.testing.routines.unfinished import Unfinished
-
-        with Progress("testing") as progress:
-            for name, (made, accuracy) in routines.items():
-                begun = monotonic()
-
-                def seen(run: ConformanceRun, name: str = name, begun: float = begun) -> None:
-                    rate = run.examples / max(monotonic() - begun, 1e-9)
-                    shares = run.visited.shares
-                    slip = f", slip {shares['slip']:.0%}" if shares else ""
-                    progress.show(f"{name}: {run.examples} of {self.examples}, {rate:.0f}/s{slip}, {len(run.found)} failed")
-
-                run = _made(made, checks, accuracy=accuracy, on_case=seen, **options)
-                try:
-                    run.to_the_end()
-                except KeyboardInterrupt:
-                    self._keep(name, run, begun)
-                    return True
-                except Unfinished as fault:
-                    self.unfinished = fault
-                    return False
-                self._keep(name, run, begun)
+def _is_routine(subject: str) -> bool:
+    """Whether it is something else than a law."""
+    if ":" not in subject:
         return False
+    from duhem.law.curve_law import Law
 
-    def _keep(self, name: str, run: ConformanceRun, begun: float) -> None:
-        self.seconds[name] = monotonic() - begun
-        self.every[name] = run.every if any(each.again for each in run.asked) else 1
-        self.reports[name] = run.report()
+    return not isinstance(read_attribute(subject), Law)
 
-    def write_replays(self, folder: str) -> None:
-        """A test file for each cause, and for the increment that a routine does not come back from."""
-        from duhem.testing.failures.failure import write_replays
 
-        failures = [failure for report in self.reports.values() for failure in report.failures]
-        if self.unfinished is not None and self.unfinished.failure is not None:
-            failures.append(self.unfinished.failure)
-        for file in write_replays(failures, folder):
-            wrote("a failure as a test", f"{file}")
+def _most_flagged(given: str | None, own: bool) -> float:
+    """The share of increments that may be flagged; InputError for what is none, or where duhem's own methods are tested."""
+    from duhem.testing.drawn.options import check_share
 
-    def code(self) -> int:
-        """The exit code."""
-        silent = [r for r in self.reports.values() if r.points and r.flagged == r.points]
-        others = [r for r in self.reports.values() if r not in silent]
-        if self.unfinished is None and any(not r.ok for r in others):
-            return REFUTED
-        return FAILED if self.unfinished is not None or silent or not self.reports else HELD
+    if not own:
+        if given is not None:
+            remedy = "leave it out: a method says of what it does not take that it is not solved"
+            raise InputError("it is for a routine of your own", where=f"--most-flagged {given}", remedy=remedy)
+        return 1.0
+    share = 0.0 if given is None else read_number(given, "--most-flagged")
+    check_share(share, "--most-flagged")
+    return share
 
-    # -- what is printed -----------------------------------------------------------------------------------------------
 
-    def told(self, form: str) -> str:
-        from duhem.testing.failures.report import as_dict, as_junit
+def _of_law(subject: str, law: str, settings: Sequence[str], accuracy: float | None) -> dict[str, Routine]:
+    """A routine that is tested against a law, by the name it is shown under."""
+    from duhem.testing.conformance import ACCURACY
+    from duhem.testing.routines.material import Material
+    from duhem.testing.run import ConformanceRun
 
-        if form == "junit":
-            return as_junit(self.reports)
-        if form == "json":
-            each = {name: {**as_dict(report), "again": self.again()} for name, report in self.reports.items()}
-            return json.dumps({"routines": each, "left_out": self.without}, indent=2, ensure_ascii=False)
-        parts = [self._text(name, report) for name, report in self.reports.items()]
-        return "\n\n".join([*parts, *(f"{method} left out: {why}" for method, why in self.without.items())])
+    known, given = read_fixed_formula(law, settings), read_routine(subject)
+    if isinstance(given, Material):
+        remedy = "name a routine that from_material makes of it, or leave out --law"
+        raise InputError("a material has its own stiffness", where=subject, remedy=remedy)
+    return {subject: (partial(ConformanceRun, known, given, None, given=law), ACCURACY if accuracy is None else accuracy)}
 
-    def _text(self, name: str, report: Report) -> str:
-        lines = [f"{name}", str(report)]
-        if report.visited:
-            lines.append("visited: " + ", ".join(f"{what} {share:.3g}" for what, share in report.visited.items()))
-            lines.append("decades: " + ", ".join(f"{what} 1e{low} to 1e{high}" for what, (low, high) in report.decades.items()))
-        seconds = self.seconds[name]
-        lines.append(f"{report.examples} examples in {seconds:.1f} s, {report.examples / max(seconds, 1e-9):.0f} a second")
-        if self.every[name] > 1:
-            lines.append(f"what asks the routine again was asked of one increment in {self.every[name]}; --every 1 asks it of all")
-        lines.append(f"again: {self.again()}")
-        return "\n".join(lines)
 
-    def again(self) -> str:
-        """The command line that draws the same cases."""
-        words = ["duhem", "test", self.subject]
-        for name, value in {**self.asked, "seed": self.seed}.items():
-            for each in value if isinstance(value, tuple | list) else [] if value is None else [value]:
-                words += [f"--{name}", str(each)]
-        return shlex.join(words)
+def _own_methods(law: str, settings: Sequence[str], accuracy: float | None) -> tuple[dict[str, Routine], dict[str, str]]:
+    """The methods of duhem that take a law; of the others why they do not."""
+    from duhem.testing.conformance import ACCURACY
+    from duhem.testing.routines.routine import PROMISED, own_solvers
+    from duhem.testing.run import ConformanceRun
+
+    known = read_fixed_formula(law, settings)
+    found: dict[str, Routine] = {}
+    left_out: dict[str, str] = {}
+    for method, routine in own_solvers(known):
+        if isinstance(routine, str):
+            left_out[method] = routine
+        else:
+            run = partial(ConformanceRun, known, routine, None, given=law)
+            found[f"{known.name} {method}"] = run, PROMISED.get(method, ACCURACY) if accuracy is None else accuracy
+    return found, left_out
+
+
+def _without_law(subject: str, settings: Sequence[str], accuracy: float | None, stiffness: str | None) -> dict[str, Routine]:
+    """A routine of which no law is known; its parameters are those that are set."""
+    from duhem.testing.conformance import ACCURACY
+    from duhem.testing.routines.material import Material
+    from duhem.testing.run import ConformanceRun
+
+    routine, values = read_routine(subject), read_settings(settings)
+    if isinstance(routine, Material) and values:
+        raise InputError("a material has its own parameters", where=f"--set {settings[0]}", remedy="give them where it is made")
+    if not isinstance(routine, Material) and stiffness is None:
+        what = f"{subject} is a routine: without a law nothing says how many forces there are"
+        raise InputError(what, where="--law", remedy="say which law it is for, as --law coulomb, or give --stiffness")
+    given = None if isinstance(routine, Material) else {name: float(value) for name, value in values.items()}
+    return {subject: (partial(ConformanceRun, None, routine, given), ACCURACY if accuracy is None else accuracy)}
+
+
+def _carry_out(
+    routines: Mapping[str, Routine], checks: Sequence[Check], most_flagged: float, options: Mapping[str, Any]
+) -> tuple[dict[str, _Tested], KeyboardInterrupt | Unfinished | None]:
+    """What came of one after the other, and what ended it before its end."""
+    from duhem.testing.routines.unfinished import Unfinished
+
+    tested: dict[str, _Tested] = {}
+    with Progress("testing") as progress:
+        for name, (made, accuracy) in routines.items():
+            begun = monotonic()
+
+            def seen(run: ConformanceRun, name: str = name, begun: float = begun) -> None:
+                rate = run.examples / max(monotonic() - begun, 1e-9)
+                shares = run.visited.shares
+                slip = f", slip {shares['slip']:.0%}" if shares else ""
+                progress.show(f"{name}: {run.examples} of {options['max_examples']}, {rate:.0f}/s{slip}, {len(run.found)} failed")
+
+            run = _made(made, checks, accuracy=accuracy, on_case=seen, **options)
+            ended: KeyboardInterrupt | None = None
+            try:
+                run.to_the_end()
+            except Unfinished as fault:
+                return tested, fault
+            except KeyboardInterrupt as stop:
+                ended = stop
+            seconds, every = monotonic() - begun, run.every if any(each.again for each in run.asked) else 1
+            tested[name] = _Tested(replace(run.report(), most_flagged=most_flagged), seconds, every)
+            if ended is not None:
+                return tested, ended
+    return tested, None
+
+
+def _told(form: str, tested: Mapping[str, _Tested], left_out: Mapping[str, str], again: str) -> str:
+    from duhem.testing.failures.report import as_dict, as_junit
+
+    if form == "junit":
+        return as_junit({name: each.report for name, each in tested.items()})
+    if form == "json":
+        routines = {name: {**as_dict(each.report), "again": again} for name, each in tested.items()}
+        return json.dumps({"routines": routines, "left_out": left_out}, indent=2, ensure_ascii=False)
+    parts = [_text(name, each, again) for name, each in tested.items()]
+    return "\n\n".join([*parts, *(f"{method} left out: {why}" for method, why in left_out.items())])
+
+
+def _text(name: str, tested: _Tested, again: str) -> str:
+    report, seconds = tested.report, tested.seconds
+    lines = [f"{name}", str(report)]
+    if report.visited:
+        lines.append("visited: " + ", ".join(f"{what} {share:.3g}" for what, share in report.visited.items()))
+        lines.append("decades: " + ", ".join(f"{what} 1e{low} to 1e{high}" for what, (low, high) in report.decades.items()))
+    lines.append(f"{report.examples} examples in {seconds:.1f} s, {report.examples / max(seconds, 1e-9):.0f} a second")
+    if tested.every > 1:
+        lines.append(f"what asks the routine again was asked of one increment in {tested.every}; --every 1 asks it of all")
+    return "\n".join([*lines, f"again: {again}"])
+
+
+def _again(subject: str, asked: Mapping[str, Any]) -> str:
+    """The command line that draws the same cases."""
+    words = ["duhem", "test", subject]
+    for name, value in asked.items():
+        for each in value if isinstance(value, tuple | list) else [] if value is None else [value]:
+            words += [f"--{name}", str(each)]
+    return shlex.join(words)
