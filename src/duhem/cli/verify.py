@@ -125,6 +125,7 @@ def verify(
         done.append(found)
         if interrupted:
             break
+    due = [(found, {**found.criterion.expect, **expected}) for found in done]
     if form == "json":  # one object, or a list of them where several laws are asked for
         objects = ",\n".join(json.dumps(found.to_dict(), indent=2, ensure_ascii=False) for found in done)
         say(f"[\n{objects}\n]" if len(laws) > 1 else objects)
@@ -132,7 +133,7 @@ def verify(
         from duhem.proof.report import as_suite
         from duhem.show.junit import as_xml
 
-        say(as_xml(as_suite(found, strict=strict, expected={**found.criterion.expect, **expected}) for found in done))
+        say(as_xml(as_suite(found, strict=strict, expected=own) for found, own in due))
     if interrupted:
         return INTERRUPTED
     if certificate is not None:
@@ -146,9 +147,8 @@ def verify(
         wrote("the page", report)
         if lacking := without():
             click.echo(f"duhem: {report} is {lacking}", err=True)
-    verdicts = [{result.claim: result.verdict.value for result in found.results} for found in done]
-    due = [{**found.criterion.expect, **expected} for found in done]
-    return _code_of(((found.criterion.name, *each) for found, *each in zip(done, verdicts, due, strict=True)), strict=strict)
+    came = ((found.criterion.name, {r.claim: r.verdict.value for r in found.results}, own) for found, own in due)
+    return _code_of(came, strict=strict)
 
 
 def _fixed(law: str, settings: Sequence[str], *, several: bool) -> Law:
