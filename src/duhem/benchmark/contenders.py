@@ -12,11 +12,10 @@ import numpy as np
 
 from duhem.benchmark.peers import PEERS, PeerOptions
 from duhem.benchmark.reference import Closest
-from duhem.errors import InputError
-from duhem.expression.numpy_ import compiled
-from duhem.expression.rays import Rays
+from duhem.expression.rays import exits
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
+from duhem.law.parameter_domain import check_fixed
 from duhem.left_out import LeftOut
 from duhem.projection import conic_solvers
 from duhem.projection.increment import Increment
@@ -150,9 +149,7 @@ class Specimen:
 
         Raises InputError for a parameter without value and for a law with a flow of its own.
         """
-        if missing := [name for name, domain in law.parameters.items() if domain.value is None]:
-            remedy = f"give {' '.join(f'--set {name}=VALUE' for name in missing)}"
-            raise InputError(f"no value is given for {', '.join(missing)}", where=law.name, remedy=remedy)
+        check_fixed(law)
         d = len(law.forces)
         k = np.diag(np.arange(1.0, d + 1) if stiffness is None else np.asarray(stiffness, dtype=np.float64))
         trial = np.zeros((1, d))
@@ -178,13 +175,8 @@ class Specimen:
     def radius(self, direction: Array, pressure: float | None) -> float:
         """How far K reaches along ``direction`` from the origin, in doubles; 0 where the origin is outside, inf where it never ends."""
         question = self.question(np.zeros((1, len(self.law.forces))), self.pressure)
-        names = [*self.law.force_symbols(), *([] if pressure is None else [self.law.symbols()[self.law.pressure or ""]])]
-        g = compiled(question.g, names)
-
-        def level(points: Array) -> Array:
-            return g(*np.moveaxis(points, -1, 0), *([] if pressure is None else [pressure]))
-
-        (last,), (first,) = Rays(level, np.zeros(len(direction)), direction[None]).left(_RADII)
+        others = {} if self.law.pressure is None or pressure is None else {self.law.symbols()[self.law.pressure]: pressure}
+        (last,), (first,) = exits(question.g, self.law.force_symbols(), direction[None], _RADII, others)
         return 0.0 if last < _RADII[0] else float("inf") if last == first else float(last)
 
     def width(self) -> float:

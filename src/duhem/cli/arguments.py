@@ -29,6 +29,7 @@ __all__ = [
     "complete_expected",
     "complete_law",
     "convex_option",
+    "format_option",
     "law_argument",
     "laws_argument",
     "modules_beside_the_user",
@@ -97,14 +98,14 @@ settings_option = click.option(
     shell_complete=_complete_setting,
     help="Fix a parameter, exactly: mu_a=0.15 or mu_a=3/20. Repeatable.",
 )
-report_format_option = click.option(
-    "--format",
-    "form",
-    type=click.Choice(["text", "json", "junit"]),
-    default="text",
-    show_default=True,
-    help="For people, for programs, or for what reads JUnit's XML.",
-)
+
+
+def format_option(*forms: str, says: str = "How to print it.") -> Callable[[_Command], _Command]:
+    """``--format``, one of ``forms``, the first of them where it is left out."""
+    return click.option("--format", "form", type=click.Choice(forms), default=forms[0], show_default=True, help=says)
+
+
+report_format_option = format_option("text", "json", "junit", says="For people, for programs, or for what reads JUnit's XML.")
 
 
 def convex_option(says: str) -> Callable[[_Command], _Command]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from duhem.cli.arguments import format_option
 from duhem.cli.list_laws import group_option
 from duhem.cli.output import Progress, endless_page, say
 
@@ -20,9 +21,7 @@ _OPEN = ("tested", "undecided")
 
 @click.command()
 @group_option
-@click.option(
-    "--format", "form", type=click.Choice(["text", "markdown", "json"]), default="text", show_default=True, help="How to print it."
-)
+@format_option("text", "markdown", "json")
 @click.option("--plot", "file", metavar="FILE", help="Draw a section of each law on one sheet instead (.png, .svg, .pdf, ...).")
 def atlas(group: str | None, form: str, file: str | None) -> None:
     """Print the atlas: published laws, what the literature claims of them, and our verdicts.

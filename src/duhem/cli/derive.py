@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from duhem.cli.arguments import law_argument, read_law
+from duhem.cli.arguments import format_option, law_argument, read_law
 from duhem.cli.output import endless_page, say
 
 __all__ = ["derive"]
@@ -12,9 +12,7 @@ __all__ = ["derive"]
 
 @click.command()
 @law_argument
-@click.option(
-    "--format", "form", type=click.Choice(["text", "latex", "markdown"]), default="text", show_default=True, help="How to print it."
-)
+@format_option("text", "latex", "markdown")
 def derive(law: str, form: str) -> None:
     """Print the symbolic derivation of LAW."""
     chosen = read_law(law)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import click
 
-from duhem.cli.arguments import complete_law, convex_option, read_fixed_formula, settings_option
+from duhem.cli.arguments import complete_law, convex_option, format_option, read_fixed_formula, settings_option
 from duhem.cli.output import HELD, Progress, page, say, wrote
 from duhem.show.place import check_places
 
@@ -30,9 +30,7 @@ __all__ = ["identify"]
 @click.option("--seed", type=click.IntRange(0), default=0, metavar="S", show_default=True, help="Seed of the bootstrap.")
 @click.option("--out", metavar="FILE", help="Write the fitted law as a criterion file for duhem verify.")
 @click.option("--plot", metavar="FILE", help="Draw criterion, points and outliers (.png, .pdf, .svg, ...).")
-@click.option(
-    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
-)
+@format_option("text", "json", says="For people or for programs.")
 def identify(
     points: str,
     law: str,

@@ -6,7 +6,16 @@ from collections.abc import Sequence
 
 import click
 
-from duhem.cli.arguments import Vectors, convex_option, law_argument, read_fixed_formula, read_number, read_numbers, settings_option
+from duhem.cli.arguments import (
+    Vectors,
+    convex_option,
+    format_option,
+    law_argument,
+    read_fixed_formula,
+    read_number,
+    read_numbers,
+    settings_option,
+)
 from duhem.cli.output import FAILED, HELD, page, say
 from duhem.errors import InputError
 from duhem.projection.methods import METHODS
@@ -23,9 +32,7 @@ __all__ = ["project"]
 @click.option("--method", type=click.Choice(["auto", *METHODS]), default="auto", show_default=True, help="How to solve.")
 @convex_option("Look for a proof that K is convex, require it, or do without.")
 @click.option("--tangent", is_flag=True, help="Add the consistent tangents.")
-@click.option(
-    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
-)
+@format_option("text", "json", says="For people or for programs.")
 def project(
     law: str, settings: Sequence[str], trial: str, pressure: str | None, stiffness: str, method: str, convex: str, tangent: bool, form: str
 ) -> int:
@@ -36,13 +43,12 @@ def project(
     a slip is called stationary, and ends with 4, unless K is shown to be convex, and inaccurate if a nearer point of K is found.
     A stress beyond a range of forces that LAW declares is called outside, and ends with 4 too.
     """
+    from duhem.law.parameter_domain import check_fixed
     from duhem.projection.validation import check_associated
 
     fixed = read_fixed_formula(law, settings)
     check_associated(fixed)
-    if missing := [name for name, domain in fixed.parameters.items() if domain.value is None]:
-        remedy = f"give {' '.join(f'--set {name}=VALUE' for name in missing)}"
-        raise InputError(f"no value is given for {', '.join(missing)}", where=fixed.name, remedy=remedy)
+    check_fixed(fixed)
     if fixed.pressure is not None and pressure is None:
         raise InputError(f"{fixed.name} needs the pressure {fixed.pressure}", where="--pressure", remedy="give it, <= 0 in compression")
     target, rows = read_numbers(trial, "--trial"), read_numbers(stiffness, "--stiffness")

@@ -140,13 +140,7 @@ def test(
         "pressure": None if pressure is None else read_number(pressure, "--pressure"),
     }
     asked_for = _checks(None if free else subject, named, expected)
-    left_out: dict[str, str] = {}
-    if free:
-        routines = _without_law(subject, settings, held_to, stiffness)
-    elif law is not None:
-        routines = _of_law(subject, law, settings, held_to)
-    else:
-        routines, left_out = _own_methods(subject, settings, held_to)
+    routines, left_out = _routines(subject, law, free, settings, held_to, stiffness)
     options = {"max_examples": examples or _EXAMPLES[profile], "rows": 30, "every": every, "tries": shrink, "seed": seed}
     tested, ended = _carry_out(routines, asked_for, most, {**options, "expected": expected, **fixed})
     say(_told(form, tested, left_out, again))
@@ -232,51 +226,42 @@ def _most_flagged(given: str | None, own: bool) -> float:
     return share
 
 
-def _of_law(subject: str, law: str, settings: Sequence[str], accuracy: float | None) -> dict[str, Routine]:
-    """A routine that is tested against a law, by the name it is shown under."""
+def _routines(
+    subject: str, law: str | None, free: bool, settings: Sequence[str], accuracy: float | None, stiffness: str | None
+) -> tuple[dict[str, Routine], dict[str, str]]:
+    """What is tested, by the name it is shown under; of the methods of duhem that do not take a law, why they do not."""
     from duhem.testing.conformance import ACCURACY
     from duhem.testing.routines.material import Material
-    from duhem.testing.run import ConformanceRun
-
-    known, given = read_fixed_formula(law, settings), read_routine(subject)
-    if isinstance(given, Material):
-        remedy = "name a routine that from_material makes of it, or leave out --law"
-        raise InputError("a material has its own stiffness", where=subject, remedy=remedy)
-    return {subject: (partial(ConformanceRun, known, given, None, given=law), ACCURACY if accuracy is None else accuracy)}
-
-
-def _own_methods(law: str, settings: Sequence[str], accuracy: float | None) -> tuple[dict[str, Routine], dict[str, str]]:
-    """The methods of duhem that take a law; of the others why they do not."""
-    from duhem.testing.conformance import ACCURACY
     from duhem.testing.routines.routine import PROMISED, own_solvers
     from duhem.testing.run import ConformanceRun
 
-    known = read_fixed_formula(law, settings)
+    held_to = ACCURACY if accuracy is None else accuracy
+    if law is not None:
+        known, given = read_fixed_formula(law, settings), read_routine(subject)
+        if isinstance(given, Material):
+            remedy = "name a routine that from_material makes of it, or leave out --law"
+            raise InputError("a material has its own stiffness", where=subject, remedy=remedy)
+        return {subject: (partial(ConformanceRun, known, given, None, given=law), held_to)}, {}
+    if free:
+        routine, values = read_routine(subject), read_settings(settings)
+        own = isinstance(routine, Material)
+        if own and values:
+            raise InputError("a material has its own parameters", where=f"--set {settings[0]}", remedy="give them where it is made")
+        if not own and stiffness is None:
+            what = f"{subject} is a routine: without a law nothing says how many forces there are"
+            raise InputError(what, where="--law", remedy="say which law it is for, as --law coulomb, or give --stiffness")
+        parameters = None if own else {name: float(value) for name, value in values.items()}
+        return {subject: (partial(ConformanceRun, None, routine, parameters), held_to)}, {}
+    known = read_fixed_formula(subject, settings)
     found: dict[str, Routine] = {}
     left_out: dict[str, str] = {}
-    for method, routine in own_solvers(known):
-        if isinstance(routine, str):
-            left_out[method] = routine
+    for method, solver in own_solvers(known):
+        if isinstance(solver, str):
+            left_out[method] = solver
         else:
-            run = partial(ConformanceRun, known, routine, None, given=law)
+            run = partial(ConformanceRun, known, solver, None, given=subject)
             found[f"{known.name} {method}"] = run, PROMISED.get(method, ACCURACY) if accuracy is None else accuracy
     return found, left_out
-
-
-def _without_law(subject: str, settings: Sequence[str], accuracy: float | None, stiffness: str | None) -> dict[str, Routine]:
-    """A routine of which no law is known; its parameters are those that are set."""
-    from duhem.testing.conformance import ACCURACY
-    from duhem.testing.routines.material import Material
-    from duhem.testing.run import ConformanceRun
-
-    routine, values = read_routine(subject), read_settings(settings)
-    if isinstance(routine, Material) and values:
-        raise InputError("a material has its own parameters", where=f"--set {settings[0]}", remedy="give them where it is made")
-    if not isinstance(routine, Material) and stiffness is None:
-        what = f"{subject} is a routine: without a law nothing says how many forces there are"
-        raise InputError(what, where="--law", remedy="say which law it is for, as --law coulomb, or give --stiffness")
-    given = None if isinstance(routine, Material) else {name: float(value) for name, value in values.items()}
-    return {subject: (partial(ConformanceRun, None, routine, given), ACCURACY if accuracy is None else accuracy)}
 
 
 def _carry_out(

@@ -224,7 +224,7 @@ def _verify_each(
     from duhem.expression.number import exact_text
     from duhem.proof.verification import wanted_claims
     from duhem.screening.campaign import Campaign, Claimed
-    from duhem.screening.pool import Pool, cores
+    from duhem.screening.pool import Pool
     from duhem.screening.rows import Given
 
     names = [_law_name(law) for law in laws]
@@ -239,7 +239,7 @@ def _verify_each(
     asked = Campaign((Given(tuple((name, values) for name in names)),), Claimed(wanted_claims(claims), effort))
     verdicts = list[dict[str, str | None]]()
     try:
-        with Progress() as progress, Pool(asked, workers or cores()) as pool:
+        with Progress() as progress, Pool(asked, workers) as pool:
             for lines in _in_order(pool.texts([range(1, len(asked) + 1)])):
                 progress.show("")
                 say(_one_line(laws[len(verdicts)], lines))

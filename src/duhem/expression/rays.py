@@ -8,13 +8,16 @@ evaluations.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 
-__all__ = ["Rays", "crossing", "evenly_between", "first_exit"]
+from duhem.expression.numpy_ import compiled
+
+__all__ = ["Rays", "crossing", "evenly_between", "exits", "first_exit"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -67,6 +70,18 @@ class Rays:
     def left(self, radii: Array, bits: int = _BITS, at_once: int = 1) -> tuple[Array, Array]:
         """The last t inside and the first outside (M,), by :func:`first_exit` and then to the last digit."""
         return self.narrowed(*first_exit(self.inside(radii), radii), bits, at_once)
+
+
+def exits(
+    g: sp.Expr, forces: Sequence[sp.Symbol], ways: Array, radii: Array, others: Mapping[sp.Symbol, float], bits: int = _BITS
+) -> tuple[Array, Array]:
+    """Where the rays from zero along ``ways`` (M, d) leave {g <= 0}, its ``others`` at their numbers; (M,) each, as :meth:`Rays.left`."""
+    program = compiled(g, [*forces, *others])
+
+    def level(points: Array) -> Array:
+        return program(*np.moveaxis(points, -1, 0), *others.values())
+
+    return Rays(level, np.zeros(ways.shape[1]), ways).left(radii, bits)
 
 
 def evenly_between(low: Array, high: Array, parts: int) -> Array:

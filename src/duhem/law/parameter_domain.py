@@ -1,4 +1,4 @@
-"""Whether the domain of a law holds any parameter values at all: a claim over an empty domain would hold of anything."""
+"""Whether a law has values for its parameters, or its domain holds any: a claim over an empty domain would hold of anything."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from duhem.expression.smt import Reals
 from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
 
-__all__ = ["check_domain", "simple_points"]
+__all__ = ["check_domain", "check_fixed", "simple_points"]
 
 _STEPS = 2_000_000  # z3's own, about a second: never a clock, so that a busy machine says what an idle one says
 _MOST_EXPONENT = 16
@@ -30,6 +30,13 @@ def check_domain(law: Law, *, where: str = "") -> None:
     if not free or _contradictory(law):
         listed = ", ".join([*(str(c) for c in law.constraints), *_bounds(law)])
         raise InputError(f"no parameter values satisfy {listed} together", where=where or law.name, remedy="relax one of them")
+
+
+def check_fixed(law: Law, remedy: str = "") -> None:
+    """InputError where a parameter has no value; the ``remedy`` left out is that of the command line."""
+    if missing := [name for name, domain in law.parameters.items() if domain.value is None]:
+        remedy = remedy or f"give {' '.join(f'--set {name}=VALUE' for name in missing)}"
+        raise InputError(f"no value is given for {', '.join(missing)}", where=law.name, remedy=remedy)
 
 
 def _parameters(law: Law) -> tuple[sp.Symbol, ...]:

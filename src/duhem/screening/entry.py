@@ -15,7 +15,7 @@ from duhem.screening.campaign import Campaign, Claimed, Inquiry, VerdictLine, li
 from duhem.screening.cluster import Cluster
 from duhem.screening.file import Means
 from duhem.screening.increments import Project
-from duhem.screening.pool import Pool, cores
+from duhem.screening.pool import Pool
 from duhem.screening.rows import given
 from duhem.screening.summary import Counts, Summary
 from duhem.screening.table import GrowingLines, check_table, read_lines, stands, write_table
@@ -75,7 +75,7 @@ def campaign(
         counts = Counts(asked)
         deque(counts.passing(read_lines(table)), maxlen=0)
         return counts.summary(table, stood=True)
-    with Pool(asked, workers or cores()) if scheduler is None else Cluster(asked, scheduler) as pool:
+    with Pool(asked, workers) if scheduler is None else Cluster(asked, scheduler) as pool:
         if isinstance(pool, Cluster) and on_start is not None:
             on_start(pool.dashboard)
         return _gathered(asked, pool, on_row) if table is None else _written(asked, pool, table, resume, on_row)

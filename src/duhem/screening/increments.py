@@ -12,11 +12,11 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 
 from duhem.errors import InputError
-from duhem.expression.numpy_ import compiled
-from duhem.expression.rays import Rays
+from duhem.expression.rays import exits
 from duhem.law.catalogue import load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
+from duhem.law.parameter_domain import check_fixed
 from duhem.projection.result import Array, Projection, Status
 from duhem.projection.validation import increment
 from duhem.screening.campaign import Answered
@@ -90,8 +90,7 @@ class Increments:
     def answers(self, law: Law) -> Iterator[Answered]:
         began = monotonic()
         formula = load_formula(law)
-        if missing := [name for name, domain in formula.parameters.items() if domain.value is None]:
-            raise InputError(f"no value is given for {', '.join(missing)}", where=law.name, remedy="give it in set, grid, draw or table")
+        check_fixed(formula, "give it in set, grid, draw or table")
         trial, pressure = self._drawn(formula) if self.trials is None else self.trials.of(formula)
         done = self.project(formula, trial, pressure, self.stiffness, method=self.method, convex=self.convex)
         flagged = np.flatnonzero(~np.isin(done.status, (Status.STICK, Status.SLIP)))
@@ -112,12 +111,8 @@ class Increments:
 def _reach(law: Criterion, way: Array, pressure: Array | None) -> Array:
     """How far K reaches along each way (N,), to a part in a million; 1 where it has no end or the origin is outside."""
     g = increment(law, np.zeros((1, way.shape[1])), pressure, 1.0, None).g
-    at = compiled(g, [*law.force_symbols(), *([law.symbols()[law.pressure]] if law.pressure else [])])
-
-    def level(points: Array) -> Array:
-        return at(*np.moveaxis(points, -1, 0), *([] if pressure is None else [pressure[0]]))
-
-    last, first = Rays(level, np.zeros(way.shape[1]), way).left(_RADII, bits=_REACH)
+    others = {} if law.pressure is None or pressure is None else {law.symbols()[law.pressure]: float(pressure[0])}
+    last, first = exits(g, law.force_symbols(), way, _RADII, others, _REACH)
     return np.where((last >= _RADII[0]) & (last < first), last, 1.0)
 
 

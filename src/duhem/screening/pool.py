@@ -24,10 +24,11 @@ from multiprocessing.connection import wait
 from types import TracebackType
 
 from duhem.errors import InputError
+from duhem.projection.in_blocks import cores
 from duhem.screening import worker
 from duhem.screening.campaign import Campaign, as_text, ended
 
-__all__ = ["Pool", "cores"]
+__all__ = ["Pool"]
 
 _CHUNK = 0.5  # s: rows are handed out for about so long
 _MOST = 256  # of them at once
@@ -41,11 +42,6 @@ _WAITED = 10.0  # by the clock, of the processor's seconds that a row may take
 _START = 300.0  # s by the clock, of a process that is to begin
 _WAITS = "as it only waits"
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-
-
-def cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class _Worker:
@@ -107,10 +103,10 @@ class _Worker:
 
 
 class Pool:
-    """``workers`` processes for the rows of a campaign.  Use it as a context: they end with it."""
+    """``workers`` processes, or one a core, for the rows of a campaign.  Use it as a context: they end with it."""
 
-    def __init__(self, campaign: Campaign, workers: int) -> None:
-        self.campaign, self.workers = campaign, workers
+    def __init__(self, campaign: Campaign, workers: int | None) -> None:
+        self.campaign, self.workers = campaign, workers or cores()
         self._sent = pickle.dumps(campaign, protocol=pickle.HIGHEST_PROTOCOL)
         self._processes: list[_Worker] = []
         self._waiting: deque[range] = deque()

@@ -12,13 +12,14 @@ import hashlib
 import json
 import os
 import random
+from abc import ABC, abstractmethod
 from array import array
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from math import prod
-from typing import Any, Protocol
+from typing import Any
 
 import sympy as sp
 
@@ -93,20 +94,37 @@ class Row:
         return self.name.law().fix(self.values)
 
 
-class RowBlock(Protocol):
+@dataclass(frozen=True)
+class RowBlock(ABC):
     """Rows of one kind, counted from 0 on."""
 
+    @abstractmethod
     def __len__(self) -> int: ...
 
+    @abstractmethod
     def row(self, i: int, number: int) -> Row: ...
 
     def told(self) -> str:
         """The block in words that tell it from every other."""
-        ...
+        return json.dumps([type(self).__name__, *(_told(getattr(self, each.name)) for each in fields(self))])
+
+
+def _told(value: Any) -> Any:
+    """A value of a block as JSON takes it."""
+    match value:
+        case LawName():
+            return value.told()
+        case bytes():
+            return hashlib.sha256(value).hexdigest()
+        case tuple():
+            return [_told(each) for each in value]
+        case Fraction() | Span():
+            return str(value)
+    return value
 
 
 @dataclass(frozen=True)
-class Given:
+class Given(RowBlock):
     """Pairs of a law and its values."""
 
     pairs: tuple[tuple[LawName, tuple[tuple[str, str], ...]], ...]
@@ -118,12 +136,9 @@ class Given:
         name, values = self.pairs[i]
         return Row(number, name, dict(values))
 
-    def told(self) -> str:
-        return json.dumps(["given", [(name.told(), values) for name, values in self.pairs]])
-
 
 @dataclass(frozen=True)
-class Grid:
+class Grid(RowBlock):
     """Every combination of the values on ``axes``, the last axis first."""
 
     name: LawName
@@ -139,9 +154,6 @@ class Grid:
             i, at = divmod(i, len(values))
             chosen[axis] = values[at]
         return Row(number, self.name, {**dict(self.values), **{axis: chosen[axis] for axis, _ in self.axes}})
-
-    def told(self) -> str:
-        return json.dumps(["grid", self.name.told(), self.axes, self.values])
 
 
 @dataclass(frozen=True)
@@ -159,7 +171,7 @@ class Span:
 
 
 @dataclass(frozen=True)
-class Draw:
+class Draw(RowBlock):
     """``count`` points drawn in the spans, each from the seed and its number; again where a constraint of the law does not hold."""
 
     name: LawName
@@ -187,13 +199,9 @@ class Draw:
                 return Row(number, self.name, fixed | {p: ratio(at[table[p]]) for p in point})
         return Row(number, self.name, fixed, f"none of {_TRIES} draws satisfies the constraints of {law.name}; narrow the ranges")
 
-    def told(self) -> str:
-        spans = [(s.parameter, str(s.low), str(s.high), s.positive) for s in self.spans]
-        return json.dumps(["draw", self.name.told(), spans, self.count, self.seed, self.values])
-
 
 @dataclass(frozen=True)
-class TableRows:
+class TableRows(RowBlock):
     """Rows of a table: ``columns`` are named as parameters, ``None`` is passed over; ``text`` has a line a row, cells between tabs."""
 
     name: LawName
@@ -218,9 +226,6 @@ class TableRows:
             return Row(number, self.name, dict(self.values), fault)
         read = {name: _exact(cell) for name, cell in zip(self.columns, cells, strict=True) if name is not None}
         return Row(number, self.name, {**dict(self.values), **read})
-
-    def told(self) -> str:
-        return json.dumps(["table", self.name.told(), self.columns, hashlib.sha256(self.text).hexdigest(), self.values])
 
 
 def _exact(cell: str) -> str:

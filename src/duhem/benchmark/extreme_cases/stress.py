@@ -24,6 +24,7 @@ from duhem.errors import DuhemError, InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
+from duhem.law.parameter_domain import check_fixed
 from duhem.left_out import LeftOut
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
@@ -298,8 +299,7 @@ class StressCases:
     def answers(self, law: Law) -> Iterator[_Line]:
         """A line for each name; InputError where the law cannot be asked."""
         formula = load_formula(law)
-        if missing := [name for name, domain in formula.parameters.items() if domain.value is None]:
-            raise InputError(f"no value is given for {', '.join(missing)}", where=law.name, remedy="give it in set, grid, draw or table")
+        check_fixed(formula, "give it in set, grid, draw or table")
         for method in self.methods:
             yield from self._of_method(formula, method)
 

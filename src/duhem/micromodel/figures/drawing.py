@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from functools import singledispatch
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from duhem.micromodel.figures.value import Arrows, Band, Curve, Figure, Layer, Marks, Note, Panel, Rule
 from duhem.show import figure as show
@@ -75,24 +74,26 @@ def _colour(hue: int | None) -> str:
     return show.GREY if hue is None else show.palette(hue)
 
 
-@singledispatch
 def _draw(layer: Layer, axes: Axes, order: float) -> None:
-    raise TypeError(f"{type(layer).__name__} is no layer")
+    match layer:
+        case Curve():
+            dash = _DOTS if layer.hue is None else show.pen(layer.hue)["linestyle"]
+            axes.plot(layer.x, layer.y, color=_colour(layer.hue), linestyle=dash, linewidth=1.8, label=layer.label or "_", zorder=order)
+        case Marks():
+            axes.plot(layer.x, layer.y, "o", color=_colour(layer.hue), markersize=5, label=layer.label or "_", zorder=order)
+        case Arrows():
+            _arrows(layer, axes, order)
+        case Rule():
+            _rule(layer, axes, order)
+        case Band():
+            axes.axvspan(layer.low, layer.high, color="0.9", linewidth=0, label=layer.label or "_", zorder=order)
+        case Note():
+            offset, across, along = _SIDES[layer.side]
+            words: dict[str, Any] = {"xytext": offset, "textcoords": "offset points", "ha": across, "va": along, "fontsize": "small"}
+            axes.annotate(layer.text, (layer.x, layer.y), **words, zorder=order)
 
 
-@_draw.register(Curve)
-def _(layer: Curve, axes: Axes, order: float) -> None:
-    dash = _DOTS if layer.hue is None else show.pen(layer.hue)["linestyle"]
-    axes.plot(layer.x, layer.y, color=_colour(layer.hue), linestyle=dash, linewidth=1.8, label=layer.label or "_", zorder=order)
-
-
-@_draw.register(Marks)
-def _(layer: Marks, axes: Axes, order: float) -> None:
-    axes.plot(layer.x, layer.y, "o", color=_colour(layer.hue), markersize=5, label=layer.label or "_", zorder=order)
-
-
-@_draw.register(Arrows)
-def _(layer: Arrows, axes: Axes, order: float) -> None:
+def _arrows(layer: Arrows, axes: Axes, order: float) -> None:
     step = layer.length * layer.along
     axes.quiver(
         *layer.start.T,
@@ -113,8 +114,7 @@ def _(layer: Arrows, axes: Axes, order: float) -> None:
     axes.autoscale_view()
 
 
-@_draw.register(Rule)
-def _(layer: Rule, axes: Axes, order: float) -> None:
+def _rule(layer: Rule, axes: Axes, order: float) -> None:
     line, turn = (axes.axhline, 0) if layer.axis == "y" else (axes.axvline, 90)
     line(layer.at, color=_colour(layer.hue), linewidth=0.9, linestyle=(0, (4, 3)) if layer.label else "-", zorder=order)
     if layer.label:
@@ -134,16 +134,3 @@ def _(layer: Rule, axes: Axes, order: float) -> None:
             color=_colour(layer.hue),
             zorder=order,
         )
-
-
-@_draw.register(Band)
-def _(layer: Band, axes: Axes, order: float) -> None:
-    axes.axvspan(layer.low, layer.high, color="0.9", linewidth=0, label=layer.label or "_", zorder=order)
-
-
-@_draw.register(Note)
-def _(layer: Note, axes: Axes, order: float) -> None:
-    offset, across, along = _SIDES[layer.side]
-    axes.annotate(
-        layer.text, (layer.x, layer.y), xytext=offset, textcoords="offset points", ha=across, va=along, fontsize="small", zorder=order
-    )

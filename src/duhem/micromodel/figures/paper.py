@@ -12,8 +12,7 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
-from duhem.expression.numpy_ import compiled
-from duhem.expression.rays import Rays
+from duhem.expression.rays import exits
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
 from duhem.micromodel.experiment import STEEL_ON_ALUMINIUM, Experiment
@@ -49,18 +48,13 @@ def boundary(law: Criterion, parameters: Mapping[str, float], angle: ArrayLike, 
     """
     fixed = law.fix(parameters)
     table = fixed.symbols()
-    names = [*fixed.forces, str(fixed.pressure), *parameters]
-    g = compiled(fixed.g, [table[name] for name in names])
     theta = np.asarray(angle, dtype=np.float64)
-
-    def level(points: Array) -> Array:
-        return g(*np.moveaxis(points, -1, 0), pressure, *parameters.values())
-
-    rays = Rays(level, np.zeros(2), np.stack([np.cos(theta), np.sin(theta)], axis=-1))
-    last, first = rays.left(abs(pressure) * np.ldexp(1.0, _DOUBLINGS))
+    ways = np.stack([np.cos(theta), np.sin(theta)], axis=-1)
+    others = {table[str(fixed.pressure)]: pressure, **{table[name]: value for name, value in parameters.items()}}
+    last, first = exits(fixed.g, fixed.force_symbols(), ways, abs(pressure) * np.ldexp(1.0, _DOUBLINGS), others)
     if (last == first).any():
         raise InputError("a ray from 0 does not leave K", where=law.name, remedy="draw a law that is bounded")
-    return rays.at(last)
+    return last[:, None] * ways
 
 
 def law_1d(
