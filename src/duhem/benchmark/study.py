@@ -6,18 +6,18 @@ import platform
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from duhem.left_out import LeftOut
 from duhem.projection.in_blocks import cores
 from duhem.show.page import Page
+from duhem.version import distribution
 
 __all__ = ["Study", "machine", "report"]
 
 _PACKAGES = (
-    "numpy", "scipy", "sympy", "mpmath", "cvxpy", "clarabel", "numba", "cvxopt", "ecos", "moreau", "osqp", "qoco", "scs", "jax", "jaxmat",
-    "qpax", "proxsuite",
+    "numpy", "scipy", "sympy", "mpmath", "cvxpy-base", "clarabel", "numba", "cvxopt", "ecos", "moreau", "osqp", "qoco", "scs", "jax",
+    "jaxmat", "qpax", "proxsuite",
 )  # fmt: skip
 
 
@@ -53,7 +53,7 @@ def machine() -> dict[str, Any]:
         "processors_usable": cores(),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "python": platform.python_version(),
-        "versions": {name: found for name in _PACKAGES if (found := _version(name)) is not None},
+        "versions": {name.removesuffix("-base"): found for name in _PACKAGES if (found := distribution(name)) is not None},
     }
 
 
@@ -66,15 +66,6 @@ def _processor() -> str:
     except OSError:
         pass
     return platform.processor() or platform.machine()
-
-
-def _version(name: str) -> str | None:
-    for candidate in (name, f"{name}-base"):
-        try:
-            return version(candidate)
-        except PackageNotFoundError:
-            continue
-    return None
 
 
 def report(study: Study, facts: Sequence[str], parts: Sequence[Sequence[str]], page: Page) -> str:

@@ -11,6 +11,7 @@ import click
 
 from duhem.cli.output import FAILED, HELD, say
 from duhem.show.page import PAGE
+from duhem.version import __version__, distribution
 
 __all__ = ["CORE", "EXTRAS", "PURPOSES", "doctor", "installed", "missing", "versions"]
 
@@ -40,8 +41,6 @@ PURPOSES = {
     "test": "the tests: python -m pytest",
     "mutation": "which changes of the code no test sees: python -m tests.campaigns.mutation",
 }
-# Distributions that bring the same module under another name.
-_ALSO = {"cvxpy-base": "cvxpy"}
 _FIELD = 15
 
 
@@ -57,8 +56,6 @@ def doctor() -> int:
 
 def installed() -> str:
     """Core and optional packages with their versions, the remedy for each gap, and facts for a bug report."""
-    from duhem.version import __version__
-
     lines = [f"duhem {__version__}", "", "core", *_rows(CORE, "duhem")]
     for extra, packages in EXTRAS.items():
         lines += ["", *PAGE.hanging(f"extra {extra}: {PURPOSES[extra]}"), *_rows(packages, f"duhem[{extra}]")]
@@ -68,30 +65,19 @@ def installed() -> str:
 
 def missing() -> tuple[str, ...]:
     """The core packages that are not installed."""
-    return tuple(name for name in CORE if _version(name) is None)
+    return tuple(name for name in CORE if distribution(name) is None)
 
 
 def versions(packages: tuple[str, ...]) -> dict[str, str]:
     """Those of the packages that are installed, with their versions."""
-    return {name: found for name in packages if (found := _version(name)) is not None}
+    return {name: found for name in packages if (found := distribution(name)) is not None}
 
 
 def _rows(packages: tuple[str, ...], requirement: str) -> Iterator[str]:
     for name in packages:
-        yield from PAGE.field(name, _version(name) or "not installed", _FIELD)
-    if any(_version(name) is None for name in packages):
+        yield from PAGE.field(name, distribution(name) or "not installed", _FIELD)
+    if any(distribution(name) is None for name in packages):
         yield f'  install with: pip install "{requirement}"'
-
-
-def _version(name: str) -> str | None:
-    from importlib.metadata import PackageNotFoundError, version  # takes longer than all else that duhem --help imports
-
-    for candidate in (name, _ALSO.get(name)):
-        try:
-            return version(candidate) if candidate else None
-        except PackageNotFoundError:
-            continue
-    return None
 
 
 def _machine() -> Iterator[str]:

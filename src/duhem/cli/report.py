@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import platform
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
 
+from duhem.cli.arguments import read_law
 from duhem.cli.doctor import CORE, versions
+from duhem.derivation import derive
+from duhem.derivation.chapters import chapters
 from duhem.errors import DuhemError, InputError, MissingExtraError
+from duhem.identification.criterion_text import criterion_text
+from duhem.law import catalogue
 from duhem.left_out import LeftOut
+from duhem.portrait.panels import panels
+from duhem.proof import report
+from duhem.proof.verification import Verification
+from duhem.show import figure, mathematics
+from duhem.show.document import Article, Chapter, Lines, Paragraph, Titled
 from duhem.version import __version__
-
-if TYPE_CHECKING:
-    from duhem.proof.verification import Verification
-    from duhem.show.document import Article, Chapter
 
 __all__ = ["again", "article", "law_lines", "without"]
 
@@ -24,21 +29,20 @@ _SHOWN_WITH = ("matplotlib", "latex2mathml")
 
 def article(found: Verification, command: str, law: str) -> Article:
     """One law on the page; ``command`` is the line that verifies it again, ``law`` its text."""
-    from duhem.proof import report
-    from duhem.show.document import Article
-
-    document = _certificate(found)
     derived, missing = _derivation(found)
-    chapters = (
-        report.stated(found),
-        *report.decided(found),
-        _pictures(found),
-        *report.left_aside(found, missing),
-        *derived,
-        _certified(document),
-        _again(command, law),
+    return Article(
+        found.criterion.name,
+        found.criterion.summary,
+        (
+            report.stated(found),
+            *report.decided(found),
+            _pictures(found),
+            *report.left_aside(found, missing),
+            *derived,
+            _certified(found),
+            _again(command, law),
+        ),
     )
-    return Article(found.criterion.name, found.criterion.summary, chapters)
 
 
 def again(law: str, settings: Sequence[str], claims: str | None, effort: str) -> str:
@@ -50,10 +54,6 @@ def again(law: str, settings: Sequence[str], claims: str | None, effort: str) ->
 
 def law_lines(law: str) -> str:
     """The text of the file that a law is read from, or else of a criterion file that states the same law."""
-    from duhem.cli.arguments import read_law
-    from duhem.identification.criterion_text import criterion_text
-    from duhem.law import catalogue
-
     if (file := catalogue.file_read(law)) is not None:
         return file.read_text("utf-8-sig")
     return criterion_text(read_law(law))
@@ -61,8 +61,6 @@ def law_lines(law: str) -> str:
 
 def without() -> str:
     """What the page lacks for want of a package, and the remedy; empty where it lacks nothing."""
-    from duhem.show import figure, mathematics
-
     faults: dict[str, MissingExtraError] = {}
     for part, check in (("pictures", partial(figure.check, None)), ("typeset formulas", mathematics.check)):
         try:
@@ -76,9 +74,6 @@ def without() -> str:
 
 
 def _pictures(found: Verification) -> Chapter:
-    from duhem.portrait.panels import panels
-    from duhem.show.document import Chapter, Paragraph
-
     try:
         return Chapter("Pictures", panels(found))
     except DuhemError as fault:  # without matplotlib, or without numbers to draw it at
@@ -86,10 +81,6 @@ def _pictures(found: Verification) -> Chapter:
 
 
 def _derivation(found: Verification) -> tuple[tuple[Chapter, ...], tuple[LeftOut, ...]]:
-    from duhem.derivation import derive
-    from duhem.derivation.chapters import chapters
-    from duhem.show.document import Chapter
-
     try:
         derived = derive(found.criterion)
     except InputError as fault:
@@ -97,23 +88,14 @@ def _derivation(found: Verification) -> tuple[tuple[Chapter, ...], tuple[LeftOut
     return (Chapter("Derivation", chapters(derived)),), derived.left_out
 
 
-def _certificate(found: Verification) -> dict[str, Any] | InputError:
+def _certified(found: Verification) -> Chapter:
     try:
-        return found.certificate()
+        return report.certified(found.certificate())
     except InputError as fault:
-        return fault
-
-
-def _certified(document: Mapping[str, Any] | InputError) -> Chapter:
-    from duhem.proof.report import certified
-    from duhem.show.document import Chapter, Paragraph
-
-    return Chapter("Certificate", (Paragraph(f"None: {document}."),)) if isinstance(document, InputError) else certified(document)
+        return Chapter("Certificate", (Paragraph(f"None: {fault}."),))
 
 
 def _again(command: str, law: str) -> Chapter:
-    from duhem.show.document import Chapter, Lines, Paragraph, Titled
-
     packages = versions((*CORE, *_SHOWN_WITH))
     about = (
         ("duhem", __version__),

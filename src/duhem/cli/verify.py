@@ -99,9 +99,11 @@ def verify(
     check_places([report, certificate], laws)
     if certificate is not None and len(laws) > 1:
         raise InputError("a certificate is of one law", where=f"--certificate {certificate}", remedy="verify the laws one by one")
-    from duhem.cli.report import again, article, law_lines, without
+    texts: list[str] = []
+    if report is not None:
+        from duhem.cli.report import law_lines
 
-    texts = [law_lines(law) for law in laws] if report is not None else []
+        texts = [law_lines(law) for law in laws]
 
     from duhem.proof import verification
     from duhem.show.printing import text
@@ -140,6 +142,7 @@ def verify(
         done[0].certificate(certificate)
         wrote("the certificate", certificate)
     if report is not None:
+        from duhem.cli.report import again, article, without
         from duhem.show.document import as_page
 
         commands = (again(law, settings, claims, effort) for law in laws)
