@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import sympy as sp
@@ -172,19 +173,10 @@ def _difference(node: Any) -> Callable[..., Any]:
     return (lambda _, a, b: a - b) if isinstance(node, (sp.StrictGreaterThan, sp.GreaterThan)) else (lambda _, a, b: b - a)
 
 
-def _pos(told: int | None, x: Any) -> tuple[Any, int, Any]:
-    choice = (1 if x >= 0 else 0) if told is None else told
-    return (x if choice else 0 * x), choice, abs(x)
-
-
-def _neg(told: int | None, x: Any) -> tuple[Any, int, Any]:
-    choice = (1 if x < 0 else 0) if told is None else told
-    return (-x if choice else 0 * x), choice, abs(x)
-
-
-def _abs(told: int | None, x: Any) -> tuple[Any, int, Any]:
-    choice = (1 if x >= 0 else -1) if told is None else told
-    return choice * x, choice, abs(x)
+def _bent(above: int, below: int, told: int | None, x: Any) -> tuple[Any, int, Any]:
+    """A function with these slopes on either side of zero."""
+    choice = int(x >= 0) if told is None else told
+    return (above if choice else below) * x, choice, abs(x)
 
 
 def _most(told: int | None, *x: Any) -> tuple[Any, int, Any]:
@@ -204,7 +196,14 @@ def _where(told: int | None, difference: Any, a: Any, b: Any) -> tuple[Any, int,
 
 
 _COMPARISONS = (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan)
-_KINKS: dict[type, Callable[..., Any]] = {Pos: _pos, Neg: _neg, sp.Abs: _abs, sp.Max: _most, sp.Min: _least, Where: _where}
+_KINKS: dict[type, Callable[..., Any]] = {
+    Pos: partial(_bent, 1, 0),
+    Neg: partial(_bent, 0, -1),
+    sp.Abs: partial(_bent, 1, -1),
+    sp.Max: _most,
+    sp.Min: _least,
+    Where: _where,
+}
 
 
 def extents(plain: Slice, y: Vector) -> Vector | None:

@@ -41,24 +41,7 @@ def cli() -> None:
 
 
 for command in (
-    verify,
-    recheck,
-    derive,
-    plot,
-    project,
-    simulate,
-    export,
-    bench,
-    stress,
-    test,
-    figures,
-    identify,
-    snapshot,
-    campaign,
-    list_laws,
-    atlas,
-    init,
-    explain,
-    doctor,
-):
+    verify, recheck, derive, plot, project, simulate, export, bench, stress, test, figures, identify, snapshot, campaign, list_laws, atlas,
+    init, explain, doctor,
+):  # fmt: skip
     cli.add_command(command)

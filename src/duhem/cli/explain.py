@@ -18,9 +18,7 @@ def explain(claim: str | None) -> None:
 
     page = endless_page()
     if claim is None:
-        width = max(map(len, CLAIMS))
-        for name, entry in CLAIMS.items():
-            say("\n".join(page.hanging(entry.statement, f"{name:<{width}}  ", " " * (width + 2))))
+        say("\n".join(page.listed({name: entry.statement for name, entry in CLAIMS.items()})))
         return
     (name,) = read_claims(claim)
     theory = CLAIMS[name].theory.strip()

@@ -23,6 +23,4 @@ def list_laws(group: str | None) -> None:
         atlas = {name: f"{len(laws)} published laws: duhem list --group {name}" for name, laws in entry.groups().items()}
     else:
         laws, atlas = {each.name: each.summary for each in entry.entries(group)}, {}
-    width = max(map(len, [*laws, *atlas]))
-    for name, about in [*laws.items(), *atlas.items()]:
-        say("\n".join(endless_page().hanging(about, f"{name:<{width}}  ", " " * (width + 2))) or name)
+    say("\n".join(endless_page().listed(laws | atlas)))

@@ -37,7 +37,7 @@ __all__ = [
     "number_of",
 ]
 
-_MOST_OF_AN_ERROR = 1_000  # characters of an error
+_MOST = 1_000  # characters of an error
 _A_LIBRARY = 100_000_000  # bytes: what is mapped at once of a large one, or for a thread
 
 
@@ -209,7 +209,7 @@ def _all_but_taken() -> bool:
 def ended(campaign: Campaign, row: Row, error: str) -> tuple[VerdictLine, ...]:
     """The lines of a row without verdicts, and why."""
     answers = [Answered(name, None, None, None, None, 0, 0.0) for name in campaign.inquiry.names]
-    return _lines(row, answers, error if len(error) <= _MOST_OF_AN_ERROR else f"{error[:_MOST_OF_AN_ERROR]} ...")
+    return _lines(row, answers, error if len(error) <= _MOST else f"{error[:_MOST]} ...")
 
 
 def _lines(row: Row, answers: Sequence[Answered], error: str | None) -> tuple[VerdictLine, ...]:

@@ -103,17 +103,12 @@ class Increments:
         way = chance.normal(size=(self.count, d))
         way /= np.linalg.norm(way, axis=1, keepdims=True)
         far = 10.0 ** chance.uniform(_LEAST, _MOST, size=self.count)
-        pressure = np.full(self.count, self.pressure)
-        reach = _reach(law, way, pressure[:1] if law.pressure else None)
-        return way * (reach * far)[:, None], pressure if law.pressure else None
-
-
-def _reach(law: Criterion, way: Array, pressure: Array | None) -> Array:
-    """How far K reaches along each way (N,), to a part in a million; 1 where it has no end or the origin is outside."""
-    g = increment(law, np.zeros((1, way.shape[1])), pressure, 1.0, None).g
-    others = {} if law.pressure is None or pressure is None else {law.symbols()[law.pressure]: float(pressure[0])}
-    last, first = exits(g, law.force_symbols(), way, _RADII, others, _REACH)
-    return np.where((last >= _RADII[0]) & (last < first), last, 1.0)
+        pressure = float(self.pressure) if law.pressure else None
+        g = increment(law, np.zeros((1, d)), pressure, 1.0, None).g
+        others = {} if law.pressure is None else {law.symbols()[law.pressure]: float(self.pressure)}
+        last, first = exits(g, law.force_symbols(), way, _RADII, others, _REACH)
+        reach = np.where((last >= _RADII[0]) & (last < first), last, 1.0)  # 1 where it has no end or the origin is outside
+        return way * (reach * far)[:, None], None if pressure is None else np.full(self.count, pressure)
 
 
 def _witness(done: Projection, flagged: Any, trial: Array, pressure: Array | None) -> dict[str, Any]:

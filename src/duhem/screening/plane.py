@@ -35,7 +35,6 @@ __all__ = ["NO_VERDICT", "VerdictPanel", "VerdictPlane", "check", "chosen", "pla
 
 NO_VERDICT = "no verdict"
 _MOST = 36  # panels of a picture
-
 _LOOKED_AT = 64  # rows, before a long run
 _RIM = 0.08  # of a mark, white: what lies below it ends where it begins, for an eye that takes their hues for one too
 _LANE = 0.1  # inches between the marks of two verdicts on the line of a claim
@@ -144,19 +143,17 @@ class _Look(NamedTuple):
 
 # Drawn in this order: where several rows lie at one point each shows its rim around the next.
 _LOOKS: Mapping[str, _Look] = {
-    "not_applicable": _Look("s", "0.75", 11.0),
-    "proved": _Look("o", figure.palette(0), 8.0),
-    "ok": _Look("o", figure.palette(0), 8.0),
-    "passed": _Look("o", figure.palette(0), 8.0),
-    "xfailed": _Look("v", figure.palette(2), 6.5),
-    "tested": _Look("v", figure.palette(2), 6.5),
-    "refuted": _Look("X", figure.palette(1), 6.5),
-    "failed": _Look("X", figure.palette(1), 6.5),
-    "flagged": _Look("X", figure.palette(1), 6.5),
-    "wrong": _Look("P", figure.palette(3), 6.5),
-    "xpassed": _Look("P", figure.palette(3), 6.5),
-    "undecided": _Look("d", figure.palette(4), 6.5),
-    NO_VERDICT: _Look("*", "black", 5.5),
+    verdict: look
+    for look, *verdicts in (
+        (_Look("s", "0.75", 11.0), "not_applicable"),
+        (_Look("o", figure.palette(0), 8.0), "proved", "ok", "passed"),
+        (_Look("v", figure.palette(2), 6.5), "xfailed", "tested"),
+        (_Look("X", figure.palette(1), 6.5), "refuted", "failed", "flagged"),
+        (_Look("P", figure.palette(3), 6.5), "wrong", "xpassed"),
+        (_Look("d", figure.palette(4), 6.5), "undecided"),
+        (_Look("*", "black", 5.5), NO_VERDICT),
+    )
+    for verdict in verdicts
 }
 _OTHER = _Look("P", figure.palette(3), 6.0)
 

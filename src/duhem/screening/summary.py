@@ -27,23 +27,11 @@ _OPEN = ("undecided", "tested")
 _NAMED = 3  # rows of a kind
 _REASONS = 50  # that are counted each by itself
 _WORDS = 160  # characters of one
-
 _QUIET = ("proved", "not_applicable", "ok", "passed", "xfailed", "none")
 _ORDER = (
-    "proved",
-    "refuted",
-    "tested",
-    "undecided",
-    "ok",
-    "flagged",
-    "wrong",
-    "passed",
-    "failed",
-    "xfailed",
-    "xpassed",
-    "not_applicable",
-    "none",
-)
+    "proved", "refuted", "tested", "undecided", "ok", "flagged", "wrong", "passed", "failed", "xfailed", "xpassed",
+    "not_applicable", "none",
+)  # fmt: skip
 _MOST = 12  # methods and reasons that are listed
 _CLAIMS = 20  # that are listed each by itself, whatever was found
 

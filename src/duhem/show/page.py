@@ -6,7 +6,7 @@ columns: long text is folded in its cell, columns that do not fit go below.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from textwrap import wrap
@@ -76,6 +76,12 @@ class Page:
     def field(self, title: str, text: str, size: int) -> list[str]:
         """``text`` beside its title, whose column is ``size`` wide."""
         return self.hanging(text, f"  {title:<{size}}  ", " " * (size + 4))
+
+    def listed(self, texts: Mapping[str, str]) -> list[str]:
+        """Each text beside its title, in a column as wide as the widest of them."""
+        size = max(map(len, texts))
+        beside = (self.hanging(text, f"{title:<{size}}  ", " " * (size + 2)) or [title] for title, text in texts.items())
+        return [line for lines in beside for line in lines]
 
     def table(self, rows: Sequence[Sequence[str]], align: str, indent: str = "  ", *, rule: bool = False) -> list[str]:
         """:func:`table` of the rows; spaces that are tied stay in one line."""
