@@ -172,9 +172,9 @@ def campaign() -> str:
 
 def exit_codes() -> str:
     """The exit codes, each with its meaning."""
-    from duhem.cli import exit_code
+    from duhem.cli.output import MEANINGS
 
-    rows = ([str(code), plain(exit_code.MEANINGS[code])] for code in sorted(exit_code.MEANINGS))
+    rows = ([str(code), plain(MEANINGS[code])] for code in sorted(MEANINGS))
     return table(["code", "meaning"], rows)
 
 
