@@ -17,9 +17,9 @@ from duhem.projection import closed_form, newton
 from duhem.projection.increment import Increment
 from duhem.projection.method import Options
 from duhem.projection.methods import METHODS
+from duhem.projection.metric import factors
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Solution, Status
-from duhem.projection.stiffness_factors import factors
 from duhem.projection.validation import increment as checked
 from tests.long import long_at, long_but, mostly_long
 

@@ -11,9 +11,9 @@ import pytest
 import duhem
 from duhem.law.formula_law import Criterion
 from duhem.projection import newton
-from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.result import Status
+from duhem.projection.whitened_body import lineality
 from tests.campaigns.yield_surfaces import YIELD, campaign
 from tests.long import long_but, mostly_long
 from tests.oracles.optimality import ANTONI, CONVEX, R, increment, radii, shortfall, stiffnesses

@@ -18,7 +18,7 @@ from duhem.law.shapes import Disk, Interval, Quadrants
 from duhem.path.batch import Share
 from duhem.path.paths import Knot, Which, in_rows
 from duhem.projection import closed_form, compiled, quadrants
-from duhem.projection.coefficients import centre, in_columns
+from duhem.projection.closed_form import centre, in_columns
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling
 from duhem.projection.projector import Projector

@@ -22,8 +22,7 @@ from duhem.expression.scalar_bounds import scalar_bounds
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.expression.vocabulary import Norm
 from duhem.projection import corner_kernel, edge_kernel, judge_kernel, known_points_kernel
-from duhem.projection.allocation import keep_freed_memory
-from duhem.projection.in_blocks import in_blocks
+from duhem.projection.in_blocks import in_blocks, keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.kept_code import compiled_text, only_read

@@ -34,11 +34,11 @@ from duhem.projection import conic_solvers
 from duhem.projection.conic_solvers import Rungs
 from duhem.projection.increment import Increment
 from duhem.projection.method import Method, Options
+from duhem.projection.metric import too_far_apart
 from duhem.projection.referee import put_right
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
-from duhem.projection.stiffness_factors import too_far_apart
 from duhem.projection.without_interior import shrunk
 
 __all__ = ["CVXPY", "CvxpyOptions", "applies", "solve"]

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.vocabulary import EigMax
-from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.boundary_shift import shifts
 from duhem.projection.close_look import as_pairs, close_look, pushed_back
 from duhem.projection.first_look import FirstLook
+from duhem.projection.in_blocks import keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import LOW
 from duhem.projection.level import Level, level

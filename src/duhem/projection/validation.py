@@ -18,8 +18,8 @@ from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import refused
 from duhem.projection.increment import Increment
+from duhem.projection.metric import factors
 from duhem.projection.result import Array
-from duhem.projection.stiffness_factors import factors
 
 __all__ = ["check_associated", "increment", "posed", "setting"]
 

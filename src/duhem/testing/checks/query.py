@@ -30,8 +30,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import words_of
+from duhem.projection.metric import factors
 from duhem.projection.result import Array
-from duhem.projection.stiffness_factors import factors
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.material import shaped

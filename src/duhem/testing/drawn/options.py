@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import refused
+from duhem.projection.metric import factors
 from duhem.projection.result import Array
-from duhem.projection.stiffness_factors import factors
 from duhem.testing.drawn.values import Strategy
 
 __all__ = ["ACCURACY", "TRIES", "RunOptions", "check_share", "stiffness_matrix"]

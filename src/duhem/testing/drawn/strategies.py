@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.expression.rays import Rays
 from duhem.law.catalogue import load, load_formula
 from duhem.law.formula_law import Criterion
+from duhem.projection.metric import factors
 from duhem.projection.result import Array
-from duhem.projection.stiffness_factors import factors
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import stiffness_matrix
 from duhem.testing.drawn.region import Region
