@@ -17,10 +17,10 @@ from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.in_blocks import BLOCK, FEW, FEW_SEARCHED, in_blocks
 from duhem.projection.increment import Increment
+from duhem.projection.many_digits import put_right
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.nearer_points import nearness
-from duhem.projection.referee import put_right
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
 from duhem.projection.row_by_row import any_of, dot

@@ -1,28 +1,85 @@
-"""The report of one slip increment, as text and as a JSON object."""
+"""A slip increment shown: as a sheet, in plain values, and the report of one as text and as a JSON object."""
 
 from __future__ import annotations
 
 import json as js
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+
+from duhem.law.formula_law import Criterion
+from duhem.projection.declared_ranges import crossed
+from duhem.projection.result import Array, Projection, Status
 from duhem.show.page import PAGE, Page
+from duhem.show.printing import plain, sheet
+from duhem.show.sheet import Sheet
 from duhem.version import __version__
 
-if TYPE_CHECKING:
-    from duhem.law.formula_law import Criterion
-    from duhem.projection.result import Projection
+__all__ = ["as_dict", "as_sheet", "json", "text"]
 
-__all__ = ["json", "text"]
+# -- many points: a sheet, and plain values -----------------------------------------------------------------------------
+
+_MOST = 12  # points of which a sheet has a row
+
+
+@sheet.register(Projection)
+def as_sheet(done: Projection) -> Sheet:
+    """A row a point: status, each force, the slip along it, multiplier, dissipation and the largest residual; of many points the first."""
+    vectors = [*done.forces, *(f"slip along {force}" for force in done.forces)]
+    worst = done.residuals.worst()
+    shown = range(min(len(done.stress), _MOST))
+    rows = []
+    for i in shown:
+        numbers = (*done.stress[i], *done.slip[i], done.multiplier[i], done.dissipation[i])
+        rows.append((str(i), _word(done.status[i]), *(f"{float(x):.6g}" for x in numbers), f"{worst[i]:.1e}"))
+    more = (f"the first {_MOST} of {len(done.stress)} points; to_dict() and the arrays have all",) if len(done.stress) > _MOST else ()
+    remarks = tuple(f"point {i}: {remark}" for i in shown if (remark := done.remark(i)))
+    return Sheet(
+        done.counted(),
+        (("method", f"{done.method} ({done.why}{'; compiled' if done.compiled else ''})"),),
+        ("point", "status", *vectors, "multiplier", "dissipation", "residual"),
+        tuple(rows),
+        (("Shown", more), ("Remarks", remarks)),
+    )
+
+
+@plain.register(Projection)
+def as_dict(done: Projection) -> dict[str, Any]:
+    """Every point, under the names of the fields; a number that is not finite is None."""
+    arrays = ("stress", "slip", "multiplier", "dissipation")
+    slopes = {name: _listed(found) for name in ("tangent", "tangent_pressure") if (found := getattr(done, name)) is not None}
+    return {
+        "forces": list(done.forces),
+        "method": done.method,
+        "why": done.why,
+        "compiled": done.compiled,
+        "status": [_word(status) for status in done.status],
+        "remarks": [done.remark(i) for i in range(len(done.status))],
+        **{name: _listed(getattr(done, name)) for name in arrays},
+        "residuals": {entry.name: _listed(getattr(done.residuals, entry.name)) for entry in fields(done.residuals)},
+        **slopes,
+    }
+
+
+def _listed(numbers: Array) -> Any:
+    listed = numbers.astype(object)
+    listed[~np.isfinite(numbers)] = None
+    return listed.tolist()
+
+
+def _word(status: Any) -> str:
+    return Status(int(status)).name.lower()
+
+
+# -- one increment: text, and a JSON object -----------------------------------------------------------------------------
 
 _FIELD = len("dissipation")
 
 
 def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: Projection, page: Page = PAGE) -> str:
     """Stress and slip by force, multiplier and dissipation, then the residuals."""
-    from duhem.projection.result import Status
-
     head = page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name)
     size = max(_FIELD, len(law.pressure or ""))
     if law.parameters:
@@ -30,7 +87,7 @@ def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
     if law.pressure is not None and pressure is not None:
         head += page.field(law.pressure, _number(pressure), size)
     head += page.field("method", f"{done.method} ({done.why})", size)
-    head += page.field("status", f"{_status(done)} ({remark})" if (remark := _remark(law, done)) else _status(done), size)
+    head += page.field("status", f"{_word(done.status[0])} ({remark})" if (remark := _remark(law, done)) else _word(done.status[0]), size)
     increment = page.table([("force", "trial", "stress", "slip"), *_rows(law, trial, done)], "lr")
     sums = [
         *page.field("multiplier", _number(done.multiplier[0]), _FIELD),
@@ -65,7 +122,7 @@ def json(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
         "pressure": pressure,
         "method": done.method,
         "why": done.why,
-        "status": _status(done),
+        "status": _word(done.status[0]),
         "remark": _remark(law, done),
         "stress": [_finite(x) for x in done.stress[0]],
         "slip": [_finite(x) for x in done.slip[0]],
@@ -97,17 +154,8 @@ def _residuals(done: Projection) -> dict[str, float]:
     return {entry.name: float(getattr(done.residuals, entry.name)[0]) for entry in fields(done.residuals)}
 
 
-def _status(done: Projection) -> str:
-    from duhem.projection.result import Status
-
-    return Status(int(done.status[0])).name.lower()
-
-
 def _remark(law: Criterion, done: Projection) -> str | None:
     """Why a point that looks solved is not, or what of it is no answer of the law's."""
-    from duhem.projection.declared_ranges import crossed
-    from duhem.projection.result import Status
-
     if done.status[0] == Status.OUTSIDE:
         return f"{crossed(law, done.stress[:1])}, where {law.name} claims nothing"
     return done.remark()

@@ -25,10 +25,10 @@ from duhem.projection.in_blocks import keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import LOW
 from duhem.projection.level import Level, level
+from duhem.projection.many_digits import LEAST_SLIP, SLIP_SHARE, ClosestInDigits, closest_beside, departures
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.no_stress import off_no_stress
 from duhem.projection.normal_cones import Suspect, off_cone
-from duhem.projection.referee import LEAST_SLIP, SLIP_SHARE, ClosestInDigits, closest_beside, departures
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, length, share, widest
 from duhem.projection.scaled_formula import power_of_two

@@ -97,7 +97,7 @@ class Projection(Shown):
     ``INACCURATE`` as soon as one tau is nearer to sigma_tr.
     """
 
-    printed_by: ClassVar[str] = "duhem.projection.result_sheet"
+    printed_by: ClassVar[str] = "duhem.projection.report"
 
     stress: Array
     slip: Array
