@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy import nan, sqrt
 
-from duhem.projection.newton_apex import apex
-from duhem.projection.newton_kernel import LEFT, SLIP, STICK, solved
-from duhem.projection.newton_start import NAMED, NATURAL, piece
+from duhem.projection.newton_kernel import LEFT, SLIP, STICK, apex, solved
 from duhem.projection.newton_step import (
     BEND,
     BEST,
     LENGTHS,
     MATRICES,
+    NAMED,
+    NATURAL,
     NORMALS,
     RAW,
     RAWBEND,
@@ -31,6 +31,7 @@ from duhem.projection.newton_step import (
     X,
     eliminated,
     length,
+    piece,
     whitened,
 )  # fmt: skip
 

@@ -15,7 +15,7 @@ from duhem.export.c_translation import c_functions
 from duhem.export.tip import closes
 from duhem.expression.scalar_jets import scalar_jets, scalar_values
 from duhem.law.formula_law import Criterion
-from duhem.projection import newton_apex, newton_kernel, newton_pair, newton_start, newton_step
+from duhem.projection import newton_kernel, newton_step
 from duhem.projection.module_text import module_text
 from duhem.projection.scaled_formula import scaled
 
@@ -104,7 +104,7 @@ def routine(law: Criterion) -> Routine:
         _function("placed(q, w)", [f"{array}[{start + k}] = {x!r}" for array, start, each in behind for k, x in enumerate(each)]),
         _function("beyond(stress, slack: float) -> bool", [f"if {past}: return True" for past in _beyond(law)], "return False"),
     ]
-    sources = newton_step, newton_start, newton_apex, newton_pair, newton_kernel, increment_kernel
+    sources = newton_step, newton_kernel, increment_kernel
     text = module_text(formula, len(law.forces), jets, functions, sources, ("increment",))
     return Routine(c_functions(text, "increment", _ARRAYS, _PLAIN, {"below": _BELOW}), names)
 

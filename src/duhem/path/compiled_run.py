@@ -30,8 +30,7 @@ from duhem.projection.compiled_newton import Loop
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.increment import Convexity, Increment
 from duhem.projection.newton_kernel import KINKS, LEFT, SLIP, solved
-from duhem.projection.newton_start import DATA
-from duhem.projection.newton_step import MATRICES, ROWS, D
+from duhem.projection.newton_step import DATA, MATRICES, ROWS, D
 from duhem.projection.projector import Projector
 from duhem.projection.quadrants import Quarters, stacked
 from duhem.projection.result import Array, Projection, Solution, Status

@@ -21,7 +21,7 @@ from duhem.expression.rounding import bounded
 from duhem.expression.scalar_bounds import scalar_bounds
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.expression.vocabulary import Norm
-from duhem.projection import corner_kernel, edge_kernel, judge_kernel, known_points_kernel
+from duhem.projection import judge_kernel, slip_kernel
 from duhem.projection.in_blocks import in_blocks, keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
@@ -193,7 +193,7 @@ def _text(level: Level, forces: tuple[sp.Symbol, ...], convex: bool) -> _Loop | 
         data = _data(formula)
     except InputError:  # a word without text
         return None
-    sources = (below, grown, length, eliminated, corner_kernel, edge_kernel, known_points_kernel, judge_kernel)
+    sources = (below, grown, length, eliminated, slip_kernel, judge_kernel)
     own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
     constants = (*data[1:], *own)
     functions = jets.level, jets.gradient, jets.pair_piece, bounds.text, start.text, data[0], _unpacked(constants)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import ScalarJets, scalar_jets
-from duhem.projection import newton_apex, newton_kernel, newton_pair, newton_start, newton_step
+from duhem.projection import newton_kernel, newton_step
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.kept_code import CompiledText, compiled_text, only_read
@@ -195,5 +195,5 @@ def _made(
 
 def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType, entry: str = "solve") -> str:
     """The module that is compiled for one law in ``d`` forces, whatever its parameters but for exponents and whole numbers."""
-    kernel = newton_step, newton_start, newton_apex, newton_pair, newton_kernel
+    kernel = newton_step, newton_kernel
     return module_text(formula, d, jets, (jets.level, jets.piece), (*kernel, *sources), (entry,))

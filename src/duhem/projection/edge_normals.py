@@ -10,7 +10,7 @@ import numpy as np
 
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import scalar_jets
-from duhem.projection import corner_kernel, edge_kernel
+from duhem.projection import slip_kernel
 from duhem.projection.level import Level
 from duhem.projection.metric import Metric
 from duhem.projection.module_text import module_text
@@ -35,8 +35,8 @@ def off_edge(
     data = np.stack([*level.scaled.values(pressure, size).values(), *(np.full(len(slip), c) for c in constants)], axis=-1)
     of_slip, distance, d = metric.of_slip.tolist(), np.linalg.norm(slip, axis=1), stress.shape[1]
     for i in range(len(slip)):
-        v, room = zeros(corner_kernel.NORMAL_ROW + 1, d), zeros(corner_kernel.CORNER, 2 * d + 1)
-        v[corner_kernel.AT], v[corner_kernel.K_SLIP] = (stress[i] / size[i]).tolist(), slip[i].tolist()
+        v, room = zeros(slip_kernel.NORMAL_ROW + 1, d), zeros(slip_kernel.CORNER, 2 * d + 1)
+        v[slip_kernel.AT], v[slip_kernel.K_SLIP] = (stress[i] / size[i]).tolist(), slip[i].tolist()
         numbers = float(multiplier[i]), float(far[i] / size[i]), float(distance[i]), 1.0, np.inf
         with suppress(*FAULTS):
             best[i] = run(v, room, data[i].tolist(), of_slip, *numbers)
@@ -53,6 +53,6 @@ def _edged(level: Level) -> tuple[Callable[..., float], tuple[float, ...]] | Non
         return None
     if not jets.pairs:
         return None
-    sources = (eliminated, length, corner_kernel, edge_kernel)
+    sources = (eliminated, length, slip_kernel)
     text = module_text(level.scaled, level.forces, jets, (jets.pair_piece,), sources, ("edged",))
     return interpreted(text, "edged"), jets.constants

@@ -16,10 +16,8 @@ from typing import Any
 import numpy as np
 from numpy import sqrt
 
-from duhem.projection.corner_kernel import CORNER, cornered
-from duhem.projection.edge_kernel import edged
-from duhem.projection.known_points_kernel import excess, raised
 from duhem.projection.newton_step import below, grown
+from duhem.projection.slip_kernel import CORNER, cornered, edged, excess, raised
 
 __all__ = ["FARTHEST", "INLINED", "LOW", "SLIP", "STICK", "UNJUDGED", "judge"]
 
