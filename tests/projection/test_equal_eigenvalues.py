@@ -19,12 +19,12 @@ from duhem import Criterion, InputError
 from duhem.expression import mpmath_, numpy_
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.projection import compiled_newton, newton
-from duhem.projection.edge_normals import off_edge
 from duhem.projection.in_blocks import FEW_SEARCHED
 from duhem.projection.increment import Increment
 from duhem.projection.level import level
 from duhem.projection.metric import Metric
 from duhem.projection.newton_kernel import LEFT, SLIP
+from duhem.projection.normal_cones import Suspect, off_edge
 from duhem.projection.projector import Projector
 from duhem.projection.result import Solution, Status
 from duhem.projection.scaled_formula import scaled
@@ -218,7 +218,8 @@ def test_normals_of_an_edge_are_sums_with_a_positive_semidefinite_matrix(pair: t
     stress, metric = np.array([[1.0, 1.0, 0.0, 0.0, 0.0, 0.0]]), Metric.of(np.diag(SHEARS))
     room = float(np.linalg.norm(stress[0] @ metric.of_stress))
     one, far = np.ones(1), np.full(1, room)
-    off = off_edge(known, metric, stress, np.zeros(1), one, (slip @ metric.of_slip)[None] / room, one / room, far)
+    suspect = Suspect(stress, np.zeros(1), one, (slip @ metric.of_slip)[None] / room, one / room, far, np.zeros(1), np.zeros(1, dtype=bool))
+    off = off_edge(known, metric, suspect)
     assert (off[0] <= 1e-14) == within
 
 
@@ -226,7 +227,8 @@ def test_a_law_without_eigenvalues_has_no_such_edge() -> None:
     law = Criterion(name="ball", g="norm(a, b) - 1", forces=("a", "b"), pressure=None)
     one = np.ones((1, 2))
     known = level(law.g, law.force_symbols(), None)
-    assert off_edge(known, Metric.of(np.eye(2)), one, np.zeros(1), np.ones(1), one, np.ones(1), np.ones(1)).tolist() == [np.inf]
+    suspect = Suspect(one, np.zeros(1), np.ones(1), one, np.ones(1), np.ones(1), np.zeros(1), np.zeros(1, dtype=bool))
+    assert off_edge(known, Metric.of(np.eye(2)), suspect).tolist() == [np.inf]
 
 
 # -- compiled ----------------------------------------------------------------------------------------------------------

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from duhem.law.formula_law import Criterion
-from duhem.projection.known_points import beyond_tangents, tips
+from duhem.projection.known_points import Variational, beyond_tangents, tips
 from duhem.projection.level import Level, level
 from duhem.projection.metric import Metric
 from duhem.projection.projector import Projector
 from duhem.projection.validation import increment
-from duhem.projection.variational import Variational
 
 
 def of(law: Criterion | str, **values: float) -> Level:

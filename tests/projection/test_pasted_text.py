@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from duhem.projection.pasted_text import pasted
+from duhem.projection.module_text import pasted
 
 TEXT = '''
 FACTOR = 3

@@ -26,19 +26,18 @@ from duhem.projection.in_blocks import in_blocks, keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.kept_code import compiled_text, only_read
+from duhem.projection.known_points import Variational
 from duhem.projection.level import Level
 from duhem.projection.metric import Metric
-from duhem.projection.module_text import module_text, over_unit
+from duhem.projection.module_text import module_text, over_unit, pasted
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
-from duhem.projection.pasted_text import pasted
 from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.residuals import Judge
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import unit
 from duhem.projection.scaled_formula import ScaledFormula
 from duhem.projection.told import Told
-from duhem.projection.variational import Variational
 
 __all__ = ["Look", "compiled_look", "plain_look", "told", "told_one_by_one"]
 

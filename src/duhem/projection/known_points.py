@@ -1,4 +1,4 @@
-"""Points tau of K that are known by the sign of g alone: what the variational inequality of an answer is tried on.
+"""Points tau of K that are known, and the variational inequality of answers, which is tried on them.
 
 On a K that is not convex the conditions of Karush, Kuhn and Tucker hold at points that are not the closest.  The
 inequality (sigma_tr - sigma) . k^-1 (tau - sigma) <= 0 for all tau of K still singles out the closest point, of any K:
@@ -6,26 +6,33 @@ inequality (sigma_tr - sigma) . k^-1 (tau - sigma) <= 0 for all tau of K still s
     |sigma_tr - tau|^2 = |sigma_tr - sigma|^2 - 2 (sigma_tr - sigma) . k^-1 (tau - sigma) + |tau - sigma|^2.
 
 No finite set of tau shows it.  :func:`tips` go with every law; where K is not known to be convex, :func:`beyond_tangents`
-looks along rays from the origin once a law and pressure, and :func:`raised` beside each answer.
+looks along rays from the origin once a law and pressure, and :meth:`Variational.beside` close to each answer.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import lru_cache, reduce
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.rays import Rays, evenly_between
+from duhem.projection.close_look import as_pairs, close_look
+from duhem.projection.in_blocks import FEW_SEARCHED
+from duhem.projection.increment import Increment
+from duhem.projection.judge_kernel import FARTHEST
 from duhem.projection.level import Level
-from duhem.projection.result import Array
-from duhem.projection.row_by_row import widest
+from duhem.projection.metric import Metric
+from duhem.projection.result import ACCURACY, Array
+from duhem.projection.row_by_row import columns_times, dot, length, share, unit, widest
 from duhem.projection.scaled_formula import power_of_two
 
-__all__ = ["beyond_tangents", "looks", "points_seen", "raised", "tangents", "tips"]
+__all__ = ["Variational", "beyond_tangents", "looks", "points_seen", "tangents", "tips"]
 
-_Inside = Callable[[Array, NDArray[np.intp]], NDArray[np.bool_]]
+# -- points of K that are known by the sign of g alone ------------------------------------------------------------------
 
 _HALVES = (32, 16, 8, 4, 2, 1)
 _CUTS = 11  # into 64 parts each, so that none is left of the doubles between two: 64^11 > 2^63
@@ -168,25 +175,6 @@ def _directions(d: int) -> Array:
     return np.vstack([np.eye(d), -np.eye(d), chance / np.linalg.norm(chance, axis=1)[:, None]])
 
 
-def raised(inside: _Inside, point: Array, normal: Array, reach: Array) -> Array:
-    """How far (N,) K goes beyond the planes through the points (N, d) with these unit normals, close to the points; 0 if it does not.
-
-    ``inside(points, rows)`` tells which points of K these are, ``reach`` (N,) the length of a stress.
-    """
-    height = np.zeros(len(point))
-    steps = _RAISE * 2.0 ** np.arange(_DOUBLINGS)
-    for way in tangents(normal):
-        for share in _ASIDE:
-            beside = point + (share * reach)[:, None] * way
-            at = np.flatnonzero(inside(beside + (_RAISE * reach)[:, None] * normal, np.arange(len(point))))
-            if at.size:
-                lifts = reach[at, None] * steps
-                above = beside[at, None, :] + lifts[:, :, None] * normal[at, None, :]
-                in_k = inside(above.reshape(-1, point.shape[1]), np.repeat(at, _DOUBLINGS)).reshape(lifts.shape)
-                height[at] = np.maximum(height[at], np.where(in_k, lifts, 0.0).max(axis=1))
-    return height
-
-
 def tangents(normal: Array) -> Iterator[Array]:
     """Unit vectors (N, d) across the normals, both ways: the axes without their share of the normal."""
     d = normal.shape[1]
@@ -194,7 +182,115 @@ def tangents(normal: Array) -> Iterator[Array]:
     if d > 2:
         across = [np.eye(d)[i] - normal[:, i : i + 1] * normal for i in range(d)]
     for way in across:
-        length = np.sqrt(np.einsum("nd,nd->n", way, way))[:, None]
-        unit = way / np.where(length > 0.0, length, 1.0)
-        yield unit
-        yield -unit
+        size = np.sqrt(np.einsum("nd,nd->n", way, way))[:, None]
+        along = way / np.where(size > 0.0, size, 1.0)
+        yield along
+        yield -along
+
+
+# -- the inequality -----------------------------------------------------------------------------------------------------
+
+_QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that occur
+
+
+@dataclass(frozen=True, eq=False)
+class Variational:
+    """``tips`` (T, d) are points of K at the pressure ``largest``, ``reaches`` (T, d) they in the metric of k.
+
+    ``largest`` is the largest of the pressures; of few points on a convex K the power of two within it.  ``convex``: K need not be
+    looked at close to each answer.  ``increment`` has the law for more digits.
+    """
+
+    level: Level
+    metric: Metric
+    tips: Array
+    reaches: Array
+    largest: float
+    convex: bool
+    increment: Increment
+
+    @classmethod
+    def of(cls, increment: Increment, level: Level, metric: Metric, convex: bool) -> Variational:
+        d, pressed = level.forces, increment.law.pressure is not None
+        largest = float(increment.pressure.min(initial=0.0))
+        if convex and len(increment.pressure) <= FEW_SEARCHED:  # points that come one after the other share the tips of few pressures
+            largest = -math.ldexp(1.0, math.frexp(largest)[1] - 1) if largest else 0.0
+        known = tips(level, d, largest if pressed else None)
+        if not convex:
+            pressures = np.quantile(increment.pressure, _QUANTILES, method="nearest") if pressed else None
+            known = np.vstack([known, beyond_tangents(level, d, None if pressures is None else np.unique(pressures))])
+        return cls(level, metric, known, known @ metric.of_stress, largest, convex, increment)
+
+    @property
+    def around_origin(self) -> bool:
+        """Whether K at that pressure goes on from no stress: then the sets {g <= e} are looked at from there."""
+        return bool(self.tips.any())
+
+    def part(self, pressure: Array) -> Array:
+        """The pressures as parts of the one at which the tips are known."""
+        return np.ones(pressure.size) if self.largest == 0.0 else pressure / self.largest
+
+    def rise(self, s: Array, slope: Array, pressure: Array, units: Array, room: Array, far: Array) -> Array:
+        """By how much h rises to stresses ``s`` (M, d) in ``units``, as over their own lengths; nan where nothing is known.
+
+        It rises from a mean of the known points of K on the axes, not with equal weights: a formula may have no value in the middle.
+        ``slope`` is dh/ds, ``room`` and ``far`` are the lengths of stress and slip in the metric.  How far the closest point goes
+        with the boundary is estimated by a parabola on the way from that place, where the sets {h <= e} are not alike seen from there:
+        exactly for a quadratic h.
+        """
+        d, part = s.shape[1], self.part(pressure) / units
+        centre = np.zeros_like(s)
+        for weight, tip in enumerate(self.tips[: 2 * d + 1]):
+            centre += weight / (d * (2 * d + 1)) * np.clip(part[:, None] * tip, -FARTHEST, FARTHEST)
+        rise = -self.level.value(*centre.T, *self.level.scaled.values(pressure, units).values())
+        height, reach = dot(slope, s - centre), length((s - centre) @ self.metric.of_stress) * units
+        bend = 2.0 * np.maximum(height - rise, 0.0) * units / length(slope @ self.metric.of_slip) * far / reach**2
+        low = np.minimum(height, rise) if self.level.jets.kinks else height  # a piece that is as high may be flatter
+        return np.where((rise > 0.0) & (height > 0.0), low * room / (reach * np.sqrt(1.0 + bend)), np.nan)
+
+    def beyond(self, pressure: Array, point: Array, moved: Array) -> NDArray[np.intp]:
+        """The points (d, N) with one of the tips beyond the plane across the slip, whether or not it lies in K."""
+        most = reduce(np.maximum, columns_times(moved, self.reaches.T))
+        return np.flatnonzero(~(self.part(pressure) * most <= dot(point.T, moved.T)))
+
+    def excess(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, reach: Array) -> Array:
+        """The largest (sigma_tr - sigma) . k^-1 (tau - sigma) over known points tau of K, relative; lengths are over ``size``."""
+        worst, work, part = np.zeros(len(whole)), dot(point, moved), self.part(pressure)
+        for tip, way, far in zip(self.tips, *map(np.nan_to_num, unit(self.reaches)), strict=True):  # the origin has no way
+            away = part * (far / size)
+            excess = away * (moved @ way) - work
+            if (beyond := np.flatnonzero(excess > 0.0)).size:
+                inside = self._inside(part[beyond, None] * tip, pressure[beyond])
+                relative = share(excess[beyond], whole[beyond] * (away[beyond] + reach[beyond]))
+                against = np.flatnonzero(inside & (relative > ACCURACY))
+                inside[against] = ~self._outside(part[beyond[against], None] * tip, pressure[beyond[against]])
+                worst[beyond] = np.fmax(worst[beyond], np.where(inside, relative, 0.0))
+        return worst
+
+    def beside(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, room: Array) -> Array:
+        """The same over points tau close to the stress: how far K goes beyond the plane through it across the slip."""
+        (normal, distance), height = map(np.nan_to_num, unit(moved)), np.zeros(len(point))
+        steps = _RAISE * 2.0 ** np.arange(_DOUBLINGS)
+
+        def inside(points: Array, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+            return self._inside(size[rows, None] * (points @ self.metric.to_stress), pressure[rows])
+
+        for way in tangents(normal):
+            for aside in _ASIDE:
+                beside = point + (aside * room)[:, None] * way
+                at = np.flatnonzero(inside(beside + (_RAISE * room)[:, None] * normal, np.arange(len(point))))
+                if at.size:
+                    lifts = room[at, None] * steps
+                    above = beside[at, None, :] + lifts[:, :, None] * normal[at, None, :]
+                    in_k = inside(above.reshape(-1, point.shape[1]), np.repeat(at, _DOUBLINGS)).reshape(lifts.shape)
+                    height[at] = np.maximum(height[at], np.where(in_k, lifts, 0.0).max(axis=1))
+        return np.asarray(share(distance * height, whole * 2.0 * room))
+
+    def _outside(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
+        """What more digits show to be no point of K: what rounding of g calls one speaks against no answer."""
+        size = power_of_two(widest(stress))
+        value, bound = close_look(self.increment).level(as_pairs(stress, size), pressure, size)
+        return np.asarray(value > bound)
+
+    def _inside(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
+        return np.asarray(self.level(*stress.T, pressure) < 0.0)  # at = 0 it may be rounding alone

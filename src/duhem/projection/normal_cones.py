@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import lru_cache, reduce
 from itertools import combinations
@@ -10,14 +11,19 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.errors import InputError
+from duhem.expression.scalar_jets import scalar_jets
 from duhem.expression.vocabulary import EigMax
+from duhem.projection import newton_step, slip_kernel
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.level import Level
 from duhem.projection.metric import ROUNDING, Metric
+from duhem.projection.module_text import module_text
+from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.result import Array
 from duhem.projection.row_by_row import dot, length, spanning, times, unit
 
-__all__ = ["Suspect", "beside", "off_cone"]
+__all__ = ["Suspect", "beside", "off_cone", "off_edge"]
 
 _Sides = tuple[Array, Array, Array]  # unit normals, lengths of the gradient, heights over the stress in lengths of it
 
@@ -61,10 +67,7 @@ def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
     """
     best = np.full(len(suspect.slip), np.inf)
     if level.scaled.expr.has(EigMax):
-        from duhem.projection.edge_normals import off_edge
-
-        point = suspect.stress, suspect.pressure, suspect.size, suspect.slip, suspect.multiplier
-        best = off_edge(level, metric, *point, suspect.scale)
+        best = off_edge(level, metric, suspect)
     left = np.flatnonzero(~(best <= 10.0 * _CLOSEST[0]))
     ways = beside(suspect.stress.shape[1])
     askew = [(share, _askew(ways, turn)) for turn in range(_TURNS) for share in _CLOSEST] if level.jets.kinks else []
@@ -200,3 +203,38 @@ def beside(d: int) -> Array:
     """Ways off a point: the axes both ways, and in few dimensions what lies between them."""
     grid = np.stack(np.meshgrid(*([[-1.0, 0.0, 1.0]] * min(d, 3)), indexing="ij"), axis=-1).reshape(-1, min(d, 3))
     return grid[(grid != 0.0).any(axis=1)] if d <= 2 else np.vstack([np.eye(d), -np.eye(d)])
+
+
+# -- edges where two eigenvalues are equal: round ones, which no few normals around tell --------------------------------
+
+
+def off_edge(level: Level, metric: Metric, at: Suspect) -> Array:
+    """As :func:`off_cone` says it of edges, one point after the other; inf where no edge says anything."""
+    best = np.full(len(at.slip), np.inf)
+    if (made := _edged(level)) is None:
+        return best
+    run, constants = made
+    data = np.stack([*level.scaled.values(at.pressure, at.size).values(), *(np.full(len(best), c) for c in constants)], axis=-1)
+    of_slip, distance, d = metric.of_slip.tolist(), np.linalg.norm(at.slip, axis=1), at.stress.shape[1]
+    for i, size in enumerate(at.size):
+        v, room = zeros(slip_kernel.NORMAL_ROW + 1, d), zeros(slip_kernel.CORNER, 2 * d + 1)
+        v[slip_kernel.AT], v[slip_kernel.K_SLIP] = (at.stress[i] / size).tolist(), at.slip[i].tolist()
+        numbers = float(at.multiplier[i]), float(at.scale[i] / size), float(distance[i]), 1.0, np.inf
+        with suppress(*FAULTS):
+            best[i] = run(v, room, data[i].tolist(), of_slip, *numbers)
+    return best
+
+
+@lru_cache(maxsize=256)
+def _edged(level: Level) -> tuple[Callable[..., float], tuple[float, ...]] | None:
+    """The function of the law and the constants of its formula; None where these have no text or cannot be double."""
+    forces, others = level.bounds.symbols[: level.forces], level.bounds.symbols[level.forces :]
+    try:
+        jets = scalar_jets(level.scaled.expr, forces, others)
+    except InputError:  # a word without text
+        return None
+    if not jets.pairs:
+        return None
+    sources = (newton_step.eliminated, newton_step.length, slip_kernel)
+    text = module_text(level.scaled, level.forces, jets, (jets.pair_piece,), sources, ("edged",))
+    return interpreted(text, "edged"), jets.constants

@@ -24,6 +24,7 @@ from duhem.projection.first_look import FirstLook
 from duhem.projection.in_blocks import keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import LOW
+from duhem.projection.known_points import Variational
 from duhem.projection.level import Level, level
 from duhem.projection.many_digits import LEAST_SLIP, SLIP_SHARE, ClosestInDigits, closest_beside, departures
 from duhem.projection.metric import ROUNDING, Metric
@@ -32,7 +33,6 @@ from duhem.projection.normal_cones import Suspect, off_cone
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, length, share, widest
 from duhem.projection.scaled_formula import power_of_two
-from duhem.projection.variational import Variational
 
 __all__ = ["Judge", "residuals"]
 
