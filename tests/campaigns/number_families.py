@@ -13,7 +13,7 @@ from mpmath import MPContext
 import duhem
 from duhem.expression.numpy_ import compiled
 from duhem.law.formula_law import Criterion
-from duhem.projection.validation import increment
+from duhem.projection.increment import increment
 
 __all__ = ["BUILT_IN", "FAMILIES", "Question", "aspects", "disk", "mp"]
 

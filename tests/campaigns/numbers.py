@@ -27,10 +27,9 @@ from numpy.typing import NDArray
 
 import duhem
 from duhem.benchmark.reference import Closest, NoReference, distance
-from duhem.projection.increment import at_doubles
+from duhem.projection.increment import at_doubles, increment
 from duhem.projection.methods import METHODS
 from duhem.projection.result import ACCURACY, Status
-from duhem.projection.validation import increment
 from duhem.vouched.convexity import asked as convexity
 from tests.campaigns.number_families import FAMILIES, Question, mp
 

@@ -10,9 +10,9 @@ import pytest
 import duhem
 from duhem import Criterion
 from duhem.projection.close_look import close_look
+from duhem.projection.increment import posed, setting
 from duhem.projection.many_digits import closest
 from duhem.projection.result import Array
-from duhem.projection.validation import posed, setting
 from tests.export.shared_library import OPTIMISED, compiled
 
 EYE, APART = np.eye(3), np.diag([1.0, np.sqrt(10.0), 10.0])

@@ -323,7 +323,7 @@ def test_assembling_k_once_or_at_every_step_is_the_same():
 def test_a_law_without_closed_form_is_checked_once(monkeypatch):
     """However many steps slip: parameters and stiffness are looked at before the first of them."""
     calls = []
-    for name in ("duhem.projection.projector", "duhem.projection.validation"):
+    for name in ("duhem.projection.projector", "duhem.projection.increment"):
         module = import_module(name)
         right = module.setting
         monkeypatch.setattr(module, "setting", lambda *a, right=right: calls.append(a) or right(*a))

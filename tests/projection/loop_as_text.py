@@ -10,9 +10,8 @@ import pytest
 
 from duhem.projection import compiled_judge, judge_kernel
 from duhem.projection.increment import Increment
-from duhem.projection.residuals import Judge
+from duhem.projection.residuals import Judge, Told
 from duhem.projection.result import Solution
-from duhem.projection.told import Told
 
 __all__ = ["as_text"]
 

@@ -12,9 +12,9 @@ import duhem
 from duhem.law.formula_law import Criterion
 from duhem.projection import newton
 from duhem.projection.compiled_newton import plain_closest
+from duhem.projection.increment import increment
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Solution
-from duhem.projection.validation import increment
 from tests.long import long_but, mostly_long
 
 HYDROSTATIC = np.ones(3)

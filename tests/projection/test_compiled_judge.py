@@ -17,13 +17,12 @@ import duhem
 from duhem import Criterion, InputError
 from duhem.projection import compiled_judge, judge_kernel, newton
 from duhem.projection.in_blocks import evenly, in_blocks
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, posed, setting
 from duhem.projection.method import Compiling
 from duhem.projection.methods import METHODS
 from duhem.projection.newton_step import below
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Residuals, Solution, Status
-from duhem.projection.validation import posed, setting
 from tests.long import long_but
 from tests.projection.drawn_questions import LAWS, drawn, spoilt
 from tests.projection.loop_as_text import as_text

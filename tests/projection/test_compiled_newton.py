@@ -15,12 +15,11 @@ import duhem
 from duhem import Criterion, MissingExtraError
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.projection import compiled_newton, kept_code, newton
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, posed, setting
 from duhem.projection.newton_kernel import LEFT, SLIP
 from duhem.projection.residuals import residuals
 from duhem.projection.result import Solution, Status
 from duhem.projection.scaled_formula import scaled
-from duhem.projection.validation import posed, setting
 from duhem.projection.whitened_body import whitening
 from tests.long import long_but, mostly_long
 from tests.projection.drawn_questions import LAWS, drawn

@@ -86,9 +86,9 @@ def test_no_stress_is_vouched_for_where_it_is_closest(g: str, trial: tuple[float
     ],
 )
 def test_no_stress_is_refused_where_k_goes_on_towards_the_trial(g: str, trial: tuple[float, float], w: float, residual: str) -> None:
+    from duhem.projection.increment import posed, setting
     from duhem.projection.residuals import residuals
     from duhem.projection.result import Solution
-    from duhem.projection.validation import posed, setting
 
     law = duhem.Criterion("far", g, parameters=WIDE, forces=("a", "b"), pressure=None)
     asked = posed(setting(law, 1.0, {"w": w}), [trial], None)

@@ -11,11 +11,10 @@ import pytest
 
 import duhem
 from duhem.projection import closed_form, newton
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, posed, setting
 from duhem.projection.projector import Projector
 from duhem.projection.residuals import Judge
 from duhem.projection.result import ACCURACY, Residuals, Solution
-from duhem.projection.validation import posed, setting
 from tests.long import long_but
 from tests.projection.drawn_questions import drawn, spoilt
 

@@ -15,12 +15,12 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection import closed_form, newton
 from duhem.projection.increment import Increment
+from duhem.projection.increment import increment as checked
 from duhem.projection.method import Options
 from duhem.projection.methods import METHODS
 from duhem.projection.metric import factors
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Solution, Status
-from duhem.projection.validation import increment as checked
 from tests.long import long_at, long_but, mostly_long
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}

@@ -17,9 +17,9 @@ from duhem.errors import InputError, MissingExtraError
 from duhem.projection import closed_form, compiled, kept_code, quadrants
 from duhem.projection.closed_form import ClosedFormOptions
 from duhem.projection.in_blocks import BLOCK
+from duhem.projection.increment import increment
 from duhem.projection.quadrants import Quarters
 from duhem.projection.result import Status
-from duhem.projection.validation import increment
 from tests.long import long_but
 from tests.oracles.projection import Exact, closest
 from tests.projection.declared_shapes import EPS, FIGURE_5, MU, WITH_SHAPE, off, values

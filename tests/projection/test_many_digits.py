@@ -13,10 +13,10 @@ import duhem
 from duhem.law.formula_law import Criterion
 from duhem.projection import closed_form, many_digits, newton
 from duhem.projection.close_look import close_look
+from duhem.projection.increment import increment
 from duhem.projection.many_digits import closest
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Residuals, Solution, Status
-from duhem.projection.validation import increment
 from tests.campaigns.increments import at_simplest, pressure_of
 from tests.campaigns.increments import trials as around
 from tests.campaigns.number_families import FAMILIES, Question, mp

@@ -13,10 +13,10 @@ import pytest
 
 import duhem
 from duhem.law.formula_law import Criterion
+from duhem.projection.increment import increment
 from duhem.projection.projector import Projector
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Projection, Residuals, Solution, Status
-from duhem.projection.validation import increment
 from tests.long import long_at, long_but, mostly_long
 from tests.oracles.drawn_sets import CONVEX, GRID, NOT_CONVEX, law, oval_of
 

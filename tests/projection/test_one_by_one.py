@@ -25,13 +25,13 @@ from duhem.projection.closed_form import CLOSED_FORM
 from duhem.projection.compiled_judge import told_one_by_one
 from duhem.projection.compiled_newton import solved_one_by_one
 from duhem.projection.in_blocks import FEW, FEW_SEARCHED
+from duhem.projection.increment import increment, posed
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.plain_numbers import interpreted, zeros
 from duhem.projection.projector import Projector
 from duhem.projection.quadrants import Quarters
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Status
-from duhem.projection.validation import increment, posed
 from tests.long import long_but, mostly_long
 
 FLAGSHIP = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}

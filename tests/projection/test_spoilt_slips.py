@@ -18,10 +18,9 @@ import duhem
 from duhem.benchmark.reference import Closest, distance
 from duhem.law.formula_law import Criterion
 from duhem.projection import newton
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, increment
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Array, Solution, Status
-from duhem.projection.validation import increment
 from tests.long import long_but, mostly_long
 from tests.projection.loop_as_text import as_text
 

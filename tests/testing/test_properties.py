@@ -14,9 +14,9 @@ from hypothesis import settings
 import duhem
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.projection.increment import increment
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
-from duhem.projection.validation import increment
 from duhem.proof.verdict import Verdict
 from duhem.testing import Report, check, checks_for, conformance, pressures, projection
 from tests.long import long_but, mostly_long

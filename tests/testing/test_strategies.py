@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 
 import duhem
-from duhem.projection.validation import setting
+from duhem.projection.increment import setting
 from duhem.testing import (
     conformance,
     decades,

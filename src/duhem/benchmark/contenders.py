@@ -23,7 +23,7 @@ from duhem.projection.method import Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Solution
-from duhem.projection.validation import increment
+from duhem.projection.increment import increment
 
 __all__ = ["Contender", "Specimen", "applicable"]
 

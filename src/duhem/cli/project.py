@@ -44,7 +44,7 @@ def project(
     A stress beyond a range of forces that LAW declares is called outside, and ends with 4 too.
     """
     from duhem.law.parameter_domain import check_fixed
-    from duhem.projection.validation import check_associated
+    from duhem.projection.increment import check_associated
 
     fixed = read_fixed_formula(law, settings)
     check_associated(fixed)

@@ -20,9 +20,8 @@ from duhem.path.paths import Paths
 from duhem.path.run import Plan, Run
 from duhem.path.table_file import MOST_NUMBERS
 from duhem.projection.declared_ranges import refused
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, posed, setting
 from duhem.projection.result import Array
-from duhem.projection.validation import posed, setting
 
 __all__ = ["MOST_THREADS", "Batch", "Share"]
 

@@ -20,8 +20,8 @@ from duhem.path.paths import Which
 from duhem.path.rows import Step
 from duhem.path.run import Plan
 from duhem.projection.declared_ranges import beyond
+from duhem.projection.increment import posed, setting
 from duhem.projection.result import Status
-from duhem.projection.validation import posed, setting
 
 __all__ = ["MOST_KEPT", "check", "histories", "parts"]
 

@@ -17,8 +17,8 @@ from duhem.path import step_formulas
 from duhem.path.loading import Path
 from duhem.path.paths import Paths
 from duhem.projection.increment import Convexity, Increment
+from duhem.projection.increment import increment as checked
 from duhem.projection.result import Array
-from duhem.projection.validation import increment as checked
 
 __all__ = ["Plan", "Run", "columns", "energy", "times"]
 

@@ -12,10 +12,9 @@ from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.portrait.numbers import Numbered
 from duhem.portrait.plane import Plane
-from duhem.projection.increment import Convexity
+from duhem.projection.increment import Convexity, posed
 from duhem.projection.projector import Projector
 from duhem.projection.result import Status
-from duhem.projection.validation import posed
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import verify
 

@@ -33,11 +33,10 @@ from duhem.projection.module_text import module_text, over_unit, pasted
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
 from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
-from duhem.projection.residuals import Judge
+from duhem.projection.residuals import Judge, Told
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import unit
 from duhem.projection.scaled_formula import ScaledFormula
-from duhem.projection.told import Told
 
 __all__ = ["Look", "compiled_look", "plain_look", "told", "told_one_by_one"]
 

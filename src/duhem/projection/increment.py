@@ -1,20 +1,31 @@
-"""The question of one slip increment, checked: trial stresses, pressures, stiffness and parameter values that fit the law."""
+"""The question of one slip increment: trial stresses, pressures, stiffness and parameter values that fit the law.
+
+What a caller may ask is checked here, once, and the first bad entry is named.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from duhem.errors import InputError
+from duhem.expression.given_array import check_rows, in_order, unlabelled, unmasked
 from duhem.expression.inert_number import inert_exponent
+from duhem.expression.number import exact_number
 from duhem.expression.verbatim import Verbatim
+from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
+from duhem.projection.declared_ranges import refused
+from duhem.projection.metric import factors
 from duhem.projection.result import Array
 
-__all__ = ["Convexity", "Increment", "at_doubles"]
+__all__ = ["Convexity", "Increment", "at_doubles", "check_associated", "increment", "posed", "setting"]
 
 
 @dataclass(frozen=True)
@@ -61,3 +72,204 @@ def at_doubles(law: Criterion, parameters: Mapping[str, float]) -> sp.Expr:
     exponents = {x for power in law.g.atoms(sp.Pow) for x in power.exp.free_symbols}
     values = {symbols[name]: sp.Rational(value) for name, value in parameters.items()}
     return law.g.xreplace({x: inert_exponent(value) if x in exponents else value for x, value in values.items()})
+
+
+# -- what may be asked --------------------------------------------------------------------------------------------------
+
+
+def increment(
+    law: Criterion, trial: ArrayLike, pressure: ArrayLike | None, stiffness: ArrayLike, parameters: Mapping[str, Any] | None
+) -> Increment:
+    """The checked question; InputError names the argument and the index of the first entry that cannot be used."""
+    return posed(setting(law, stiffness, parameters), trial, pressure)
+
+
+def check_associated(law: Criterion) -> None:
+    """InputError for a law with a flow of its own."""
+    if not law.associated:
+        raise InputError(
+            f"{law.name} has a flow of its own, and the closest point is the slip increment of associated laws only",
+            where="law",
+            remedy="integrate its flow rule instead, or project onto the same criterion without its flow",
+        )
+
+
+def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None) -> Increment:
+    """The checked question but for its points: no trial stress yet."""
+    check_associated(law)
+    values, g = _settled(law, _exact(parameters))
+    k, diagonal = _stiffness(stiffness, law)
+    return Increment(
+        law=law,
+        g=g,
+        trial=np.empty((0, len(law.forces))),
+        pressure=np.empty(0),
+        stiffness=k,
+        diagonal=diagonal,
+        parameters={name: int(value.p) / int(value.q) for name, value in values},
+    )
+
+
+def posed(setting: Increment, trial: ArrayLike, pressure: ArrayLike | None) -> Increment:
+    """The question ``setting`` at other points, which are checked."""
+    d = len(setting.law.forces)
+    stresses = _trial(trial, d, setting.law)
+    pressures = _pressure(pressure, setting.law)
+    check_rows(trial, pressure, "pressure")
+    if stresses.shape[:1] == pressures.shape:
+        return replace(setting, trial=stresses, pressure=pressures)
+    try:
+        n = np.broadcast_shapes((stresses.shape[0],), pressures.shape)[0]
+    except ValueError:
+        raise InputError(
+            f"{stresses.shape[0]} trial stresses and {pressures.shape[0]} pressures do not broadcast",
+            where="pressure",
+            remedy="give one pressure, or one a trial stress",
+        ) from None
+    return replace(setting, trial=np.broadcast_to(stresses, (n, d)), pressure=np.broadcast_to(pressures, (n,)))
+
+
+Values = tuple[tuple[str, sp.Rational], ...]
+
+
+def _exact(given: Mapping[str, Any] | None) -> Values:
+    exact = {}
+    for name, value in by_name(given).items():
+        try:
+            exact[name] = exact_number(value)
+        except InputError as fault:
+            raise InputError(fault.what, where=f"parameter {name}", remedy=fault.remedy) from None
+    return tuple(exact.items())
+
+
+@lru_cache(maxsize=256)
+def _settled(law: Criterion, given: Values) -> tuple[Values, sp.Expr]:
+    """All parameters of the law, and its formula with them in place: once for increments that follow one another."""
+    fixed = law.fix(dict(given))
+    values = {name: domain.value for name, domain in fixed.parameters.items()}
+    if missing := [name for name, value in values.items() if value is None]:
+        raise InputError(f"no value is given for {', '.join(missing)}", where=f"parameters of {law.name}", remedy=_example(missing))
+    known = {law.symbols()[name]: value for name, value in values.items()}
+    for relation in law.constraints:
+        if relation.xreplace(known) == sp.false:
+            at = ", ".join(f"{name} = {values[str(name)]}" for name in sorted(map(str, relation.free_symbols)))
+            raise InputError(f"{relation} does not hold at {at}", where=f"parameters of {law.name}", remedy="choose values that satisfy it")
+    for name, value in values.items():
+        if value is not None and not _representable(value):
+            raise InputError(f"{name} = {value} is beyond double precision", where=f"parameters of {law.name}", remedy="rescale the units")
+    numbers = {name: value for name, value in values.items() if value is not None}
+    return tuple(numbers.items()), _formula(law, numbers)
+
+
+def _formula(law: Criterion, values: Mapping[str, sp.Rational]) -> sp.Expr:
+    fixed = law.fix(values)
+    g = fixed.g.xreplace(fixed.settled())
+    if g.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        at = ", ".join(f"{name} = {value}" for name, value in values.items())
+        raise InputError(
+            f"g is not defined at {at}", where=f"parameters of {law.name}", remedy="a coefficient of zero? give a positive one"
+        )
+    return g
+
+
+def _representable(value: sp.Rational) -> bool:
+    try:
+        number = int(value.p) / int(value.q)
+    except OverflowError:
+        return False
+    return (number == 0.0) == (value == 0)
+
+
+def _example(names: list[str]) -> str:
+    return f"give parameters={{{', '.join(f'{name!r}: ...' for name in names)}}}"
+
+
+def _array(given: Any, where: str) -> Array:
+    try:
+        raw = np.asarray(given)
+        if raw.dtype.kind not in "iuf":
+            raise ValueError
+        array = raw.astype(np.float64, copy=False)
+    except (ValueError, TypeError):
+        raise InputError("these are not real numbers of a rectangular shape", where=where, remedy="give a NumPy array of floats") from None
+    if not (finite := np.isfinite(array)).all():
+        at = _first(~finite) or ()
+        raise InputError(f"{_at(where, at)} is {array[at]}", remedy="give finite numbers")
+    return array
+
+
+def _first(bad: NDArray[np.bool_]) -> tuple[int, ...] | None:
+    """The index of the first True, () for a lone number, None where there is none."""
+    return tuple(int(i) for i in np.unravel_index(int(np.argmax(bad)), bad.shape)) if bad.any() else None
+
+
+def _at(where: str, index: tuple[int, ...]) -> str:
+    return f"{where}[{', '.join(map(str, index))}]" if index else where
+
+
+def _trial(given: ArrayLike, d: int, law: Criterion) -> Array:
+    array = _array(in_order(given, law.forces, "trial"), "trial")
+    trial = array[None] if array.ndim == 1 else array
+    if trial.ndim != 2 or trial.shape[1] != d:
+        raise InputError(
+            f"trial has the shape {array.shape}", where="trial", remedy=f"give (N, {d}) or ({d},), columns {', '.join(law.forces)}"
+        )
+    return trial
+
+
+def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
+    if law.pressure is None:
+        if given is not None:
+            raise InputError(f"{law.name} has no pressure", where="pressure", remedy="leave it out")
+        return np.zeros(1)
+    if given is None:
+        raise InputError(f"{law.name} needs the pressure {law.pressure}", where="pressure", remedy="give one number or one a trial stress")
+    pressure = _array(unmasked(given, "pressure"), "pressure")
+    if pressure.ndim > 1:
+        raise InputError(f"pressure has the shape {pressure.shape}", where="pressure", remedy="give one number or the shape (N,)")
+    if (at := _first(pressure > 0.0)) is not None:
+        raise InputError(
+            f"{_at('pressure', at)} is {pressure[at]} > 0",
+            remedy=f"{law.pressure} <= 0 in compression; an open contact carries no friction",
+        )
+    if law.pressure in law.domain and (at := _first(refused(law, pressure))) is not None:
+        raise InputError(
+            f"{_at('pressure', at)} is {pressure[at]}, outside the range of {law.domain[law.pressure].stated(law.pressure)}",
+            remedy=f"{law.name} says nothing there: keep to the range, or declare a wider one in its domain",
+        )
+    return np.atleast_1d(pressure)
+
+
+def _stiffness(given: ArrayLike, law: Criterion) -> tuple[Array, bool]:
+    """The matrix, not to be written to, and whether it is diagonal."""
+    d = len(law.forces)
+    remedy = f"give one number, ({d},) or ({d}, {d})"
+    k = _array(unlabelled(given, "stiffness", f"{remedy}, in the order of {', '.join(law.forces)}"), "stiffness")
+    if k.shape not in ((), (d,), (d, d)):
+        raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)
+    unit = (1.0,) * d if law.stress is None else law.stress.unit_stiffness
+    return _matrix(k.tobytes(), k.shape, unit)
+
+
+@lru_cache(maxsize=256)
+def _matrix(given: bytes, shape: tuple[int, ...], one: tuple[float, ...]) -> tuple[Array, bool]:
+    """Once for increments that follow one another."""
+    k = np.frombuffer(given).reshape(shape)
+    matrix = k if k.ndim == 2 else np.diag(k if k.ndim else k * np.array(one))
+    if (bad := _first(np.diagonal(matrix) <= 0.0)) is not None:
+        i = bad[0]
+        index = () if k.ndim == 0 else (i,) * k.ndim
+        raise InputError(
+            f"{_at('stiffness', index)} is {matrix[i, i]}, not positive", remedy="give a symmetric positive definite stiffness"
+        )
+    scale = np.sqrt(np.diagonal(matrix))
+    unit = matrix / scale[:, None] / scale[None]
+    if (bad := _first(np.abs(unit - unit.T) > 4.0 * np.finfo(float).eps)) is not None:
+        i, j = bad
+        raise InputError(
+            f"stiffness[{i}, {j}] is {matrix[i, j]} and stiffness[{j}, {i}] is {matrix[j, i]}", remedy="give a symmetric stiffness"
+        )
+    symmetric = np.tril(matrix) + np.tril(matrix, -1).T
+    factors(symmetric)  # exact, so that it tells a singular matrix from an ill-conditioned one
+    symmetric.flags.writeable = False
+    return symmetric, bool((symmetric == np.diag(np.diagonal(symmetric))).all())

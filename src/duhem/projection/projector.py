@@ -16,16 +16,14 @@ from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.in_blocks import BLOCK, FEW, FEW_SEARCHED, in_blocks
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, posed, setting
 from duhem.projection.many_digits import put_right
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.nearer_points import nearness
-from duhem.projection.residuals import Judge, residuals
+from duhem.projection.residuals import Judge, Told, residuals
 from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
 from duhem.projection.row_by_row import any_of, dot
-from duhem.projection.told import Told
-from duhem.projection.validation import posed, setting
 
 __all__ = ["ACCURACY", "Projector"]
 

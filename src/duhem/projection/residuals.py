@@ -12,13 +12,12 @@ stress; where that bound hides what is asked, g and its slope are looked up in a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.vocabulary import EigMax
-from duhem.projection.boundary_shift import shifts
 from duhem.projection.close_look import as_pairs, close_look, pushed_back
 from duhem.projection.first_look import FirstLook
 from duhem.projection.in_blocks import keep_freed_memory
@@ -28,13 +27,12 @@ from duhem.projection.known_points import Variational
 from duhem.projection.level import Level, level
 from duhem.projection.many_digits import LEAST_SLIP, SLIP_SHARE, ClosestInDigits, closest_beside, departures
 from duhem.projection.metric import ROUNDING, Metric
-from duhem.projection.no_stress import off_no_stress
 from duhem.projection.normal_cones import Suspect, off_cone
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
-from duhem.projection.row_by_row import dot, length, share, widest
+from duhem.projection.row_by_row import dot, length, share, unit, widest
 from duhem.projection.scaled_formula import power_of_two
 
-__all__ = ["Judge", "residuals"]
+__all__ = ["Judge", "Told", "residuals"]
 
 _BLOCK = 16_384
 _SUSPECT = 1e-9  # a normal farther off than this is looked at again, as the normal of a corner
@@ -47,7 +45,23 @@ _BESIDE = 2.0**-990  # a stress beside none
 _BLIND = 1e-9  # of the stress: at the end of a shorter slip rounding of doubles may choose the wrong one of two pieces
 _AROUND = 3.0  # times as far as a corner is beside the stress: as it is a diagonal off, and the closest point as far again
 _CLOSE = 1e-3  # how far an answer may be off for the closest point to be looked for beside it
+_NEAR = 2.0**10  # sizes of K: so far is a trial brought that leaves no stress
 _UNKNOWN = 10.0 * ACCURACY  # nobody knows how far off a point is
+
+
+@dataclass(frozen=True, eq=False)
+class Told:
+    """``dissipation`` (N,), ``status`` and ``residuals`` are good but for the points ``left``, None for all of them."""
+
+    dissipation: Array
+    status: NDArray[np.int8]
+    residuals: Residuals
+    left: NDArray[np.intp] | None
+
+    @classmethod
+    def nothing(cls, n: int) -> Told:
+        """Room for what is to be said of n points."""
+        return cls(np.empty(n), np.empty(n, dtype=np.int8), Residuals(*(np.zeros(n) for _ in range(5))), None)
 
 
 def residuals(increment: Increment, solution: Solution, convex: bool = False) -> Residuals:
@@ -212,10 +226,7 @@ class Judge:
             missing[some] = share(np.abs(value) + bound, steep[some]) * (units / size)[some] * spread[some]
             sure[some] = (missing + cone)[some] <= certain * least[some]
         if (none := np.flatnonzero((reach == 0.0) & (distance > 0.0))).size:
-            asked = replace(self.increment, trial=trial[none], pressure=pressure[none])
-            inside, astray = off_no_stress(
-                asked, self.level, self.metric, Solution(stress[none], slip[none], got.multiplier[at[none]], got.failed[at[none]])
-            )
+            inside, astray = self._off_no_stress(trial[none], pressure[none], stress[none], slip[none], got.multiplier[at[none]])
             zero = np.flatnonzero(~stress[none].any(axis=1))
             inside[zero[self._nearer(trial[none[zero]], pressure[none[zero]])]] = 1.0
             out.complementarity[at[none]] = np.maximum(out.complementarity[at[none]], inside)
@@ -267,6 +278,35 @@ class Judge:
         answer = Solution(*(getattr(got, f.name)[at] for f in fields(got)))
         return question, answer, closest_beside(question, answer, multiplier, units)
 
+    def _off_no_stress(self, trial: Array, pressure: Array, stress: Array, slip: Array, given: Array) -> tuple[Array, Array]:
+        """How far slips beside no stress (M,) are from the boundary and from the normals of K, as shares of its size; 0 where unknown.
+
+        It is looked at in the size of K: beside a trial far away K itself may be lost in rounding.  What is closest to a trial t is closest
+        to every r t, 0 < r <= 1, where it is no stress.  So such an answer is judged once more beside a trial brought near, in units of
+        each size that the data of g have: no stress is inside K by no more than rounding, and the slip along a normal that K has there.
+        A point is taken for inside K where g is below zero by more than its rounding.  ``given`` are multipliers of g.
+        """
+        level, metric, inside, off = self.level, self.metric, np.zeros(len(trial)), np.zeros(len(trial))
+        for datum, value in level.scaled.values(pressure, np.ones(len(trial))).items():
+            weight = float(level.scaled.data[datum].weight)
+            own = np.abs(value) ** (1.0 / weight) if weight else np.zeros(len(trial))
+            at = np.flatnonzero((own > 0.0) & (own < widest(trial)))
+            if not at.size:
+                continue
+            size = power_of_two(own[at])
+            g, hidden = level.bounded(stress[at], pressure[at], size)
+            steep = length(level.gradient(stress[at], pressure[at], size) @ metric.of_slip)
+            way, far = unit(slip[at] @ metric.of_slip)
+            reach = size * length(unit(trial[at])[0] @ metric.of_stress)
+            depth = np.where(steep > 0.0, np.minimum(-g / steep * (size / reach), 1.0), 1.0)
+            inside[at] = np.maximum(inside[at], np.where(g < -hidden, depth, 0.0))
+            moved = way * np.minimum(far / reach, _NEAR)[:, None]
+            multiplier = level.multiplier(given[at], size) / np.maximum(reach, far / _NEAR)
+            tip = np.ones(at.size, dtype=np.bool_)
+            there = Suspect(stress[at], pressure[at], size, moved, multiplier, reach, ROUNDING * length(moved), tip)
+            off[at] = np.maximum(off[at], np.where(inside[at] > 0.0, 0.0, off_cone(level, metric, there)))
+        return inside, off
+
     def _nearer(self, trial: Array, pressure: Array) -> NDArray[np.bool_]:
         """Whether a point of K beside no stress, on the way to the trial (M, d), is shown to be nearer to it than no stress is."""
         there = trial * (_BESIDE / widest(trial))[:, None]
@@ -302,9 +342,35 @@ class Judge:
         alike = np.where(height > 0.0, reach / height, np.inf) if self.known.around_origin else np.full(len(reach), np.inf)
         alike = np.where(reach > 0.0, alike, 1.0)
         if (few := np.flatnonzero(~(missing * alike <= self.metric.certain))).size:
-            found = shifts(self.level, self.metric, stress[few], pressure[few], units[few], multiplier[few])
+            found = self._shifts(stress[few], pressure[few], units[few], multiplier[few])
             alike[few] = np.fmax(alike[few], found) if bent else np.where(np.isnan(found), alike[few], found)
         return np.clip(np.where(np.isnan(alike), _ENDLESS, alike), 1.0, _ENDLESS)
+
+    def _shifts(self, stress: Array, pressure: Array, units: Array, multiplier: Array) -> Array:
+        """|w| (M,), how many times as far as the boundary the closest point goes, where K is thin farther along it than across.
+
+        Where g is off by e its boundary is e/|n| away, n = dg/dsigma, and the point of it that is closest to a trial t is |w| times as
+        far away:
+
+            sigma + lambda k n = t,  g(sigma) = e:      w = n/|n| - z,   (1 + lambda H) z = lambda H n/|n|  across n,
+
+        H the Hessian of g, all in the metric of k.  Of all y with y . n = |n| it is w that makes y . (1 + lambda H) y least, whatever H
+        is along n: so |w| <= |sigma| |n| / sigma . n where the sets {g <= e} are alike seen from no stress, as those of gauges and their
+        powers are.  nan where g has no curvature.
+        """
+        d, of_slip = stress.shape[1], self.metric.of_slip
+        normal, _ = unit(self.level.gradient(stress, pressure, units) @ of_slip)
+        bend = (multiplier / units)[:, None, None] * (of_slip.T @ self.level.hessian(stress, pressure, units) @ of_slip)
+        known = np.asarray(np.isfinite(bend).all(axis=(1, 2)) & np.isfinite(normal).all(axis=1))
+        bend, normal = np.where(known[:, None, None], bend, 0.0), np.where(known[:, None], normal, np.eye(d)[0])
+        across = np.eye(d) - normal[:, :, None] * normal[:, None, :]
+        stiff = np.eye(d) + across @ bend @ across  # 1 along the normal
+        aside = across @ bend @ normal[:, :, None]
+        sizes = np.sqrt(np.abs(np.diagonal(stiff, axis1=1, axis2=2)))
+        sizes = np.where(sizes > 0.0, sizes, 1.0)
+        scaled = stiff / (sizes[:, :, None] * sizes[:, None, :])
+        z = (np.linalg.pinv(scaled, rcond=1e-15, hermitian=True) @ (aside / sizes[:, :, None]))[:, :, 0] / sizes
+        return np.where(known, np.hypot(1.0, length(z)), np.nan)
 
     def _unbalanced(self, trial: Array, stress: Array, slip: Array) -> Array:
         """trial - k slip - stress, beyond what the rounding of each explains, component by component."""

@@ -18,7 +18,7 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_fixed
 from duhem.projection.result import Array, Projection, Status
-from duhem.projection.validation import increment
+from duhem.projection.increment import increment
 from duhem.screening.campaign import Answered
 
 __all__ = ["Increments", "Project", "Trials"]

@@ -15,11 +15,10 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.convex import check_convex
 from duhem.law.formula_law import Criterion
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, posed, setting
 from duhem.projection.method import Compiling, Method
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Status
-from duhem.projection.validation import posed, setting
 from duhem.vouched.convexity import asked
 
 if TYPE_CHECKING:

@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
+from duhem.projection.increment import check_associated
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
-from duhem.projection.validation import check_associated
 from duhem.proof.certificate import admitted_values
 from duhem.testing.routines.origin import law_as_written, made_by
 
