@@ -283,13 +283,13 @@ def _watched(folder: Path) -> list[str]:
 
 def _stop_at_the_work() -> None:
     from duhem.identification import estimation
-    from duhem.path import scene_run
+    from duhem.path import scene
     from duhem.proof import verification
 
     def reached(*_: object, **__: object) -> Any:
         raise _Reached
 
-    verification.verify = scene_run.perform = estimation.estimated = reached
+    verification.verify = scene.perform = estimation.estimated = reached
 
 
 def campaign(counts: dict[str, int], seed: int, through: int = 0, keep: Path | None = None) -> tuple[Counter[tuple[str, str]], list[str]]:
@@ -320,8 +320,8 @@ def prepare() -> None:
     import duhem.cli
     import duhem.identification.estimation
     import duhem.law.parameter_domain
+    import duhem.path.scene
     import duhem.path.scene_file
-    import duhem.path.scene_run
     import duhem.proof.report
     import duhem.proof.verification  # noqa: F401
 

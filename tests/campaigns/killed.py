@@ -18,7 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from duhem.path import scene_file, scene_run
+from duhem.path import scene_file
+from duhem.path.scene import perform, perform_many
 from duhem.vouched.histories import looked_into
 from tests.path.scenes import TABLE, walk
 
@@ -66,9 +67,9 @@ def noting() -> None:
         os.write(notes, f"{done} {time.monotonic()}\n".encode())
 
     if scene.many:
-        scene_run.perform_many(scene, "h.csv", True, print, on_step)
+        perform_many(scene, "h.csv", True, print, on_step)
     else:
-        scene_run.perform(scene, "h.csv", True, on_step)
+        perform(scene, "h.csv", True, on_step)
 
 
 def lost(folder: Path, many: bool) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from duhem.export.c_expression import Array, NotTranslated
+from duhem.export.c_translation import Array, NotTranslated
 from duhem.export.c_translation import c_functions
 from tests.export.shared_library import STRICT, compiler, shared
 

@@ -7,7 +7,7 @@ import pytest
 
 import duhem
 from duhem import Criterion, Domain, InputError, Path, Paths, Status, simulate
-from duhem.path.compiled_steps import Loops, loops, made
+from duhem.path.compiled_run import Loops, loops, made
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 SHIFTED = {"mu_a": 0.2, "mu_b": 0.15, "shift": 0.1}

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import DOP853
 
 from duhem.errors import DuhemError
-from duhem.path.dormand_prince import followed
+from duhem.path.slip_equation import followed
 
 ATOL = [1e-16] * 2
 
@@ -42,7 +42,7 @@ def test_one_step_is_that_of_scipy() -> None:
     def slope(time: float, state: Sequence[float]) -> list[float]:
         return [state[1] * time, -state[0] * exp(state[1])]
 
-    from duhem.path.dormand_prince import _step
+    from duhem.path.slip_equation import _step
 
     theirs = DOP853(lambda t, y: np.array(slope(t, y)), 0.0, np.array([1.0, 0.5]), 1.0, rtol=1e-3, atol=1e-3, first_step=0.1)
     theirs.step()

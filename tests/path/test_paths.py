@@ -9,8 +9,8 @@ import pytest
 import duhem
 from duhem import Histories, InputError, Path, Paths, Status, simulate
 from duhem.law.shapes import Disk
-from duhem.path import batch as batches
 from duhem.path import batch_run
+from duhem.path import run as runs
 from duhem.path.run import Run
 from duhem.path.simulate import Interrupted
 from duhem.path.simulate import simulate as simulated
@@ -87,7 +87,7 @@ def test_neither_blocks_nor_threads_nor_what_is_kept_change_a_number(monkeypatch
     paths, given = Paths.linear(points, pressure=load), {"stiffness": [1.0, 2.0], "parameters": MU}
     whole = simulate("antoni2007", paths, **given)
     last, third = (simulate("antoni2007", paths, keep=keep, **given) for keep in ("last", 5))
-    monkeypatch.setattr(batches, "_POINTS", 3)
+    monkeypatch.setattr(runs, "_POINTS", 3)
     heard = []
     parted = simulate("antoni2007", paths, threads=3, on_step=lambda done, all_: heard.append((done, all_)), **given)
     assert np.array_equal(whole.to_array(), parted.to_array()) and heard == [(3, 11), (6, 11), (9, 11), (11, 11)]
@@ -210,7 +210,7 @@ def test_an_array_in_a_file_is_not_read_as_a_whole(tmp_path):
 
 
 def test_interrupted_leaves_the_points_that_are_done(monkeypatch):
-    monkeypatch.setattr(batches, "_POINTS", 2)
+    monkeypatch.setattr(runs, "_POINTS", 2)
     points, load = walks(n=7)
     paths, given = Paths.linear(points, pressure=load), {"stiffness": 1.0, "parameters": MU}
 
@@ -240,8 +240,8 @@ def test_blocks_are_whole_and_never_empty():
     for n, m in ((1, 2), (4031, 5), (8065, 5), (100, 300_000)):
         paths = Paths.scaled(Path.linear(np.zeros(m)), np.ones(n))
         line = duhem.Criterion("line", "abs(sigma) - 1", {}, forces=("sigma",), pressure=None)
-        made = batches.Batch.of(Run(line, paths, stiffness=1.0))
+        made = runs.Batch.of(Run(line, paths, stiffness=1.0))
         blocks = made.blocks()
         assert blocks[0][0] == 0 and blocks[-1][1] == n and all(a[1] == b[0] for a, b in pairwise(blocks))
-        assert all((last - first) * made.numbers <= batches._NUMBERS for first, last in blocks)
+        assert all((last - first) * made.numbers <= runs._NUMBERS for first, last in blocks)
     assert batch_run.MOST_KEPT == 1 << 28

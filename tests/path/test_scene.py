@@ -15,7 +15,8 @@ from click.testing import CliRunner
 import duhem
 from duhem import InputError
 from duhem.cli import cli
-from duhem.path import scene_file, scene_run
+from duhem.path import scene as scenes
+from duhem.path import scene_file
 from duhem.path.integrators import INTEGRATORS
 from duhem.show.growing_file import beside
 from tests.path.scenes import walk
@@ -252,7 +253,7 @@ def test_the_command_lists_mistakes_line_by_line(folder):
 )
 def test_outputs_are_checked_before_the_run(folder, options, message, monkeypatch):
     pytest.importorskip("matplotlib")
-    monkeypatch.setattr(scene_run, "perform", lambda *_: pytest.fail("the run began"))
+    monkeypatch.setattr(scenes, "perform", lambda *_: pytest.fail("the run began"))
     found = run(folder / "plane.toml", *options)
     assert isinstance(found.exception, InputError) and message in str(found.exception)
 
@@ -295,12 +296,12 @@ def test_a_part_cut_short_is_refused_or_resumes_to_the_same_last_digit(tmp_path)
     (tmp_path / "line.toml").write_text(LINE.replace("0.33", "0.1234567890123").replace("substeps = 50", "substeps = 1"))
     scene = scene_file.read(tmp_path / "line.toml")
     whole, plan, table = scene.run(), scene.plan(), tmp_path / "h.csv"
-    text = scene_run.keep(whole, table, scene.fingerprint).read_bytes()
+    text = scenes.keep(whole, table, scene.fingerprint).read_bytes()
     resumed = 0
     for length in range(len(text) + 1):
         beside(table).write_bytes(text[:length])
         try:
-            part = scene_run.recall(table, plan, scene.fingerprint)
+            part = scenes.recall(table, plan, scene.fingerprint)
         except InputError as refused:
             assert "damaged" in str(refused) or ("another run" in str(refused) and "version" in str(refused))
             continue

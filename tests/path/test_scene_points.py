@@ -13,8 +13,9 @@ from click.testing import CliRunner
 import duhem
 from duhem import InputError, Paths
 from duhem.cli import cli
-from duhem.path import batch as batches
-from duhem.path import scene_file, scene_run
+from duhem.path import run as runs
+from duhem.path import scene as scenes
+from duhem.path import scene_file
 from duhem.show.growing_file import beside, rows_beside
 from tests.long import long_but
 from tests.path.scenes import TABLE, walk
@@ -140,9 +141,9 @@ class Killed(BaseException):
 
 @pytest.mark.parametrize("fault", [KeyboardInterrupt, Killed])
 def test_a_run_goes_on_from_the_points_that_are_done(folder, monkeypatch, fault):
-    monkeypatch.setattr(batches, "_POINTS", 2)
+    monkeypatch.setattr(runs, "_POINTS", 2)
     assert run(folder / "scene.toml", "--out", folder / "whole.csv").return_value == 0
-    table, add = folder / "h.csv", scene_run.GrowingTable.add
+    table, add = folder / "h.csv", scenes.GrowingTable.add
     with monkeypatch.context() as patch:
 
         def stop(self, part):
@@ -151,7 +152,7 @@ def test_a_run_goes_on_from_the_points_that_are_done(folder, monkeypatch, fault)
                 raise fault
             add(self, part)
 
-        patch.setattr(scene_run.GrowingTable, "add", stop)
+        patch.setattr(scenes.GrowingTable, "add", stop)
         if fault is Killed:
             with pytest.raises(Killed):
                 CliRunner().invoke(cli, ["simulate", str(folder / "scene.toml"), "--out", str(table)], standalone_mode=False)
@@ -160,7 +161,7 @@ def test_a_run_goes_on_from_the_points_that_are_done(folder, monkeypatch, fault)
             assert stopped.return_value == 130 and "2 of 5 points" in stopped.stderr and "--resume" in stopped.stderr
     assert not table.exists()
     begun = []
-    monkeypatch.setattr(scene_run.GrowingTable, "add", lambda self, part: (begun.append(self.points), add(self, part)))
+    monkeypatch.setattr(scenes.GrowingTable, "add", lambda self, part: (begun.append(self.points), add(self, part)))
     other = folder / "other.toml"
     other.write_text(SCENE.replace("0.08", "0.09"))
     assert "another run" in str(run(other, "--out", table, "--resume").exception)
@@ -171,11 +172,11 @@ def test_a_run_goes_on_from_the_points_that_are_done(folder, monkeypatch, fault)
 
 def test_notes_and_rows_cut_short_are_refused_or_gone_on_with_to_the_same_bytes(folder, monkeypatch):
     """Wherever the last write ended: a torn note counts as none, and rows behind the last note are cut off."""
-    monkeypatch.setattr(batches, "_POINTS", 2)
+    monkeypatch.setattr(runs, "_POINTS", 2)
     scene, table = scene_file.read(folder / "scene.toml"), folder / "h.csv"
     assert run(folder / "scene.toml", "--out", folder / "whole.csv").return_value == 0
     with monkeypatch.context() as patch:
-        patch.setattr(scene_run.GrowingTable, "finish", lambda self: (_ for _ in ()).throw(KeyboardInterrupt))
+        patch.setattr(scenes.GrowingTable, "finish", lambda self: (_ for _ in ()).throw(KeyboardInterrupt))
         run(folder / "scene.toml", "--out", table)
     notes, rows = beside(table).read_bytes(), rows_beside(table).read_bytes()
     wanted = ("point", "time")
@@ -183,13 +184,13 @@ def test_notes_and_rows_cut_short_are_refused_or_gone_on_with_to_the_same_bytes(
     for length in sorted({*range(0, len(notes), 11), *ends}):
         beside(table).write_bytes(notes[:length])
         rows_beside(table).write_bytes(rows + b"torn")
-        with scene_run.GrowingTable(table, scene.fingerprint, wanted, True) as growing:
+        with scenes.GrowingTable(table, scene.fingerprint, wanted, True) as growing:
             whole = notes[:length].count(b"\n") - 1
             assert growing.points == (0 if whole < 1 else [2, 4, 5][whole - 1])
     beside(table).write_bytes(notes)
     rows_beside(table).write_bytes(rows[:-1])
     with pytest.raises(InputError, match="damaged"):
-        scene_run.GrowingTable(table, scene.fingerprint, wanted, True)
+        scenes.GrowingTable(table, scene.fingerprint, wanted, True)
     rows_beside(table).write_bytes(rows.replace(b"1", b"2", 1))
     assert "damaged" in str(run(folder / "scene.toml", "--out", table, "--resume").exception)
     rows_beside(table).unlink()
@@ -201,9 +202,9 @@ def test_notes_and_rows_cut_short_are_refused_or_gone_on_with_to_the_same_bytes(
 
 
 def test_points_that_end_early_are_counted_also_by_a_run_that_goes_on(folder, monkeypatch):
-    monkeypatch.setattr(batches, "_POINTS", 1)
+    monkeypatch.setattr(runs, "_POINTS", 1)
     (folder / "points.csv").write_text(POINTS.replace("2,0.3,0.0,1", "1e308,0.3,-1.0,1").replace("-1,0.1", "1e308,0.1"))
-    table, add = folder / "h.csv", scene_run.GrowingTable.add
+    table, add = folder / "h.csv", scenes.GrowingTable.add
 
     def stop(self, part):
         if self.points == 3:
@@ -211,7 +212,7 @@ def test_points_that_end_early_are_counted_also_by_a_run_that_goes_on(folder, mo
         add(self, part)
 
     with monkeypatch.context() as patch:
-        patch.setattr(scene_run.GrowingTable, "add", stop)
+        patch.setattr(scenes.GrowingTable, "add", stop)
         assert run(folder / "scene.toml", "--out", table).return_value == 130
     ended = run(folder / "scene.toml", "--out", table, "--resume")
     assert ended.return_value == 4 and "2 points end early" in ended.stderr
@@ -226,8 +227,8 @@ def test_one_point_is_kept_at_intervals_too(folder, monkeypatch):
     )
     (folder / "one.toml").write_text(one.replace("[parameters]", "[parameters]\nmu_a_plus = 0.2"))
     kept = []
-    keep = scene_run.keep
-    monkeypatch.setattr(scene_run, "keep", lambda history, *rest: (kept.append(len(history)), keep(history, *rest))[1])
+    keep = scenes.keep
+    monkeypatch.setattr(scenes, "keep", lambda history, *rest: (kept.append(len(history)), keep(history, *rest))[1])
     assert run(folder / "one.toml", "--out", folder / "h.csv").return_value == 0
     assert kept and kept == sorted(kept) and kept[-1] < 10 and not beside(folder / "h.csv").exists()
 
@@ -242,7 +243,7 @@ def test_a_signal_ends_a_process_as_ctrl_c_does(folder, sent):
         "def first(*a, **k):\n"
         "    for part in parts(*a, **k):\n"
         f"        yield part; os.kill(os.getpid(), {int(sent)})\n"
-        "from duhem.path import scene_run, batch; batch._POINTS = 2; scene_run.parts = first\n"
+        "from duhem.path import scene, run; run._POINTS = 2; scene.parts = first\n"
         "sys.argv = ['duhem', 'simulate', 'scene.toml', '--out', 'h.csv']; sys.exit(main())"
     )
     environment = os.environ | {"PYTHONPATH": str(File(duhem.__file__).parents[1])}
@@ -253,7 +254,7 @@ def test_a_signal_ends_a_process_as_ctrl_c_does(folder, sent):
 @pytest.mark.slow
 def test_a_parquet_table_holds_the_same_numbers(folder, monkeypatch):
     parquet = pytest.importorskip("pyarrow.parquet")
-    monkeypatch.setattr(scene_run, "_LINES", 3)
+    monkeypatch.setattr(scenes, "_LINES", 3)
     assert run(folder / "scene.toml", "--out", folder / "h.parquet").return_value == 0
     read = parquet.read_table(folder / "h.parquet")
     right = called()

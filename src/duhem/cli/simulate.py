@@ -31,7 +31,8 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     of them.
     """
     from duhem.left_out import LeftOut
-    from duhem.path import scene_file, scene_run
+    from duhem.path import scene_file
+    from duhem.path.scene import Stopped, check_outputs, perform, perform_many
     from duhem.projection.result import NOT_SHOWN
     from duhem.vouched.histories import looked_into
 
@@ -44,7 +45,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     table = chosen.table if out is None else out  # an empty name is refused, not taken for none
     figure = chosen.plot if plot is None else plot
     many = chosen.many
-    scene_run.check_outputs(table, figure, resume, [scene, *chosen.inputs], many)
+    check_outputs(table, figure, resume, [scene, *chosen.inputs], many)
     if explain:
         chosen = looked_into(chosen)
         for part in chosen.parts(table, figure):
@@ -62,7 +63,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
         try:
             chosen = looked_into(chosen)
             if many:
-                came = scene_run.perform_many(chosen, table, resume, say, on_step)
+                came = perform_many(chosen, table, resume, say, on_step)
                 progress.show("")
                 if came.stationary:
                     click.echo(f"duhem: in the slips of {came.stationary} of {came.points} points {NOT_SHOWN}", err=True)
@@ -70,8 +71,8 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
                     click.echo(f"duhem: {came.ended} points end early, at a step that cannot be vouched for or leaves a range", err=True)
                 wrote(f"the histories of {came.points} points", table)
                 return FAILED if came.ended else HELD
-            history = scene_run.perform(chosen, table, resume, on_step)
-        except scene_run.Stopped as stop:
+            history = perform(chosen, table, resume, on_step)
+        except Stopped as stop:
             progress.show("")
             click.echo(f"duhem: {stop}", err=True)
             return INTERRUPTED

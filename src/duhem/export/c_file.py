@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from duhem.errors import InputError
-from duhem.export.header import header, identifier
+from duhem.export.c_file import header, identifier
 from duhem.export.routine import Routine, routine
 from duhem.law.formula_law import Criterion
 from duhem.proof.verdict import Verdict

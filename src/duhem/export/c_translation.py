@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping, Sequence
 
-from duhem.export.c_expression import CHOICE, OPERATORS, PREFIX, TYPES, Array, Expression, NotTranslated, named
+from duhem.export.c_translation import CHOICE, OPERATORS, PREFIX, TYPES, Array, Expression, NotTranslated, named
 
 __all__ = ["c_functions"]
 

@@ -10,9 +10,9 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.export import increment_kernel
-from duhem.export.c_expression import Array
+from duhem.export.c_translation import Array
 from duhem.export.c_translation import c_functions
-from duhem.export.tip import closes
+from duhem.export.routine import closes
 from duhem.expression.scalar_jets import scalar_jets, scalar_values
 from duhem.law.formula_law import Criterion
 from duhem.projection import newton_kernel, newton_step

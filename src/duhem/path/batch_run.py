@@ -10,15 +10,13 @@ from itertools import islice
 import numpy as np
 
 from duhem.errors import DuhemError, InputError
-from duhem.path.batch import Batch, Share
 from duhem.path.closest import closest_by, outside, shape_by
 from duhem.path.history import STATES, SUMS, Histories
 from duhem.path.integrators import INTEGRATORS, STEPS
 from duhem.path.ledger import Ledger, States
-from duhem.path.loading import between
-from duhem.path.paths import Which
+from duhem.path.loading import Which, between
 from duhem.path.rows import Step
-from duhem.path.run import Plan
+from duhem.path.run import Batch, Plan, Share
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.increment import posed, setting
 from duhem.projection.result import Status

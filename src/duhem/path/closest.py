@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from duhem.errors import DuhemError
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Disk, Interval, Quadrants
-from duhem.path.batch import Share
-from duhem.path.paths import Knot, Which, in_rows
+from duhem.path.loading import Knot, Which, in_rows
+from duhem.path.run import Share
 from duhem.projection import closed_form, compiled, quadrants
 from duhem.projection.closed_form import centre, in_columns
 from duhem.projection.increment import Increment

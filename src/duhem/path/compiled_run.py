@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.law.shapes import Interval
-from duhem.path.batch import Share
 from duhem.path.closest import LOST, ClosestPoints, ShapeNumbers, shape_by
-from duhem.path.compiled_steps import loops
+from duhem.path.compiled_run import loops
 from duhem.path.history import SUMS, Histories
 from duhem.path.integrators import steps, stretch
 from duhem.path.ledger import Ledger, States
-from duhem.path.paths import Paths, Which
-from duhem.path.run import Plan, columns
+from duhem.path.loading import Paths, Which
+from duhem.path.run import Plan, Share, columns
 from duhem.path.step_formulas import booked
 from duhem.projection.compiled_newton import Loop
 from duhem.projection.declared_ranges import beyond

@@ -51,7 +51,7 @@ class Loops:
 
 _KEPT = """\
 # {stamp}
-from duhem.path.compiled_steps import made
+from duhem.path.compiled_run import made
 
 inner = made().{name}
 

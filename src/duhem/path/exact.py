@@ -12,12 +12,11 @@ from math import cos, sin
 import numpy as np
 
 from duhem.law.shapes import Disk, Interval
-from duhem.path.batch import Share
 from duhem.path.closest import shape_numbers
 from duhem.path.elementary_steps import Move, on_ellipse, on_interval
 from duhem.path.ledger import Ledger
 from duhem.path.rows import Stepped
-from duhem.path.run import Plan
+from duhem.path.run import Plan, Share
 from duhem.path.step_formulas import on_numbers
 from duhem.projection.known_points import beyond_tangents
 from duhem.projection.level import level

@@ -22,14 +22,12 @@ from types import MappingProxyType
 import numpy as np
 
 from duhem.path import exact
-from duhem.path.batch import Share
 from duhem.path.closest import Closest, closest_by, closest_points, shape_by, vouched
 from duhem.path.exact import Piece
 from duhem.path.ledger import Ledger
-from duhem.path.one_row import OneRow, closest_point
-from duhem.path.paths import Knot, Which
-from duhem.path.rows import ManyRows, RowsFound, Step, Stepped, Vector, Ways, by_arrays
-from duhem.path.run import Plan
+from duhem.path.loading import Knot, Which
+from duhem.path.rows import ManyRows, OneRow, RowsFound, Step, Stepped, Vector, Ways, by_arrays, closest_point
+from duhem.path.run import Plan, Share
 from duhem.projection.in_blocks import FEW
 
 __all__ = ["INTEGRATORS", "STEPS", "Integrator", "Stepping", "steps", "stretch"]

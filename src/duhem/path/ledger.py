@@ -9,11 +9,10 @@ from operator import add
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.path.batch import Share
 from duhem.path.history import SUMS, Histories, History
-from duhem.path.paths import Which
+from duhem.path.loading import Which
 from duhem.path.rows import Stepped
-from duhem.path.run import Plan, energy, times
+from duhem.path.run import Plan, Share, energy, times
 from duhem.path.step_formulas import balance
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.result import Array, Status

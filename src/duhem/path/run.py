@@ -1,4 +1,4 @@
-"""What is asked of a law and a loading path, as one value, and the checked question of one path."""
+"""What is asked of a law and loading paths, as one value, and the checked question of one path or of many points, in blocks."""
 
 from __future__ import annotations
 
@@ -8,19 +8,23 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+import sympy as sp
+from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
+from duhem.expression.given_array import in_order
 from duhem.law.catalogue import load_formula
+from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.path import step_formulas
-from duhem.path.loading import Path
-from duhem.path.paths import Paths
-from duhem.projection.increment import Convexity, Increment
+from duhem.path.loading import Path, Paths, checked_count, given_numbers
+from duhem.path.table_file import MOST_NUMBERS
+from duhem.projection.declared_ranges import refused
+from duhem.projection.increment import Convexity, Increment, posed, setting
 from duhem.projection.increment import increment as checked
 from duhem.projection.result import Array
 
-__all__ = ["Plan", "Run", "columns", "energy", "times"]
+__all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "columns", "energy", "times"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,3 +102,181 @@ def times(rows: Array, matrix: Array) -> Array:
 def columns(rows: Array) -> Array:
     """Vectors (..., d) as the columns of formulas, (d, n)."""
     return rows.reshape(-1, rows.shape[-1]).T
+
+
+# -- many points, and the blocks in which they are answered -------------------------------------------------------------
+
+MOST_THREADS = 256
+
+_POINTS = 4032  # of a block: their states stay in the second cache, and a whole number of the compiled kernel's chunks
+_NUMBERS = 1 << 25  # that a block holds of its own paths and results: 256 MiB
+
+
+@dataclass(frozen=True, eq=False)
+class Share:
+    """Some points of a batch, in memory: their paths with all substeps, the parameter sets they have, and which each has."""
+
+    paths: Paths
+    members: tuple[Increment, ...]
+    own: NDArray[np.intp]
+    stress: Array
+    compliance: Array
+
+    def __len__(self) -> int:
+        return len(self.own)
+
+    @classmethod
+    def alone(cls, plan: Plan, halves: int = 1) -> Share:
+        """One path as a share of one point, each of its steps in ``halves`` parts."""
+        path = plan.path.refined(halves)
+        pressure = None if plan.increment.law.pressure is None or path.pressure is None else path.pressure[None]
+        paths = Paths(path.values[None], np.ones((1, path.values.shape[1])), pressure, path.time, path.timed)
+        return cls(paths, (plan.increment,), np.zeros(1, dtype=np.intp), np.zeros((1, path.values.shape[1])), plan.compliance)
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """A law with numbers in place for each of N points, and their paths.
+
+    ``members`` are the distinct sets of parameters as checked questions, whose formula may be left out where a shape is declared;
+    ``own`` (N,) which of them each point has; ``stress`` (N, d) or (1, d) at the first knot in Pa; ``knots`` (r,) those that are kept.
+    """
+
+    paths: Paths
+    substeps: int
+    members: tuple[Increment, ...]
+    own: NDArray[np.intp]
+    stress: Array
+    knots: NDArray[np.intp]
+    projection: str
+    compiled: bool
+    compliance: Array
+
+    @classmethod
+    def of(cls, run: Run) -> Batch:
+        """The run of many points, checked; InputError for what does not fit."""
+        known, paths, substeps = load_formula(run.law), run.path, run.substeps
+        assert isinstance(paths, Paths)
+        n = len(paths)
+        d = len(known.forces)
+        if paths.values.shape[2] != d:
+            what = f"the paths have {paths.values.shape[2]} columns and {known.name} the {d} forces {', '.join(known.forces)}"
+            raise InputError(what, where="paths", remedy="give one column for each force")
+        members, own = _members(known, run.stiffness, run.parameters, n)
+        checked_count(substeps, "substeps", 1)
+        checked_count(run.threads, "threads", 1, MOST_THREADS)
+        if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
+            raise InputError(f"{steps} steps are too many", where="substeps", remedy=f"take at most {MOST_NUMBERS // d} in all")
+        stress, knots = _start(known, run.stress, n), _kept(run.keep, steps)
+        load = paths.pressure
+        if load is not None and (out := np.argwhere(refused(known, load))).size:
+            point, knot = out[0].tolist()
+            name = known.pressure or ""
+            what = f"pressure[{point}, {knot}] is {load[point, knot]}, outside the range of {known.domain[name].stated(name)}"
+            raise InputError(what, where="paths", remedy="keep to the range, or declare a wider one in the law's domain")
+        posed(members[0], np.zeros((1, d)), None if load is None else load[0, :1])
+        return cls(
+            paths=paths,
+            substeps=substeps,
+            members=tuple(replace(member, convexity=run.convexity) for member in members),
+            own=own,
+            stress=stress,
+            knots=knots,
+            projection=run.projection,
+            compiled=run.compiled,
+            compliance=np.asarray(np.linalg.inv(members[0].stiffness)),
+        )
+
+    @property
+    def law(self) -> Criterion:
+        return self.members[0].law
+
+    @property
+    def steps(self) -> int:
+        """Of each point."""
+        return (len(self.paths.time) - 1) * self.substeps
+
+    @property
+    def numbers(self) -> int:
+        """How many are kept of each point."""
+        return len(self.knots) * (3 * len(self.law.forces) + 7)
+
+    def blocks(self) -> list[tuple[int, int]]:
+        """First and last point of each block: by the size of the question alone, so that no number depends on who computes it."""
+        held = self.numbers + (0 if self.paths.alike else (self.steps + 1) * (len(self.law.forces) + 4))
+        each = max(1, min(_POINTS, _NUMBERS // held))
+        return [(first, min(first + each, len(self.own))) for first in range(0, len(self.own), each)]
+
+    def start(self, first: int, last: int) -> Share:
+        """The points from ``first`` to before ``last``, at their first knots alone."""
+        return self._share(self.paths.begun().part(first, last), first, last)
+
+    def block(self, first: int, last: int, halves: int = 1) -> Share:
+        """The points from ``first`` to before ``last``; each step of their paths in ``halves`` parts."""
+        return self._share(self.paths.part(first, last).refined(self.substeps).refined(halves), first, last)
+
+    def _share(self, paths: Paths, first: int, last: int) -> Share:
+        used, own = np.unique(self.own[first:last], return_inverse=True)
+        stress = self.stress if len(self.stress) == 1 else self.stress[first:last]
+        members = tuple(self.members[i] for i in used)
+        return Share(paths, members, own, np.broadcast_to(stress, (last - first, stress.shape[1])), self.compliance)
+
+
+def _members(
+    law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None, n: int
+) -> tuple[tuple[Increment, ...], NDArray[np.intp]]:
+    """The checked question of each distinct set of parameters, and which set each of the ``n`` points has."""
+    given = dict(by_name(parameters))
+    each = {name: given_numbers(value, name) for name, value in given.items() if np.ndim(value)}
+    if wrong := next((name for name, array in each.items() if array.shape != (n,)), None):
+        what = f"{wrong} has the shape {each[wrong].shape} for {n} points"
+        raise InputError(what, where=f"parameter {wrong}", remedy=f"give one number, or ({n},)")
+    if not each:
+        return (setting(law, stiffness, given),), np.zeros(n, dtype=np.intp)
+    sets, own = np.unique(np.stack(list(each.values()), axis=1), axis=0, return_inverse=True)
+    rows = [dict(zip(each, row, strict=True)) for row in sets.tolist()]
+    # a shape asks for no formula, and ranges of parameters, being intervals, are held by all where they are by the ends
+    every = law.closed_form is None or bool(law.constraints)
+    checked = every | ((sets == sets.min(axis=0)) | (sets == sets.max(axis=0))).any(axis=1)
+    try:
+        first = setting(law, stiffness, given | rows[0])
+        members = tuple(
+            setting(law, first.stiffness, given | row) if whole else replace(first, g=sp.nan, parameters={**first.parameters, **row})
+            for row, whole in zip(rows, checked.tolist(), strict=True)
+        )
+    except InputError as fault:
+        raise _first_bad(law, stiffness, given, each) or fault from None
+    return members, own.reshape(n)
+
+
+def _first_bad(law: Criterion, stiffness: ArrayLike, given: Mapping[str, Any], each: Mapping[str, Array]) -> InputError | None:
+    """The fault of the first point with a value outside its domain, or in a law of constraints with values that break one."""
+    doubtful = np.full(len(next(iter(each.values()))), bool(law.constraints))
+    for name in law.parameters.keys() & each.keys():
+        low, high = law.parameters[name].ends
+        doubtful |= ~((each[name] > low) & (each[name] < high))
+    for point in np.flatnonzero(doubtful).tolist():
+        try:
+            setting(law, stiffness, {**given, **{name: float(values[point]) for name, values in each.items()}})
+        except InputError as fault:
+            return InputError(fault.what, where=f"point {point}, {fault.where}", remedy=fault.remedy)
+    return None
+
+
+def _start(law: Criterion, given: ArrayLike | None, n: int) -> Array:
+    d = len(law.forces)
+    if given is None:
+        return np.zeros((1, d))
+    stress = given_numbers(in_order(given, law.forces, "stress"), "stress")
+    if stress.shape not in ((d,), (n, d)):
+        raise InputError(f"stress has the shape {stress.shape}", where="stress", remedy=f"give ({d},) or ({n}, {d})")
+    return stress.reshape(-1, d)
+
+
+def _kept(keep: int | str, steps: int) -> NDArray[np.intp]:
+    if keep == "last":
+        return np.array([0, steps])
+    if isinstance(keep, str):
+        raise InputError(f"keep = {keep[:40]!r}", where="keep", remedy='give every how many knots are kept, or "last"')
+    checked_count(keep, "keep", 1)
+    return np.unique(np.append(np.arange(0, steps + 1, keep), steps))

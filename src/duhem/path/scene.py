@@ -1,11 +1,15 @@
-"""A checked scene as a value: what it runs, what it needs and what it leaves out."""
+"""A checked scene as a value: what it runs, what it needs and what it leaves out; and its run with what it writes."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from itertools import islice
+from pathlib import Path as File
+from types import TracebackType
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,14 +17,17 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Interval
 from duhem.left_out import LeftOut
-from duhem.path.batch import Batch
-from duhem.path.history import History
-from duhem.path.paths import Paths
-from duhem.path.run import Plan, Run
-from duhem.path.simulate import driven
+from duhem.path.batch_run import parts
+from duhem.path.history import Histories, History, columns
+from duhem.path.loading import Path, Paths
+from duhem.path.run import Batch, Plan, Run
+from duhem.path.simulate import Interrupted, LeftDomain, LeftPrecision, driven
 from duhem.projection.result import NOT_SHOWN
+from duhem.show import figure, parquet_package
+from duhem.show.growing_file import DAMAGED, MARK, UNREADABLE, GrowingFile, another, beside, check_growing, check_kept
+from duhem.show.place import AnyPath, check_place, check_places, written
 
-__all__ = ["Needed", "Scene"]
+__all__ = ["GrowingTable", "Needed", "PointCounts", "Scene", "Stopped", "check_outputs", "keep", "perform", "perform_many", "recall"]
 
 
 @dataclass(frozen=True)
@@ -148,3 +155,211 @@ def _solver(scene: Scene, plan: Plan) -> Needed | LeftOut:
         one = isinstance(scene.law.closed_form, Interval)
         return LeftOut(name, "one-dimensional: closed form" if one else "the closest point has a closed form")
     return Needed(name, f"{reason.partition(':')[0]}{remark}")
+
+
+# -- the run with what it writes: its table, which of many points grows as they are done, and the part of a run that was stopped
+
+
+class PointCounts(NamedTuple):
+    """What came of many ``points``: how many ``ended`` early, and how many slip to ``stationary`` points and no more is shown of them."""
+
+    points: int
+    ended: int
+    stationary: int
+
+
+class Stopped(KeyboardInterrupt):
+    """A run that was interrupted; its text says what is kept and how to go on."""
+
+
+def check_outputs(table: str | None, plot: str | None, resume: bool, inputs: Sequence[str] = (), many: bool = False) -> None:
+    """Whether the files can be written in these formats with what is installed, before a long run and not after it.
+
+    None is one of the ``inputs``, and what may stand where the part of a run is kept is such a part.  Of ``many`` points the table
+    grows as they are done, and there is no picture.
+    """
+    if many and plot is not None:
+        raise InputError("a picture shows one point", where=plot, remedy="leave the plot out, or draw one point's history")
+    if table is not None and not table.endswith((".csv", ".parquet")):
+        raise InputError("the table is neither .csv nor .parquet", where=table, remedy="end its name in .csv or .parquet")
+    if table is None and resume:
+        raise InputError("there is no table to go on with", where="--resume", remedy="name it with --out or in [output]")
+    if table is not None and table.endswith(".parquet"):
+        parquet_package.check()
+    check_places([table, plot], inputs)
+    if table is not None:
+        (check_growing if many else check_kept)(table, inputs)
+    if plot is not None:
+        figure.check(plot)
+
+
+def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[int, int], None] | None = None) -> History:
+    """Run the scene of one point and write ``table``; Stopped with the part kept beside it if interrupted.
+
+    From there ``resume`` goes on, and from what was kept every ``scene.checkpoint`` seconds if the process was killed.
+    """
+    start = recall(table, scene.plan(), scene.fingerprint) if table is not None and resume else None
+    fingerprint = scene.fingerprint
+    try:
+        history = scene.run(start, on_step, None if table is None else lambda done: keep(done, table, fingerprint))
+    except Interrupted as stop:
+        assert isinstance(stop.history, History) and isinstance(scene.path, Path)
+        steps = (len(scene.path.time) - 1) * scene.substeps
+        done = f"interrupted after {len(stop.history) - 1} of {steps} steps"
+        if table is None:
+            raise Stopped(f"{done}; name a table with --out to keep what is done") from None
+        kept = keep(stop.history, table, fingerprint)
+        raise Stopped(f"{done}, kept in {kept}; go on with --resume") from None
+    except (LeftPrecision, LeftDomain) as fault:
+        if table is None:
+            raise
+        kept = keep(fault.history, table, fingerprint)
+        raise InputError(f"{fault.what}; the steps before are kept in {kept}", where=fault.where, remedy=fault.remedy) from None
+    if table is not None:
+        (history.to_parquet if table.endswith(".parquet") else history.to_csv)(table)
+        beside(table).unlink(missing_ok=True)
+    return history
+
+
+def perform_many(
+    scene: Scene, table: str | None, resume: bool, say: Callable[[str], None], on_step: Callable[[int, int], None] | None = None
+) -> PointCounts:
+    """Run the scene of many points, whose ``table`` grows as they are done; how many of them came out how.
+
+    Without a table the rows are said, some at a time.  Stopped if interrupted: the points that are done are kept.
+    """
+    batch = scene.batch()
+    n = len(batch.own)
+    if table is None:
+        came = PointCounts(n, 0, 0)
+        for part in parts(batch, scene.method, scene.threads):
+            text = "".join(part.rows())
+            say((text if part.points[0] else ",".join(part.columns()) + "\n" + text).removesuffix("\n"))
+            came = PointCounts(n, came.ended + part.ended_early(), came.stationary + part.stationary())
+        return came
+    with GrowingTable(table, scene.fingerprint, ("point", *columns(batch.law.forces, batch.law.pressure)), resume) as growing:
+        try:
+            for part in parts(batch, scene.method, scene.threads, first=growing.points):
+                growing.add(part)
+                if on_step is not None:
+                    on_step(growing.points, n)
+        except KeyboardInterrupt:
+            kept = beside(table)
+            raise Stopped(f"interrupted after {growing.points} of {n} points, kept in {kept}; go on with --resume") from None
+        growing.finish()
+        return PointCounts(n, growing.ended, growing.stationary)
+
+
+def keep(history: History, file: str | os.PathLike[str], fingerprint: str) -> File:
+    """Write what is done; ``fingerprint`` is that of the run.  A sum over the table shows what was changed or cut off since."""
+    place = beside(file)
+    history.to_csv(place, above=f"{MARK}{fingerprint} {_sum(history.to_text())}")
+    return place
+
+
+def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> History | None:
+    """The part kept of the run ``fingerprint``, or None if there is none.  InputError if it is of another run or damaged."""
+    place = beside(file)
+    try:
+        text = place.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return None
+    except (OSError, UnicodeDecodeError):
+        raise InputError("the part of a run cannot be read", where=f"{place}", remedy=UNREADABLE) from None
+    mark, _, table = text.partition("\n")
+    if not mark.startswith(f"{MARK}{fingerprint} "):
+        raise another(place)
+    try:
+        if mark != f"{MARK}{fingerprint} {_sum(table)}":
+            raise ValueError
+        header, *lines = table.splitlines()
+        rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
+        if not np.isfinite(rows).all():
+            raise ValueError
+        column = dict(zip(header.split(","), rows.T, strict=True))
+        return _history(plan, column)
+    except (ValueError, KeyError, IndexError):
+        raise InputError("the part of a run is damaged", where=f"{place}", remedy=DAMAGED) from None
+
+
+def _sum(table: str) -> str:
+    return hashlib.sha256(table.encode()).hexdigest()
+
+
+def _history(plan: Plan, column: dict[str, np.ndarray]) -> History:
+    law, n = plan.increment.law, len(column["time"])
+    tails = [force.removeprefix("sigma_") for force in law.forces]
+    return History(
+        law=law.name,
+        forces=law.forces,
+        pressure_name=law.pressure,
+        time=column["time"],
+        timed=plan.path.timed,
+        displacement=np.stack([column[f"u_{t}"] for t in tails], axis=1),
+        slip=np.stack([column[f"u_in_{t}"] for t in tails], axis=1),
+        stress=np.stack([column[f] for f in law.forces], axis=1),
+        pressure=column[law.pressure] if law.pressure else np.zeros(n),
+        multiplier=column["lambda"],
+        **{name: column[name] for name in ("psi", "dissipation", "work", "numerical", "balance")},
+        method="",
+        why="",
+        plan=plan,
+    )
+
+
+_LINES = 65_536  # of a table, turned into Parquet together
+
+
+class GrowingTable:
+    """The table ``file`` of the run ``fingerprint`` with these ``columns``; ``points`` are done.
+
+    Of these ``ended`` ended early, and ``stationary`` slip to stationary points, of which no more is shown.
+
+    ``resume`` goes on with what is there; InputError if that is of another run or damaged.  Use it as a context: what is whole
+    stays, and :meth:`finish` puts the table in its place.
+    """
+
+    def __init__(self, file: AnyPath, fingerprint: str, columns: tuple[str, ...], resume: bool) -> None:
+        self.file = os.fspath(file)
+        self._growing = GrowingFile(file, fingerprint, (0, 0, 0), resume)
+        self.points, self.ended, self.stationary = self._growing.counts
+        if not self._growing.size:
+            self._growing.write(",".join(columns) + "\n")
+
+    def __enter__(self) -> GrowingTable:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        self._growing.close()
+
+    def add(self, part: Histories) -> None:
+        """The rows of further points; they are noted once they are all there."""
+        for text in part.rows():
+            self._growing.write(text)
+        self.points += len(part)
+        self.ended += part.ended_early()
+        self.stationary += part.stationary()
+        self._growing.note(self.points, self.ended, self.stationary)
+
+    def finish(self) -> None:
+        """The table in its place, as Parquet where its name says so; nothing is left beside it."""
+        self._growing.end()
+        check_place(self.file)
+        if self.file.endswith(".parquet"):
+            _to_parquet(self._growing.rows, self.file)
+        else:
+            os.replace(self._growing.rows, self.file)
+        self._growing.drop()
+
+
+def _to_parquet(rows: File, file: str) -> None:
+    """The same table as Parquet, some rows at a time."""
+    pyarrow, parquet = parquet_package.packages()
+    with written(file) as place, open(rows, encoding="utf-8") as stream:
+        names = stream.readline().rstrip("\n").split(",")
+        schema: Any = pyarrow.schema([(name, pyarrow.int64() if name == "point" else pyarrow.float64()) for name in names])
+        with parquet.ParquetWriter(place, schema) as writer:
+            while lines := list(islice(stream, _LINES)):
+                columns = zip(*(line.split(",") for line in lines), strict=True)
+                numbers = [list(map(int if name == "point" else float, column)) for name, column in zip(names, columns, strict=True)]
+                writer.write_table(pyarrow.table(dict(zip(names, numbers, strict=True)), schema=schema))

@@ -23,11 +23,9 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import simple_points
 from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
-from duhem.path.batch import Batch
 from duhem.path.integrators import INTEGRATORS
-from duhem.path.loading import Path
-from duhem.path.paths import Paths, paths_from_csv, spread
-from duhem.path.run import Plan, Run
+from duhem.path.loading import Path, Paths, paths_from_csv, spread
+from duhem.path.run import Batch, Plan, Run
 from duhem.path.scene import Scene
 from duhem.path.scene_keys import CHOICES, KINDS, SECTIONS, VALUES
 from duhem.path.simulate import check_compiled, first_stress

@@ -13,15 +13,13 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.expression.given_array import in_order
 from duhem.law.formula_law import Criterion
-from duhem.path.batch import MOST_THREADS, Batch, Share
 from duhem.path.batch_run import histories
 from duhem.path.closest import outside
 from duhem.path.history import Histories, History
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
-from duhem.path.loading import Path, checked_count
-from duhem.path.paths import Paths
-from duhem.path.run import Plan, Run, columns, times
+from duhem.path.loading import Path, Paths, checked_count
+from duhem.path.run import MOST_THREADS, Batch, Plan, Run, Share, columns, times
 from duhem.path.step_formulas import booked
 from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.result import Array

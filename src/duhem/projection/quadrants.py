@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.in_blocks import FEW
-from duhem.projection.one_point import closest
+from duhem.projection.quarter_ellipse import closest
 from duhem.projection.plain_numbers import FAULTS
 from duhem.projection.quarter_ellipse import CLOSE, NEAR, SAFE, SEAM, SURE, formulas
 from duhem.projection.result import Array

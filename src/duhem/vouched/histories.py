@@ -16,8 +16,7 @@ from duhem.law.convex import check_convex
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.path.history import Histories, History
-from duhem.path.loading import Path
-from duhem.path.paths import Paths
+from duhem.path.loading import Path, Paths
 from duhem.path.run import Run
 from duhem.path.scene import Scene
 from duhem.path.simulate import Checkpoint, driven
