@@ -34,8 +34,7 @@ import sympy as sp
 
 import duhem
 from duhem.errors import DuhemError
-from duhem.export.c_file import c_file
-from duhem.export.c_file import identifier
+from duhem.export.c_file import c_file, identifier
 from duhem.export.routine import routine
 from duhem.law import catalogue
 from duhem.law.atlas.entry import entries

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from duhem.export.c_translation import Array, NotTranslated
-from duhem.export.c_translation import c_functions
+from duhem.export.c_translation import Array, NotTranslated, c_functions
 from tests.export.shared_library import STRICT, compiler, shared
 
 HEAD = "from math import floor, frexp, ldexp, isfinite\nfrom typing import Any\nimport numpy as np\nfrom numpy import nan, sqrt, hypot\n"

@@ -13,9 +13,8 @@ import pytest
 
 import duhem
 from duhem import Criterion, Domain, InputError
-from duhem.export.c_file import c_file
+from duhem.export.c_file import c_file, identifier
 from duhem.export.fortran_file import fortran_file
-from duhem.export.c_file import identifier
 from duhem.export.routine import routine
 from duhem.testing import checks_for, conformance, pressures
 from duhem.testing.foreign import shared_library, umat

@@ -18,7 +18,7 @@ from duhem.projection.increment import Convexity
 from duhem.projection.result import Status
 from duhem.proof import verification
 from duhem.proof.verdict import Verdict
-from duhem.vouched import convexity, kept_verdicts
+from duhem.vouched import convexity
 from duhem.vouched.convexity import asked
 
 _NUMBERS = count()
@@ -46,7 +46,7 @@ def laws(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[Criterion]:
 
 
 def answering(monkeypatch: pytest.MonkeyPatch, answer: Any) -> None:
-    monkeypatch.setattr(kept_verdicts, "place", lambda *_: None)
+    monkeypatch.setattr(convexity, "place", lambda *_: None)
 
     def verdict_within(law: Criterion, *_: Any) -> Any:
         verdict = answer(law)
@@ -172,7 +172,7 @@ def test_a_law_that_takes_more_steps_is_flagged_and_said(monkeypatch: pytest.Mon
 
 def test_both_questions_share_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     given: list[int] = []
-    monkeypatch.setattr(kept_verdicts, "place", lambda *_: None)
+    monkeypatch.setattr(convexity, "place", lambda *_: None)
 
     def verdict_within(_law: Criterion, _claim: str, steps: int) -> Verdict:
         given.append(steps)

@@ -14,7 +14,7 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Convexity
 from duhem.proof import verification
-from duhem.vouched import convexity, kept_verdicts
+from duhem.vouched import convexity
 
 ROUND = Criterion("round", "norm(a, b) - k", {"k": Domain(positive=True)}, forces=("a", "b"), pressure=None)
 BENT = replace(ROUND, name="bent", g="a**4 + b**4 - 3*a**2*b**2 - k", written="")
@@ -51,25 +51,25 @@ def test_what_is_open_is_kept_under_its_steps(monkeypatch: pytest.MonkeyPatch, t
 
 
 def test_the_older_ones_make_room(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(kept_verdicts, "_MOST", 4)
+    monkeypatch.setattr(convexity, "_MOST", 4)
     for k in range(5):
-        kept_verdicts.keep(tmp_path / f"{k}", "proved")
+        convexity.keep(tmp_path / f"{k}", "proved")
         os.utime(tmp_path / f"{k}", ns=(k, k)) if k < 4 else None
     assert sorted(path.name for path in tmp_path.iterdir()) == ["2", "3", "4"]
 
 
 def test_what_is_damaged_or_of_another_law_is_not_read(tmp_path: Path) -> None:
     path = tmp_path / "one"
-    kept_verdicts.keep(path, "proved")
+    convexity.keep(path, "proved")
     whole = path.read_text()
-    assert kept_verdicts.recalled(path) == "proved"
+    assert convexity.recalled(path) == "proved"
     path.rename(tmp_path / "another")
-    assert kept_verdicts.recalled(path) is None is kept_verdicts.recalled(tmp_path / "another")
+    assert convexity.recalled(path) is None is convexity.recalled(tmp_path / "another")
     for changed in ("", "proved", whole[:-1], whole.replace("proved", "refuted"), whole + "\n"):
         path.write_text(changed)
-        assert kept_verdicts.recalled(path) is None
+        assert convexity.recalled(path) is None
     path.write_bytes(b"\xff" + whole.encode())
-    assert kept_verdicts.recalled(path) is None
+    assert convexity.recalled(path) is None
 
 
 def test_every_part_of_a_law_tells_it_apart() -> None:
@@ -89,29 +89,29 @@ def test_every_part_of_a_law_tells_it_apart() -> None:
         duhem.load("von-mises"),
         duhem.load("coulomb"),
     ]
-    places = [kept_verdicts.place(law, "convexity quick") for law in laws]
+    places = [convexity.place(law, "convexity quick") for law in laws]
     assert None not in places and len(set(places)) == len(laws)
-    assert kept_verdicts.place(ROUND, "convexity full") not in places
+    assert convexity.place(ROUND, "convexity full") not in places
     again = Criterion("round", "norm(a, b) - k", {"k": Domain(positive=True)}, forces=("a", "b"), pressure=None)
-    assert kept_verdicts.place(again, "convexity quick") == places[0]
+    assert convexity.place(again, "convexity quick") == places[0]
 
 
 def test_another_text_of_duhem_or_another_solver_asks_anew(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    made_with = kept_verdicts._made_with()
+    made_with = convexity._made_with()
     files = [line.split(" ")[0] for line in made_with]
     assert {verification.__file__, convexity.__file__, __import__("flint").__file__} <= set(files)
-    before = kept_verdicts.place(ROUND, "convexity")
+    before = convexity.place(ROUND, "convexity")
     path = tmp_path / "prover.py"
     path.write_text("one")
     os.utime(path, ns=(1, 1))
-    seen = {kept_verdicts._file(path)}
+    seen = {convexity._file(path)}
     os.utime(path, ns=(1, 2))
-    seen.add(kept_verdicts._file(path))
+    seen.add(convexity._file(path))
     path.write_text("three")
     os.utime(path, ns=(1, 2))
-    assert len({*seen, kept_verdicts._file(path)}) == 3
-    monkeypatch.setattr(kept_verdicts, "_made_with", lambda: (*made_with[:-1], "newer"))
-    assert kept_verdicts.place(ROUND, "convexity") != before
+    assert len({*seen, convexity._file(path)}) == 3
+    monkeypatch.setattr(convexity, "_made_with", lambda: (*made_with[:-1], "newer"))
+    assert convexity.place(ROUND, "convexity") != before
 
 
 def test_a_law_that_cannot_be_told_or_a_folder_that_cannot_be_written_is_asked_about_all_the_same(
@@ -119,7 +119,7 @@ def test_a_law_that_cannot_be_told_or_a_folder_that_cannot_be_written_is_asked_a
 ) -> None:
     law = replace(ROUND)
     object.__setattr__(law, "source", 1.5)
-    assert kept_verdicts.place(law, "convexity") is None
+    assert convexity.place(law, "convexity") is None
     assert answer(law) == "proved"
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path / "file"))

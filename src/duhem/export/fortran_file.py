@@ -6,8 +6,7 @@ needed to compile them.
 
 from __future__ import annotations
 
-from duhem.export.c_file import exported
-from duhem.export.c_file import header, identifier
+from duhem.export.c_file import exported, header, identifier
 from duhem.law.formula_law import Criterion
 from duhem.proof.verification import Verification
 

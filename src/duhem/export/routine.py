@@ -10,16 +10,17 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.export import increment_kernel
-from duhem.export.c_translation import Array
-from duhem.export.c_translation import c_functions
-from duhem.export.routine import closes
+from duhem.export.c_translation import Array, c_functions
+from duhem.expression import UNDEFINED
 from duhem.expression.scalar_jets import scalar_jets, scalar_values
 from duhem.law.formula_law import Criterion
 from duhem.projection import newton_kernel, newton_step
 from duhem.projection.module_text import module_text
 from duhem.projection.scaled_formula import scaled
+from duhem.proof.decide import Sense
+from duhem.proof.facts.formula_subject import FormulaSubject
 
-__all__ = ["Routine", "routine"]
+__all__ = ["Routine", "closes", "routine"]
 
 _D, _SQUARE = Array("double", ("D",)), Array("double", ("D", "D"))
 _ARRAYS: Mapping[str, Array] = {
@@ -134,3 +135,19 @@ def _beyond(law: Criterion) -> Iterator[str]:
 
 def _function(head: str, lines: Sequence[str], last: str = "return") -> str:
     return "\n".join([f"def {head}:", *(f"    {line}" for line in [*lines, last])])
+
+
+def closes(law: Criterion) -> bool:
+    """Whether K is the point 0 where the pressure is 0, proved: g = 0 at no force, and g > 0 at any other, for all parameters."""
+    if law.pressure is None:
+        return False
+    g = law.g.xreplace({law.symbols()[law.pressure]: sp.S.Zero, **law.settled()})
+    if g.has(*UNDEFINED) or not g.free_symbols & set(law.force_symbols()):
+        return False
+    bare = Criterion(name=law.name, g=g, forces=law.forces, pressure=None, parameters=law.parameters, constraints=law.constraints)
+    subject = FormulaSubject(bare)
+    forces = subject.simple.forces
+    if subject.doubtful or len(forces) != len(law.forces) or subject.at_origin is None or not subject.nonnegative(-subject.at_origin):
+        return False
+    away = sp.StrictGreaterThan(sp.Add(*(x**2 for x in forces)), 0)
+    return subject.ask(subject.simple.g, Sense.POSITIVE, away).holds is True
