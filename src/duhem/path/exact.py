@@ -19,7 +19,7 @@ from duhem.path.rows import Stepped
 from duhem.path.run import Plan, Share
 from duhem.path.step_formulas import on_numbers
 from duhem.projection.known_points import beyond_tangents
-from duhem.projection.level import level
+from duhem.projection.level import level_of
 from duhem.projection.result import Array
 
 __all__ = ["Piece", "advance", "elementary", "piece", "why"]
@@ -73,7 +73,7 @@ def _not_convex(plan: Plan) -> str:
     """What is said where points of K lie beyond a tangent of it: the slip is normal all along, and no closest point stands for it."""
     increment, law = plan.increment, plan.increment.law
     loads = np.unique(increment.pressure)[[0, -1]] if law.pressure else None
-    found = level(increment.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+    found = level_of(increment)
     seen = beyond_tangents(found, len(law.forces), loads)
     return "; K is not convex" if len(seen) else ""
 

@@ -59,8 +59,7 @@ class Loop:
         MissingExtraError without numba.
         """
         law = increment.law
-        symbol = law.symbols()[law.pressure] if law.pressure else None
-        if (made := _made(increment.g, law.force_symbols(), symbol, entry, sources)) is None:
+        if (made := _made(increment.g, law.force_symbols(), increment.pressure_symbol, entry, sources)) is None:
             return None
         text, inlined, formula, constants = made
         mean, root = whitening(increment)

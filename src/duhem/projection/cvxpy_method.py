@@ -125,7 +125,7 @@ def _bettered(increment: Increment, solution: Solution, options: CvxpyOptions) -
         at = np.flatnonzero(~solution.failed & (worst > _POOR))
         if not at.size:
             break
-        asked = replace(increment, trial=increment.trial[at], pressure=increment.pressure[at])
+        asked = increment.of(at)
         other = solve(asked, replace(options, tolerance=tolerance, batch=1))
         left = judged(asked, other).worst()
         better = np.flatnonzero(left < worst[at])
@@ -145,7 +145,7 @@ def _cp() -> Any:
 
 
 def _fault(increment: Increment, g: sp.Expr) -> str | None:
-    return _dcp_fault(g, increment.law.force_symbols(), _pressure(increment))
+    return _dcp_fault(g, increment.law.force_symbols(), increment.pressure_symbol)
 
 
 @lru_cache(maxsize=256)
@@ -157,14 +157,9 @@ def _dcp_fault(g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | 
     return dcp_fault(g, known)
 
 
-def _pressure(increment: Increment) -> sp.Symbol | None:
-    name = increment.law.pressure
-    return None if name is None else increment.law.symbols()[name]
-
-
 def _at_a_point(increment: Increment) -> Indices:
     """The trials outside a K that has shrunk for want of pressure: a cone program without inner points has no central path."""
-    pressure = _pressure(increment)
+    pressure = increment.pressure_symbol
     if pressure is None:
         return np.zeros(0, dtype=np.intp)
     at = np.flatnonzero(increment.pressure == 0.0)
@@ -184,7 +179,7 @@ def _groups(increment: Increment, left: Indices) -> Iterator[tuple[sp.Expr, Indi
 
 
 def _by_pressure(increment: Increment) -> Iterator[tuple[sp.Expr, Indices]]:
-    symbol = _pressure(increment)
+    symbol = increment.pressure_symbol
     for value in np.unique(increment.pressure):
         yield increment.g.xreplace({symbol: exact_number(float(value))}), np.flatnonzero(increment.pressure == value)
 
@@ -211,7 +206,7 @@ class _Slipping:
 
     @classmethod
     def of(cls, increment: Increment, g: sp.Expr, chosen: Indices) -> _Slipping:
-        forces, pressure = increment.law.force_symbols(), _pressure(increment)
+        forces, pressure = increment.law.force_symbols(), increment.pressure_symbol
         symbols = (*forces, *([] if pressure is None else [pressure]))
         level = program(g, symbols)
 

@@ -9,7 +9,7 @@ to a compiler.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,9 +70,7 @@ class FirstLook:
 
         def look(block: slice) -> None:
             with np.errstate(all="ignore"):
-                part = Solution(*(getattr(solution, f.name)[block] for f in fields(Solution)))
-                into = Residuals(*(getattr(out, f.name)[block] for f in fields(Residuals)))
-                still, moved = self._block(increment.trial[block], increment.pressure[block], part, into)
+                still, moved = self._block(increment.trial[block], increment.pressure[block], solution.of(block), out.of(block))
                 found[block.start] = still + block.start, moved + block.start
             if then is not None:
                 then(block)

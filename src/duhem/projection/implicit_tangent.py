@@ -13,10 +13,9 @@ the normals leave free, so that d sigma/d u is symmetric with eigenvalues in [0,
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache
 from itertools import chain, product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +24,7 @@ from duhem.expression import Where
 from duhem.expression.jets import Choices, JetProgram, formula
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
-from duhem.projection.result import Array, Solution
+from duhem.projection.result import Array, Pointwise, Solution
 from duhem.projection.row_by_row import length as lengths
 from duhem.projection.whitened_body import whitening
 
@@ -57,7 +56,7 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
     """
     n, d = solution.stress.shape
     law = increment.law
-    names = (*law.force_symbols(), *([law.symbols()[law.pressure]] if law.pressure else []))
+    names = (*law.force_symbols(), *filter(None, (increment.pressure_symbol,)))
     stiffness, root = whitening(increment)
     pieces = _Pieces(formula(increment.g, names, (), strict=True), root, law.pressure is not None)
     slips = np.flatnonzero((solution.slip != 0.0).any(axis=1) & ~solution.failed)
@@ -70,10 +69,10 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
     off = np.linalg.norm(push[slips] / length[slips, None] - there.normal, axis=1)
     along = off <= (_ALONG if there.choices.shape[1] else _SMOOTH)
     smooth = along & np.isfinite(there.bend).all(axis=(1, 2))
-    smooth[smooth] = pieces.open_behind(point[slips[smooth]], there.only(smooth).normal, length[slips[smooth]])
+    smooth[smooth] = pieces.open_behind(point[slips[smooth]], there.of(smooth).normal, length[slips[smooth]])
     if increment.g.has(Where):
         smooth[smooth] = _holds_beside(pieces, point[slips[smooth]])
-    alone = there.only(smooth)
+    alone = there.of(smooth)
     half = np.sqrt(stiffness) * root
     rates = _rates(alone.normal[:, None], alone.rise[:, None], *alone.weighted(length[slips[smooth]]))
     corners = slips[~smooth]
@@ -87,7 +86,7 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
 
 
 @dataclass(frozen=True)
-class _Normals:
+class _Normals(Pointwise):
     """Of M pieces, over their slopes and whitened: level (M,), normal (M, d), Hessian, rates of level and normal with pressure."""
 
     level: Array
@@ -96,10 +95,6 @@ class _Normals:
     rise: Array
     turn: Array
     choices: Choices
-
-    def only(self, which: Any) -> _Normals:
-        """Some of them."""
-        return _Normals(*(getattr(self, part.name)[which] for part in fields(self)))
 
     def weighted(self, multipliers: Array) -> tuple[Array, Array]:
         """lambda H (M, d, d) and lambda dn/d(sigma_n) (M, d)."""
@@ -203,8 +198,8 @@ def _at_corners(pieces: _Pieces, point: Array, push: Array) -> Iterator[tuple[Ar
         counts = [len(each) for each in choices]
         there = pieces.at(np.repeat(point[some], counts, axis=0), np.concatenate(choices))
         for i, last in enumerate(np.cumsum(counts).tolist()):
-            here = there.only(slice(last - counts[i], last))
-            found = _at_corner(here, around.only(slice(many * i, many * (i + 1))), push[some[i]], float(size[some[i]]))
+            here = there.of(slice(last - counts[i], last))
+            found = _at_corner(here, around.of(slice(many * i, many * (i + 1))), push[some[i]], float(size[some[i]]))
             told = found is not None and (not found[0].any() or pieces.reach(point[some[i]], found[0], _BESIDE * float(size[some[i]])))
             yield found if told else None
 
@@ -212,12 +207,12 @@ def _at_corners(pieces: _Pieces, point: Array, push: Array) -> Iterator[tuple[Ar
 def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> tuple[Array, Array] | None:
     """Of the pieces found around a point, continued to it: smooth pieces meet, or all normals beside it are those of a tip, which stays."""
     d, length = len(push), float(lengths(push[None])[0])
-    meeting = there.only((np.abs(there.level) <= _MEETS * size) & np.isfinite(there.bend).all(axis=(1, 2)))
-    tip = around.only(np.isfinite(around.normal).all(axis=1))
+    meeting = there.of((np.abs(there.level) <= _MEETS * size) & np.isfinite(there.bend).all(axis=(1, 2)))
+    tip = around.of(np.isfinite(around.normal).all(axis=1))
     for normals, few in ((meeting, True), (tip, False)):
         found = _pressing(normals.normal, push / length)
         if found is not None and (few or len(found[0]) == d):
-            press = normals.only(found[0])
+            press = normals.of(found[0])
             bend, turn = press.weighted(found[1] * length) if few else (np.zeros((1, d, d)), np.zeros((1, d)))
             inner, load = _rates(press.normal[None], press.rise[None], bend.sum(axis=0)[None], turn.sum(axis=0)[None])
             return inner[0], load[0] if _followed(normals, load[0], few and bool(found[1].all())) else np.full(d, np.nan)

@@ -59,6 +59,15 @@ class Increment(Verbatim):
     parameters: Mapping[str, float]
     convexity: Convexity | None = None
 
+    @property
+    def pressure_symbol(self) -> sp.Symbol | None:
+        """The symbol of the pressure, None for a law without one."""
+        return self.law.symbols()[self.law.pressure] if self.law.pressure else None
+
+    def of(self, at: Any) -> Increment:
+        """The increments ``at`` alone."""
+        return replace(self, trial=self.trial[at], pressure=self.pressure[at])
+
     def shown_convex(self) -> NDArray[np.bool_]:
         """Points (N,) at whose pressure K is shown to be convex."""
         known = self.convexity or Convexity(loaded=False, unloaded=False)

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from duhem.expression.jets import Choices, Jet, JetProgram, formula, program
 from duhem.expression.numpy_ import Program
 from duhem.expression.rounding import BoundedProgram, bounded
+from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.row_by_row import widest
 from duhem.projection.scaled_formula import ScaledFormula, grown, power_of_two, scaled
 
-__all__ = ["Level", "level"]
+__all__ = ["Level", "level", "level_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +115,11 @@ class Placed:
         found = self.level.jets(self.s.T, [v for v, _ in self.data], None, second=False)[0].gradient
         assert found is not None
         return found.T
+
+
+def level_of(question: Increment) -> Level:
+    """The criterion of some increments."""
+    return level(question.g, question.law.force_symbols(), question.pressure_symbol)
 
 
 @lru_cache(maxsize=256)

@@ -8,16 +8,16 @@ the same answer to what is vouched for the better one takes its place.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.close_look import CloseLook, close_look
 from duhem.projection.increment import Increment
-from duhem.projection.level import Level, level
+from duhem.projection.level import Level, level_of
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import beside
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
@@ -355,8 +355,6 @@ def _any_way(d: int) -> list[float]:
 LEAST_SLIP = 1e-21  # of the stress: what a shorter slip counts, so that 1e-27 of a stress is nothing
 SLIP_SHARE = 0.1  # what a relative error of a slip counts: it is vouched for to ten times the accuracy of stresses
 
-Rows = TypeVar("Rows", Solution, Residuals)
-
 
 def closest_beside(
     question: Increment, answer: Solution, multiplier: Array, units: Array, patient: bool = False
@@ -413,26 +411,25 @@ def put_right(
     at = np.array([i for i in seen if found.stationarity[i] > ACCURACY and not solution.failed[i]], dtype=np.intp)
     if not at.size:
         return solution, found
-    law, asked = question.law, replace(question, trial=question.trial[at], pressure=question.pressure[at])
-    g = level(question.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
-    old = Solution(*(getattr(solution, f.name)[at] for f in fields(solution)))
+    asked, g, old = question.of(at), level_of(question), solution.of(at)
     units = _units(old.stress, asked.trial)
-    new, own = Solution(*(getattr(old, f.name).copy() for f in fields(old))), g.multiplier(old.multiplier, units)
+    new, own = old.copy(), g.multiplier(old.multiplier, units)
     for i, place in enumerate(at.tolist()):
         one = slice(i, i + 1)
-        few = replace(asked, trial=asked.trial[one], pressure=asked.pressure[one])
-        part = Solution(*(getattr(old, f.name)[one] for f in fields(old)))
-        point = seen[place] or closest_beside(few, part, own[one], units[one], patient=True)[0]
+        point = seen[place] or closest_beside(asked.of(one), old.of(one), own[one], units[one], patient=True)[0]
         if point is not None:
             new.stress[i], new.slip[i], own[i], _ = point
     new = replace(new, multiplier=g.own(own, units))
     with np.errstate(all="ignore"):
         same = np.flatnonzero(_same(Metric.of(asked.stiffness), g, asked, new, old))
-    some = replace(asked, trial=asked.trial[same], pressure=asked.pressure[same])
-    new = Solution(*(getattr(new, f.name)[same] for f in fields(new)))
-    judged = judge(some, new)
+    new = new.of(same)
+    judged = judge(asked.of(same), new)
     right = judged.worst() <= ACCURACY
-    return _put(solution, at[same[right]], new, right), _put(found, at[same[right]], judged, right)
+    if right.any():
+        solution, found = solution.copy(), found.copy()
+        solution.put(at[same[right]], new.of(right))
+        found.put(at[same[right]], judged.of(right))
+    return solution, found
 
 
 def _units(stress: Array, trial: Array) -> Array:
@@ -457,13 +454,3 @@ def _same(metric: Metric, g: Level, asked: Increment, new: Solution, old: Soluti
     turned = widest(slope - g.gradient(old.stress, asked.pressure, size)) > ACCURACY * widest(slope)
     same = np.abs(new.multiplier - old.multiplier) * way <= ACCURACY * new.multiplier * (reach + way)  # a short slip has lost its own too
     return np.asarray(alike & (same | turned))
-
-
-def _put(whole: Rows, at: NDArray[np.intp], part: Rows, rows: NDArray[np.bool_]) -> Rows:
-    """``whole`` with some ``rows`` of a part in place."""
-    if not at.size:
-        return whole
-    changed = {f.name: getattr(whole, f.name).copy() for f in fields(whole)}
-    for name, array in changed.items():
-        array[at] = getattr(part, name)[rows]
-    return type(whole)(**changed)

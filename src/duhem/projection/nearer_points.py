@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from duhem.projection.increment import Increment
 from duhem.projection.known_points import looks, points_seen, tangents
-from duhem.projection.level import Level, level
+from duhem.projection.level import Level, level_of
 from duhem.projection.metric import Metric
 from duhem.projection.result import Array, Solution
 from duhem.projection.row_by_row import dot, length, products, times, unit, widest
@@ -40,9 +40,7 @@ _AT_ONCE = 500_000  # trials times points
 
 def nearness(question: Increment, solution: Solution) -> Array:
     """By how much (N,) a point of K that is found is nearer to the trial stress, over the length of the stress; 0 where none is."""
-    law = question.law
-    g = level(question.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
-    search = _NearerSearch(g, Metric.of(question.stiffness), law.pressure is not None)
+    search = _NearerSearch(level_of(question), Metric.of(question.stiffness), question.law.pressure is not None)
     out = np.zeros(len(solution.multiplier))
     with np.errstate(all="ignore"):
         finite = np.isfinite(solution.stress).all(axis=1) & np.isfinite(solution.slip).all(axis=1)

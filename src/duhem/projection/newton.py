@@ -12,7 +12,7 @@ are few (:mod:`duhem.projection.affine_faces`).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.many_digits import closest
 from duhem.projection.method import ClosestPoint, Compiling, Method, Options
 from duhem.projection.metric import too_far_apart
-from duhem.projection.result import Array, Solution
+from duhem.projection.result import Array, Pointwise, Solution
 from duhem.projection.row_by_row import times
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
 from duhem.projection.whitened_body import Body, Index, body, inner_points, lineality, whitening
@@ -48,7 +48,7 @@ _PROGRESS = 0.9  # a step that leaves more of the error is the last: there is a 
 
 
 @dataclass(frozen=True)
-class Stationary:
+class Stationary(Pointwise):
     """How far the points ``x`` (M, d) are from stationary, with the best multipliers (M, J) for the normals there.
 
     ``away`` (M,) = |s - u|; ``turn`` (M,) = |s - u - sum lambda n| / (1 + |s - u|); ``level`` (M, J) distances to the pieces.
@@ -73,15 +73,6 @@ class Stationary:
         """One number to bring down; never nan."""
         found = np.hypot(self.turn, np.max(np.abs(self.level), axis=1))
         return np.where(np.isnan(found), np.inf, found)
-
-    def put(self, where: Index, other: Stationary) -> None:
-        """Overwrite the points ``where``."""
-        for f in fields(self):
-            getattr(self, f.name)[where] = getattr(other, f.name)
-
-    def take(self, where: Any) -> Stationary:
-        """The points ``where``."""
-        return Stationary(*(getattr(self, f.name)[where] for f in fields(self)))
 
 
 def stationary(body: Body, trial: Array, x: Array, at: Index, choices: Choices | None) -> Stationary:
@@ -117,7 +108,7 @@ def refine(body: Body, trial: Array, x: Array, at: Index, choices: Choices | Non
         who = who[best.error[who] > 1e-17]
         if not who.size:
             break
-        step = times(_newton_step(best.take(who)), body.root.T)
+        step = times(_newton_step(best.of(who)), body.root.T)
         sound = np.all(np.isfinite(step), axis=1)
         who, step = who[sound], step[sound]
         before = best.error[who]
@@ -130,7 +121,7 @@ def refine(body: Body, trial: Array, x: Array, at: Index, choices: Choices | Non
                 body, trial[these], best.x[these] + share * step[left], at[these], None if choices is None else choices[these]
             )
             better = found.error < best.error[these]
-            best.put(these[better], found.take(better))
+            best.put(these[better], found.of(better))
             settled = best.error[these] < 1e-14  # what does not improve here is rounding
             left, share = left[~better & ~settled], share * (0.5 if share > 0.2 else 0.1)
         who = who[best.error[who] < _PROGRESS * before]
@@ -212,7 +203,7 @@ def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
 
     solution, left = solved_one_by_one(increment) if fast is None else solved(increment, fast.threads)
     if left.size:
-        _put(solution, left, search(_some(increment, left)))
+        solution.put(left, search(increment.of(left)))
     return solution
 
 
@@ -229,23 +220,14 @@ def _by_the_loop(increment: Increment, _: Options = _DEFAULTS) -> Solution:
     return solution
 
 
-def _some(increment: Increment, at: Index) -> Increment:
-    return replace(increment, trial=increment.trial[at], pressure=increment.pressure[at])
-
-
-def _put(solution: Solution, at: Index, found: Solution) -> None:
-    for field in fields(Solution):
-        getattr(solution, field.name)[at] = getattr(found, field.name)
-
-
 @np.errstate(all="ignore")  # what is out of range fails, and is said to
 def search(increment: Increment, _: Options = _DEFAULTS) -> Solution:
     """The same by half-spaces and arrays alone: it finds what the loop of one law leaves, and looks farther on a K that is not convex."""
     trial, n = increment.trial, len(increment.trial)
     stress, slip, multiplier, failed = trial.copy(), np.zeros_like(trial), np.zeros(n), np.zeros(n, dtype=bool)
+    solution = Solution(stress, slip, multiplier, failed)
     forces = increment.law.force_symbols()
-    symbol = increment.law.symbols()[increment.law.pressure] if increment.law.pressure else None
-    formula = scaled(increment.g, forces, symbol)
+    formula = scaled(increment.g, forces, increment.pressure_symbol)
     stiffness, root = whitening(increment)
     whole = body(formula, forces, increment.pressure, power_of_two(np.max(np.abs(trial), axis=1)), root)
     level = whole.level(trial / whole.size[:, None], np.arange(n))
@@ -258,13 +240,13 @@ def search(increment: Increment, _: Options = _DEFAULTS) -> Solution:
         stress[who], slip[who], multiplier[who] = near * size[:, None], moved * size[:, None], grown(weight, size, 2.0 - formula.degree)
         who = who[~solved]
     if not who.size:
-        return Solution(stress, slip, multiplier, failed)
+        return solution
     sized, centre, none = _measured(whole.of(who), trial[who], increment.pressure[who])
     if none.any():
-        _put(Solution(stress, slip, multiplier, failed), who[none], _without_centre(increment, who[none]))
+        solution.put(who[none], _without_centre(increment, who[none]))
     who, inner, centre = who[~none], sized.of(np.flatnonzero(~none)), centre[~none]
     if not who.size:
-        return Solution(stress, slip, multiplier, failed)
+        return solution
     size = inner.size
     found = _project(inner, trial[who] / size[:, None], centre)
     _snap(inner, found.x)
@@ -272,7 +254,6 @@ def search(increment: Increment, _: Options = _DEFAULTS) -> Solution:
     slip[who] = times(found.normal, np.asarray(np.linalg.inv(root))) * (size / stiffness)[:, None]
     multiplier[who] = grown(found.weight / stiffness, size, 2.0 - formula.degree)
     failed[who] |= found.failed
-    solution = Solution(stress, slip, multiplier, failed)
     _in_many_digits(increment, solution, formula.degree, who[found.failed & (found.gap <= _CLOSE)])
     return solution
 
@@ -287,11 +268,11 @@ def _without_centre(increment: Increment, at: Index) -> Solution:
     n, d = at.size, increment.trial.shape[1]
     found, bare = Solution(np.empty((n, d)), np.empty((n, d)), np.empty(n), np.zeros(n, dtype=bool)), np.ones(n, dtype=bool)
     if (pressed := np.flatnonzero(increment.pressure[at] != 0.0) if increment.law.pressure else np.arange(n)).size:
-        walked, left = solved_one_by_one(_some(increment, at[pressed]))
-        _put(found, pressed, walked)
+        walked, left = solved_one_by_one(increment.of(at[pressed]))
+        found.put(pressed, walked)
         bare[pressed] = np.isin(np.arange(pressed.size), left)
     if (rest := np.flatnonzero(bare)).size:
-        _put(found, rest, shrunk(increment, at[rest], search))
+        found.put(rest, shrunk(increment, at[rest], search))
     return found
 
 
@@ -334,7 +315,7 @@ def _snap(k: Body, x: Array) -> None:
 
 
 @dataclass(frozen=True)
-class _Found:
+class _Found(Pointwise):
     """``x`` (M, d) on the boundary; ``normal`` (M, d) = s - u as sum of multipliers and normals; ``weight`` (M,) the sum of
     the multipliers of the unscaled gradients; ``gap`` (M,) how far the search was from K where it failed."""
 
@@ -367,9 +348,7 @@ def _project(k: Body, trial: Array, centre: Array) -> _Found:
     found.x[:] = x
     if doubtful.any():
         who = np.flatnonzero(doubtful)
-        again = _search(k.of(who), trial[who], centre[who])
-        for field in fields(_Found):
-            getattr(found, field.name)[who] = getattr(again, field.name)
+        found.put(who, _search(k.of(who), trial[who], centre[who]))
     return found
 
 
@@ -445,13 +424,13 @@ def _accept(found: _Found, k: Body, state: Stationary, at: Index, outer: HalfSpa
     who = np.flatnonzero(good)
     if not who.size:
         return
-    state, at, depth = state.take(who), at[who], depth[who]
+    state, at, depth = state.of(who), at[who], depth[who]
     holds = k.piece(state.x, at, second=False)
     feasible = np.abs(holds.level) <= depth
     known = k.whitened(cuts.x[at].reshape(-1, state.x.shape[1])).reshape(cuts.x[at].shape) - k.whitened(state.x)[:, None, :]
     sticks = np.max(np.where(outer.held[at][:, :, None], np.einsum("nmd,njd->nmj", known, state.normal), -np.inf), axis=(1, 2))
     feasible &= sticks <= _SUPPORT * (1.0 + np.max(np.abs(known), axis=(1, 2)))
-    state, at = state.take(feasible), at[feasible]
+    state, at = state.of(feasible), at[feasible]
     multiplier = np.maximum(state.multiplier, 0.0)
     found.x[at] = state.x
     found.normal[at] = np.einsum("nj,njd->nd", multiplier, state.normal)

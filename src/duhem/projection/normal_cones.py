@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import lru_cache, reduce
 from itertools import combinations
 
@@ -20,7 +20,7 @@ from duhem.projection.level import Level
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.module_text import module_text
 from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
-from duhem.projection.result import Array
+from duhem.projection.result import Array, Pointwise
 from duhem.projection.row_by_row import dot, length, spanning, times, unit
 
 __all__ = ["Suspect", "beside", "off_cone", "off_edge"]
@@ -39,7 +39,7 @@ _OPPOSED = -0.9  # cosine of two normals so close to each other that K is thin, 
 
 
 @dataclass(frozen=True)
-class Suspect:
+class Suspect(Pointwise):
     """Points (M,) whose slip is not along the gradient at their stress; ``slip``, its ``rounding`` and ``multiplier`` over ``scale``.
 
     ``scale`` is the length of the stress, of the trial at the ``tip`` of a cone, where the stress is zero; ``size`` the unit R of
@@ -54,9 +54,6 @@ class Suspect:
     scale: Array
     rounding: Array
     tip: NDArray[np.bool_]
-
-    def of(self, at: NDArray[np.intp]) -> Suspect:
-        return Suspect(*(getattr(self, f.name)[at] for f in fields(self)))
 
 
 def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:

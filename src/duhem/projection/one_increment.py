@@ -18,7 +18,7 @@ from duhem.projection.compiled_judge import Look, compiled_look, plain_look
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.known_points import Variational
-from duhem.projection.level import level
+from duhem.projection.level import level_of
 from duhem.projection.method import ClosestPoint, Method
 from duhem.projection.metric import Metric
 from duhem.projection.result import Projection, Residuals, Status
@@ -120,7 +120,7 @@ class OneIncrement:
         exponent = math.frexp(pressure)[1]
         if exponent not in self._looks:
             law, own = self.setting.law, self.setting
-            g = level(own.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+            g = level_of(own)
             asked = Increment(law, own.g, own.trial, np.array([pressure]), own.stiffness, own.diagonal, own.parameters)
             known = Variational.of(asked, g, Metric.of(own.stiffness), convex=True)
             made = compiled_look if self.compiled else plain_look

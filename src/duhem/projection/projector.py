@@ -123,8 +123,7 @@ class Projector:
         if self.method.again is None or not at.size:
             return
         another = self.method.again(given, len(told.status))
-        asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
-        other = replace(self, method=replace(self.method, solve=another, again=None)).at(asked)
+        other = replace(self, method=replace(self.method, solve=another, again=None)).at(question.of(at))
         better = np.flatnonzero(~np.isin(other.status, _REFUSED))
         for mine, its in ((solution, other), (found, other.residuals), (told, other)):
             for field in fields(mine):
@@ -149,8 +148,7 @@ class Projector:
     def _held(self, question: Increment, solution: Solution, found: Residuals) -> None:
         """Hold the answers that nobody vouches for against nearer points of K."""
         if (at := np.flatnonzero(~self._vouched(question))).size:
-            asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
-            found.variational[at] = nearness(asked, Solution(*(getattr(solution, f.name)[at] for f in fields(solution))))
+            found.variational[at] = nearness(question.of(at), solution.of(at))
 
 
 def _named(name: object) -> Method[Any]:

@@ -12,7 +12,7 @@ stress; where that bound hides what is asked, g and its slope are looked up in a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from duhem.projection.in_blocks import keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import LOW
 from duhem.projection.known_points import Variational
-from duhem.projection.level import Level, level
+from duhem.projection.level import Level, level_of
 from duhem.projection.many_digits import LEAST_SLIP, SLIP_SHARE, ClosestInDigits, closest_beside, departures
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import Suspect, off_cone
@@ -78,9 +78,8 @@ class Judge:
     """The law's formula, its slopes, the metric and the known points of K of some increments; ``convex``: as for :func:`residuals`."""
 
     def __init__(self, increment: Increment, convex: bool) -> None:
-        law = increment.law
         self.increment, self.stiffness = increment, increment.stiffness
-        self.level: Level = level(increment.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+        self.level: Level = level_of(increment)
         self.pieces = bool(self.level.jets.kinks) or self.level.scaled.expr.has(EigMax)
         self.metric = Metric.of(increment.stiffness)
         self.known = Variational.of(increment, self.level, self.metric, convex)
@@ -274,8 +273,7 @@ class Judge:
         self, at: NDArray[np.intp], got: Solution, multiplier: Array, units: Array
     ) -> tuple[Increment, Solution, list[ClosestInDigits | None]]:
         """The question and answer of some points, and what is beside them."""
-        question = replace(self.increment, trial=self.increment.trial[at], pressure=self.increment.pressure[at])
-        answer = Solution(*(getattr(got, f.name)[at] for f in fields(got)))
+        question, answer = self.increment.of(at), got.of(at)
         return question, answer, closest_beside(question, answer, multiplier, units)
 
     def _off_no_stress(self, trial: Array, pressure: Array, stress: Array, slip: Array, given: Array) -> tuple[Array, Array]:

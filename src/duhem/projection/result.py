@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.show.shown import Shown
 
-__all__ = ["ACCURACY", "NOT_CLOSEST", "NOT_SHOWN", "Array", "Projection", "Residuals", "Solution", "Status"]
+__all__ = ["ACCURACY", "NOT_CLOSEST", "NOT_SHOWN", "Array", "Pointwise", "Projection", "Residuals", "Solution", "Status"]
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,25 @@ class Status(IntEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Pointwise:
+    """Arrays with a row a point."""
+
+    def of(self, at: Any) -> Self:
+        """Those of the points ``at``."""
+        return type(self)(*(getattr(self, f.name)[at] for f in fields(self)))
+
+    def copy(self) -> Self:
+        """Arrays of its own."""
+        return type(self)(*(getattr(self, f.name).copy() for f in fields(self)))
+
+    def put(self, at: Any, other: Self) -> None:
+        """Write those of others over the points ``at``."""
+        for f in fields(self):
+            getattr(self, f.name)[at] = getattr(other, f.name)
+
+
+@dataclass(frozen=True, eq=False)
+class Solution(Pointwise):
     """What a method hands back, unchecked: stress (N, d), slip (N, d), multiplier (N,), failed (N,) where it gave up."""
 
     stress: Array
@@ -48,7 +66,7 @@ class Solution:
 
 
 @dataclass(frozen=True, eq=False)
-class Residuals:
+class Residuals(Pointwise):
     """Optimality of each point (N,), recomputed from the law after every solve, relative to the scale of the increment.
 
     Where the rounding of g hides what is asked, g is computed in more digits, with the parameters at the doubles given.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
-from duhem.projection.level import level
+from duhem.projection.level import level_of
 from duhem.projection.result import Array, Solution
 from duhem.projection.row_by_row import times
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
@@ -40,9 +40,9 @@ def shrunk(increment: Increment, at: Index, solve: Callable[[Increment], Solutio
     Stress in Pa, slip k^-1 (sigma_tr - sigma) in m.  The multiplier at the tip of a cone is the limit of small pressures,
     by ``solve``; where g has no slope in the point, so that no multiple of it is the slip, it is that of |sigma - point|.
     """
-    asked = replace(increment, trial=increment.trial[at], pressure=increment.pressure[at])
-    trial, forces, symbols = asked.trial, asked.law.force_symbols(), asked.law.symbols()
-    formula = scaled(asked.g, forces, symbols[asked.law.pressure] if asked.law.pressure else None)
+    asked = increment.of(at)
+    trial, forces = asked.trial, asked.law.force_symbols()
+    formula = scaled(asked.g, forces, asked.pressure_symbol)
     k = body(formula, forces, asked.pressure, power_of_two(np.max(np.abs(trial), axis=1)), whitening(asked)[1])
     found = _nearest(k, trial / k.size[:, None])
     away = trial / k.size[:, None] - found.end
@@ -52,7 +52,7 @@ def shrunk(increment: Increment, at: Index, solve: Callable[[Increment], Solutio
     again = found.end + share[:, None] * away
     nearer = _nearest(k.resized(asked.pressure, k.size * own), again / own[:, None])
     with np.errstate(all="ignore"):
-        value, hidden = level(asked.g, forces, formula.pressure).bounded(again * k.size[:, None], asked.pressure, k.size * own)
+        value, hidden = level_of(asked).bounded(again * k.size[:, None], asked.pressure, k.size * own)
     blind = ~(value > _SEEN * hidden)  # g has lost its digits before: a point beside the origin says nothing
     stress = np.where(found.failed | nearer.failed | blind, found.x.T, nearer.x.T * own).T * k.size[:, None]
     slip = np.asarray(np.linalg.solve(asked.stiffness, (trial - stress).T).T)
