@@ -12,7 +12,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from duhem.projection import one_point, quadrants, quarter_ellipse
+from duhem.projection import quadrants, quarter_ellipse
 from duhem.projection.kept_code import WITHIN, CompiledText, compiled_text, only_read
 from duhem.projection.quadrants import Quarters
 from duhem.projection.quarter_ellipse import CLOSE, SAFE, formulas
@@ -72,7 +72,7 @@ def kernel() -> CompiledText:
 
     What is kept belongs to the text of the modules that it was made of.
     """
-    made_of = "".join(inspect.getsource(module) for module in (sys.modules[__name__], one_point, quarter_ellipse))
+    made_of = "".join(inspect.getsource(module) for module in (sys.modules[__name__], quarter_ellipse))
     return compiled_text(_KEPT.format(stamp=hashlib.sha256(made_of.encode()).hexdigest(), names=_NAMES), "run")
 
 
@@ -106,7 +106,7 @@ def kernels() -> tuple[Callable[..., None], Callable[..., None]]:
 
     plain = formulas(jit, where, exact, loose)
     excess, start, root, along, multiplier_of = plain.excess, plain.start, plain.root, plain.turned, plain.multiplier
-    single = one_point.closest(jit, plain)
+    single = quarter_ellipse.closest(jit, plain)
 
     @jit
     def examine(trial: Any, load: Any, mu: Any, inverse: Any, ratio: Any, first: Any, seen: Any) -> None:

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.in_blocks import FEW
-from duhem.projection.quarter_ellipse import closest
 from duhem.projection.plain_numbers import FAULTS
-from duhem.projection.quarter_ellipse import CLOSE, NEAR, SAFE, SEAM, SURE, formulas
+from duhem.projection.quarter_ellipse import CLOSE, NEAR, SAFE, SEAM, SURE, closest, formulas
 from duhem.projection.result import Array
 
 __all__ = ["Quarters", "clamped", "plain_clamped", "plain_closest", "project", "stacked"]
