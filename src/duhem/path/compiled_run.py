@@ -1,4 +1,4 @@
-"""Compiled implicit steps, and how they are put to use: for a share of many points and for one path, on declared shapes and by any law's own loop.
+"""Compiled implicit steps: loops for declared shapes and for any other law, and how points and paths are taken through them.
 
 On a declared shape one path is a share of one point.  Any other law's own loop takes long stretches, which are then judged together:
 what the loop leaves, and what the judge does not take as it is, is one step of the search, from which the loop goes on.  Steps do not

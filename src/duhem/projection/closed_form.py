@@ -24,22 +24,7 @@ from duhem.projection.metric import factors
 from duhem.projection.quadrants import Quarters, plain_closest
 from duhem.projection.result import Array, Solution
 
-__all__ = [
-    "CLOSED_FORM",
-    "ClosedFormOptions",
-    "Coefficients",
-    "applies",
-    "centre",
-    "coefficients",
-    "declared",
-    "in_columns",
-    "of_one_pressure",
-    "of_pressure",
-    "own_entries",
-    "solve",
-    "tangent",
-    "uniform",
-]
+__all__ = ["CLOSED_FORM", "ClosedFormOptions", "applies", "centre", "in_columns", "solve"]
 
 # -- the shape at the parameter values of an increment ------------------------------------------------------------------
 

@@ -34,22 +34,6 @@ _NONE = np.empty(0, dtype=np.intp)
 
 
 @dataclass(frozen=True, eq=False)
-class _Moved:
-    """Points ``at`` (M,) of a block that move; ``size`` the unit of ``there``, ``value`` h and ``hidden`` a bound of its rounding."""
-
-    there: Placed
-    at: NDArray[np.intp]
-    trial: Array
-    stress: Array
-    slip: Array
-    pressure: Array
-    multiplier: Array
-    size: Array
-    value: Array
-    hidden: Array
-
-
-@dataclass(frozen=True, eq=False)
 class FirstLook:
     """The law, the ``stiffness``, its metric and the ``known`` points of K."""
 
@@ -92,31 +76,37 @@ class FirstLook:
             return still, at
         vectors = (np.ascontiguousarray(x.take(at, axis=0).T).T for x in (trial, got.stress, got.slip))  # column by column in memory
         numbers = (x.take(at) for x in (pressure, got.multiplier, size, value, hidden))
-        some = _Moved(there.of(at), at, *vectors, *numbers)
-        plain = self._moved(some, out)
+        plain = self._moved(out, at, there.of(at), *vectors, *numbers)
         return still, at[:0] if plain.all() else at[~plain]
 
-    def _moved(self, of: _Moved, out: Residuals) -> NDArray[np.bool_]:
-        """Whether each of the points (M,) is plainly right; ``room`` and ``far`` are the lengths of stress and slip in the metric."""
-        metric, slopes = self.metric, of.there.slopes()
-        point, moved = columns_times(of.stress.T, metric.of_stress), columns_times(of.slip.T, metric.of_slip)
-        normal, aim = columns_times(slopes, metric.of_slip), columns_times(of.trial.T, metric.of_stress)
-        multiplier, (missed, plain) = self.level.multiplier(of.multiplier, of.size), self._missed(of)
+    def _moved(
+        self, out: Residuals, at: NDArray[np.intp], there: Placed, trial: Array, stress: Array, slip: Array, pressure: Array, given: Array,
+        size: Array, level: Array, hidden: Array,
+    ) -> NDArray[np.bool_]:  # fmt: skip
+        """Whether each of the points ``at`` (M,) of a block that move is plainly right, with their residuals into ``out``.
+
+        ``given`` are multipliers of g; ``size`` is the unit of ``there``, ``level`` h and ``hidden`` a bound of its rounding.  ``room`` and
+        ``far`` are the lengths of stress and slip in the metric.
+        """
+        metric, slopes = self.metric, there.slopes()
+        point, moved = columns_times(stress.T, metric.of_stress), columns_times(slip.T, metric.of_slip)
+        normal, aim = columns_times(slopes, metric.of_slip), columns_times(trial.T, metric.of_stress)
+        multiplier, (missed, plain) = self.level.multiplier(given, size), self._missed(trial, stress, slip)
         squares = room2, far2 = _squared(point), _squared(moved)
-        plain &= _within(of.multiplier, *_MULTIPLIERS)
+        plain &= _within(given, *_MULTIPLIERS)
         for square in squares:
             plain &= _within(square, *_SQUARES)
-        room, far, height = np.sqrt(room2, out=room2), np.sqrt(far2, out=far2), dot(slopes.T, of.there.s.T)
+        room, far, height = np.sqrt(room2, out=room2), np.sqrt(far2, out=far2), dot(slopes.T, there.s.T)
         if self.level.jets.kinks:  # a piece that is as high may be flatter
-            np.minimum(height, of.there.rise(), out=height)
-        unit, value = _length(normal), np.abs(of.value)
+            np.minimum(height, there.rise(), out=height)
+        unit, value = _length(normal), np.abs(level)
         unit *= room
-        if (low := np.flatnonzero(~(height * of.size > LOW * unit))).size:
-            there = of.there.s.T[low], slopes.T[low], of.pressure[low], of.size[low], room[low], far[low]
-            height[low] = np.fmax(height[low], self.known.rise(*there))
+        if (low := np.flatnonzero(~(height * size > LOW * unit))).size:
+            some = there.s.T[low], slopes.T[low], pressure[low], size[low], room[low], far[low]
+            height[low] = np.fmax(height[low], self.known.rise(*some))
         plain &= (height > 0.0) & self.known.around_origin
-        np.divide(of.size, unit, out=unit)  # of h, as a share of the stress
-        depth, sunk, ratio = value * unit, of.hidden / height, far / room
+        np.divide(size, unit, out=unit)  # of h, as a share of the stress
+        depth, sunk, ratio = value * unit, hidden / height, far / room
         gap = _length(columns_times(missed, metric.of_stress))
         normal *= multiplier
         turned = _length(np.subtract(moved, normal, out=normal))
@@ -141,22 +131,22 @@ class FirstLook:
         plain &= (value <= most) & (value <= ratio)
         sunk *= ways
         plain &= sunk <= _OFF
-        above = np.maximum(of.value, np.zeros_like(unit))
+        above = np.maximum(level, np.zeros_like(unit))
         above *= unit
         if (high := np.flatnonzero(above > _HALF * ROUNDING)).size:
-            above[high] = of.value[high] / dot(np.abs(slopes.T[high]), np.abs(of.there.s.T[high]))
+            above[high] = level[high] / dot(np.abs(slopes.T[high]), np.abs(there.s.T[high]))
             plain &= ~(above > _HALF * ACCURACY)
-        out.feasibility[of.at], out.complementarity[of.at], out.stationarity[of.at] = above, depth, stationarity
-        excess = self._excess(of.pressure, point, moved, room, far)
+        out.feasibility[at], out.complementarity[at], out.stationarity[at] = above, depth, stationarity
+        excess = self._excess(pressure, point, moved, room, far)
         if excess is not None:
-            out.variational[of.at] = excess
+            out.variational[at] = excess
             plain &= excess <= _HALF * ACCURACY
         return plain
 
-    def _missed(self, of: _Moved) -> tuple[Array, NDArray[np.bool_]]:
+    def _missed(self, trial: Array, stress: Array, slip: Array) -> tuple[Array, NDArray[np.bool_]]:
         """trial - k slip - stress (d, M), and the points where all of it is rounding."""
-        missed, rounding = columns_times(of.slip.T, self.stiffness), np.ones(len(of.at), dtype=np.bool_)
-        for t, moved, s in zip(of.trial.T, missed, of.stress.T, strict=True):
+        missed, rounding = columns_times(slip.T, self.stiffness), np.ones(len(trial), dtype=np.bool_)
+        for t, moved, s in zip(trial.T, missed, stress.T, strict=True):
             np.subtract(t, moved, out=moved)
             moved -= s
             size = np.abs(t)
@@ -164,7 +154,7 @@ class FirstLook:
             size *= _HALF * ROUNDING
             rounding &= np.abs(moved) <= size
         if (more := np.flatnonzero(~rounding)).size:  # where parts of k slip cancel
-            whole = np.abs(of.slip[more]) @ np.abs(self.stiffness) + np.abs(of.trial[more]) + np.abs(of.stress[more])
+            whole = np.abs(slip[more]) @ np.abs(self.stiffness) + np.abs(trial[more]) + np.abs(stress[more])
             rounding[more] = (np.abs(missed.T[more]) <= (_HALF * ROUNDING) * whole).all(axis=1)
         return missed, rounding
 

@@ -35,7 +35,7 @@ from duhem.projection.scaled_formula import grown, power_of_two, scaled
 from duhem.projection.whitened_body import Body, Index, body, inner_points, lineality, whitening
 from duhem.projection.without_interior import shrunk
 
-__all__ = ["NEWTON", "NewtonOptions", "Stationary", "applies", "refine", "search", "solve", "stationary", "tangent"]
+__all__ = ["NEWTON", "NewtonOptions", "applies", "search", "solve", "tangent"]
 
 # -- Newton's method on the optimality conditions of a projection, on one smooth piece or where several meet ------------
 #     s - u = sum lambda_j n_j(u),   level_j(u) = 0        (u whitened, n_j unit normals of the pieces)
@@ -48,7 +48,7 @@ _PROGRESS = 0.9  # a step that leaves more of the error is the last: there is a 
 
 
 @dataclass(frozen=True)
-class Stationary(Pointwise):
+class _Stationary(Pointwise):
     """How far the points ``x`` (M, d) are from stationary, with the best multipliers (M, J) for the normals there.
 
     ``away`` (M,) = |s - u|; ``turn`` (M,) = |s - u - sum lambda n| / (1 + |s - u|); ``level`` (M, J) distances to the pieces.
@@ -75,7 +75,7 @@ class Stationary(Pointwise):
         return np.where(np.isnan(found), np.inf, found)
 
 
-def stationary(body: Body, trial: Array, x: Array, at: Index, choices: Choices | None) -> Stationary:
+def _stationary(body: Body, trial: Array, x: Array, at: Index, choices: Choices | None) -> _Stationary:
     """The state at ``x`` (M, d); ``trial`` (M, d) whitened; ``choices`` (M, J, kinks) names the pieces, None the one that holds."""
     count = 1 if choices is None else choices.shape[1]
     pieces = [body.piece(x, at, None if choices is None else choices[:, j]) for j in range(count)]
@@ -87,7 +87,7 @@ def stationary(body: Body, trial: Array, x: Array, at: Index, choices: Choices |
             known = np.where(np.isfinite(normal), normal, 0.0)
             multiplier = np.einsum("ndj,nd->nj", np.linalg.pinv(known, rcond=1e-13), away)
         rest = away - np.einsum("nj,njd->nd", multiplier, normal)
-    return Stationary(
+    return _Stationary(
         x.copy(),
         multiplier,
         normal,
@@ -100,9 +100,9 @@ def stationary(body: Body, trial: Array, x: Array, at: Index, choices: Choices |
     )
 
 
-def refine(body: Body, trial: Array, x: Array, at: Index, choices: Choices | None = None, steps: int = 15) -> Stationary:
+def _refine(body: Body, trial: Array, x: Array, at: Index, choices: Choices | None = None, steps: int = 15) -> _Stationary:
     """Damped Newton from ``x`` until nothing improves, at most ``steps`` times; the best state of each point."""
-    best = stationary(body, trial, x, at, choices)
+    best = _stationary(body, trial, x, at, choices)
     who = np.flatnonzero(np.isfinite(best.error))
     for _ in range(steps):
         who = who[best.error[who] > 1e-17]
@@ -117,7 +117,7 @@ def refine(body: Body, trial: Array, x: Array, at: Index, choices: Choices | Non
             if not left.size:
                 break
             these = who[left]
-            found = stationary(
+            found = _stationary(
                 body, trial[these], best.x[these] + share * step[left], at[these], None if choices is None else choices[these]
             )
             better = found.error < best.error[these]
@@ -128,7 +128,7 @@ def refine(body: Body, trial: Array, x: Array, at: Index, choices: Choices | Non
     return best
 
 
-def _newton_step(state: Stationary) -> Array:
+def _newton_step(state: _Stationary) -> Array:
     m, j, d = state.normal.shape
     with np.errstate(all="ignore"):
         matrix = np.zeros((m, d + j, d + j))
@@ -380,7 +380,7 @@ def _search(k: Body, trial: Array, centre: Array) -> _Found:
         sharp[left] = ~found.failed[left]
         now = settled | (round_ in _TRIES)
         tried = np.flatnonzero(found.failed[left] & now)
-        _accept(found, k, refine(k, s[left[tried]], x[tried], left[tried]), left[tried], outer, cuts)
+        _accept(found, k, _refine(k, s[left[tried]], x[tried], left[tried]), left[tried], outer, cuts)
         _try_meets(found, k, s, left[found.failed[left] & now], outer, cuts)
         lost = np.flatnonzero(found.failed[left] & (settled | (round_ >= _LATE)))
         _accept_vertex(found, k, left[lost], x[lost], gap[lost], outer, cuts)
@@ -401,7 +401,7 @@ def _search(k: Body, trial: Array, centre: Array) -> _Found:
         inner = np.where(level < -_DEPTH * _reach(k, x), level, 0.0)  # one beside a point without a normal may lie in K
         outer.add(left, slot, normal, np.einsum("nd,nd->n", normal, k.whitened(x)) - inner)
     edge = np.flatnonzero(sharp & ~found.failed)  # round after all, perhaps, at a scale far below the rounding of the others
-    _accept(found, k, refine(k, s[edge], found.x[edge], edge, steps=_EDGE_STEPS), edge, outer, cuts)
+    _accept(found, k, _refine(k, s[edge], found.x[edge], edge, steps=_EDGE_STEPS), edge, outer, cuts)
     return found
 
 
@@ -414,7 +414,7 @@ def _pulled(k: Body, y: Array, centre: Array, at: Index) -> Array:
     return x
 
 
-def _accept(found: _Found, k: Body, state: Stationary, at: Index, outer: HalfSpaces, cuts: _Cuts) -> None:
+def _accept(found: _Found, k: Body, state: _Stationary, at: Index, outer: HalfSpaces, cuts: _Cuts) -> None:
     """Take the points that satisfy the optimality conditions of a convex K."""
     reach = _reach(k, state.x)
     scale, depth = 1.0 + state.away, _DEPTH * reach
@@ -536,7 +536,7 @@ def _try_meets(found: _Found, k: Body, s: Array, at: Index, outer: HalfSpaces, c
     for members in groups.values():
         who = np.array([p for p, _ in members])
         choices = np.stack([cuts.choices[p, slots] for p, slots in members])
-        _accept(found, k, refine(k, s[who], times(outer.point[who], k.root.T), who, choices), who, outer, cuts)
+        _accept(found, k, _refine(k, s[who], times(outer.point[who], k.root.T), who, choices), who, outer, cuts)
 
 
 def plain(increment: Increment, compiled: bool = False) -> ClosestPoint | None:

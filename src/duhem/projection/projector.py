@@ -22,7 +22,7 @@ from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.nearer_points import nearness
 from duhem.projection.residuals import Judge, Told, residuals
-from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
+from duhem.projection.result import ACCURACY, Projection, Residuals, Solution, Status
 from duhem.projection.row_by_row import any_of, dot
 
 __all__ = ["ACCURACY", "Projector"]
@@ -197,17 +197,10 @@ def _status(
 ) -> NDArray[np.int8]:
     """What each point of a block counts as."""
     slips = (solution.multiplier[block] > 0.0) | (solution.slip[block] != 0.0).any(axis=1)
-    worst = _worst(found, block)
     finite = np.isfinite(solution.stress[block]).all(axis=1) & np.isfinite(solution.slip[block]).all(axis=1)
     finite &= np.isfinite(solution.multiplier[block]) | (found.stationarity[block] <= ACCURACY)  # beyond doubles, as it should be
     judged = np.where(slips, np.where(vouched, Status.SLIP, Status.STATIONARY), Status.STICK)
     if question.law.domain:
         judged = np.where(beyond(question.law, solution.stress[block], question.trial[block]), Status.OUTSIDE, judged)
-    judged = np.where(worst <= ACCURACY, judged, Status.INACCURATE)
+    judged = np.where(found.of(block).worst() <= ACCURACY, judged, Status.INACCURATE)
     return np.where(solution.failed[block] | ~finite, Status.FAILED, judged).astype(np.int8)
-
-
-def _worst(found: Residuals, block: NDArray[np.intp]) -> Array:
-    """The largest residual, nan where one is."""
-    each = [getattr(found, name)[block] for name in Residuals.__dataclass_fields__]
-    return np.asarray(np.maximum.reduce(each))

@@ -89,7 +89,7 @@ class Residuals(Pointwise):
 
     def worst(self) -> Array:
         """The largest of the five at each point; nan where one is."""
-        return np.max(np.stack([self.feasibility, self.multiplier_sign, self.complementarity, self.stationarity, self.variational]), axis=0)
+        return np.asarray(np.maximum.reduce([getattr(self, f.name) for f in fields(self)]))
 
     def stationary_only(self) -> NDArray[np.bool_]:
         """Points (N,) that satisfy the conditions of stationarity and not the inequality: of a convex K there are none."""
