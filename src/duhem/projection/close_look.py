@@ -105,8 +105,10 @@ class CloseLook:
             return (np.inf, 0.0) if value > 0 else (-np.inf, 0.0) if value < 0 else (np.nan, np.inf)  # beyond doubles it has a sign
 
     def _slope(self, s: list[Any], pressure: float, size: float) -> list[float]:
+        import flint
+
         with _precision():
-            step = _power(_STEP)
+            step = flint.arb(2) ** _STEP
             here = self.ball(s, pressure, size)
             each = [(self.ball([*s[:i], x + step, *s[i + 1 :]], pressure, size) - here) / step for i, x in enumerate(s)]
             return [float(x.mid()) if x.is_finite() and x.rad() < 2.0**-40 * (1 + abs(x.mid())) else np.nan for x in each]
@@ -124,12 +126,6 @@ def _precision() -> Any:
     from duhem.expression import balls
 
     return balls.precision(_BITS)
-
-
-def _power(exponent: int) -> Any:
-    import flint
-
-    return flint.arb(2) ** exponent
 
 
 def _ball(pair: Pair, i: int) -> Any:

@@ -130,8 +130,7 @@ def _bettered(increment: Increment, solution: Solution, options: CvxpyOptions) -
         left = judged(asked, other).worst()
         better = np.flatnonzero(left < worst[at])
         worst[at[better]] = left[better]
-        for kept, new in ((solution.stress, other.stress), (solution.slip, other.slip), (solution.multiplier, other.multiplier)):
-            kept[at[better]] = new[better]
+        solution.put(at[better], other.of(better))
     return solution
 
 

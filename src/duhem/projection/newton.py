@@ -439,16 +439,9 @@ def _accept(found: _Found, k: Body, state: _Stationary, at: Index, outer: HalfSp
 
 
 def _accept_polyhedron(
-    found: _Found,
-    k: Body,
-    at: Index,
-    x: Array,
-    gap: Array,
-    settled: NDArray[np.bool_],
-    outer: HalfSpaces,
-    cuts: _Cuts,
+    found: _Found, k: Body, at: Index, x: Array, gap: Array, settled: NDArray[np.bool_], outer: HalfSpaces, cuts: _Cuts,
     beside: float = _BESIDE,
-) -> None:
+) -> None:  # fmt: skip
     """Take the nearest point of the polyhedron where it lies on K, and every half-space that presses touches K right there."""
     if not at.size:
         return

@@ -122,13 +122,7 @@ def stacked(each: Sequence[Quarters]) -> Quarters:
 
 
 def project(
-    trial: Array,
-    load: Array,
-    quarters: Quarters,
-    stress: Array,
-    slip: Array,
-    multiplier: Array,
-    own: NDArray[np.intp] | None = None,
+    trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array, own: NDArray[np.intp] | None = None
 ) -> None:
     """Fill ``stress`` (n, 2), ``slip`` (n, 2), row by row in memory, and ``multiplier`` (n,) of the gauge for one block of trial stresses.
 

@@ -241,17 +241,9 @@ class Judge:
         return self._refereed(at[left], multiplier[left], aside, units[left], balance[left], near[left], unknown, got, out)
 
     def _refereed(
-        self,
-        at: NDArray[np.intp],
-        multiplier: Array,
-        aside: Array,
-        units: Array,
-        balance: Array,
-        near: NDArray[np.bool_],
-        unknown: Array,
-        got: Solution,
-        out: Residuals,
-    ) -> dict[int, ClosestInDigits | None]:
+        self, at: NDArray[np.intp], multiplier: Array, aside: Array, units: Array, balance: Array, near: NDArray[np.bool_],
+        unknown: Array, got: Solution, out: Residuals,
+    ) -> dict[int, ClosestInDigits | None]:  # fmt: skip
         """Stationarity of points that doubles do not decide, and what is beside them.
 
         It is looked for, at some milliseconds a point, where the answer is ``near`` to one: elsewhere it is wrong already.
