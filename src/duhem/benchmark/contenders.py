@@ -18,12 +18,11 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_fixed
 from duhem.left_out import LeftOut
 from duhem.projection import conic_solvers
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Increment, increment
 from duhem.projection.method import Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Solution
-from duhem.projection.increment import increment
 
 __all__ = ["Contender", "Specimen", "applicable"]
 

@@ -24,7 +24,7 @@ from duhem.expression.numpy_ import compiled
 from duhem.projection.affine_faces import planes
 from duhem.projection.in_blocks import cores
 from duhem.projection.increment import Increment
-from duhem.projection.level import level
+from duhem.projection.level import level_of
 from duhem.projection.method import Method, Options
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import power_of_two
@@ -56,8 +56,7 @@ def answered(question: Increment, stress: Array, failed: NDArray[np.bool_]) -> S
     which at a corner of a gauge is the sum over its faces.  A point is ``failed`` where the program says so, or has no number.
     """
     slip: Array = np.asarray(np.linalg.solve(question.stiffness, (question.trial - stress).T).T, dtype=np.float64)
-    law = question.law
-    level_ = level(question.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+    level_ = level_of(question)
     with np.errstate(all="ignore"):
         size = power_of_two(np.abs(stress).max(axis=1, initial=0.0))
         normal = level_.gradient(stress, question.pressure, size)

@@ -17,8 +17,8 @@ from duhem.law.catalogue import load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_fixed
-from duhem.projection.result import Array, Projection, Status
 from duhem.projection.increment import increment
+from duhem.projection.result import Array, Projection, Status
 from duhem.screening.campaign import Answered
 
 __all__ = ["Increments", "Project", "Trials"]

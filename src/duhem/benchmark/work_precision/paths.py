@@ -21,8 +21,7 @@ from duhem.benchmark.work_precision.result import Measurement, Target, at_most, 
 from duhem.errors import DuhemError
 from duhem.left_out import LeftOut
 from duhem.path.integrators import INTEGRATORS
-from duhem.path.loading import Path
-from duhem.path.loading import Paths
+from duhem.path.loading import Path, Paths
 from duhem.path.simulate import simulate
 from duhem.projection.in_blocks import cores
 from duhem.projection.result import Array
