@@ -71,14 +71,14 @@ def words() -> str:
 
 def invariants() -> str:
     """What a formula may say of a declared stress."""
-    from duhem.expression.invariants import INVARIANTS
+    from duhem.expression.abbreviations import INVARIANTS
 
     return table(["word", "meaning"], ([f"`{name}`", word.meaning] for name, word in INVARIANTS.items()))
 
 
 def stresses() -> str:
     """The kinds of stress and the forces that a law of each has."""
-    from duhem.expression.invariants import KINDS, Stress
+    from duhem.expression.abbreviations import KINDS, Stress
 
     rows = ([f"`{kind}`", ", ".join(f"`{force}`" for force in Stress("sigma", kind).components)] for kind in KINDS)
     return table(["kind", 'forces, for `name = "sigma"`'], rows)
@@ -248,8 +248,10 @@ def _documented(title: str, called: str, value: Any) -> list[str]:
 
 
 def _members(of: str, value: type) -> Iterator[str]:
-    """The methods and properties that a class documents."""
-    for name, member in vars(value).items():
+    """The methods and properties that a class documents, its own and those of its room that it inherits."""
+    room = value.__module__.rpartition(".")[0]
+    own = [base for base in value.__mro__ if base.__module__.rpartition(".")[0] == room]
+    for name, member in (item for base in own for item in vars(base).items()):
         inner = getattr(member, "__func__", getattr(member, "fget", member))  # of a class method or a property
         if not name.startswith("_") and inspect.isfunction(inner) and inner.__doc__:
             yield from _documented(f"#### {of}.{name}", f"{of}.{name}", member if isinstance(member, property) else getattr(value, name))

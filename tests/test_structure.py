@@ -45,7 +45,7 @@ def test_tables_are_printed_and_figures_saved_in_one_place() -> None:
 def test_formulas_and_files_are_read_in_one_place() -> None:
     assert [name for name in PACKAGE.importing("tomllib") if PACKAGE.modules[name].calls("load", "loads")] == ["law.placed_toml"]
     assert PACKAGE.calling("RealVal") == ["expression.smt"]
-    assert PACKAGE.recorders() == ["expression.recording", "proof.kernel.curve"]  # the kernel shares nothing with anybody
+    assert PACKAGE.recorders() == ["expression.fold", "proof.kernel.curve"]  # the kernel shares nothing with anybody
     assert PACKAGE.composed_imports() == [""]  # the front door imports a public name when it is asked for
 
 

@@ -55,8 +55,7 @@ if TYPE_CHECKING:
     from duhem.law.catalogue import load
     from duhem.law.curve_law import ParametricCriterion
     from duhem.law.domain import POSITIVE, REAL, Domain
-    from duhem.law.formula_law import Criterion, criterion
-    from duhem.law.yield_surface import YieldSurface
+    from duhem.law.formula_law import Criterion, YieldSurface, criterion
     from duhem.path import Histories, History, Path, Paths
     from duhem.portrait import plot
     from duhem.projection.result import Projection, Status
@@ -75,8 +74,7 @@ _HOMES = {
     "law.catalogue": ("load",),
     "law.curve_law": ("ParametricCriterion",),
     "law.domain": ("POSITIVE", "REAL", "Domain"),
-    "law.formula_law": ("Criterion", "criterion"),
-    "law.yield_surface": ("YieldSurface",),
+    "law.formula_law": ("Criterion", "criterion", "YieldSurface"),
     "path": ("Histories", "History", "Path", "Paths"),
     "portrait": ("plot",),
     "projection.result": ("Projection", "Status"),

@@ -29,7 +29,7 @@ import sympy as sp
 
 from duhem import Criterion, InputError
 from duhem.expression import mpmath_, symbol
-from duhem.expression.gradient import gradient
+from duhem.expression.branches import gradient
 from duhem.expression.parse import parse_as_written, parse_expression, parse_relation
 from duhem.expression.text import formula as text_of
 from duhem.proof.certificate import law_as_text

@@ -15,7 +15,7 @@ import pytest
 import duhem
 from duhem.cli import report
 from duhem.cli.report import again, article, law_lines
-from duhem.portrait import panels
+from duhem.portrait import pictures
 from duhem.proof.report import decided as decided_chapters
 from duhem.show.document import Article, Chapter, Display, as_page
 from duhem.version import __version__
@@ -166,7 +166,7 @@ def test_another_process_writes_the_same_bytes_but_for_times(hostile: Path, monk
 
 @pytest.mark.slow
 def test_a_refuted_claim_shows_its_witness_and_without_matplotlib_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(panels, "usual", lambda law, pressure: ())
+    monkeypatch.setattr(pictures, "usual", lambda law, pressure: ())
     found = duhem.verify("limacon", {"e": "3/5"}, claims=["convexity"])
     drawn, decided = report._pictures(found), decided_chapters(found)
     page = as_page([Article("limacon", "", (drawn, *decided))])

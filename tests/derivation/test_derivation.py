@@ -12,8 +12,8 @@ import sympy as sp
 
 import duhem
 from duhem.derivation import Derivation, derive
-from duhem.derivation.evolution import _degree
-from duhem.derivation.numerical_check import sample_values, varies
+from duhem.derivation.derive import _degree
+from duhem.derivation.support_function import sample_values, varies
 from duhem.errors import InputError
 from duhem.expression import mpmath_
 from duhem.expression.parse import parse_expression

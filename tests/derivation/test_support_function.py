@@ -15,9 +15,7 @@ import pytest
 import sympy as sp
 
 from duhem.derivation.gauge import Holder, Polytope, Side
-from duhem.derivation.numerical_check import defects, sample_values
-from duhem.derivation.potential import SupportFunction
-from duhem.derivation.support_function import biconjugate, rate_symbols, support_function
+from duhem.derivation.support_function import SupportFunction, biconjugate, defects, rate_symbols, sample_values, support_function
 from duhem.expression import Neg, Norm, Pos, mpmath_, numpy_
 from duhem.law.catalogue import load
 from duhem.law.domain import POSITIVE, REAL, Domain

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 import pytest
 import sympy as sp
 
-from duhem.derivation.typeset import WIDE, Rows, Typesetter
-from duhem.show.formula_width import width
+from duhem.derivation.typeset import WIDE, Rows, Typesetter, width
 
 X = sp.symbols("x1:40", real=True)
 Y = sp.Symbol("y")

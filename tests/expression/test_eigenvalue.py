@@ -15,8 +15,8 @@ import duhem
 from duhem import Criterion, Domain
 from duhem.expression import EigMax, ball_series, balls, floats, fold, jets, mpmath_, numpy_, symbol
 from duhem.expression.branches import TooManyBranchesError, branches
-from duhem.expression.matrices import rows
 from duhem.expression.parse import parse_expression
+from duhem.expression.vocabulary import rows
 from duhem.law.domain import POSITIVE
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated

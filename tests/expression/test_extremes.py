@@ -7,7 +7,7 @@ import random
 import pytest
 import sympy as sp
 
-from duhem.expression.extremes import greatest, least
+from duhem.expression.build import greatest, least
 from duhem.expression.parse import parse_expression
 from duhem.expression.vocabulary import EigMax, Norm, Pos, Where, symbol
 

@@ -10,8 +10,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression import symbol
-from duhem.expression.abbreviations import Abbreviations
-from duhem.expression.invariants import INVARIANTS, KINDS, Stress
+from duhem.expression.abbreviations import INVARIANTS, KINDS, Abbreviations, Stress
 from duhem.expression.numpy_ import evaluate
 from duhem.expression.parse import parse_expression
 

@@ -7,8 +7,7 @@ import pytest
 import sympy as sp
 
 from duhem.expression import symbol
-from duhem.expression.limits import Filled, filled
-from duhem.expression.numpy_ import compiled
+from duhem.expression.numpy_ import Filled, compiled, filled
 
 X, Y, Q = symbol("x"), symbol("y"), symbol("q")
 R = sp.sqrt(X**2 + Y**2)

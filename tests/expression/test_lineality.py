@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import sympy as sp
 
-from duhem.expression.lineality import invariant_directions
+from duhem.expression.invariance import invariant_directions
 
 X, Y, Z = FORCES = sp.symbols("x y z", real=True)
 K = sp.Symbol("k", real=True)

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from duhem.expression.mpmath_ import reach
 from duhem.expression.rays import Rays, crossing, evenly_between, first_exit
-from duhem.expression.rays_mpmath import reach
 
 Array = NDArray[np.float64]
 RADII = np.ldexp(1.0, np.arange(-400, 401))

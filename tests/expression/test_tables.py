@@ -39,7 +39,7 @@ from duhem.expression import (
     smt,
     symbol,
 )
-from duhem.expression.recording import bound, recorded
+from duhem.expression.fold import bound, recorded
 from tests.expression.by_hand import AT, ROWS, x, y
 from tests.expression.text_as_functions import as_functions, named
 

@@ -8,8 +8,7 @@ import pytest
 import duhem
 from duhem import InputError
 from duhem.identification import estimation
-from duhem.identification.criterion_text import criterion_text
-from duhem.law.criterion_file import reads
+from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.domain import Domain
 from tests.identification.limit_points import PAPER, rays, table
 from tests.long import long_but

@@ -13,9 +13,8 @@ import duhem
 from duhem import Criterion
 from duhem.errors import InputError
 from duhem.expression import Where
-from duhem.expression.matrices import rows
-from duhem.identification.criterion_text import criterion_text
-from duhem.law.criterion_file import reads
+from duhem.expression.vocabulary import rows
+from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.domain import POSITIVE
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import digest, recheck, stated

@@ -9,8 +9,7 @@ import pytest
 import duhem
 from duhem import Criterion, Domain
 from duhem.errors import InputError
-from duhem.identification.criterion_text import criterion_text
-from duhem.law.criterion_file import reads
+from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.domain import POSITIVE
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import NEGATIVE, ZERO, Bounds

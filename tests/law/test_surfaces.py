@@ -11,12 +11,10 @@ import sympy as sp
 
 import duhem
 from duhem.errors import InputError
-from duhem.identification.criterion_text import criterion_text
-from duhem.law.criterion_file import reads
+from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.curve_law import ParametricCriterion
 from duhem.law.domain import POSITIVE, Domain
-from duhem.law.formula_law import Criterion, criterion
-from duhem.law.yield_surface import YieldSurface
+from duhem.law.formula_law import Criterion, YieldSurface, criterion
 
 HEAD = '[criterion]\nname = "x"\n'
 CAPPED = (

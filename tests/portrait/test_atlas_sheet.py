@@ -11,7 +11,7 @@ from duhem.show import figure
 
 pytest.importorskip("matplotlib")
 
-from duhem.portrait.atlas_sheet import atlas_sheet
+from duhem.portrait.pictures import atlas_sheet
 from tests.long import mostly_long
 from tests.oracles.legible import faults
 

@@ -12,7 +12,7 @@ from duhem.law.atlas.entry import groups
 
 pytest.importorskip("matplotlib")
 
-from duhem.portrait.plot import plot
+from duhem.portrait.pictures import plot
 from tests.long import mostly_long
 from tests.oracles.legible import faults
 

@@ -10,7 +10,7 @@ import sympy as sp
 
 import duhem
 from duhem import Criterion
-from duhem.expression.matrices import rows
+from duhem.expression.vocabulary import rows
 
 TRIALS = np.random.default_rng(0).uniform(-1.0, 2.0, (3, 6))
 

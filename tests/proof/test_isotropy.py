@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from duhem import Criterion, Domain, verify
-from duhem.expression.isotropy import shears_of_isotropic
+from duhem.expression.invariance import shears_of_isotropic
 from duhem.law.criterion_file import reads
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.claims import objection

@@ -21,7 +21,7 @@ import tests.oracles.prover.polar as polar
 import tests.oracles.prover.polar_form as polar_facts
 import tests.oracles.prover.polyhedral as polyhedral
 from duhem import POSITIVE, Criterion, Domain, Verdict
-from duhem.derivation.potential import SupportFunction
+from duhem.derivation.support_function import SupportFunction
 from duhem.expression import Norm
 from duhem.proof.decide import Answer, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject

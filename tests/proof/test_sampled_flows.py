@@ -6,7 +6,7 @@ import pytest
 
 from duhem import Criterion, verify
 from duhem.law.domain import Domain
-from duhem.law.yield_surface import YieldSurface
+from duhem.law.formula_law import YieldSurface
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.search.boundary_points import scouts
 from tests.long import long_but

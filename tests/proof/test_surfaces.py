@@ -13,7 +13,7 @@ import pytest
 import sympy as sp
 
 from duhem import load, verify
-from duhem.expression.below import smooth_below
+from duhem.expression.branches import smooth_below
 from duhem.expression.parse import parse_expression
 from duhem.law.criterion_file import reads
 from duhem.proof.certificate import law_as_text

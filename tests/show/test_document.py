@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from duhem.show import mathematics
+from duhem.show import document
 from duhem.show.document import Article, Block, Chapter, Columns, Display, Drawing, Lines, Paragraph, Sentences, Titled, as_page, themed
 from duhem.show.sheet import Typeset
 from tests.oracles.strict_html import Strict
@@ -76,25 +76,25 @@ def said(piece: ElementTree.Element) -> str:
 
 def test_a_formula_breaks_before_its_relations_and_sums_and_nowhere_else() -> None:
     pytest.importorskip("latex2mathml")
-    pieces = mathematics.mathematics(r"D = - a \left(b - c\right) + \frac{d + e}{f} - g,\; h \geq 0")
+    pieces = document.mathematics(r"D = - a \left(b - c\right) + \frac{d + e}{f} - g,\; h \geq 0")
     assert [said(piece) for piece in pieces] == ["D", "=−a(b−c)", "+d+ef", "−g,", "h", "≥0"]
     assert all(piece.tag == "math" for piece in pieces)
-    pieces = mathematics.mathematics(r"x = \max\bigl(a + b, c\bigr) + \bigl\|a + b\bigr\|_2 - \left\|a + b\right\|_2 + (d + e)")
+    pieces = document.mathematics(r"x = \max\bigl(a + b, c\bigr) + \bigl\|a + b\bigr\|_2 - \left\|a + b\right\|_2 + (d + e)")
     assert [said(piece) for piece in pieces] == ["x", "=max(a+b,c)", "+‖a+b‖2", "−‖a+b‖2", "+(d+e)"]
 
 
 def test_what_a_page_has_no_use_for_is_not_on_it() -> None:
     pytest.importorskip("latex2mathml")
     cases = r"g = \begin{cases} \frac{a}{b} & \text{for}\: a > 0 \\[2pt] 0 & \text{otherwise} \end{cases}"
-    assert "".join(map(said, mathematics.mathematics(cases))) == "g={abfora>00otherwise"
+    assert "".join(map(said, document.mathematics(cases))) == "g={abfora>00otherwise"
 
 
 def test_a_formula_that_is_wider_says_so() -> None:
     pytest.importorskip("latex2mathml")
 
     def wide(latex: str) -> float:
-        (piece,) = mathematics.mathematics(latex)
-        return mathematics.ems(piece)
+        (piece,) = document.mathematics(latex)
+        return document.ems(piece)
 
     assert wide(r"\frac{a}{b}") < wide("abcd") < wide(r"\left(\begin{matrix}abcd & abcd\\a & b\end{matrix}\right)") < 13
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import duhem
-from duhem.show.shown import Shown
+from duhem.show.printing import Shown
 from duhem.testing.conformance import conformance
 from duhem.testing.snapshots import Differences, differences
 from tests.show.test_sheets import HOSTILE, LAW, Read

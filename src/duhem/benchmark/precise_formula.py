@@ -16,8 +16,8 @@ import sympy as sp
 
 from duhem.errors import DuhemError, InputError
 from duhem.expression import Neg, Pos, Where
+from duhem.expression.fold import recorded
 from duhem.expression.mpmath_ import constant, table
-from duhem.expression.recording import recorded
 
 __all__ = [
     "Choices",

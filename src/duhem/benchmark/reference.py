@@ -23,7 +23,7 @@ import sympy as sp
 from mpmath import MPContext
 
 from duhem.benchmark.precise_formula import Choices, NoReference, PreciseFormula, Slice, Vector, dot, extents, reach, steep, within_reach
-from duhem.expression.lineality import invariant_directions
+from duhem.expression.invariance import invariant_directions
 from duhem.expression.mpmath_ import number
 
 __all__ = ["Closest", "NoReference", "ReferenceIncrement", "distance"]

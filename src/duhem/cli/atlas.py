@@ -36,7 +36,7 @@ def atlas(group: str | None, form: str, file: str | None) -> None:
         from duhem.show.figure import check
 
         check(file)
-        from duhem.portrait.atlas_sheet import atlas_sheet
+        from duhem.portrait.pictures import atlas_sheet
 
         with Progress("drawing") as progress:
             atlas_sheet(laws, file, progress.show)

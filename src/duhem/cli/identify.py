@@ -57,7 +57,7 @@ def identify(
         from duhem.show import figure
 
         figure.check(plot)
-        identification.plot.check(family)
+        identification.printing.check(family)
     with Progress("identifying"):
         done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed, convex=convex)
     if out is not None:

@@ -10,15 +10,15 @@ from functools import partial
 from duhem.cli.arguments import read_law
 from duhem.cli.doctor import CORE, versions
 from duhem.derivation import derive
-from duhem.derivation.chapters import chapters
+from duhem.derivation.printing import chapters
 from duhem.errors import DuhemError, InputError, MissingExtraError
-from duhem.identification.criterion_text import criterion_text
 from duhem.law import catalogue
+from duhem.law.criterion_file import criterion_text
 from duhem.left_out import LeftOut
-from duhem.portrait.panels import panels
+from duhem.portrait.pictures import panels
 from duhem.proof import report
 from duhem.proof.verification import Verification
-from duhem.show import figure, mathematics
+from duhem.show import document, figure
 from duhem.show.document import Article, Chapter, Lines, Paragraph, Titled
 from duhem.version import __version__
 
@@ -62,7 +62,7 @@ def law_lines(law: str) -> str:
 def without() -> str:
     """What the page lacks for want of a package, and the remedy; empty where it lacks nothing."""
     faults: dict[str, MissingExtraError] = {}
-    for part, check in (("pictures", partial(figure.check, None)), ("typeset formulas", mathematics.check)):
+    for part, check in (("pictures", partial(figure.check, None)), ("typeset formulas", document.check)):
         try:
             check()
         except MissingExtraError as fault:

@@ -1,26 +1,478 @@
-"""From one formula to its thermodynamics: state laws, normality, dissipation, potential, increment, one dimension."""
+"""From one formula to its thermodynamics: state laws, normality, dissipation, potential, increment, one dimension.
+
+The relations are those of Antoni et al. (2007), Eqs. 1 and 21-36, by differentiation, and what follows from them.  Everything one-sided is
+taken from the smooth branches of g, never from two-sided limits at a kink.  The slip of a law of several surfaces with flows of their own
+is a non-negative combination over those that are 0 (Koiter 1953).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from operator import add, sub
 from pathlib import Path
+from random import Random
 from typing import Any
 
-from duhem.derivation.closest_point import increment_equations, interval, one_dimensional_equations
-from duhem.derivation.energy import state_equations
-from duhem.derivation.equation import Derivation, Equation
-from duhem.derivation.evolution import evolution_equations, potential_equations
-from duhem.derivation.koiter import slips
-from duhem.derivation.notation import Names
-from duhem.derivation.pieces import MOST, pieces
-from duhem.derivation.support_function import fixed, support_function
+import sympy as sp
+
+from duhem.derivation.equation import Belongs, Derivation, Equation, Names
+from duhem.derivation.pieces import MOST, Pieces, Seams, pieces, seams
+from duhem.derivation.recognise import read_ball
+from duhem.derivation.support_function import SupportFunction, biconjugate, compression, fixed, sample_values, support_function, varies
 from duhem.errors import InputError
+from duhem.expression import mpmath_
+from duhem.expression.vocabulary import Norm
+from duhem.expression.weights import degree
 from duhem.law.catalogue import load, load_formula
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
 
-__all__ = ["derive"]
+__all__ = ["LineSection", "derive", "interval"]
+
+STATE, DISSIPATION = "State and state laws", "Clausius-Duhem inequality"
+CRITERION, FLOW, POTENTIAL = "Criterion", "Evolution law", "Dissipation potential"
+STEP, LINE = "Incremental problem", "Reduction to one direction"
+
+_SECTIONS: Mapping[str, Sequence[tuple[str, str, str]]] = {  # by section: number, name and sentence of each equation
+    STATE: (
+        ("21", "decomposition", "displacement = elastic (reversible) part + inelastic part (slip)"),
+        ("24", "state_variables", "observable and internal state variables; no temperature and no further internal variable"),
+        ("30", "free_energy", "stored energy, quadratic in the elastic part u - u_in"),
+        ("D1", "free_energy_convex", "psi_C is strictly convex in u - u_in: leading minors of its Hessian, the stiffness (Sylvester)"),
+        ("25", "state_law", "sigma = d psi_C/d u"),
+        ("31", "state_law_elastic", "the same in the elastic part: sigma = k u_e"),
+        (
+            "26",
+            "thermodynamic_forces",
+            "the force Y = -d psi_C/d u_in that drives the slip is the stress itself (difference expanded to 0)",
+        ),
+    ),
+    DISSIPATION: (
+        ("22", "clausius_duhem", "second principle at the interface; isothermal, so the whole dissipation is the intrinsic one"),
+        ("23", "intrinsic_dissipation", "D = sigma . du/dt - dpsi_C/dt by the chain rule; the entropy term dT_C/dt s_C is zero"),
+        ("D2", "reduced_dissipation", "what is left of (23) once the state law (25) holds: the power of the stress on the slip rate"),
+    ),
+    CRITERION: (
+        ("35", "criterion", "the limit criterion, as declared"),
+        ("35'", "criterion_branches", "the same, branch by branch: each kink of the formula resolved on either side"),
+        ("32", "admissible_set", "the admissible stresses"),
+        ("33", "dual_potential", "dual pseudo-potential: the indicator of K"),
+        ("34", "indicator", "zero on K, infinite outside"),
+    ),
+    FLOW: (
+        ("28", "evolution_inclusion", "the slip rate is a subgradient of the indicator, that is an element of the normal cone of K"),
+        ("D3", "normal_cone", "what (28) says, for every tau in K: maximal dissipation; at an interior point the cone is {0}"),
+        ("D4", "normal", "outward normal n = dg/dsigma"),
+        ("36", "normality", "normality rule where g is differentiable, n of (D4)"),
+    ),
+    POTENTIAL: (
+        ("D9", "stress_of_slip", "the stress that attains the supremum: the evolution law (28) solved for sigma, at nonzero slip rate"),
+        ("D9'", "fenchel_equality", "D = sigma . d = I_K(sigma) + Phi_C(d) on the evolution law (Fenchel), and I_K = 0 on K"),
+        ("D10", "gauge", "gauge of K about its centre: K = {gamma_K <= 1}"),
+        ("D11", "biconjugate", "polar of the polar, read afresh from (D8), so that Phi** = Phi: "),
+    ),
+    STEP: (
+        ("D13", "trial_stress", "stress if nothing slipped over the step: u at its end, u_in at its beginning"),
+        ("D14", "step_objective", "the stress minimises J over K: the closest point to the trial stress in the metric of k^-1"),
+        ("D15", "step_stationarity", "gradient of the Lagrangian J + Delta_lambda g: k^-1 (sigma_trial - sigma) = Delta_lambda dg/dsigma"),
+        ("D16", "step_complementarity", "the step slips only if it ends on the boundary"),
+        ("D17", "step_slip", "slip over the step: the trial stress in excess, released"),
+        (
+            "D18",
+            "step_energy",
+            "work = change of stored energy + dissipation + a numerical part that is never negative, for every step size",
+        ),
+    ),
+}
+_SAID = {name: (number, section, said) for section, rows in _SECTIONS.items() for number, name, said in rows}
+_POWER = sp.Symbol("D", real=True)  # the dissipation
+
+
+def _stated(name: str, relation: sp.Basic, more: str = "") -> Equation:
+    """The equation of that name with its number, section and sentence, and what ``more`` there is to say."""
+    number, section, sentence = _SAID[name]
+    return Equation(number, name, relation, sentence + more, section)
+
+
+def _equal(left: object, right: object) -> sp.Basic:
+    """left = right, kept as written."""
+    return sp.Eq(left, right, evaluate=False)
+
+
+def _columns(left: Iterable[Any], right: Iterable[Any]) -> sp.Basic:
+    """left = right of column vectors, given by their entries."""
+    return _equal(*(sp.ImmutableMatrix(sp.Matrix(list(entries))) for entries in (left, right)))
+
+
+def _dot(one: Iterable[Any], other: Iterable[Any]) -> sp.Expr:
+    """The sum of products, entry by entry."""
+    return sp.Add(*(a * b for a, b in zip(one, other, strict=True)))
+
+
+def _energy(names: Names, strain: Iterable[sp.Expr]) -> sp.Expr:
+    """1/2 strain . k strain; of u - u_in it is the free energy psi_C (Antoni et al. 2007, Eq. 30)."""
+    vector = sp.Matrix(list(strain))
+    return (vector.T * names.stiffness * vector)[0] / 2
+
+
+def _needs(names: Names, requires: Sequence[sp.Expr]) -> str:
+    """Where something holds, to be said behind it."""
+    return f"; where {', '.join(f'{names.shown(r)} > 0' for r in requires)}" if requires else ""
+
+
+def _state_equations(names: Names) -> Iterator[Equation]:
+    """Equations 21 to 31, isothermal; what has to agree is checked here, symbolically."""
+    u, p, v, d = names.total, names.inelastic, names.speed, names.rates
+    psi = _energy(names, map(sub, u, p))
+    stress = [sp.factor_terms(psi.diff(x)) for x in u]
+    forces = [sp.factor_terms(-psi.diff(x)) for x in p]
+    if any(sp.expand(a - b) != 0 for a, b in zip(stress, forces, strict=True)):
+        raise ArithmeticError("dpsi/du and -dpsi/du_in differ")
+    yield _stated("decomposition", _columns(u, map(add, names.elastic, p)))
+    yield _stated("state_variables", _equal(sp.Symbol("chi"), sp.Tuple(*u, *p)))
+    yield _stated("free_energy", _equal(sp.Symbol("psi_C", real=True), psi))
+    minors = [sp.StrictGreaterThan(names.stiffness[:i, :i].det(), 0, evaluate=False) for i in range(1, len(u) + 1)]
+    yield _stated("free_energy_convex", sp.And(*minors, evaluate=False))
+    yield _stated("state_law", _columns(names.forces, stress))
+    yield _stated(
+        "state_law_elastic", _columns(names.forces, [sp.factor_terms(_energy(names, names.elastic).diff(e)) for e in names.elastic])
+    )
+    yield _stated("thermodynamic_forces", _columns(names.forces, forces))
+    change, power = _dot([sp.factor_terms(psi.diff(x)) for x in (*u, *p)], (*v, *d)), _dot(names.forces, v)
+    yield _stated("clausius_duhem", sp.GreaterThan(_POWER, 0, evaluate=False))
+    yield _stated("intrinsic_dissipation", _equal(_POWER, power - change))
+    reduced = _dot(names.forces, d)
+    if sp.expand((power - change - reduced).xreplace(dict(zip(names.forces, stress, strict=True)))) != 0:
+        raise ArithmeticError("the Clausius-Duhem inequality does not reduce to the power of the stress on the slip rate")
+    yield _stated("reduced_dissipation", _equal(_POWER, reduced))
+
+
+# -- laws of several surfaces -----------------------------------------------------------------------------------------
+
+
+def _slips(law: Criterion) -> tuple[tuple[sp.Expr, ...], ...] | None:
+    """On each surface its flow, or else the gradient of its g, branch by branch; None where one has too many branches to print."""
+    found = [surface.flow or _gradient(replace(law, g=surface.g, surfaces=())) for surface in law.surfaces]
+    return None if None in found else tuple(flow for flow in found if flow is not None)
+
+
+def _gradient(law: Criterion) -> tuple[sp.Expr, ...] | None:
+    found = pieces(law)
+    return None if found is None else tuple(found.joined(list(parts)) for parts in zip(*found.gradients, strict=True))
+
+
+def _complementary(surfaces: Iterable[sp.Expr], multipliers: Iterable[sp.Symbol]) -> sp.Basic:
+    """Every g with its multiplier: >= 0, <= 0, one of them 0."""
+    three = [
+        relation
+        for m, g in zip(multipliers, surfaces, strict=True)
+        for relation in (sp.GreaterThan(m, 0, evaluate=False), sp.LessThan(g, 0, evaluate=False), _equal(m * g, sp.S.Zero))
+    ]
+    return sp.And(*three, evaluate=False)
+
+
+def _flow_of_surfaces(names: Names) -> Iterator[Equation]:
+    """Koiter's rule in rates, and the power it dissipates."""
+    if (flows := _slips(names.law)) is None:
+        return
+    note = "Koiter's rule: each surface that is 0 slips along its own flow, or along its normal if it states none"
+    rates = [_dot(names.multipliers, parts) for parts in zip(*flows, strict=True)]
+    yield Equation("D4", "flow", _columns(names.rates, rates), note, FLOW)
+    both = _complementary([s.g for s in names.law.surfaces], names.multipliers)
+    yield Equation("36'", "complementarity", both, "a surface slips only where it is 0, and never backwards", FLOW)
+    power = _dot(names.multipliers, [sp.factor_terms(_dot(names.forces, flow)) for flow in flows])
+    yield Equation("D6", "dissipation", _equal(_POWER, power), "D = sum of lambda_i sigma . flow_i", FLOW)
+
+
+def _step_of_surfaces(names: Names) -> Iterator[Equation]:
+    """The same over an increment: a fixed point with one multiplier a surface, not a projection."""
+    if (flows := _slips(names.law)) is None:
+        return
+    moved = names.stiffness * sp.Matrix([_dot(names.steps, parts) for parts in zip(*flows, strict=True)])
+    ends = _columns(names.forces, map(sub, names.trial, moved))
+    yield Equation("D14", "step_stress", ends, "own flows: a fixed point, not a projection", STEP)
+    both, note = _complementary([s.g for s in names.law.surfaces], names.steps), "a surface slips in the step only if the step ends on it"
+    yield Equation("D16", "step_complementarity", both, note, STEP)
+
+
+# -- laws of one surface ----------------------------------------------------------------------------------------------
+
+
+def _rooted(expr: sp.Expr) -> sp.Expr:
+    """Norms written as square roots."""
+    return expr.replace(Norm, lambda *args: sp.sqrt(sp.Add(*[a**2 for a in args])))
+
+
+def _evolution_equations(names: Names, found: Pieces | None) -> Iterator[Equation]:
+    """Equations 28 and 32 to 36."""
+    law, forces = names.law, names.forces
+    inside = sp.LessThan(law.g, 0, evaluate=False)
+    for i, (name, value) in enumerate(law.defined().items(), 1):
+        note = f"as defined: {name} = {' '.join(law.define[name].split())}"
+        yield Equation(f"D0.{i}", f"definition_{name}", _equal(sp.Symbol(name, real=True), value), note, CRITERION)
+    yield _stated("criterion", _equal(sp.Symbol("g"), law.g))
+    if found is not None and len(found.values) > 1:
+        yield _stated("criterion_branches", _equal(sp.Symbol("g"), found.joined([_rooted(v) for v in found.values])))
+    admissible = sp.ConditionSet(sp.Tuple(*forces), inside, sp.S.UniversalSet)
+    yield _stated("admissible_set", _equal(sp.Symbol("K"), admissible), " at frozen pressure" if law.pressure else "")
+    indicator = sp.Function("I_K")(*forces)
+    if law.associated:
+        yield _stated("dual_potential", _equal(sp.Function("Phi_C_star")(*forces), indicator))
+    yield _stated("indicator", _equal(indicator, sp.Piecewise((sp.S.Zero, inside), (sp.oo, True), evaluate=False)))
+    if not law.associated:
+        yield from _own_flow(names) if law.flow is not None else _flow_of_surfaces(names)
+        return
+    yield _stated("evolution_inclusion", Belongs(sp.Tuple(*names.rates), sp.Function("N_K")(*forces)))
+    yield _stated("normal_cone", sp.LessThan(_dot(names.rates, map(sub, names.other, forces)), 0, evaluate=False))
+    if found is None:
+        return
+    met = seams(law, found)
+    normal = [found.joined([g[i] for g in found.gradients]) for i in range(len(forces))]
+    yield _stated("normal", _columns(names.normal, normal), _smoothness(names, found, met))
+    yield _stated("normality", _columns(names.rates, [names.multiplier * n for n in names.normal]))
+    yield _complementarity(names)
+    yield from _corners(names, found, met)
+    yield _dissipation(names, found)
+
+
+def _complementarity(names: Names) -> Equation:
+    both = _complementary([names.law.g], [names.multiplier])
+    return Equation("36'", "complementarity", both, "slip only on the boundary, and never against the normal", FLOW)
+
+
+def _smoothness(names: Names, found: Pieces, met: Seams) -> str:
+    said = []
+    if met.corners:
+        places = " or ".join(dict.fromkeys(f"{names.shown(c.switch)} = 0" for c in met.corners))
+        said.append(f"on the boundary, at exact parameters drawn at random, its direction jumps where {places}")
+    elif met.met and met.decided:
+        said.append("its direction is continuous where branches meet, as seen on the boundary at exact parameters drawn at random")
+    if not met.decided:
+        said.append("not every seam of the branches was decided")
+    where = _singular(names, found)
+    if where:
+        said.append("not defined where " + "; ".join(where))
+    return "; " + "; ".join(said) if said else ""
+
+
+def _singular(names: Names, found: Pieces) -> list[str]:
+    """Points where all arguments of a norm vanish, and the value of g there."""
+    forces, said = names.forces, []
+    for norm in dict.fromkeys(n for v in found.values for n in v.atoms(Norm) if n.has(*forces)):
+        if not all(a.is_polynomial(*forces) and sp.Poly(a, *forces).total_degree() <= 1 for a in norm.args):
+            continue
+        for point in sp.linsolve(list(norm.args), *forces):
+            value = names.law.g.subs(dict(zip(forces, point, strict=True)))
+            place = ", ".join(str(names.shown(x)) for x in point)
+            said.append(f"({', '.join(map(str, forces))}) = ({place}), where g = {names.shown(value)}")
+    return list(dict.fromkeys(said))
+
+
+def _corners(names: Names, found: Pieces, met: Seams) -> Iterator[Equation]:
+    """The cone spanned by the two normals that meet at a corner of the boundary."""
+    for count, corner in enumerate(met.corners, start=1):
+        one, two = sp.Symbol("lambda_1", nonnegative=True), sp.Symbol("lambda_2", nonnegative=True)
+        spanned = [one * a + two * b for a, b in zip(found.gradients[corner.first], found.gradients[corner.second], strict=True)]
+        signs = {**found.switches[corner.second], **found.switches[corner.first]}
+        plain = {s: sign for s, sign in signs.items() if s in names.forces} or signs
+        sides = [f"{names.shown(s)} {'>=' if sign > 0 else '<='} 0" for s, sign in plain.items() if s != corner.switch]
+        where = ", ".join([f"{names.shown(corner.switch)} = 0", *sides])
+        note = f"normal cone of a convex K at boundary points with {where}; lambda_1, lambda_2 >= 0"
+        yield Equation(f"D5.{count}", f"corner_{count}", _columns(names.rates, spanned), note, FLOW)
+
+
+def _dissipation(names: Names, found: Pieces) -> Equation:
+    powers = [_dot(names.forces, g) for g in found.gradients]
+    reduced = [_euler(names.law, value, power) for value, power in zip(found.values, powers, strict=True)]
+    known, note = [r for r in reduced if r is not None], "D = lambda sigma . dg/dsigma"
+    if len(known) == len(reduced):
+        powers, note = known, f"{note} on g = 0, by Euler's identity for homogeneous functions"
+    return Equation("D6", "dissipation", _equal(_POWER, names.multiplier * found.joined(powers)), note, FLOW)
+
+
+def _euler(law: Criterion, value: sp.Expr, power: sp.Expr) -> sp.Expr | None:
+    """sigma . dg/dsigma on g = 0 where g = (homogeneous of degree m) + constant: it is -m constant."""
+    constant, part = value.as_independent(*law.force_symbols(), as_Add=True)
+    if (known := _degree(part, law.force_symbols())) is not None:
+        return sp.factor_terms(-known * constant)
+    if varies(law, power / part):  # no multiple of it: told by numbers, which is cheap where to cancel is endless
+        return None
+    roots = sp.cancel(sp.powsimp(sp.expand(_rooted(power)) / _rooted(part)))
+    if roots.has(*law.force_symbols()):
+        roots = sp.cancel(sp.together(_rooted(power) * _rooted(part)) / sp.expand(_rooted(part) ** 2))
+    return None if roots.has(*law.force_symbols()) else sp.factor_terms(-roots * constant)
+
+
+def _degree(expr: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Expr | None:
+    """Degree of homogeneity, of powers with a symbol for exponent too; None where there is none to see."""
+    if isinstance(expr, sp.Pow) and not expr.exp.has(*forces):
+        base = _degree(expr.base, forces)
+        return None if base is None else base * expr.exp
+    if isinstance(expr, sp.Add | sp.Mul):
+        parts = [_degree(part, forces) for part in expr.args]
+        known = [part for part in parts if part is not None]
+        if len(known) < len(parts):
+            return None
+        return sp.Add(*known) if isinstance(expr, sp.Mul) else known[0] if len(set(known)) == 1 else None
+    return degree(expr, forces)
+
+
+def _own_flow(names: Names) -> Iterator[Equation]:
+    flow = names.law.flow
+    assert flow is not None
+    note = "slip direction declared by the law itself: not associated, normality is a claim to test"
+    yield Equation("D4", "flow", _columns(names.rates, names.multiplier * sp.ImmutableMatrix(flow)), note, FLOW)
+    yield _complementarity(names)
+    power = sp.factor_terms(sp.expand(_dot(names.forces, flow)))
+    yield Equation("D6", "dissipation", _equal(_POWER, names.multiplier * power), "D = lambda sigma . flow", FLOW)
+
+
+def _potential_equations(names: Names, support: SupportFunction) -> Iterator[Equation]:
+    """The Legendre-Fenchel conjugate of the indicator, its flow rule turned round, and the conjugate of that."""
+    phi = sp.Function("Phi_C")(*support.rates)
+    for count, form in enumerate(support.domain, start=1):
+        yield Equation(
+            f"D7.{count}", f"potential_domain_{count}", _equal(form, sp.S.Zero), "the potential is infinite elsewhere", POTENTIAL
+        )
+    said = "; then ".join(support.steps) + _needs(names, support.requires)
+    yield Equation("D8", "dissipation_potential", _equal(phi, support.potential), said, POTENTIAL)
+    if support.maximiser is not None:
+        yield _stated("stress_of_slip", _columns(names.forces, support.maximiser))
+    yield _stated("fenchel_equality", _equal(_POWER, support.potential))
+    gauge = sp.Function("gamma_K")(*names.forces)
+    yield _stated("gauge", _equal(gauge, support.gauge))
+    back = biconjugate(names.law, support)
+    if back is not None and back.agrees:
+        yield _stated("biconjugate", _equal(gauge, back.gauge), back.how)
+    frozen = names.law.pressure and names.law.symbols()[names.law.pressure]
+    if frozen and support.radius.subs(frozen, 0) == 0:
+        note = f"at {frozen} = 0 K is this one point, and the normal cone is the whole space"
+        yield Equation("D12", "tip", _columns(names.forces, [c.subs(frozen, 0) for c in support.centre]), note, POTENTIAL)
+
+
+def _increment_equations(names: Names, found: Pieces | None) -> Iterator[Equation]:
+    """The closest-point step in the metric of k^-1 with its optimality conditions; every line from the Lagrangian."""
+    law, forces = names.law, names.forces
+    yield _stated("trial_stress", _columns(names.trial, names.stiffness * sp.Matrix(list(map(sub, names.total, names.inelastic)))))
+    compliance, gap = names.stiffness.inv(), sp.Matrix(list(map(sub, names.trial, forces)))
+    slip = compliance * gap
+    if not law.associated and law.flow is None:
+        yield from _step_of_surfaces(names)
+    elif law.flow is not None:
+        moved = map(sub, names.trial, names.step * names.stiffness * sp.Matrix(law.flow))
+        yield Equation("D14", "step_stress", _columns(forces, moved), "own flow: a fixed point, not a projection", STEP)
+    else:
+        distance = (gap.T * compliance * gap)[0] / 2
+        yield _stated("step_objective", _equal(sp.Function("J")(*forces), distance))
+        if found is not None:
+            slopes = [
+                found.joined([sp.factor_terms(distance.diff(f)) + (names.step * value).diff(f) for value in found.values]) for f in forces
+            ]
+            yield _stated("step_stationarity", _columns(slopes, [sp.S.Zero] * len(forces)))
+    if law.associated or law.flow is not None:
+        yield _stated("step_complementarity", _complementary([law.g], [names.step]))
+    yield _stated("step_slip", _columns(names.slip_step, slip))
+    yield _energy_identity(names)
+
+
+def _energy_identity(names: Names) -> Equation:
+    """sigma . Du = Dpsi + sigma . Du_in + 1/2 Du_e . k Du_e, expanded to zero here before it is stated."""
+    ends, steps = names.elastic, names.elastic_step
+    lost = _energy(names, steps)
+    stored = _energy(names, ends) - _energy(names, map(sub, ends, steps))
+    work, slipped = _dot(names.forces, map(add, steps, names.slip_step)), _dot(names.forces, names.slip_step)
+    stress = dict(zip(names.forces, names.stiffness * sp.Matrix(list(ends)), strict=True))
+    if sp.expand((work - slipped).xreplace(stress) - stored - lost) != 0:
+        raise ArithmeticError("the discrete energy identity does not hold")
+    return _stated("step_energy", _equal(work, sp.Symbol("Delta_psi_C", real=True) + slipped + lost))
+
+
+@dataclass(frozen=True)
+class LineSection:
+    """low <= force <= high is K where the other forces vanish, wherever every expression of ``requires`` is positive."""
+
+    force: sp.Symbol
+    low: sp.Expr
+    high: sp.Expr
+    requires: tuple[sp.Expr, ...]
+
+
+def interval(law: Criterion, force: sp.Symbol) -> LineSection | None:
+    """K on the line of one force, from the formula; None where it is unbounded, not closed or not confirmed by g."""
+    others = dict.fromkeys((f for f in law.force_symbols() if f != force), sp.S.Zero)
+    inward, outward = compression(law)
+    g = law.g.xreplace({**others, **inward})
+    ball = read_ball(g, [force])
+    if ball is not None:
+        ends = [ball.centre[0] + ball.radius * sign / ball.gauge.value([sp.Integer(sign)]) for sign in (-1, 1)]
+    else:
+        below, above = (_positive_root(g, force, sign) for sign in (-1, 1))
+        if below is None or above is None:
+            return None
+        ends = [-below, above]
+    if any(end.has(sp.AccumBounds, sp.nan, sp.zoo, sp.oo) for end in ends):
+        return None
+    low, high = (sp.factor_terms(end).xreplace(outward) for end in ends)
+    found = LineSection(force, low, high, tuple(r.xreplace(outward) for r in ball.requires) if ball is not None else ())
+    return found if _confirmed(law, found) else None
+
+
+def _confirmed(law: Criterion, found: LineSection) -> bool:
+    """Whether g, at exact parameters drawn at random, is zero at both ends, not positive between and positive outside."""
+    symbols = list(law.symbols().values())
+    try:
+        context = mpmath_.digits(30)
+        evaluate = mpmath_.compiled([law.g, found.low, found.high], symbols, context)
+        tried = 0
+        for values in sample_values(law, found.requires, Random(1), 12):
+            line = {s: sp.S.Zero for s in law.force_symbols()} | values
+
+            def at(x: Any, line: dict[sp.Symbol, Any] = line) -> list[Any]:
+                return evaluate(*(x if s == found.force else line[s] for s in symbols))
+
+            _, low, high = at(sp.S.Zero)
+            small = (high - low) * context.mpf(10) ** -9
+            inside = [at(low + share * (high - low) / 8)[0] <= 0 for share in range(1, 8)]
+            ends = [at(low + small)[0] <= 0 < at(low - small)[0], at(high - small)[0] <= 0 < at(high + small)[0]]
+            if not (low < high and all(inside) and all(ends)):
+                return False
+            tried += 1
+        return tried > 0
+    except (ArithmeticError, TypeError, ValueError, NotImplementedError):
+        return False
+
+
+def _positive_root(g: sp.Expr, force: sp.Symbol, sign: int) -> sp.Expr | None:
+    """The one positive t with g(sign t) = 0, if g is a polynomial there with exactly one."""
+    t = sp.Dummy("t", positive=True)
+    along = sp.factor(g.xreplace({force: sign * t}))
+    if not along.is_polynomial(t):
+        return None
+    x = sp.Dummy("x")
+    roots = [r for r in sp.roots(sp.Poly(along.xreplace({t: x}), x)) if r != 0 and r.is_real is not False and r.is_positive is not False]
+    return roots[0] if len(roots) == 1 else None
+
+
+def _one_dimensional_equations(names: Names) -> Iterator[Equation]:
+    """Eq. (1) for each force alone: the interval of the sticking state and the elastic, perfectly plastic branch."""
+    law, alone = names.law, len(names.forces) == 1
+    for i, force in enumerate(names.forces):
+        if (found := interval(law, force)) is None:
+            continue
+        low, high = found.low, found.high
+        tail, nth = law.forces[i].removeprefix("sigma_"), "" if alone else f".{i + 1}"
+        note = ("K as an interval" if alone else "K with the other forces zero") + _needs(names, found.requires)
+        yield Equation(f"D19{nth}", f"interval_{tail}", Belongs(force, sp.Interval(low, high)), note, LINE)
+        if not law.associated:
+            continue
+        elastic = names.stiffness[i, i] * names.total[i]
+        stick = sp.And(sp.StrictLessThan(low, elastic, evaluate=False), sp.StrictLessThan(elastic, high, evaluate=False), evaluate=False)
+        ends = (high, sp.GreaterThan(elastic, high, evaluate=False)), (low, sp.LessThan(elastic, low, evaluate=False))
+        note = "first loading from rest along this direction: elastic between the ends, slipping at either"
+        branches = sp.Piecewise((elastic, stick), *ends, evaluate=False)
+        yield Equation(f"1{nth}", f"one_dimensional_{tail}", _equal(force, branches), note, LINE)
 
 
 def derive(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, stiffness: str = "orthotropic") -> Derivation:
@@ -45,25 +497,24 @@ def derive(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, s
 
 
 def _equations(law: Criterion, names: Names, left_out: list[LeftOut]) -> Iterator[Equation]:
-    left_out.append(
-        LeftOut("thermal block: T_C, s_C, heat fluxes and D_th of Eq. (23)", "isothermal law, no equation contains a temperature")
-    )
+    thermal = "thermal block: T_C, s_C, heat fluxes and D_th of Eq. (23)"
+    left_out.append(LeftOut(thermal, "isothermal law, no equation contains a temperature"))
     left_out.append(LeftOut("further internal variables chi_3 ... chi_n of Eq. (24)", "the law has none"))
-    yield from state_equations(names)
+    yield from _state_equations(names)
     found = pieces(law)
     if found is None:
         left_out.append(LeftOut("normal and criterion by branches", f"the formula has more than {MOST} branches"))
-    yield from evolution_equations(names, found)
+    yield from _evolution_equations(names, found)
     if not law.associated:
         left_out.append(LeftOut("dissipation potential", "the law has a flow of its own, which no potential of K gives"))
-        if law.flow is None and slips(law) is None:
+        if law.flow is None and _slips(law) is None:
             left_out.append(LeftOut("flow by surfaces", f"a surface has more than {MOST} branches"))
     elif (support := support_function(law)) is None:
         left_out.append(LeftOut("dissipation potential", "K has no support function in closed form by the polar rules"))
     else:
-        yield from potential_equations(names, support)
-    yield from increment_equations(names, found)
-    yield from one_dimensional_equations(names)
+        yield from _potential_equations(names, support)
+    yield from _increment_equations(names, found)
+    yield from _one_dimensional_equations(names)
     for force in names.forces:
         if interval(law, force) is None:
             left_out.append(LeftOut(f"reduction to {force} alone", "K on that line is unbounded or has no closed form"))

@@ -15,7 +15,7 @@ from itertools import combinations, pairwise
 
 import sympy as sp
 
-from duhem.expression.extremes import greatest
+from duhem.expression.build import greatest
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
 __all__ = ["Gauge", "Holder", "Polytope", "Quadratic", "Separable", "Side", "sign_of"]

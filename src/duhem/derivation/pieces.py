@@ -15,10 +15,10 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.derivation.numerical_check import BITS, ROUGH, finite, sample_values
+from duhem.derivation.support_function import BITS, ROUGH, finite, sample_values
 from duhem.expression import mpmath_
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
-from duhem.expression.rays_mpmath import reach
+from duhem.expression.mpmath_ import reach
 from duhem.expression.vocabulary import Norm
 from duhem.law.formula_law import Criterion
 

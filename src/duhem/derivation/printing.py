@@ -1,27 +1,32 @@
-"""A derivation as text, Markdown or LaTeX; printers only, no mathematics."""
+"""A derivation, or one of its equations, as text, Markdown, LaTeX, sheet, chapters and plain values; printers only, no mathematics."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.printing.str import StrPrinter
 
-from duhem.derivation.equation import Derivation, Equation
-from duhem.derivation.notation import Names
+from duhem.derivation.equation import Derivation, Equation, Names
 from duhem.derivation.support_function import compression
 from duhem.derivation.typeset import Rows, Typesetter, by_name, positive_first
 from duhem.expression.vocabulary import Where
 from duhem.show.notation import latex_name
 from duhem.show.page import PAGE, Page
-from duhem.show.printing import latex, markdown, text
-from duhem.show.sheet import marked
+from duhem.show.printing import latex, markdown, plain, sheet, text
+from duhem.show.sheet import Sheet, Typeset, marked
 
-__all__ = ["as_latex", "as_markdown", "as_text", "displayed", "formulas", "in_one", "in_words"]
+if TYPE_CHECKING:
+    from duhem.show.document import Chapter
+
+__all__ = [
+    "as_dict", "as_latex", "as_markdown", "as_sheet", "as_text", "chapters", "displayed", "equation_as_dict", "equation_as_latex",
+    "equation_as_sheet", "formulas", "in_one", "in_words",
+]  # fmt: skip
 
 
 def _shown(expr: sp.Basic, names: Names) -> sp.Basic:
@@ -51,33 +56,24 @@ class _Text(StrPrinter):
     def _as_ordered_terms(self, expr: Any, order: Any = None) -> list[Any]:
         return positive_first(super()._as_ordered_terms(expr, order))
 
+    def _word(self, expr: Any) -> str:
+        return f"{type(expr).__name__.lower()}({', '.join(map(self._print, expr.args))})"
+
+    _print_Abs = _print_Max = _print_Min = _print_Pos = _print_Neg = _print_Norm = _print_Atan2 = _print_EigMax = _word
+
     def _print_Function(self, expr: Any) -> str:
-        name = {"Pos": "pos", "Neg": "neg", "Norm": "norm", "Atan2": "atan2", "EigMax": "eigmax"}.get(
-            expr.func.__name__, expr.func.__name__
-        )
-        return f"{name}({', '.join(self._print(a) for a in expr.args)})"
+        return f"{expr.func.__name__}({', '.join(map(self._print, expr.args))})"
 
     def _print_Where(self, expr: Where) -> str:
-        if expr.sign_of is not None:
-            return f"sign({self._print(expr.sign_of)})"
-        return f"where({', '.join(self._print(a) for a in expr.args)})"
-
-    def _print_Abs(self, expr: Any) -> str:
-        return f"abs({self._print(expr.args[0])})"
-
-    def _print_Max(self, expr: Any) -> str:
-        return f"{expr.func.__name__.lower()}({', '.join(self._print(a) for a in expr.args)})"
-
-    _print_Min = _print_Max
+        return self._word(expr) if expr.sign_of is None else f"sign({self._print(expr.sign_of)})"
 
     def _print_Belongs(self, expr: Any) -> str:
         return f"{self._print(expr.args[0])} in {self._print(expr.args[1])}"
 
     def _print_Equality(self, expr: Any) -> str:
-        left, right = (self._print(a) for a in expr.args)
-        if isinstance(expr.rhs, sp.MatrixBase) and isinstance(expr.lhs, sp.MatrixBase):
-            return "\n".join(f"{self._print(a)} = {self._print(b)}" for a, b in zip(expr.lhs, expr.rhs, strict=True))
-        return f"{left} = {right}"
+        of_columns = isinstance(expr.rhs, sp.MatrixBase) and isinstance(expr.lhs, sp.MatrixBase)
+        rows = zip(expr.lhs, expr.rhs, strict=True) if of_columns else [expr.args]
+        return "\n".join(f"{self._print(left)} = {self._print(right)}" for left, right in rows)
 
     def _print_And(self, expr: Any) -> str:
         return ", ".join(self._print(a) for a in by_name(expr))
@@ -96,13 +92,9 @@ class _Text(StrPrinter):
         return f"[{self._print(expr.start)}, {self._print(expr.end)}]"
 
     def _print_Tuple(self, expr: Any) -> str:
-        return f"({', '.join(self._print(a) for a in expr.args)})"
+        return f"({', '.join(map(self._print, expr))})"
 
-    def _print_MatrixBase(self, expr: Any) -> str:
-        return f"({', '.join(self._print(a) for a in expr)})"
-
-    _print_ImmutableDenseMatrix = _print_MatrixBase
-    _print_MutableDenseMatrix = _print_MatrixBase
+    _print_MatrixBase = _print_ImmutableDenseMatrix = _print_MutableDenseMatrix = _print_Tuple
 
 
 def formulas(derivation: Derivation) -> Iterator[tuple[Equation, Rows]]:
@@ -201,3 +193,69 @@ def displayed(rows: Sequence[str], number: str = "") -> str:
     if len(rows) == 1:
         return rf"\begin{{equation*}}{rows[0]}{tag}\end{{equation*}}"
     return rf"\begin{{align*}}{_joined(rows)}{tag}\end{{align*}}"
+
+
+@sheet.register(Derivation)
+def as_sheet(derivation: Derivation) -> Sheet:
+    """A field an equation: its number, name and sentence, and the formula."""
+    fields = tuple((_title(e), Typeset(_line(in_words(e, derivation.names)), in_one(rows))) for e, rows in formulas(derivation))
+    return Sheet(f"Derivation of {derivation.law}", fields, notes=(("Left out", tuple(map(str, derivation.left_out))),))
+
+
+@plain.register(Derivation)
+def as_dict(derivation: Derivation) -> dict[str, Any]:
+    """Every equation with its formula in the words of a criterion file and in LaTeX; what was left out."""
+    return {
+        "law": derivation.law,
+        "equations": [_said(e, _line(in_words(e, derivation.names)), rows) for e, rows in formulas(derivation)],
+        "left_out": [part.to_dict() for part in derivation.left_out],
+    }
+
+
+@sheet.register(Equation)
+def equation_as_sheet(equation: Equation) -> Sheet:
+    """Section and formula; symbols are written by their names, as the equation alone does not know better."""
+    formula = Typeset(_line(in_words(equation)), in_one(_alone(equation)))
+    return Sheet(_title(equation), (("section", equation.section), ("formula", formula)))
+
+
+@plain.register(Equation)
+def equation_as_dict(equation: Equation) -> dict[str, Any]:
+    """As :func:`as_dict` has it."""
+    return _said(equation, _line(in_words(equation)), _alone(equation))
+
+
+@latex.register(Equation)
+def equation_as_latex(equation: Equation) -> str:
+    """A displayed formula with its number."""
+    rows = _alone(equation)
+    return displayed([*rows.formula, *rows.named], equation.number)
+
+
+def _alone(equation: Equation) -> Rows:
+    names = {known: latex_name(known.name) for known in equation.relation.atoms(sp.Symbol)}
+    return Typesetter(names).rows(equation.relation, equation.number)
+
+
+def _line(formula: str) -> str:
+    """Rows of a vector or of branches one after the other."""
+    return "; ".join(row.strip() for row in formula.splitlines())
+
+
+def _title(equation: Equation) -> str:
+    return f"({equation.number}) {equation.name}: {equation.note}"
+
+
+def _said(equation: Equation, formula: str, rows: Rows) -> dict[str, Any]:
+    own = {key: getattr(equation, key) for key in ("number", "name", "section", "note")}
+    return own | {"formula": formula, "latex": in_one(rows)}
+
+
+def chapters(derivation: Derivation) -> tuple[Chapter, ...]:
+    """The chapters of a page: one a section, in order, each relation with its number and its sentence."""
+    from duhem.show.document import Chapter, Display
+
+    return tuple(
+        Chapter(section, tuple(Display(e.number, e.note, in_words(e, derivation.names), (*r.formula,), (*r.named,)) for e, r in group))
+        for section, group in groupby(formulas(derivation), key=lambda pair: pair[0].section)
+    )

@@ -3,23 +3,178 @@
 The reading is by rules on the SymPy tree, never by the name of a law: constants move to the right, increasing outer
 maps are undone (roots, powers, norms), what is left is read as a p-norm of one-dimensional gauges of linear forms,
 a quadratic form, or a maximum of linear forms.  What no rule reads is given up: the answer is None.
+
+A formula is read into blocks, forms of the forces with weights, joined by norms, of which the gauge is made.  Factors of polynomials over
+the rationals are FLINT's: SymPy's own search for them is by chance, and now and then takes minutes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import sympy as sp
 
-from duhem.derivation.blocks import Facets, Form, Leaf, Node, Tree, UnreadError, assemble, independent, scaled
-from duhem.derivation.gauge import Gauge, Side
+from duhem.derivation.gauge import Gauge, Holder, Polytope, Quadratic, Separable, Side
 from duhem.expression.branches import TooManyBranchesError, branches
-from duhem.expression.factoring import factored
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
-__all__ = ["Ball", "read_ball"]
+__all__ = [
+    "Ball", "Facets", "Form", "Leaf", "Node", "Tree", "UnreadError", "assemble", "factor_list", "factored", "independent", "read_ball",
+    "scaled",
+]  # fmt: skip
+
+
+def factor_list(poly: sp.Expr) -> tuple[sp.Rational, list[tuple[sp.Expr, int]]]:
+    """A number and the irreducible factors with their powers, with the signs that ``sympy.factor_list`` gives them.
+
+    Rational coefficients, since python-flint 0.9 takes whole ones for C integers when it sorts factors.
+    """
+    import flint
+
+    form = sp.Poly(poly)
+    if not (form.domain.is_ZZ or form.domain.is_QQ):
+        number, found = sp.factor_list(poly)
+        return number, found
+    ring = flint.fmpq_mpoly_ctx.get([f"x{i}" for i in range(len(form.gens))], "lex")
+    number, parts = ring.from_dict({m: flint.fmpq(c.p, c.q) for m, c in form.terms()}).factor()
+    factors = [(sp.Poly({m: sp.Rational(int(c.p), int(c.q)) for m, c in f.to_dict().items()}, *form.gens), int(n)) for f, n in parts]
+    factors.sort(key=lambda factor: (len(factor[0].rep.to_list()), factor[1], factor[0].rep.to_list()))
+    return sp.Rational(int(number.p), int(number.q)), [(part.as_expr(), power) for part, power in factors]
+
+
+def factored(expr: sp.Expr) -> sp.Expr:
+    """The expression as a product, quotients put together, where it is a quotient of polynomials in symbols > 0 and roots of them."""
+    powers = [p for p in expr.atoms(sp.Pow) if p.base.is_Symbol and p.base.is_positive and p.exp.is_Rational]
+    roots = {s: sp.Dummy(s.name, positive=True) for p in powers if (s := p.base)}
+    share = {s: sp.ilcm(*(p.exp.q for p in powers if p.base == s), 1) for s in roots}
+    whole = {p: roots[p.base] ** (p.exp * share[p.base]) for p in powers} | {s: root ** share[s] for s, root in roots.items()}
+    above, below = sp.fraction(sp.together(expr.xreplace(whole)))
+    if not (above.is_polynomial(*above.free_symbols) and below.is_polynomial(*below.free_symbols)) or above.is_zero:
+        return sp.factor(expr)
+    scale, found = sp.S.One, list[sp.Expr]()
+    for part, sign in ((above, 1), (below, -1)):
+        number, factors = (part, []) if part.is_number else factor_list(sp.expand(part))
+        scale *= number**sign
+        found += [factor ** (sign * power) for factor, power in factors]
+    product = sp.Mul(*found).xreplace({root: s ** sp.Rational(1, share[s]) for s, root in roots.items()})
+    return sp.Mul(scale, product, evaluate=False) if scale != 1 and product.is_Add else scale * product
+
+
+Row = tuple[sp.Expr, ...]
+
+
+class UnreadError(Exception):
+    """No rule reads the formula."""
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """The gauge ``side`` of row . x - offset."""
+
+    side: Side
+    row: Row
+    offset: sp.Expr
+
+
+@dataclass(frozen=True)
+class Node:
+    """The p-norm of its parts."""
+
+    p: sp.Expr
+    parts: tuple[Leaf | Node, ...]
+
+
+@dataclass(frozen=True)
+class Form:
+    """sqrt((x - centre) . matrix (x - centre)) for a form that is not diagonal."""
+
+    matrix: sp.ImmutableMatrix
+    centre: Row
+
+
+@dataclass(frozen=True)
+class Facets:
+    """max of row . x / limit over (row, limit)."""
+
+    arms: tuple[tuple[Row, sp.Expr], ...]
+
+
+Tree = Leaf | Node | Form | Facets
+
+
+def scaled(tree: Leaf | Node, factor: sp.Expr) -> Leaf | Node:
+    """``factor`` times the gauge."""
+    if isinstance(tree, Node):
+        return Node(tree.p, tuple(scaled(part, factor) for part in tree.parts))
+    return Leaf(Side(tree.side.up * factor, tree.side.down * factor), tree.row, tree.offset)
+
+
+def independent(rows: sp.Matrix) -> bool:
+    """Whether the rows are linearly independent (for symbols: at general values)."""
+    return bool(rows.rows <= rows.cols and rows.rank() == rows.rows)
+
+
+def assemble(tree: Tree, radius: sp.Expr) -> tuple[Gauge, Row, sp.Expr, sp.Expr]:
+    """(gauge, centre, radius, an expression that must be positive for it to hold); raises UnreadError."""
+    if isinstance(tree, Form):
+        return Quadratic(tree.matrix), tree.centre, radius, sp.S.One
+    if isinstance(tree, Facets):
+        return _polytope([(row, limit * radius) for row, limit in tree.arms])
+    leaves = list(_leaves(tree))
+    rows = sp.ImmutableMatrix([list(leaf.row) for leaf in leaves])
+    if independent(rows):
+        offsets = sp.Matrix([leaf.offset for leaf in leaves])
+        gram = rows * rows.T
+        centre = (rows.T * gram.inv() * offsets).applyfunc(sp.cancel) if any(offsets) else sp.zeros(rows.cols, 1)
+        return Separable(_tree_of(tree), rows), tuple(centre), radius, sp.factor(gram.det())
+    if not isinstance(tree, Node) or not all(isinstance(p, Leaf) and p.side.symmetric and p.offset == 0 for p in tree.parts):
+        raise UnreadError
+    if tree.p == 2:
+        weights = sp.diag(*[leaf.side.up**2 for leaf in leaves])
+        matrix = sp.ImmutableMatrix(rows.T * weights * rows).applyfunc(sp.cancel)
+        kept = list(matrix.rref(simplify=True)[1])  # its rank at general values; at special ones it may be less
+        return Quadratic(matrix), (sp.S.Zero,) * rows.cols, radius, sp.factor(matrix[kept, kept].det())
+    if tree.p is sp.oo:
+        return _polytope([(tuple(sign * c for c in leaf.row), radius / leaf.side.up) for leaf in leaves for sign in (1, -1)])
+    if tree.p == 1:
+        return _polytope([(row, radius) for row in _signed_sums(leaves)])
+    raise UnreadError
+
+
+def _polytope(arms: Sequence[tuple[Row, sp.Expr]]) -> tuple[Gauge, Row, sp.Expr, sp.Expr]:
+    """{row . x <= limit}: numeric up to one common positive factor, which becomes the radius."""
+    radius = arms[0][1]
+    rows = sp.Matrix([[sp.cancel(c * radius / limit) for c in row] for row, limit in arms])
+    if any(not c.is_number for c in rows):
+        raise UnreadError
+    ball = Polytope.of(rows)
+    if ball is None:
+        raise UnreadError
+    return ball, (sp.S.Zero,) * rows.cols, radius, sp.S.One
+
+
+def _leaves(tree: Leaf | Node) -> Iterator[Leaf]:
+    if isinstance(tree, Leaf):
+        yield tree
+    else:
+        for part in tree.parts:
+            yield from _leaves(part)
+
+
+def _tree_of(tree: Leaf | Node) -> Side | Holder:
+    return tree.side if isinstance(tree, Leaf) else Holder(tree.p, tuple(_tree_of(part) for part in tree.parts))
+
+
+def _signed_sums(leaves: Sequence[Leaf]) -> Iterator[Row]:
+    """A sum of absolute values is the greatest of these."""
+    rows = [[leaf.side.up * c for c in leaf.row] for leaf in leaves]
+    for signs in product((1, -1), repeat=len(rows)):
+        row = tuple(sp.Add(*[s * v for s, v in zip(signs, column, strict=True)]) for column in zip(*rows, strict=True))
+        if any(row):
+            yield row
+
 
 _MOST_OPERATIONS = 200  # in the matrix of a quadratic form
 _KINKED = (sp.Abs, Pos, Neg, sp.Max, sp.Min, Norm, Where)

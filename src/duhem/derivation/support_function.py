@@ -3,22 +3,53 @@
 Phi(d) = sup { sigma . d : g(sigma) <= 0 } is the Legendre-Fenchel conjugate of the indicator of K (Rockafellar 1970,
 Theorem 13.2).  Where K is read as centre + radius {gauge <= 1}, Phi(d) = centre . d + radius gauge°(d), with gauge°
 the polar gauge.  Units: those of the stresses; rates d are dimensionless or in one unit; sigma_n <= 0 in compression.
+
+What is claimed is tried by evaluation at random exact parameters (:func:`defects`).  Three facts make a support function: its maximiser
+lies in K, attains the potential, and no point of K exceeds it.  The first two are evaluated with 40 digits; the third on points of the
+boundary of K found from g alone, along rays, without any use of how K was read.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from random import Random
 from typing import Any
 
+import mpmath
 import sympy as sp
 
-from duhem.derivation.numerical_check import defects, gauges_agree
-from duhem.derivation.potential import SupportFunction
 from duhem.derivation.recognise import read_ball
+from duhem.expression import mpmath_
+from duhem.expression.mpmath_ import reach
 from duhem.law.formula_law import Criterion
 
-__all__ = ["Biconjugate", "biconjugate", "compression", "fixed", "rate_symbols", "support_function"]
+__all__ = [
+    "BITS", "ROUGH", "Biconjugate", "SupportFunction", "biconjugate", "compression", "defects", "finite", "fixed", "gauges_agree",
+    "rate_symbols", "sample_values", "support_function", "varies",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SupportFunction:
+    """The potential and what it rests on.
+
+    ``potential`` is finite exactly where every expression of ``domain`` (linear in ``rates``) vanishes.  ``gauge``, taken
+    about ``centre`` and divided by ``radius``, describes K = {gauge <= 1}.  ``maximiser`` is the stress that attains
+    the supremum, for d != 0.  ``steps`` are the theorems used, in order.  All of it holds where every expression of
+    ``requires`` is positive.
+    """
+
+    potential: sp.Expr
+    rates: tuple[sp.Symbol, ...]
+    domain: tuple[sp.Expr, ...]
+    steps: tuple[str, ...]
+    maximiser: tuple[sp.Expr, ...] | None
+    requires: tuple[sp.Expr, ...]
+    gauge: sp.Expr
+    centre: tuple[sp.Expr, ...]
+    radius: sp.Expr
 
 
 @dataclass(frozen=True)
@@ -60,7 +91,7 @@ def fixed(law: Criterion, parameters: Mapping[str, Any] | None = None) -> Criter
 def support_function(law: Criterion, parameters: Mapping[str, Any] | None = None) -> SupportFunction | None:
     """Closed form of sup { sigma . d : g(sigma, sigma_n) <= 0 }, or None where the calculus has none.
 
-    What the rules give is returned only after :func:`duhem.derivation.numerical_check.defects` finds nothing against it: the
+    What the rules give is returned only after :func:`duhem.derivation.support_function.defects` finds nothing against it: the
     maximiser lies in K and attains the potential, and no point of K exceeds it, at random exact parameters.
     """
     law = fixed(law, parameters)
@@ -96,13 +127,13 @@ def support_function(law: Criterion, parameters: Mapping[str, Any] | None = None
     return None if defects(law, found) else found
 
 
-def biconjugate(law: Criterion, support: SupportFunction, parameters: Mapping[str, Any] | None = None) -> Biconjugate | None:
+def biconjugate(law: Criterion, support: SupportFunction) -> Biconjugate | None:
     """Phi** = Phi: the polar of the polar, read afresh from the potential's own formula, compared with the gauge of K.
 
     The polar of {Phi - centre . d <= 1} on the domain of Phi is the gauge of K about its centre (Rockafellar 1970,
     Theorems 14.5 and 15.1).  None where the potential is not read back in closed form.
     """
-    law = fixed(law, parameters)
+    law = fixed(law)
     inward, outward = compression(law)
     rates, forces = support.rates, law.force_symbols()
     centred = (support.potential - sp.Add(*[c * d for c, d in zip(support.centre, rates, strict=True)])).xreplace(inward)
@@ -131,3 +162,134 @@ def compression(law: Criterion) -> tuple[dict[sp.Expr, sp.Expr], dict[sp.Expr, s
 def _placing(centre: tuple[sp.Expr, ...], radius: sp.Expr) -> tuple[str, ...]:
     moved = f" and K is centred at ({', '.join(map(str, centre))}): a translation adds centre . d" if any(centre) else ""
     return (f"K is the unit ball scaled by {radius}: the potential is scaled by it{moved} (Rockafellar 1970, section 13)",)
+
+
+DIGITS = 40
+BITS = 39  # of a boundary point: 12 digits, so that in 15 no rounding of g takes it out of K
+ROUGH = 15  # digits along a ray
+SMALL = 25
+
+
+def finite(values: list[Any]) -> list[Any]:
+    """The values as they are; ArithmeticError if one is undefined or infinite, which no comparison would tell."""
+    if not all(map(mpmath.isfinite, values)):
+        raise ArithmeticError("a value is not real and finite")
+    return values
+
+
+def sample_values(law: Criterion, requires: Sequence[sp.Expr], random: Random, count: int) -> Iterator[dict[sp.Symbol, sp.Rational]]:
+    """Rational values of pressure and free parameters inside the domain, the constraints and ``requires``."""
+    symbols = law.symbols()
+    names = [name for name, domain in law.parameters.items() if domain.value is None]
+    found = 0
+    for _ in range(200 * count):
+        values = {symbols[name]: _inside(law.parameters[name], random) for name in names}
+        values |= {symbols[name]: domain.value for name, domain in law.parameters.items() if domain.value is not None}
+        if law.pressure is not None:
+            values[symbols[law.pressure]] = -sp.Rational(random.randint(1, 40), random.randint(1, 12))
+        if all(c.subs(values) == True for c in law.constraints) and all((r > 0).subs(values) == True for r in requires):  # noqa: E712
+            yield values
+            found += 1
+            if found == count:
+                return
+
+
+def _inside(domain: Any, random: Random) -> sp.Rational:
+    share = sp.Rational(random.randint(1, 23), 24)
+    if domain.low is not None and domain.high is not None:
+        return domain.low + share * (domain.high - domain.low)
+    size = sp.Rational(random.randint(1, 30), random.randint(4, 16))
+    if domain.low is not None:
+        return domain.low + size
+    return domain.high - size if domain.high is not None else size * random.choice((-1, 1))
+
+
+def defects(law: Criterion, support: SupportFunction, parameters: int = 3, directions: int = 6) -> tuple[str, ...]:
+    """What was found against ``support``: empty where nothing was; not to be able to evaluate it is a defect too."""
+    try:
+        return tuple(_defects(law, support, parameters, directions))
+    except (ArithmeticError, TypeError, ValueError, mpmath.libmp.NoConvergence) as error:
+        return (f"the claim cannot be evaluated: {error}",)
+
+
+def _defects(law: Criterion, support: SupportFunction, parameters: int, directions: int) -> Iterator[str]:
+    random, forces = Random(2007), law.force_symbols()
+    others = [s for s in law.symbols().values() if s not in forces]
+    fine, rough = mpmath_.digits(DIGITS), mpmath_.digits(ROUGH)
+    g, g_roughly = (mpmath_.compiled([law.g], [*forces, *others], context) for context in (fine, rough))
+    claim = mpmath_.compiled([support.potential, *(support.maximiser or ()), *support.centre], [*support.rates, *others], fine)
+    tried, small = 0, fine.mpf(10) ** -SMALL
+    for values in sample_values(law, support.requires, random, parameters):
+        rest = [values[s] for s in others]
+        tried += 1
+        rates = [_direction(support, values, random) for _ in range(directions)]
+        claims = [finite(claim(*d, *rest)) for d in rates]
+        n = len(forces)
+        centre = claims[0][-n:]
+        rays = [[rough.mpf(random.gauss(0, 1)) for _ in range(n)] for _ in range(4 * directions)]
+        start = [rough.mpf(c) for c in centre]
+
+        def level(x: list[Any], rest: Sequence[Any] = rest) -> Any:
+            return g_roughly(*x, *rest)[0]
+
+        reached = [(ray, reach(rough, level, start, ray, BITS)) for ray in rays]
+        cloud = [[c + fine.mpf(t) * fine.mpf(r) for c, r in zip(centre, ray, strict=True)] for ray, t in reached if t is not None]
+        scale = max([abs(c[0]) for c in claims] + [fine.mpf(10) ** -6])
+        for d, (potential, *found) in zip(rates, claims, strict=True):
+            exact = [mpmath_.number(fine, x) for x in d]
+            size = fine.sqrt(fine.fsum(x**2 for x in exact))
+            if support.maximiser is not None:
+                point = found[:n]
+                if finite(g(*point, *rest))[0] > small * scale:
+                    yield f"the maximiser lies outside K at {values}, d = {d}"
+                if abs(fine.fdot(point, exact) - potential) > small * scale:
+                    yield f"the maximiser does not attain the potential at {values}, d = {d}"
+            if any(fine.fdot(x, exact) > potential + size * small * scale for x in cloud):
+                yield f"a point of K exceeds the potential at {values}, d = {d}"
+    if not tried:
+        yield "no parameter values satisfy what the potential requires"
+
+
+def gauges_agree(law: Criterion, support: SupportFunction, gauge: sp.Expr, points: int = 24) -> bool:
+    """Whether two gauges of K agree to 30 digits at random exact points, and agree with g on what lies inside."""
+    random, forces = Random(1970), law.force_symbols()
+    others = [s for s in law.symbols().values() if s not in forces]
+    fine = mpmath_.digits(DIGITS)
+    both = mpmath_.compiled([gauge, support.gauge, law.g], [*forces, *others], fine)
+    small = fine.mpf(10) ** -SMALL
+    for values in sample_values(law, support.requires, random, 4):
+        for _ in range(points):
+            x = [sp.Rational(random.randint(-60, 60), random.randint(7, 40)) for _ in forces]
+            *gauges, g = both(*x, *(values[s] for s in others))
+            first, second = finite(gauges)
+            apart = abs(first - second) > fine.mpf(10) ** -30 * (1 + abs(second))
+            if apart or (not g <= small and first < 1) or (g < -small and first > 1):
+                return False
+    return True
+
+
+def varies(law: Criterion, expr: sp.Expr) -> bool:
+    """Whether ``expr`` takes two values, 20 digits apart at least, at forces drawn at random and the same parameters."""
+    random, forces = Random(1755), law.force_symbols()
+    others = [s for s in law.symbols().values() if s not in forces]
+    fine = mpmath_.digits(DIGITS)
+    value = mpmath_.compiled([expr], [*forces, *others], fine)
+    for values in sample_values(law, (), random, 3):
+        seen = []
+        for _ in range(6):
+            x = [sp.Rational(random.randint(-60, 60), random.randint(7, 40)) for _ in forces]
+            with suppress(ArithmeticError, TypeError, ValueError):
+                seen += finite(value(*x, *(values[s] for s in others)))
+        if seen and max(seen) - min(seen) > fine.mpf(10) ** -20 * (1 + max(map(abs, seen))):
+            return True
+    return False
+
+
+def _direction(support: SupportFunction, values: Mapping[sp.Symbol, sp.Rational], random: Random) -> list[sp.Rational]:
+    """A nonzero rational rate on the domain of the potential."""
+    rows = sp.Matrix([[form.coeff(d) for d in support.rates] for form in support.domain]).subs(values) if support.domain else None
+    basis = rows.nullspace() if rows is not None else [sp.Matrix(column) for column in sp.eye(len(support.rates)).tolist()]
+    while True:
+        weights = [sp.Rational(random.randint(-9, 9), random.randint(1, 7)) for _ in basis]
+        if any(weights):
+            return list(sum((w * b for w, b in zip(weights, basis, strict=True)), sp.zeros(len(support.rates), 1)))

@@ -17,10 +17,8 @@ from duhem.errors import InputError
 from duhem.expression import balls
 from duhem.expression.balls import certain_sign, constant
 from duhem.expression.elementary import ELEMENTARY, Elementary
-from duhem.expression.fold import Table
-from duhem.expression.matrices import deviator
-from duhem.expression.recording import bound, recorded
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.fold import Table, bound, recorded
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, deviator
 
 __all__ = ["TABLE", "compiled", "derivatives"]
 
@@ -87,10 +85,6 @@ def _open(value: Any, *like: Any) -> Any:
     return flint.arb_series([value, *([flint.arb("nan")] * (min(orders) - 1))], prec=min(orders)) if orders else value
 
 
-def _norm(node: sp.Basic, *parts: Any) -> Any:
-    return sum((p * p for p in parts), flint.arb(0)).sqrt()
-
-
 def _lattice(sense: int) -> Callable[..., Any]:
     def chosen(node: sp.Basic, first: Any, *rest: Any) -> Any:
         for x in rest:
@@ -145,11 +139,8 @@ TABLE: Table[Any] = {
     Neg: lambda node, x: _signed(node, x, -1, 0),
     sp.Max: _lattice(1),
     sp.Min: _lattice(-1),
-    Norm: _norm,
+    Norm: lambda _, *parts: sum((p * p for p in parts), flint.arb(0)).sqrt(),
     EigMax: _eigmax,
     Where: lambda node, condition, a, b: flint.arb("nan") * a if condition is None else a if condition else b,
-    sp.StrictGreaterThan: _compared(1),
-    sp.GreaterThan: _compared(1),
-    sp.StrictLessThan: _compared(-1),
-    sp.LessThan: _compared(-1),
+    **{kind: _compared(1 if holds(1, 0) else -1) for kind, holds in COMPARISONS.items()},
 }

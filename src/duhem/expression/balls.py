@@ -9,17 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
-from functools import partial
+from functools import partial, reduce
+from operator import add, ge, gt, le, lt, mul
 from typing import Any
 
 import flint
 import sympy as sp
 
 from duhem.expression.elementary import ELEMENTARY, Elementary
-from duhem.expression.fold import Table, fold
-from duhem.expression.matrices import deviator
-from duhem.expression.recording import bound, recorded
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.fold import Table, bound, fold, recorded
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, deviator
 
 __all__ = ["TABLE", "ball", "certain_sign", "compiled", "constant", "enclose", "precision"]
 
@@ -81,20 +80,6 @@ def _leaf(node: Any, values: Mapping[sp.Symbol, Any]) -> Any:
     return flint.arb("nan") if known is None else known
 
 
-def _add(node: sp.Basic, *terms: Any) -> Any:
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total
-
-
-def _mul(node: sp.Basic, *factors: Any) -> Any:
-    product = factors[0]
-    for factor in factors[1:]:
-        product = product * factor
-    return product
-
-
 def _square(x: Any) -> Any:
     """x^2 without the loss of x * x on balls around zero."""
     return _integer_power(x, 2)
@@ -125,7 +110,7 @@ def _pow(node: Any, base: Any, exponent: Any) -> Any:
 
 
 def _norm(node: sp.Basic, *args: Any) -> Any:
-    total = _add(node, *(_square(a) for a in args))
+    total = reduce(add, map(_square, args))
     low, high = total.lower(), total.upper()
     return (low.sqrt() if low > 0 else flint.arb(0)).union(high.sqrt()).nonnegative_part()
 
@@ -136,7 +121,7 @@ def _eigmax(node: sp.Basic, *entries: Any) -> Any:
         return flint.arb("nan")
     mean, second, third = deviator(*(x.mid() for x in entries))
     radii = [x.rad() for x in entries]
-    spread = _add(node, *(_square(r) for r in (*radii, *radii[3:]))).upper().sqrt().upper()
+    spread = reduce(add, map(_square, (*radii, *radii[3:]))).upper().sqrt().upper()
     far = 2 * (second / 3).nonnegative_part().upper().sqrt()
     near = far / 2
     if second > 0:
@@ -149,27 +134,16 @@ def _eigmax(node: sp.Basic, *entries: Any) -> Any:
     return mean + near.union(far) + flint.arb(0, spread)
 
 
-def _hull(values: list[Any], pick: Callable[[Any, Any], Any]) -> Any:
-    low, high = values[0].lower(), values[0].upper()
-    for value in values[1:]:
-        low, high = pick(low, value.lower()), pick(high, value.upper())
-    return low.union(high)
+def _extreme(pick: Callable[[Any, Any], Any]) -> Callable[..., Any]:
+    def row(_: sp.Basic, *values: Any) -> Any:
+        if not all(v.is_finite() for v in values):
+            return flint.arb("nan")
+        return reduce(pick, [v.lower() for v in values]).union(reduce(pick, [v.upper() for v in values]))
+
+    return row
 
 
-def _greater(a: Any, b: Any) -> Any:
-    return a if a > b else b
-
-
-def _less(a: Any, b: Any) -> Any:
-    return b if a > b else a
-
-
-def _max(node: sp.Basic, *values: Any) -> Any:
-    return _hull(list(values), _greater) if all(v.is_finite() for v in values) else flint.arb("nan")
-
-
-def _min(node: sp.Basic, *values: Any) -> Any:
-    return _hull(list(values), _less) if all(v.is_finite() for v in values) else flint.arb("nan")
+_max, _min = _extreme(lambda a, b: a if a > b else b), _extreme(lambda a, b: b if a > b else a)
 
 
 def _elementary(word: Elementary, _: sp.Basic, x: Any) -> Any:
@@ -181,14 +155,13 @@ def _elementary(word: Elementary, _: sp.Basic, x: Any) -> Any:
     return function(x) if least == -math.inf or x > least else flint.arb("nan")
 
 
-def _atan2(node: sp.Basic, y: Any, x: Any) -> Any:
-    return flint.arb("nan") if y.contains(0) and x.contains(0) else flint.arb.atan2(y, x)
-
-
 def _where(node: sp.Basic, condition: bool | None, a: Any, b: Any) -> Any:
     if condition is None:
         return a.union(b) if a.is_finite() and b.is_finite() else flint.arb("nan")
     return a if condition else b
+
+
+_FAILS: dict[Any, Callable[[Any, Any], bool]] = {gt: le, ge: lt, lt: ge, le: gt}  # what holds where a comparison never does
 
 
 def _truth(sure: Callable[[Any, Any], bool], never: Callable[[Any, Any], bool]) -> Callable[..., bool | None]:
@@ -199,12 +172,12 @@ def _truth(sure: Callable[[Any, Any], bool], never: Callable[[Any, Any], bool]) 
 
 
 TABLE: Table[Any] = {
-    sp.Add: _add,
-    sp.Mul: _mul,
+    sp.Add: lambda _, *terms: reduce(add, terms),
+    sp.Mul: lambda _, *factors: reduce(mul, factors),
     sp.Pow: _pow,
     sp.Abs: lambda node, x: _max(node, x, -x).nonnegative_part(),
     **{word.node: partial(_elementary, word) for word in ELEMENTARY.values()},
-    Atan2: _atan2,
+    Atan2: lambda _, y, x: flint.arb("nan") if y.contains(0) and x.contains(0) else flint.arb.atan2(y, x),
     sp.Max: _max,
     sp.Min: _min,
     Pos: lambda node, x: _max(node, x, flint.arb(0)).nonnegative_part(),
@@ -212,8 +185,5 @@ TABLE: Table[Any] = {
     Norm: _norm,
     EigMax: _eigmax,
     Where: _where,
-    sp.StrictGreaterThan: _truth(lambda a, b: a > b, lambda a, b: a <= b),
-    sp.GreaterThan: _truth(lambda a, b: a >= b, lambda a, b: a < b),
-    sp.StrictLessThan: _truth(lambda a, b: a < b, lambda a, b: a >= b),
-    sp.LessThan: _truth(lambda a, b: a <= b, lambda a, b: a > b),
+    **{kind: _truth(holds, _FAILS[holds]) for kind, holds in COMPARISONS.items()},
 }

@@ -2,24 +2,32 @@
 
 Kinks come from abs, pos, neg, max, min and where.  Each has switching functions; a branch fixes the sign of every
 switch it met, and its expression holds on the closed region where the signs are as said.  One-sided limits at a seam
-are values of branch expressions, never two-sided limits.
+are values of branch expressions, never two-sided limits.  Beside them stand what else takes a kink by its pieces: seams as simple as they
+are, what is <= 0 wherever a maximum is, and gradients, with the pieces of a kink behind a ``where``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from itertools import combinations
 from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
 
+from duhem.errors import InputError
+from duhem.expression import Norm
+from duhem.expression.build import settled, unacceptable
 from duhem.expression.fold import fold
 from duhem.expression.inert_number import InertNumber
-from duhem.expression.vocabulary import EigMax, Neg, Pos, Where
+from duhem.expression.vocabulary import KINKS, EigMax, Neg, Pos, Where, adopted
 
-__all__ = ["Branch", "Seam", "TooManyBranchesError", "almost_everywhere", "branches", "oriented", "seam", "seams", "thick"]
+__all__ = [
+    "Branch", "Seam", "TooManyBranchesError", "almost_everywhere", "branches", "gradient", "jacobian", "oriented", "plain_switches",
+    "seam", "seams", "smooth_below", "thick",
+]  # fmt: skip
 
 _LONG = 60  # operations
 _MOST_DEGREE = 10_000
@@ -255,3 +263,103 @@ def seams(pieces: Sequence[Branch]) -> Iterator[Seam]:
     for before, after in combinations(pieces, 2):
         if before.expr != after.expr and (found := seam(before, after)) is not None:
             yield found
+
+
+def plain_switches(pieces: Iterable[Branch]) -> tuple[Branch, ...]:
+    """The branches with each switch sqrt(p) - sqrt(q) replaced by p - q, which has its sign and no root."""
+    found = []
+    for piece in pieces:
+        signs: dict[sp.Expr, int] = {}
+        for switch, sign in piece.signs.items():
+            core, flip = oriented(_squared(switch))
+            if core in signs and signs[core] != sign * flip:
+                core, flip = switch, 1  # two switches that have become one: kept apart, as they came
+            signs[core] = sign * flip
+        found.append(Branch(signs, piece.expr))
+    return tuple(found)
+
+
+def _squared(switch: sp.Expr) -> sp.Expr:
+    if not (switch.is_Add and len(switch.args) == 2):
+        return switch
+    squares = [_square(term) for term in switch.args]
+    if None in squares or {s.is_positive for _, s in squares} != {True, False}:  # type: ignore[misc]
+        return switch
+    return sp.expand(sp.Add(*(square * sense for square, sense in squares)))  # type: ignore[misc]
+
+
+def _square(term: sp.Expr) -> tuple[sp.Expr, sp.Integer] | None:
+    """The square of +- a root, or of a number, and the sign; None for anything else."""
+    scale, root = term.as_coeff_Mul()
+    if not scale.is_Rational:
+        return None
+    if isinstance(root, Norm):
+        under = sp.Add(*(c**2 for c in root.args))
+    elif root.is_Pow and root.exp == sp.S.Half and root.base.is_nonnegative:  # else it may be undefined
+        under = root.base
+    elif root == 1:
+        under = root
+    else:
+        return None
+    return scale**2 * under, sp.sign(scale)
+
+
+_MOST = 32
+
+
+def smooth_below(expr: sp.Expr) -> tuple[sp.Expr, ...]:
+    """Formulas without a kink that are <= 0 wherever ``expr`` is; none where that is not seen, or they are too many.
+
+    A kink that is added, times something positive, is replaced by each of what it is the greatest of.
+    """
+    found = tuple(dict.fromkeys(_smaller(expr)))
+    return found if len(found) <= _MOST else ()
+
+
+def _smaller(expr: sp.Expr) -> Iterator[sp.Expr]:
+    if not expr.has(*KINKS):
+        yield expr
+        return
+    for term in sp.Add.make_args(expr):
+        if values := _values(term):
+            for value in values:
+                yield from _smaller(expr - term + value)
+            return
+
+
+def _values(term: sp.Expr) -> tuple[sp.Expr, ...]:
+    """What a kink, times something positive, is the greatest of; none where the term is no such thing."""
+    positive = [f for f in sp.Mul.make_args(term) if f.is_positive]
+    rest = [f for f in sp.Mul.make_args(term) if not f.is_positive]
+    if len(rest) != 1:
+        return ()
+    kink, factor = rest[0], sp.Mul(*positive)
+    if isinstance(kink, sp.Abs):
+        return factor * kink.args[0], -factor * kink.args[0]
+    if isinstance(kink, Pos | Neg):
+        return kink.slope * factor * kink.args[0], sp.S.Zero
+    return tuple(factor * value for value in kink.args) if isinstance(kink, sp.Max) else ()
+
+
+def gradient(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
+    """The derivatives by ``forces``; where pieces meet at a kink, that of one of them.  InputError where a part has no derivative."""
+    opened = potential.replace(lambda node: isinstance(node, sp.Abs | sp.Max | sp.Min), _pieces)
+    found = tuple(settled(sp.diff(opened, x)) for x in forces)
+    for part in found:
+        if fault := unacceptable(part, potential.free_symbols):
+            raise InputError(f"the potential has no gradient in the words of the language: {fault.what}", remedy="give the flow itself")
+    return found
+
+
+def _pieces(node: Any) -> sp.Expr:
+    """A kink as the choice between its pieces."""
+    if isinstance(node, sp.Abs):
+        return Where(node.args[0] >= 0, node.args[0], -node.args[0])
+    greatest = isinstance(node, sp.Max)
+    return reduce(lambda rest, a: Where(a >= rest if greatest else a <= rest, a, rest), node.args)
+
+
+def jacobian(system: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> sp.Matrix | None:
+    """The derivatives of formulas, a row each; None where one cannot be said in the words of the language."""
+    found = sp.Matrix(system).jacobian(list(unknowns)).applyfunc(adopted)
+    return None if any(unacceptable(part, found.free_symbols) for part in found) else found

@@ -2,23 +2,81 @@
 
 SymPy evaluates as it builds: 9**9**9 would fill the memory, 1/0 is its complex infinity, sqrt(-1) its imaginary unit.
 Here the size of a result is bounded before SymPy is asked for it, and what comes back is looked at.
+
+Of Max and Min SymPy compares every pair of arguments in up to eight ways and drops those that another always covers.  Of most pairs now
+one, now the other is the greater; two points show that, and what holds at every point cannot be said of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import random
+from collections.abc import Callable, Collection, Iterator, Sequence
+from itertools import combinations
 from typing import NamedTuple
 
 import sympy as sp
-from sympy.core.relational import Relational
 
 from duhem.errors import InputError
-from duhem.expression.extremes import greatest, least
-from duhem.expression.floats import approximate
+from duhem.expression.floats import approximate, value_at
 from duhem.expression.inert_number import InertNumber, inert_exponent, reckoned
 from duhem.expression.vocabulary import NODES, WORDS, Atan2
 
-__all__ = ["AS_WRITTEN", "EVALUATED", "Building", "settled", "unacceptable"]
+__all__ = ["AS_WRITTEN", "EVALUATED", "Building", "greatest", "least", "settled", "unacceptable"]
+
+MOST_POINTS = 16
+_MARGIN = 1e-6  # far beyond what rounding does to a formula of a law
+_SIGNED = frozenset(sp.Symbol("x", positive=True).assumptions0) | frozenset(sp.Symbol("x", negative=True).assumptions0)
+
+
+def greatest(*args: sp.Expr) -> sp.Expr:
+    """``sp.Max(*args)``, the same expression; ValueError as there."""
+    return _extreme(sp.Max, args)
+
+
+def least(*args: sp.Expr) -> sp.Expr:
+    """``sp.Min(*args)``, the same expression; ValueError as there."""
+    return _extreme(sp.Min, args)
+
+
+def _extreme(kind: type[sp.Max] | type[sp.Min], args: Collection[sp.Expr]) -> sp.Expr:
+    flat = dict.fromkeys(inner for a in args for inner in (a.args if isinstance(a, kind) else (a,)))
+    # Within one another SymPy factors them, even where nothing can be compared.
+    plain = len(flat) > 1 and not any(isinstance(a, sp.Max | sp.Min) for a in flat)
+    return kind(*flat, evaluate=not (plain and _cross(tuple(flat))))
+
+
+def _cross(args: tuple[sp.Expr, ...]) -> bool:
+    """Whether points show of each two that neither is always the greater; False where that stays open."""
+    symbols = sorted(set().union(*(a.free_symbols for a in args)), key=str)
+    if not symbols or not all(s.assumptions0.keys() <= _SIGNED for s in symbols):  # as integers they are not all that the points are
+        return False
+    seen: set[tuple[int, int]] = set()
+    left = [*combinations(range(len(args)), 2)]
+    for point in _points(symbols):
+        try:
+            values = [value_at(a, point) for a in args]
+        except (OverflowError, ValueError, ZeroDivisionError):
+            continue
+        except (InputError, TypeError):
+            return False
+        for i, j in left:
+            apart = values[i] - values[j]
+            if abs(apart) > _MARGIN * (abs(values[i]) + abs(values[j])):
+                seen.add((i, j) if apart > 0 else (j, i))
+        left = [(i, j) for i, j in left if (i, j) not in seen or (j, i) not in seen]
+        if not left:
+            return True
+    return False
+
+
+def _points(symbols: Collection[sp.Symbol]) -> Iterator[dict[sp.Symbol, float]]:
+    """Points that the symbols' signs allow, always the same."""
+    drawn = random.Random(1)
+    for _ in range(MOST_POINTS):
+        sizes = {s: 2.0 ** drawn.uniform(-4, 4) for s in symbols}
+        signs = {s: -1 if s.is_nonpositive else 1 if s.is_nonnegative else drawn.choice((-1, 1)) for s in symbols}
+        yield {s: signs[s] * sizes[s] for s in symbols}
+
 
 MOST_BITS = 8192
 MOST_EXPONENT = 1000
@@ -81,11 +139,6 @@ def _in_words(expr: sp.Expr) -> sp.Expr:
     return expr.replace(sp.cot, lambda x: 1 / sp.tan(x)) if expr.has(sp.cot) else expr
 
 
-def relation(kind: type[Relational], left: sp.Expr, right: sp.Expr) -> sp.Basic:
-    """A comparison, or SymPy's true or false where the signs of the symbols decide it."""
-    return kind(left, right)
-
-
 def settled(expr: sp.Expr) -> sp.Expr:
     """The expression built anew from its parts until it stays what it is.
 
@@ -116,7 +169,7 @@ class Building(NamedTuple):
     product: Callable[..., sp.Expr]
     power: Callable[[sp.Expr, sp.Expr], sp.Expr]
     call: Callable[[str, Sequence[sp.Basic]], sp.Expr]
-    relation: Callable[[type[Relational], sp.Expr, sp.Expr], sp.Basic]
+    evaluate: bool  # whether SymPy makes of a comparison true or false where the signs of the symbols decide it
 
 
 def _written_total(plus: Sequence[sp.Expr], minus: Sequence[sp.Expr]) -> sp.Expr:
@@ -144,13 +197,9 @@ def _written_call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
     return WORDS[word].build(*args, evaluate=False)
 
 
-def _written_relation(kind: type[Relational], left: sp.Expr, right: sp.Expr) -> sp.Basic:
-    return kind(left, right, evaluate=False)
-
-
-EVALUATED = Building(total, product, power, call, relation)
+EVALUATED = Building(total, product, power, call, evaluate=True)
 # Nothing cancelled, combined or put in order but numbers: x/x, exp(log(x)) and sqrt(x)**2 stay what they are.
-AS_WRITTEN = Building(_written_total, _written_product, _written_power, _written_call, _written_relation)
+AS_WRITTEN = Building(_written_total, _written_product, _written_power, _written_call, evaluate=False)
 
 
 def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> InputError | None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 import operator
 from collections.abc import Callable, Mapping
-from functools import partial, reduce
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -20,10 +20,9 @@ from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
-from duhem.expression.matrices import rows
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.text import formula
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, rows
 
 __all__ = ["NUMBERS_ONLY", "TABLE", "dcp_fault", "expression"]
 
@@ -137,14 +136,9 @@ def _power(node: Any, base: Atom, exponent: Atom) -> Atom:
     if p > 0 and p % 2 == 0:
         return cp.power(cp.abs(base), p, **_exact(cp.power))
     if p.is_integer() and not base.is_nonneg():  # CVXPY would cut the domain down to x >= 0, where the formula does not
-        raise InputError(
-            f"{formula(node)} has no curvature where its base may be negative", remedy="give the base a sign, for example with abs or pos"
-        )
+        what = f"{formula(node)} has no curvature where its base may be negative"
+        raise InputError(what, remedy="give the base a sign, for example with abs or pos")
     return cp.power(base, p, **_exact(cp.power))
-
-
-def _elementary(atom: Callable[[Any, Atom], Atom], _: sp.Basic, x: Atom) -> Atom:
-    return atom(_cp(), x)
 
 
 def _stack(*args: Atom) -> tuple[Atom, dict[str, int]]:
@@ -192,14 +186,14 @@ def _no_atom(node: sp.Basic, *_: Atom) -> Atom:
 # Node classes that mean something on numbers only, and why.
 NUMBERS_ONLY: dict[type, str] = dict.fromkeys(
     (Atan2, *(word.node for word in ELEMENTARY.values() if word.atom is None)), "neither convex nor concave"
-) | dict.fromkeys((Where, sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan), "a case distinction has no curvature")
+) | dict.fromkeys((Where, *COMPARISONS), "a case distinction has no curvature")
 
 TABLE: Table[Atom] = {
     sp.Add: lambda _, *x: reduce(operator.add, x),
     sp.Mul: _product,
     sp.Pow: _power,
     sp.Abs: lambda _, x: _cp().abs(x),
-    **{word.node: partial(_elementary, word.atom) for word in ELEMENTARY.values() if word.atom},
+    **{word.node: lambda _, x, atom=word.atom: atom(_cp(), x) for word in ELEMENTARY.values() if word.atom},
     sp.Min: lambda _, *x: _cp().minimum(*x),
     sp.Max: lambda _, *x: _cp().maximum(*x),
     Pos: lambda _, x: _cp().pos(x),

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 from typing import Any
 
 import sympy as sp
@@ -12,8 +11,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
-from duhem.expression.matrices import deviator
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, deviator
 
 __all__ = ["TABLE", "approximate", "value_at"]
 
@@ -45,10 +43,6 @@ def _power(_: sp.Basic, base: float, exponent: float) -> float:
     return result
 
 
-def _elementary(function: Callable[[float], float], _: sp.Basic, a: float) -> float:
-    return function(a)
-
-
 def _atan2(_: sp.Basic, y: float, x: float) -> float:
     if x == 0 == y:
         raise ValueError("no angle")
@@ -66,7 +60,7 @@ TABLE: Table[float] = {
     sp.Mul: lambda _, *a: math.prod(a),
     sp.Pow: _power,
     sp.Abs: lambda _, a: abs(a),
-    **{word.node: partial(_elementary, getattr(math, name)) for name, word in ELEMENTARY.items()},
+    **{word.node: lambda _, a, name=name: getattr(math, name)(a) for name, word in ELEMENTARY.items()},
     Atan2: _atan2,
     sp.Min: lambda _, *a: min(a),
     sp.Max: lambda _, *a: max(a),
@@ -75,8 +69,5 @@ TABLE: Table[float] = {
     Norm: lambda _, *a: math.hypot(*a),
     EigMax: _eigmax,
     Where: lambda _, condition, a, b: a if condition else b,
-    sp.StrictLessThan: lambda _, a, b: float(a < b),
-    sp.LessThan: lambda _, a, b: float(a <= b),
-    sp.StrictGreaterThan: lambda _, a, b: float(a > b),
-    sp.GreaterThan: lambda _, a, b: float(a >= b),
+    **{kind: lambda _, a, b, holds=holds: float(holds(a, b)) for kind, holds in COMPARISONS.items()},
 }

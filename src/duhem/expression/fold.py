@@ -1,8 +1,15 @@
-"""One walk over the tree for every back end: a table maps node classes to functions, nothing else differs."""
+"""One walk over the tree for every back end: a table maps node classes to functions, nothing else differs.
+
+The walk may be recorded into a straight list of steps over registers, each shared sub-expression one step.  What the registers hold
+(arrays, jets, balls, numbers of many digits) is the affair of the interpreter, which gives a table of its rows and says what a constant is.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from operator import itemgetter
 from typing import Any, TypeVar
 
 import sympy as sp
@@ -10,7 +17,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.inert_number import InertNumber
 
-__all__ = ["Table", "fold"]
+__all__ = ["Recording", "Table", "bound", "fold", "recorded", "same"]
 
 T = TypeVar("T")
 Table = Mapping[type, Callable[..., T]]
@@ -43,3 +50,77 @@ def _row(node: sp.Basic, table: Table[T]) -> Callable[..., T]:
     if row is None:
         raise InputError(f"no meaning is given to {type(node).__name__} in {node}", remedy="rewrite that part of the formula")
     return row
+
+
+Step = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Functions with what takes their arguments from the registers; the first are the symbols', each step fills the next.
+
+    ``spent``: after each step the registers that no later one takes.
+    """
+
+    steps: tuple[tuple[Step, Callable[[list[Any]], Sequence[Any]]], ...]
+    last: int
+    spent: tuple[tuple[int, ...], ...]
+
+    def run(self, values: Iterable[Any], *notes: Any) -> list[Any]:
+        """All registers, from one value for each symbol; the formula's is number ``last``.  Every step is told the ``notes`` first."""
+        registers = list(values)
+        for step, taken in self.steps:
+            registers.append(step(*notes, *taken(registers)))
+        return registers
+
+    def value(self, values: Iterable[Any], *notes: Any) -> Any:
+        """The formula's register alone; memory of those that are spent goes to the next, so that it stays in the cache."""
+        registers = list(values)
+        for (step, taken), spent in zip(self.steps, self.spent, strict=True):
+            registers.append(step(*notes, *taken(registers)))
+            for place in spent:
+                registers[place] = None
+        return registers[self.last]
+
+
+def recorded(expr: sp.Basic, symbols: Iterable[sp.Symbol], table: Table[Step], constant: Callable[[Any], Step]) -> Recording:
+    """``expr`` over ``symbols``, in their order.
+
+    ``table`` gives the step of a node from the node, called in the order of the walk; ``constant`` that of a number, so
+    that it may depend on what holds when it runs, such as a working precision.  Raises what :func:`fold` raises.
+    """
+    order = tuple(symbols)
+    steps: list[tuple[Step, Callable[[list[Any]], Sequence[Any]]]] = []
+    used = dict[int, int]()
+
+    def register(step: Step, arguments: tuple[int, ...]) -> int:
+        used.update(dict.fromkeys(arguments, len(steps)))
+        steps.append((step, _taking(arguments)))
+        return len(order) + len(steps) - 1
+
+    def recorder(step_of: Callable[..., Step]) -> Callable[..., int]:
+        return lambda node, *arguments: register(step_of(node), arguments)
+
+    def leaf(node: Any) -> int:
+        return order.index(node) if node in order else register(constant(node), ())
+
+    last = fold(expr, {kind: recorder(step_of) for kind, step_of in table.items()}, leaf)
+    spent: list[list[int]] = [[] for _ in steps]
+    for place in used.keys() - {last}:
+        spent[used[place]].append(place)
+    return Recording(tuple(steps), last, tuple(map(tuple, spent)))
+
+
+def _taking(places: tuple[int, ...]) -> Callable[[list[Any]], Sequence[Any]]:
+    """The registers at these places, in a sequence: no line of Python runs for it, as many formulas are run a million times."""
+    return itemgetter(*places) if len(places) > 1 else itemgetter(slice(places[0], places[0] + 1) if places else slice(0))
+
+
+def same(value: Any, *_: Any) -> Any:
+    """The step of a number that does not depend on what holds when it runs."""
+    return value
+
+
+def bound(table: Table[Any]) -> Table[Step]:
+    """The steps of rows that take the node and the values of its arguments."""
+    return {kind: partial(partial, row) for kind, row in table.items()}

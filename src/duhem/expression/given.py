@@ -16,11 +16,10 @@ from duhem.errors import InputError
 from duhem.expression.build import unacceptable
 from duhem.expression.inert_number import inert_exponent, reckoned
 from duhem.expression.number import exact_number
-from duhem.expression.vocabulary import adopted
+from duhem.expression.vocabulary import COMPARISONS, adopted
 
 __all__ = ["given_formula", "given_relation"]
 
-_COMPARISONS = (sp.StrictLessThan, sp.LessThan, sp.StrictGreaterThan, sp.GreaterThan)
 _FAULTS = (ArithmeticError, AttributeError, TypeError, ValueError, RecursionError, NotImplementedError)
 
 
@@ -44,7 +43,7 @@ def given_relation(given: Any, known: Iterable[sp.Symbol], where: str) -> Relati
         return None
     if given is False or given is sp.false:
         raise InputError("the constraint is contradictory: it never holds", where=where, remedy="correct or remove it")
-    if type(given) not in _COMPARISONS:
+    if type(given) not in COMPARISONS:
         raise InputError(f"{_quoted(given)} is no comparison", where=where, remedy="compare two expressions with < <= > or >=")
     symbols = set(known)
     return type(given)(given_formula(given.lhs, symbols, where), given_formula(given.rhs, symbols, where), evaluate=False)
@@ -62,16 +61,14 @@ def _formula(given: Any, known: set[sp.Symbol]) -> sp.Expr:
     _check_symbols(expr, known)
     expr = adopted(expr)
     if expr.has(sp.Float):
-        expr = expr.replace(_has_float_exponent, lambda x: sp.Pow(x.base, inert_exponent(exact_number(x.exp))))
+        expr = expr.replace(
+            lambda x: isinstance(x, sp.Pow) and isinstance(x.exp, sp.Float), lambda x: sp.Pow(x.base, inert_exponent(exact_number(x.exp)))
+        )
         expr = expr.xreplace({x: exact_number(x) for x in expr.atoms(sp.Float)})
     expr = reckoned(expr)
     if fault := unacceptable(expr, known):
         raise fault
     return expr
-
-
-def _has_float_exponent(node: sp.Basic) -> bool:
-    return isinstance(node, sp.Pow) and isinstance(node.exp, sp.Float)
 
 
 def _check_symbols(expr: sp.Expr, known: set[sp.Symbol]) -> None:

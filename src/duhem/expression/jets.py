@@ -12,7 +12,7 @@ where eigenvalues are equal; else, and then at less cost, a norm at its zero is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial, reduce
 from itertools import combinations, count
@@ -22,22 +22,62 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.elementary import ELEMENTARY, Elementary, array_function, on_arrays
-from duhem.expression.fold import Table
-from duhem.expression.jet import Array, Jet, added, chain, least_order, outer, times
-from duhem.expression.length import length
-from duhem.expression.limits import filled
-from duhem.expression.numpy_ import Program
+from duhem.expression.fold import Recording, Table, recorded, same
+from duhem.expression.numpy_ import COMPARED, Program, filled, length
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.expression.recording import Recording, recorded
-from duhem.expression.shifted_jets import Shifted, finished
-from duhem.expression.shifted_jets import eigmax as shifted_eigmax
-from duhem.expression.shifted_jets import norm as shifted_norm
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where, rows
 
-__all__ = ["KINKED", "TABLE", "Choices", "Jet", "JetProgram", "formula", "program"]
+__all__ = ["KINKED", "ROUNDING", "STEEPEST", "TABLE", "Choices", "Jet", "JetProgram", "formula", "program"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Jet:
+    """``value`` (N,), ``gradient`` (N, d) and ``hessian`` (N, d, d); None stands for zero.  ``order`` 1: no hessian is followed."""
+
+    value: Array
+    gradient: Array | None = None
+    hessian: Array | None = None
+    order: int = 2
+
+
+def times(factor: Any, array: Array | None) -> Array | None:
+    """``factor`` (N,) or a number times an array (N, ...)."""
+    if array is None:
+        return None
+    f = np.asarray(factor)
+    return f.reshape(f.shape + (1,) * (array.ndim - f.ndim)) * array if f.ndim else f * array
+
+
+def added(first: Array | None, second: Array | None) -> Array | None:
+    """The sum, where None is zero."""
+    if first is None or second is None:
+        return second if first is None else first
+    return first + second
+
+
+def outer(first: Array, second: Array) -> Array:
+    """a b^T (N, d, d)."""
+    return first[:, :, None] * second[:, None, :]
+
+
+def chain(x: Jet, value: Any, slope: Any, curvature: Callable[[], Any]) -> Jet:
+    """f(x) from f, f', f''."""
+    if x.gradient is None:
+        return Jet(value)
+    gradient = times(slope, x.gradient)
+    if x.order == 1:
+        return Jet(value, gradient, None, 1)
+    return Jet(value, gradient, added(times(slope, x.hessian), times(curvature(), outer(x.gradient, x.gradient))))
+
+
+def least_order(jets: Sequence[Jet]) -> int:
+    """Constants have all derivatives, whatever is followed of the rest."""
+    return min([j.order for j in jets if j.gradient is not None], default=2)
+
 
 Choices = NDArray[np.int8]
 
@@ -51,13 +91,17 @@ class _Met:
         self.given = given
         self.taken = np.zeros((kinks, size), dtype=np.int8).T if given is None else given
         self.shifts = shifts
-        self.shifted: dict[int, Shifted] = {}
+        self.shifted: dict[int, _ShiftedNorm | _Axes] = {}
 
     def choose(self, index: int, natural: NDArray[Any]) -> NDArray[Any]:
         if self.given is not None:
             return self.given[:, index]
         self.taken[:, index] = natural
         return natural if natural.ndim else np.broadcast_to(natural, len(self.taken))
+
+    def shift(self, gradient: Array, index: int) -> Array:
+        """The slopes of the shift of a node: those of a variable of its own."""
+        return np.eye(gradient.shape[1])[index - self.shifts]
 
 
 @dataclass(frozen=True)
@@ -87,7 +131,7 @@ class JetProgram:
             if not second:
                 return Jet(value, gradient, None), noted.taken
             hessian = np.zeros((n, size, size)) if last.hessian is None else last.hessian
-            hessian = finished(noted.shifted, gradient, hessian, forces, self.strict)
+            hessian = _finished(noted.shifted, gradient, hessian, forces, self.strict)
         return Jet(value, gradient[:, :d], hessian[:, :d, :d]), noted.taken
 
 
@@ -117,29 +161,12 @@ def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...], strict: bool) -> JetP
 
     rows = {**TABLE, **_AT_ZERO} if strict else TABLE
     table = {kind: (kinked if kind in KINKED else shifted if row in _SHIFTED else smooth)(row) for kind, row in rows.items()}
-    recording = recorded(recognised(expr), order, table, lambda node: partial(_same, Jet(np.array(_number(node)))))
+    recording = recorded(recognised(expr), order, table, lambda node: partial(same, Jet(np.array(numpy_.constant(node)))))
     return JetProgram(next(met), next(shifts), strict, recording)
-
-
-def _same(jet: Jet, _: _Met) -> Jet:
-    return jet
 
 
 def _smooth(row: Callable[..., Jet], node: Any, _: _Met, *arguments: Jet) -> Jet:
     return row(node, *arguments)
-
-
-def _number(node: Any) -> float:
-    if node.is_Rational:
-        try:
-            return int(node.p) / int(node.q)
-        except OverflowError:
-            raise InputError("a number of the formula is too large for double precision", remedy="rescale it") from None
-    if node.is_number:
-        return float(node)
-    if node in (sp.true, sp.false):
-        return float(node is sp.true)
-    raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
 
 
 def _add(_: Any, *terms: Jet) -> Jet:
@@ -194,33 +221,9 @@ def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
     return Jet(value, gradient, hessian, order)
 
 
-def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
-    return shifted_eigmax(index, noted.shifted, noted.shifts, entries)
-
-
-def _norm(_: Any, *args: Jet) -> Jet:
-    return _p_norm(2.0, _length(args), args)
-
-
-def _norm_at_zero(_: Any, index: int, noted: _Met, *args: Jet) -> Jet:
-    return shifted_norm(index, noted.shifted, noted.shifts, _p_norm(2.0, _length(args), args, turning=False), args, round=True)
-
-
-def _pnorm(_: Any, p: Jet, *args: Jet) -> Jet:
+def _pnorm(node: Any, p: Jet, *args: Jet) -> Jet:
     exponent = float(p.value)
-    sizes = [np.abs(a.value) for a in args]
-    largest = reduce(np.maximum, sizes)
-    unit = np.where((largest > 0.0) & np.isfinite(largest), largest, 1.0)
-    value = unit * np.power(reduce(np.add, [np.power(s / unit, exponent) for s in sizes]), 1.0 / exponent)
-    return _p_norm(exponent, value, args)
-
-
-def _pnorm_at_zero(node: Any, index: int, noted: _Met, p: Jet, *args: Jet) -> Jet:
-    return shifted_norm(index, noted.shifted, noted.shifts, _pnorm(node, p, *args), args, round=False)
-
-
-def _length(args: Sequence[Jet]) -> Any:
-    return length(*(a.value for a in args))
+    return _p_norm(exponent, numpy_.TABLE[PNorm](node, exponent, *(a.value for a in args)), args)
 
 
 def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -> Jet:
@@ -294,8 +297,160 @@ def _select(which: NDArray[Any], args: tuple[Jet, ...]) -> Jet:
     return Jet(value, chosen([a.gradient for a in args]), chosen([a.hessian for a in args]), least_order(args))
 
 
-def _comparison(compare: Callable[[Any, Any], Any]) -> Callable[..., Jet]:
-    return lambda _, a, b: Jet(np.where(compare(a.value, b.value), 1.0, 0.0))
+# -- norms and eigenvalues with a shift ---------------------------------------------------------------------------------
+#
+# A formula of norms and of greatest eigenvalues, which have no second derivatives themselves at 0 or where eigenvalues are equal, may
+# have one all the same: |a|^2, or a symmetric function of all eigenvalues.  So such a node has a shift, a variable of its own beside the
+# forces, and the slope f' and curvature f'' in the shift tell what is to be added:
+#
+#     of a norm e = |a|       f'/e (sum da_i^2 - de^2)
+#     of an eigenvalue e      sum over the others l of 2 f'/(e - l) (n . dA m)^2, n and m their unit eigenvectors
+#
+# Where f is smooth it is even in |a|, or in the gap e - l, and the quotients go to f'' and f''/2 (A. S. Lewis and H. S. Sendov, 2001,
+# SIAM J. Matrix Anal. Appl. 23, 368-386).  Where f' does not go to 0 with them, f has a kink and no second derivative.
+
+ROUNDING = 1e-13  # f' is known to this share of the formula's slope, and of what f'' makes of the argument's size
+STEEPEST = 1e7  # a slope that changes by this many times itself over the argument's size is that of a cusp, met beside it
+_NOTHING = 1e-10  # of the argument's size: a norm, or a gap between eigenvalues, that may be 0
+
+
+@dataclass(frozen=True)
+class _Slope:
+    """Of a formula f in one shift, (N,): f' and f'', what f' may be off by, how much it may change over the ``size`` of the argument."""
+
+    rate: Array
+    bend: Array
+    known: Array
+    steepest: Array
+    size: Array
+
+    def vanishes_at(self, distance: Array) -> NDArray[np.bool_]:
+        """Whether f' is f'' times the distance (N,) from where it is to vanish, up to rounding, and f'' is not as large as at a cusp."""
+        return np.asarray((np.abs(self.rate - self.bend * distance) <= self.known) & (np.abs(self.bend) * self.size <= self.steepest))
+
+
+def _finished(noted: Mapping[int, _ShiftedNorm | _Axes], gradient: Array, hessian: Array, forces: Array, strict: bool) -> Array:
+    """The Hessian (N, D, D) with what the shifted nodes add; the shifts come after the ``forces`` (N, d)."""
+    d = forces.shape[1]
+    slope, size_of_forces = length(*gradient[:, :d].T), length(*forces.T)
+    for index in sorted(noted, reverse=True):  # a node inside another is met before it
+        node = noted[index]
+        rate, bend, size = gradient[:, d + index], hessian[:, d + index, d + index], node.steepness * size_of_forces
+        by_argument = slope / node.steepness
+        by = _Slope(rate, bend, ROUNDING * (by_argument + np.abs(bend) * size), STEEPEST * by_argument, size)
+        used = (rate != 0.0) | (bend != 0.0)  # another piece of the formula may have no value there
+        hessian = hessian + np.where(used[:, None, None], node.bends(by, strict), 0.0)
+    return hessian
+
+
+def _steepness(parts: Sequence[Jet]) -> Array:
+    return np.sqrt(sum(np.square(a.gradient).sum(axis=1) for a in parts if a.gradient is not None))
+
+
+@dataclass(frozen=True)
+class _ShiftedNorm:
+    """|a| with its slopes (N, D), and those of its parts; ``round``: of exponent 2."""
+
+    value: Array
+    slopes: Array
+    parts: Sequence[Jet]
+    round: bool
+
+    @property
+    def steepness(self) -> Array:
+        return _steepness(self.parts)
+
+    def bends(self, by: _Slope, strict: bool) -> Array:
+        """Of a norm that is not round only what is unknown at 0: its own second derivatives are followed."""
+        there = self.value <= _NOTHING * by.size
+        smooth = by.vanishes_at(self.value)
+        if not self.round:
+            flat = smooth & (np.abs(by.bend) * by.size <= by.known)
+            return np.where(there & ~flat, np.nan, 0.0)[:, None, None] * np.ones(self.slopes.shape[1])
+        share = np.where(smooth, by.bend, np.where(there & strict, np.nan, by.rate / np.where(there, np.inf, self.value)))
+        squares = reduce(added, (None if a.gradient is None else outer(a.gradient, a.gradient) for a in self.parts))
+        assert squares is not None
+        return share[:, None, None] * (squares - outer(self.slopes, self.slopes))
+
+
+def _norm_at_zero(_: Any, index: int, noted: _Met, *args: Jet) -> Jet:
+    return _with_shift(index, noted, _p_norm(2.0, length(*(a.value for a in args)), args, turning=False), args, round=True)
+
+
+def _pnorm_at_zero(node: Any, index: int, noted: _Met, p: Jet, *args: Jet) -> Jet:
+    return _with_shift(index, noted, _pnorm(node, p, *args), args, round=False)
+
+
+def _with_shift(index: int, noted: _Met, jet: Jet, parts: Sequence[Jet], round: bool) -> Jet:
+    """The ``jet`` of a norm of the ``parts`` with its shift; what a round one adds is left to :func:`_finished`."""
+    if jet.gradient is None or jet.order == 1:
+        return jet
+    noted.shifted[index] = _ShiftedNorm(jet.value, jet.gradient, parts, round)
+    return Jet(jet.value, jet.gradient + noted.shift(jet.gradient, index), jet.hessian, jet.order)
+
+
+@dataclass(frozen=True)
+class _Axes:
+    """The eigenvalues (N, 3), rising, and n . dA m (N, D) for the axis n of the greatest and m of the least and the middle."""
+
+    values: Array
+    turns: tuple[Array, Array]
+    steepness: Array
+
+    def bends(self, by: _Slope, strict: bool) -> Array:
+        gaps = self.values[..., 2:] - self.values[..., :2]
+        outermost, nearest = gaps[..., 0], gaps[..., 1]
+        smooth = by.vanishes_at(nearest / 2)
+        kink = (~smooth & (nearest <= _NOTHING * by.size)) | ~self.values.any(axis=-1) if strict else False
+        tiny = np.finfo(np.float64).tiny  # where all three are equal, those of A and of -A have half of the outermost pair each
+        limits = (by.bend * (nearest + tiny) / (outermost + 2 * tiny), by.bend)
+        quotients = (
+            np.where(kink, np.nan, np.where(smooth, limit, 2 * by.rate / gap))
+            for limit, gap in zip(limits, (outermost, nearest), strict=True)
+        )
+        return np.asarray(sum(share[:, None, None] * outer(turn, turn) for share, turn in zip(quotients, self.turns, strict=True)))
+
+
+def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
+    """n . dA n with the unit eigenvector n; what its turning adds is left to :func:`_finished`."""
+    size = np.broadcast_shapes(*(a.value.shape for a in entries))
+    matrices = np.stack([np.stack([np.broadcast_to(a.value, size) for a in row], axis=-1) for row in rows(*entries)], axis=-2)
+    values, vectors = _decomposed(matrices)
+    low, middle, n = np.moveaxis(vectors, -1, 0)
+    value, order = values[..., -1], least_order(entries)
+
+    def along(m: Array) -> Array | None:
+        """n . (dA) m."""
+        terms = [times(n[..., i] * m[..., i], a.gradient) for i, a in enumerate(entries[:3])]
+        pairs = ((1, 2), (0, 2), (0, 1))
+        terms += [times(n[..., i] * m[..., j] + n[..., j] * m[..., i], a.gradient) for (i, j), a in zip(pairs, entries[3:], strict=True)]
+        return reduce(added, terms)
+
+    gradient = along(n)
+    if gradient is None or order == 1:
+        return Jet(value, gradient, None, order)
+    weights = [n[..., 0] ** 2, n[..., 1] ** 2, n[..., 2] ** 2]
+    weights += [2 * n[..., i] * n[..., j] for i, j in ((1, 2), (0, 2), (0, 1))]
+    hessian = reduce(added, (times(w, a.hessian) for w, a in zip(weights, entries, strict=True)))
+    turns = along(low), along(middle)
+    assert turns[0] is not None and turns[1] is not None
+    noted.shifted[index] = _Axes(values, (turns[0], turns[1]), _steepness(entries))
+    return Jet(value, gradient + noted.shift(gradient, index), hessian, order)
+
+
+def _decomposed(matrices: Array) -> tuple[Array, Array]:
+    """Eigenvalues (..., 3), rising, and unit eigenvectors in columns (..., 3, 3); nan for a matrix with an undefined entry.
+
+    A and -A get the same axes to the last digit, also where an eigenvalue is double and any axes in its plane will do; not if A = 0.
+    """
+    known = np.isfinite(matrices.sum(axis=(-2, -1), keepdims=True))
+    entries = np.where(known, matrices, 0.0)
+    listed = entries.reshape(*entries.shape[:-2], 9)
+    leading = np.argmax(listed != 0.0, axis=-1)[..., None]
+    turned = np.take_along_axis(listed, leading, axis=-1)[..., None] < 0.0
+    values, vectors = np.linalg.eigh(np.where(turned, -entries, entries) + 0.0)  # no -0
+    values = np.where(turned[..., 0], -values[..., ::-1], values)
+    return np.where(known[..., 0], values, np.nan), np.where(turned, vectors[..., ::-1], vectors)
 
 
 _SMOOTH: Table[Jet] = {
@@ -304,13 +459,10 @@ _SMOOTH: Table[Jet] = {
     sp.Pow: _power,
     **{word.node: lambda _, x, word=word: _elementary(word, x) for word in ELEMENTARY.values()},
     Atan2: _atan2,
-    Norm: _norm,
+    Norm: lambda _, *args: _p_norm(2.0, length(*(a.value for a in args)), args),
     EigMax: _eigmax,
     PNorm: _pnorm,
-    sp.StrictGreaterThan: _comparison(np.greater),
-    sp.GreaterThan: _comparison(np.greater_equal),
-    sp.StrictLessThan: _comparison(np.less),
-    sp.LessThan: _comparison(np.less_equal),
+    **{kind: lambda _, a, b, holds=holds: Jet(np.where(holds(a.value, b.value), 1.0, 0.0)) for kind, holds in COMPARED.items()},
 }
 KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}
 _AT_ZERO: Table[Jet] = {Norm: _norm_at_zero, PNorm: _pnorm_at_zero}

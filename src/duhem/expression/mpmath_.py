@@ -1,7 +1,8 @@
 """Formulas in as many digits as asked for (mpmath); plain rounding, no enclosure.
 
 It shares no arithmetic with the other interpreters, which makes it the one they are tested against.  Undefined real
-values (a root of a negative number, ...) are nan, and nan spreads; a zero divisor gives +inf.
+values (a root of a negative number, ...) are nan, and nan spreads; a zero divisor gives +inf.  :func:`reach` finds where a ray leaves a
+set {level <= 0}.
 """
 
 from __future__ import annotations
@@ -17,12 +18,10 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY, Elementary
-from duhem.expression.fold import Table, fold
-from duhem.expression.matrices import rows
-from duhem.expression.recording import bound, recorded
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.fold import Table, bound, fold, recorded
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, rows
 
-__all__ = ["compiled", "constant", "digits", "evaluate", "kept_digits", "number", "table"]
+__all__ = ["compiled", "constant", "digits", "evaluate", "kept_digits", "number", "reach", "table"]
 
 _MOST_BITS = 4096  # before the point, of what stands under an exponential or a wave
 
@@ -59,20 +58,14 @@ def digits(count: int) -> Any:
     return context
 
 
-class _Kept(local):
-    """The contexts of a thread by their digits: to make one takes as long as to evaluate a formula some times."""
-
-    def __init__(self) -> None:
-        self.contexts: dict[int, Any] = {}
-
-
-_KEPT = _Kept()
+_KEPT = local()  # the contexts of a thread by their digits: to make one takes as long as to evaluate a formula some times
 
 
 def kept_digits(count: int) -> Any:
     """The context of so many decimal digits that this thread keeps, for whoever leaves its precision as it is."""
-    if (context := _KEPT.contexts.get(count)) is None:
-        context = _KEPT.contexts[count] = digits(count)
+    contexts: dict[Any, Any] = vars(_KEPT)
+    if (context := contexts.get(count)) is None:
+        context = contexts[count] = digits(count)
     context.dps = count  # whoever has a number of it may have changed that
     return context
 
@@ -157,8 +150,41 @@ def table(context: Any) -> Table[Any]:
         Neg: lambda _, x: greatest(_, -x, zero),
         Norm: lambda _, *x: context.sqrt(total(_, *(v * v for v in x))),
         Where: where,
-        sp.StrictGreaterThan: comparison(operator.gt),
-        sp.GreaterThan: comparison(operator.ge),
-        sp.StrictLessThan: comparison(operator.lt),
-        sp.LessThan: comparison(operator.le),
+        **{kind: comparison(holds) for kind, holds in COMPARISONS.items()},
     }
+
+
+_LAG = 1.4142135623730951  # of two steps one may be wasted
+_NEAREST, _FARTHEST = -13, 40  # powers of two: no end is looked for beyond 1e12
+
+
+def reach(context: Any, level: Callable[[list[Any]], Any], start: Sequence[Any], way: Sequence[Any], bits: int) -> Any:
+    """The t > 0 at which ``start`` + t ``way`` leaves first, from within and to ``bits`` binary digits.
+
+    None if no point of the ray is found inside or none outside.  ``context`` is mpmath or one of its contexts, and carries the
+    precision.  t doubles until it is outside; the last step is closed by false position (Illinois), or halved where that lags
+    behind half as many halvings, as at a kink, and where the level is undefined.
+    """
+
+    def at(t: Any) -> Any:
+        return level([c + t * w for c, w in zip(start, way, strict=True)])
+
+    low, f_low = context.mpf(0), context.nan
+    high = context.ldexp(1, _NEAREST)
+    while (f_high := at(high)) <= 0:
+        low, f_low, high = high, f_high, 2 * high
+        if high > context.ldexp(1, _FARTHEST):
+            return None
+    least = max(context.ldexp(high - low, -bits), 2 * context.eps * high)  # the context may have fewer digits than are asked for
+    allowed, before = 16 * (high - low), None
+    while high - low > least:
+        t, rise = (low + high) / 2, f_high - f_low
+        if high - low <= allowed and context.isfinite(rise):
+            t = min(max(low - (high - low) * f_low / rise - least / 2, low + least), high - least)  # within, not on the very end
+        inside, allowed = bool((value := at(t)) <= 0), allowed / _LAG
+        if inside:
+            low, f_low, f_high = t, value, f_high / 2 if before is True else f_high
+        else:
+            high, f_high, f_low = t, value, f_low / 2 if before is False else f_low
+        before = inside
+    return low or None

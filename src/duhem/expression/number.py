@@ -19,6 +19,7 @@ DECIMAL = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 MOST_DIGITS = 400
 _NUMBER = re.compile(rf"([+-]?)({DECIMAL})(?:\s*/\s*({DECIMAL}))?", re.ASCII)
 _NEAR = Fraction(1, 10**6)  # of a number: single precision holds its decimals to less, half precision to a part in 2000
+_SHORTEN = f"at most {MOST_DIGITS} digits and exponents up to {MOST_DIGITS} are read"
 _REMEDY = "write a finite number such as 0.15, 1e-6 or 1/2"
 
 
@@ -51,19 +52,15 @@ def _of_few_digits(x: Any) -> sp.Rational:
     read = _from_text(str(x))
     held = Fraction(*x.as_integer_ratio()) if hasattr(x, "as_integer_ratio") else Fraction(float(x))
     if abs(fraction(read) - held) > _NEAR * abs(held):
-        raise InputError(
-            f"{type(x).__name__} holds {float(held)!r} where {x} is written, and which of them is meant cannot be told",
-            remedy=f"give the decimal, {x}, or what it holds, float(x)",
-        )
+        what = f"{type(x).__name__} holds {float(held)!r} where {x} is written, and which of them is meant cannot be told"
+        raise InputError(what, remedy=f"give the decimal, {x}, or what it holds, float(x)")
     return read
 
 
 def _bounded(x: sp.Rational) -> sp.Rational:
     """``x`` where it is no longer than what is read as text; sums and products of such numbers may be longer, and are no input."""
     if max(int(x.p).bit_length(), int(x.q).bit_length()) > 8 * MOST_DIGITS:
-        raise InputError(
-            "the number is too long or too large", remedy=f"at most {MOST_DIGITS} digits and exponents up to {MOST_DIGITS} are read"
-        )
+        raise InputError("the number is too long or too large", remedy=_SHORTEN)
     return x
 
 
@@ -121,8 +118,5 @@ def _from_text(text: str) -> sp.Rational:
 def _decimal(text: str) -> Fraction:
     digits, _, scale = text.lower().partition("e")
     if len(digits) > MOST_DIGITS or len(scale) > 6 or abs(int(scale or 0)) > MOST_DIGITS:
-        raise InputError(
-            f"the number {text[:24]}{'...' if len(text) > 24 else ''} is too long or too large",
-            remedy=f"at most {MOST_DIGITS} digits and exponents up to {MOST_DIGITS} are read",
-        )
+        raise InputError(f"the number {text[:24]}{'...' if len(text) > 24 else ''} is too long or too large", remedy=_SHORTEN)
     return Fraction(text)

@@ -18,10 +18,9 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression import UNDEFINED
+from duhem.expression import numpy_
 from duhem.expression.elementary import ELEMENTARY
-from duhem.expression.fold import Table
-from duhem.expression.recording import Recording, bound, recorded
+from duhem.expression.fold import Recording, Table, bound, recorded, same
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["LEFT_OUT", "TABLE", "Pair", "PairProgram", "added", "paired", "product"]
@@ -59,30 +58,16 @@ class PairProgram:
 def paired(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> PairProgram | None:
     """``expr`` over ``symbols``, walked once; None where it has a word that is left out."""
     try:
-        return PairProgram(recorded(expr, symbols, {**bound(TABLE), sp.Pow: _power}, lambda node: partial(_same, _constant(node))))
+        return PairProgram(recorded(expr, symbols, {**bound(TABLE), sp.Pow: _power}, lambda node: partial(same, _constant(node))))
     except InputError:
         return None
 
 
-def _same(value: Pair) -> Pair:
-    return value
-
-
 def _constant(node: Any) -> Pair:
+    high = numpy_.constant(node)
     if node.is_Rational:
-        try:
-            high = int(node.p) / int(node.q)
-        except OverflowError:
-            raise InputError("a number of the formula is too large for double precision", remedy="rescale it") from None
         return Pair(high, float(Fraction(int(node.p), int(node.q)) - Fraction(high)))
-    if node in (sp.pi, sp.E):
-        high = float(node)
-        return Pair(high, float((node - sp.Float(high, 60)).evalf(40)))
-    if node in (sp.true, sp.false):
-        return Pair(float(node is sp.true), 0.0)
-    if node in UNDEFINED:
-        return Pair(np.nan, 0.0)
-    raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
+    return Pair(high, float((node - sp.Float(high, 60)).evalf(40)) if node in (sp.pi, sp.E) else 0.0)
 
 
 def added(a: Pair, b: Pair) -> Pair:
@@ -180,20 +165,8 @@ def _known(value: Pair, *args: Pair) -> Pair:
     return Pair(np.where(unknown, np.nan, value.high), np.where(unknown, 0.0, value.low))
 
 
-def _abs(_: Any, a: Pair) -> Pair:
-    return _chosen(np.less(a.high, 0.0), _minus(a), a)
-
-
-def _norm(_: Any, *args: Pair) -> Pair:
-    return _root(reduce(added, [product(a, a) for a in args]))
-
-
 def _comparison(holds: Callable[[Pair, Pair], Any]) -> Callable[..., Pair]:
     return lambda _, a, b: _known(Pair(np.where(holds(a, b), 1.0, 0.0), 0.0), a, b)
-
-
-def _where(_: Any, condition: Pair, a: Pair, b: Pair) -> Pair:
-    return _known(_chosen(np.equal(condition.high, 1.0), a, b), condition)
 
 
 _NONE = Pair(0.0, 0.0)
@@ -202,13 +175,13 @@ TABLE: Table[Any] = {
     sp.Add: lambda _, *x: reduce(added, x),
     sp.Mul: lambda _, *x: reduce(product, x),
     sp.Pow: lambda node, base, exponent: _power(node)(base, exponent),
-    sp.Abs: _abs,
+    sp.Abs: lambda _, a: _chosen(np.less(a.high, 0.0), _minus(a), a),
     sp.Min: _least,
     sp.Max: _most,
     Pos: lambda node, x: _most(node, x, _NONE),
     Neg: lambda node, x: _most(node, _minus(x), _NONE),
-    Norm: _norm,
-    Where: _where,
+    Norm: lambda _, *x: _root(reduce(added, [product(a, a) for a in x])),
+    Where: lambda _, condition, a, b: _known(_chosen(np.equal(condition.high, 1.0), a, b), condition),
     sp.StrictGreaterThan: _comparison(lambda a, b: _less(b, a)),
     sp.GreaterThan: _comparison(lambda a, b: ~_less(a, b)),
     sp.StrictLessThan: _comparison(_less),

@@ -19,10 +19,9 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError
-from duhem.expression.abbreviations import NONE, Abbreviations, WrittenOut
+from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut
 from duhem.expression.build import AS_WRITTEN, EVALUATED, Building, settled, unacceptable
 from duhem.expression.fold import fold
-from duhem.expression.invariants import INVARIANTS
 from duhem.expression.number import DECIMAL, exact_number, ratio
 from duhem.expression.spelling import spelled
 from duhem.expression.vocabulary import NODES, WORDS
@@ -42,12 +41,10 @@ _ARITHMETIC = "write it with numbers, declared names, + - * / ** and the words o
 _DIGITS = "write numbers with the digits 0 to 9, powers with **"
 _HINTS = {
     "^": "write ** for a power",
-    "=": "comparisons are < <= > >=",
-    "!": "comparisons are < <= > >=",
+    **dict.fromkeys("=!", "comparisons are < <= > >="),
     "/": "write / for a division",
     ".": "attributes are not part of the language",
-    "[": "group with ( and )",
-    "{": "group with ( and )",
+    **dict.fromkeys("[{", "group with ( and )"),
     "#": "put comments outside the formula",
     "&": "write and",
     "|": "write or",
@@ -313,16 +310,13 @@ class _Reader:
                 return self.build.product([self.value(inner, depth)], [], sign=-1)
             case ast.UnaryOp(op=ast.UAdd(), operand=inner):
                 return self.value(inner, depth)
-            case ast.BinOp(op=ast.Add() | ast.Sub()):
-                head, tail = _chain(node, (ast.Add, ast.Sub))
+            case ast.BinOp(op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div()):
+                is_sum = isinstance(node.op, ast.Add | ast.Sub)
+                up, down = (ast.Add, ast.Sub) if is_sum else (ast.Mult, ast.Div)
+                head, tail = _chain(node, (up, down))
                 rest = [(op, self.value(term, depth)) for op, term in tail]
-                first = self.value(head, depth)
-                return self.build.total([first, *(v for op, v in rest if op is ast.Add)], [v for op, v in rest if op is ast.Sub])
-            case ast.BinOp(op=ast.Mult() | ast.Div()):
-                head, tail = _chain(node, (ast.Mult, ast.Div))
-                rest = [(op, self.value(term, depth)) for op, term in tail]
-                first = self.value(head, depth)
-                return self.build.product([first, *(v for op, v in rest if op is ast.Mult)], [v for op, v in rest if op is ast.Div])
+                over = [self.value(head, depth), *(v for op, v in rest if op is up)]
+                return (self.build.total if is_sum else self.build.product)(over, [v for op, v in rest if op is down])
             case ast.BinOp(op=ast.Pow(), left=base, right=exponent):
                 return self.build.power(self.value(base, depth), self.value(exponent, depth))
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
@@ -346,7 +340,7 @@ class _Reader:
         """``where(condition, a, b)``; p and q chooses by q where p holds, p or q by q where p does not."""
         if isinstance(condition, ast.Compare):
             left, right, kind = self.sides(condition, depth)
-            return self.build.call("where", [self.build.relation(kind, left, right), a, b])
+            return self.build.call("where", [kind(left, right, evaluate=self.build.evaluate), a, b])
         if isinstance(condition, ast.BoolOp):
             both = isinstance(condition.op, ast.And)
             found = a if both else b

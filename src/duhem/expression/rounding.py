@@ -19,11 +19,10 @@ from numpy.typing import NDArray
 
 from duhem.expression import UNDEFINED, numpy_
 from duhem.expression.elementary import ELEMENTARY, Elementary, array_function, on_arrays
-from duhem.expression.fold import Table
-from duhem.expression.length import length
+from duhem.expression.fold import Recording, Table, bound, recorded
+from duhem.expression.numpy_ import length
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.expression.recording import Recording, bound, recorded
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "Bounded", "BoundedProgram", "bounded", "constant", "eigenvalue"]
 
@@ -244,5 +243,5 @@ TABLE: Table[Bounded] = {
     Norm: _norm,
     PNorm: _pnorm,
     Where: _where,
-    **{kind: _comparison(kind) for kind in (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan)},
+    **{kind: _comparison(kind) for kind in COMPARISONS},
 }

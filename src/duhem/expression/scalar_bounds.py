@@ -17,9 +17,8 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY
-from duhem.expression.fold import Table
+from duhem.expression.fold import Table, bound, recorded
 from duhem.expression.pnorm import recognised
-from duhem.expression.recording import bound, recorded
 from duhem.expression.rounding import TABLE as ON_ARRAYS
 from duhem.expression.rounding import Bounded, constant, eigenvalue
 from duhem.expression.vocabulary import EigMax
@@ -32,20 +31,11 @@ FUNCTIONS = (
 )  # fmt: skip
 """What the text may call by NumPy's names."""
 
-_SIGNS: Mapping[np.ufunc, str] = {
-    np.add: "+",
-    np.subtract: "-",
-    np.multiply: "*",
-    np.true_divide: "/",
-    np.power: "**",
-    np.greater: ">",
-    np.greater_equal: ">=",
-    np.less: "<",
-    np.less_equal: "<=",
-    np.equal: "==",
-    np.bitwise_and: "and",
-    np.bitwise_or: "or",
-}
+_UFUNCS = (
+    np.add, np.subtract, np.multiply, np.true_divide, np.power, np.greater, np.greater_equal, np.less, np.less_equal, np.equal,
+    np.bitwise_and, np.bitwise_or,
+)  # fmt: skip
+_SIGNS: Mapping[np.ufunc, str] = dict(zip(_UFUNCS, ["+", "-", "*", "/", "**", ">", ">=", "<", "<=", "==", "and", "or"], strict=True))
 _NORMAL = 2.0**-1022
 _TRUTHS = {">", ">=", "<", "<=", "==", "and", "or"}
 

@@ -2,7 +2,7 @@
 
 The jets of :mod:`duhem.expression.jets`, written out instead of computed: one point, entries that are 0 left out, the same
 smooth pieces at the kinks.  Numbers are doubles; where the formula is undefined they are nan or infinite.  A greatest eigenvalue is
-followed by a shift, as :mod:`duhem.expression.shifted_jets` says, and its axes are found by :mod:`duhem.expression.principal_axes`.
+followed by a shift, as :mod:`duhem.expression.jets` says, and its axes are found by :mod:`duhem.expression.principal_axes`.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY, Elementary
 from duhem.expression.fold import Table, fold
+from duhem.expression.jets import ROUNDING, STEEPEST
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.expression.shifted_jets import ROUNDING, STEEPEST
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["FUNCTIONS", "TABLE", "ScalarJets", "scalar_jets", "scalar_values"]
 
@@ -197,7 +197,8 @@ class _Writer:
             e = exponent.value
             first, second = f"{e} * {base.value} ** ({e} - 1.0)", f"{e} * ({e} - 1.0) * {base.value} ** ({e} - 2.0)"
             return self.chain(base, self.let(f"{base.value} ** {e}"), first, second)
-        value, slope, bend = (self.let(f"{_number(c)} * {self.raised(base.value, node.exp - k)}") for k, c in enumerate(_falling(node.exp)))
+        falling = (sp.S.One, node.exp, node.exp * (node.exp - 1))
+        value, slope, bend = (self.let(f"{_number(c)} * {self.raised(base.value, node.exp - k)}") for k, c in enumerate(falling))
         return self.chain(base, value, slope, bend)
 
     def raised(self, base: str, exponent: Any) -> str:
@@ -251,7 +252,7 @@ class _Writer:
     def norm(self, p: Any, *parts: _Jet) -> _Jet:
         """(sum |a_i|^p)^(1/p) of value P: slopes (|a_i|/P)^(p-1), second derivatives by pairs, so that they keep their sign."""
         sizes = [self.let(f"abs({a.value})") for a in parts]
-        largest = self.let(_nested("max", sizes))
+        largest = self.let(reduce(lambda a, b: f"max({a}, {b})", sizes))
         unit = self.let(f"{largest} if {largest} > 0.0 else 1.0")
         powers = [self.raised(self.let(f"{size} / {unit}"), p) for size in sizes]
         value = self.let(f"{unit} * {self.raised(self.let(' + '.join(powers)), 1 / p)}")
@@ -327,7 +328,7 @@ class _Writer:
         return name, True
 
     def finished(self, jet: _Jet) -> Bends:
-        """The second derivatives with what the turning of axes adds, as :func:`duhem.expression.shifted_jets.finished` does."""
+        """The second derivatives with what the turning of axes adds, as :mod:`duhem.expression.jets` does."""
         bends = dict(jet.bends)
         forces = range(self.d)
         slope = self.let(f"sqrt({_squares([jet.slopes[i] for i in forces if i in jet.slopes])})") if self.shifted else ""
@@ -395,8 +396,8 @@ class _Writer:
         return self.named(self.let(pick([a.value for a in parts])), slopes, bends)
 
 
-def _comparison(sign: str) -> Callable[[_Writer, Any, _Jet, _Jet], _Jet]:
-    return lambda to, _, a, b: _Jet(to.let(f"1.0 if {a.value} {sign} {b.value} else 0.0"))
+def _compared(sign: str, to: _Writer, _: Any, a: _Jet, b: _Jet) -> _Jet:
+    return _Jet(to.let(f"1.0 if {a.value} {sign} {b.value} else 0.0"))
 
 
 TABLE: Mapping[type, Callable[..., _Jet]] = {
@@ -414,10 +415,7 @@ TABLE: Mapping[type, Callable[..., _Jet]] = {
     sp.Max: _Writer.extreme,
     sp.Min: _Writer.extreme,
     Where: _Writer.choice,
-    sp.StrictGreaterThan: _comparison(">"),
-    sp.GreaterThan: _comparison(">="),
-    sp.StrictLessThan: _comparison("<"),
-    sp.LessThan: _comparison("<="),
+    **{kind: partial(_compared, kind.rel_op) for kind in COMPARISONS},  # type: ignore[attr-defined]
 }
 
 
@@ -441,18 +439,9 @@ def _number(node: Any) -> str:
     return repr(value)
 
 
-def _falling(e: Any) -> tuple[Any, Any, Any]:
-    """Factors of x^e, x^(e-1) and x^(e-2) in the value and its two derivatives."""
-    return sp.S.One, e, e * (e - 1)
-
-
 def _plus(first: str | None, second: str | None) -> str:
     return first or second or "0.0" if first is None or second is None else f"{first} + {second}"
 
 
 def _squares(texts: Sequence[str]) -> str:
     return " + ".join(f"{text} * {text}" for text in texts) or "0.0"
-
-
-def _nested(word: str, texts: Sequence[str]) -> str:
-    return reduce(lambda a, b: f"{word}({a}, {b})", texts)

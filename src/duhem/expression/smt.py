@@ -7,6 +7,8 @@ z3 is imported when the first symbols are named.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import reduce
+from operator import mul
 from typing import Any
 
 import sympy as sp
@@ -15,7 +17,7 @@ from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
 from duhem.expression.number import ratio
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["LEFT_OUT", "TABLE", "Reals"]
 
@@ -68,16 +70,10 @@ def _sum(_: Any, *terms: Any) -> Any:
     return z3.Sum(*terms)
 
 
-def _product(_: Any, first: Any, *others: Any) -> Any:
-    for other in others:
-        first = first * other
-    return first
-
-
 def _power(node: sp.Pow, base: Any, _: Any) -> Any:
     if not node.exp.is_Integer:
         raise InputError(f"{node} is outside real arithmetic")
-    raised = _product(node, *[base] * abs(int(node.exp)))
+    raised = reduce(mul, [base] * abs(int(node.exp)))
     return raised if node.exp > 0 else 1 / raised
 
 
@@ -87,31 +83,16 @@ def _either(condition: Any, a: Any, b: Any) -> Any:
     return z3.If(condition, a, b)
 
 
-def _least(_: Any, first: Any, *others: Any) -> Any:
-    for other in others:
-        first = _either(other < first, other, first)
-    return first
-
-
-def _greatest(_: Any, first: Any, *others: Any) -> Any:
-    for other in others:
-        first = _either(other > first, other, first)
-    return first
-
-
 TABLE: Table[Any] = {
     sp.Add: _sum,
-    sp.Mul: _product,
+    sp.Mul: lambda _, *x: reduce(mul, x),
     sp.Pow: _power,
     sp.Abs: lambda _, x: _either(x >= 0, x, -x),
-    sp.Min: _least,
-    sp.Max: _greatest,
+    sp.Min: lambda _, *x: reduce(lambda a, b: _either(b < a, b, a), x),
+    sp.Max: lambda _, *x: reduce(lambda a, b: _either(b > a, b, a), x),
     Pos: lambda _, x: _either(x >= 0, x, 0),
     Neg: lambda _, x: _either(x <= 0, -x, 0),
-    sp.StrictGreaterThan: lambda _, a, b: a > b,
-    sp.GreaterThan: lambda _, a, b: a >= b,
-    sp.StrictLessThan: lambda _, a, b: a < b,
-    sp.LessThan: lambda _, a, b: a <= b,
+    **{kind: lambda _, a, b, holds=holds: holds(a, b) for kind, holds in COMPARISONS.items()},
 }
 
 # Words without a row, and why.

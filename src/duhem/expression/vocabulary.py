@@ -7,21 +7,54 @@ is built of them and needs no row: ``sqrt``, ``log10``, ``sign``, and a ``where`
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import operator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, reduce
 from typing import Any
 
 import mpmath
 import sympy as sp
+from sympy.core.relational import Relational
 
 from duhem.expression.elementary import ELEMENTARY
-from duhem.expression.matrices import rows
 
-__all__ = ["KINKS", "NODES", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word", "adopted", "symbol"]
+__all__ = [
+    "COMPARISONS", "KINKS", "NODES", "UNDEFINED", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word", "adopted",
+    "defined_at", "deviator", "holds_at", "rows", "symbol",
+]  # fmt: skip
 
 
-class Norm(sp.Function):
+def rows(xx: Any, yy: Any, zz: Any, yz: Any, xz: Any, xy: Any) -> list[list[Any]]:
+    """The matrix, row by row."""
+    return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+
+
+def deviator(xx: Any, yy: Any, zz: Any, yz: Any, xz: Any, xy: Any) -> tuple[Any, Any, Any]:
+    """A third of the trace; J2 and J3, half the square and the determinant of what is left without it.
+
+    The greatest eigenvalue is mean + 2 sqrt(J2/3) cos(theta), cos(3 theta) = 3 sqrt(3)/2 J3/J2^(3/2), 0 <= theta <= pi/3.
+    """
+    mean = (xx + yy + zz) / 3
+    x, y, z = ((2 * xx - yy - zz) / 3, (2 * yy - zz - xx) / 3, (2 * zz - xx - yy) / 3)
+    squares = [d * d for d in (xx - yy, yy - zz, zz - xx)]
+    shears = [s * s for s in (yz, xz, xy)]
+    second = (squares[0] + squares[1] + squares[2]) / 6 + (shears[0] + shears[1] + shears[2])
+    return mean, second, x * y * z + 2 * yz * xz * xy - x * shears[0] - y * shears[1] - z * shears[2]
+
+
+class _Real(sp.Function):
+    """A function with real values, which LaTeX shows as its ``_body``."""
+
+    def _eval_is_extended_real(self) -> bool | None:
+        return True
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        body = self._body(printer)
+        return rf"{body}^{{{exp}}}" if exp else body
+
+
+class Norm(_Real):
     r"""Euclidean norm :math:`\sqrt{x_1^2 + \dots + x_n^2}` of real arguments, n >= 1; not differentiable at 0."""
 
     @classmethod
@@ -38,9 +71,6 @@ class Norm(sp.Function):
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         return self.args[argindex - 1] / self
 
-    def _eval_is_extended_real(self) -> bool:
-        return True
-
     def _eval_is_extended_nonnegative(self) -> bool:
         return True
 
@@ -50,13 +80,12 @@ class Norm(sp.Function):
     def _eval_rewrite_as_Pow(self, *args: sp.Expr, **_: Any) -> sp.Expr:
         return sp.sqrt(sp.Add(*[a**2 for a in args]))
 
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
+    def _body(self, printer: Any) -> str:
         inner = r",\,".join(printer.doprint(a) for a in self.args)
-        body = rf"\left\|{inner}\right\|_2"
-        return rf"{body}^{{{exp}}}" if exp else body
+        return rf"\left\|{inner}\right\|_2"
 
 
-class _Ramp(sp.Function):
+class _Ramp(_Real):
     """A ramp max(s x, 0) with s = +1 (``pos``) or -1 (``neg``)."""
 
     slope: int
@@ -75,15 +104,11 @@ class _Ramp(sp.Function):
         x = self.args[0]
         return Where(x > 0, sp.S.One, sp.S.Zero) if self.slope > 0 else Where(x < 0, sp.S.NegativeOne, sp.S.Zero)
 
-    def _eval_is_extended_real(self) -> bool:
-        return True
-
     def _eval_is_extended_nonnegative(self) -> bool:
         return True
 
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
-        body = rf"\left\langle {printer.doprint(self.args[0])} \right\rangle_{{{self.mark}}}"
-        return rf"{body}^{{{exp}}}" if exp else body
+    def _body(self, printer: Any) -> str:
+        return rf"\left\langle {printer.doprint(self.args[0])} \right\rangle_{{{self.mark}}}"
 
 
 class Pos(_Ramp):
@@ -98,7 +123,7 @@ class Neg(_Ramp):
     slope, mark = -1, "-"
 
 
-class Where(sp.Function):
+class Where(_Real):
     """``where(condition, a, b)``: a where the condition holds, else b; differentiated branch by branch.
 
     A condition that joins others by and, or (SymPy's ``And``, ``Or``) becomes a choice within a choice.
@@ -128,19 +153,18 @@ class Where(sp.Function):
         condition, a, b = self.args
         return Where(condition, a.diff(s), b.diff(s))
 
-    def _eval_is_extended_real(self) -> bool:
-        return True
-
     def _latex(self, printer: Any, exp: str | None = None) -> str:
+        body = super()._latex(printer, exp if self.sign_of is not None else None)
+        return rf"\left({body}\right)^{{{exp}}}" if exp and self.sign_of is None else body
+
+    def _body(self, printer: Any) -> str:
         if self.sign_of is not None:
-            body = rf"\operatorname{{sgn}}\left({printer.doprint(self.sign_of)}\right)"
-            return rf"{body}^{{{exp}}}" if exp else body
+            return rf"\operatorname{{sgn}}\left({printer.doprint(self.sign_of)}\right)"
         condition, a, b = (printer.doprint(x) for x in self.args)
-        body = rf"\begin{{cases}} {a} & {condition} \\ {b} & \text{{otherwise}} \end{{cases}}"
-        return rf"\left({body}\right)^{{{exp}}}" if exp else body
+        return rf"\begin{{cases}} {a} & {condition} \\ {b} & \text{{otherwise}} \end{{cases}}"
 
 
-class Atan2(sp.Function):
+class Atan2(_Real):
     r"""Angle of the point (x, y) in :math:`(-\pi, \pi]`, in rad, as ``atan2(y, x)``: it jumps across y = 0 > x.
 
     At (0, 0) there is no angle and no value.
@@ -174,12 +198,11 @@ class Atan2(sp.Function):
     def _eval_is_extended_real(self) -> bool | None:
         return True if any(a.is_nonzero for a in self.args) else None
 
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
-        body = rf"\operatorname{{atan_2}}\left({', '.join(printer.doprint(a) for a in self.args)}\right)"
-        return rf"{body}^{{{exp}}}" if exp else body
+    def _body(self, printer: Any) -> str:
+        return rf"\operatorname{{atan_2}}\left({', '.join(printer.doprint(a) for a in self.args)}\right)"
 
 
-class EigMax(sp.Function):
+class EigMax(_Real):
     r"""Greatest eigenvalue of the symmetric matrix with entries xx, yy, zz, yz, xz, xy: convex in them.
 
     Where it is a double one it has a kink.  The least one is ``-eigmax`` of the negative matrix.
@@ -203,12 +226,8 @@ class EigMax(sp.Function):
             values = mpmath.eigsy(mpmath.matrix(rows(*(a._to_mpmath(prec + 16) for a in self.args))), eigvals_only=True)
             return sp.Float(max(values), precision=prec)
 
-    def _eval_is_extended_real(self) -> bool:
-        return True
-
-    def _latex(self, printer: Any, exp: str | None = None) -> str:
-        body = rf"\lambda_{{\max}}\left({', '.join(printer.doprint(a) for a in self.args)}\right)"
-        return rf"{body}^{{{exp}}}" if exp else body
+    def _body(self, printer: Any) -> str:
+        return rf"\lambda_{{\max}}\left({', '.join(printer.doprint(a) for a in self.args)}\right)"
 
 
 def _absolute(x: sp.Expr, evaluate: bool = True) -> sp.Expr:
@@ -262,11 +281,15 @@ WORDS: dict[str, Word] = {
     "where": Word(Where, 3, 3, "where(condition, a, b)"),
 }
 
+COMPARISONS: Mapping[type, Callable[[Any, Any], Any]] = {
+    sp.StrictGreaterThan: operator.gt, sp.GreaterThan: operator.ge, sp.StrictLessThan: operator.lt, sp.LessThan: operator.le,
+}  # fmt: skip
+
 # The inner nodes a formula can contain; relations occur only as the condition of ``where``.
 NODES: tuple[type, ...] = (
     sp.Add, sp.Mul, sp.Pow, sp.Abs, *(word.node for word in ELEMENTARY.values()), Atan2,
     sp.Min, sp.Max, Pos, Neg, Norm, EigMax, Where,
-    sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan,
+    *COMPARISONS,
 )  # fmt: skip
 
 # The nodes whose value has a kink or may jump, one smooth piece meeting another.
@@ -281,3 +304,25 @@ def symbol(name: str, **assumptions: bool) -> sp.Symbol:
 @lru_cache(maxsize=4096)
 def _symbol(name: str, assumptions: tuple[tuple[str, bool], ...]) -> sp.Symbol:
     return sp.Symbol(name, **({"real": True} | dict(assumptions)))
+
+
+# What a root of -1, a logarithm of 0 or a quotient by 0 becomes in SymPy where values are put in: no real number.
+UNDEFINED = (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I)
+
+
+def defined_at(expr: sp.Expr, place: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr | None:
+    """The expression with values, or other expressions, put in; None where part of it has no value there."""
+    try:
+        value = expr.xreplace(place)
+    except (ValueError, TypeError):  # SymPy compares something with nan
+        return None
+    return None if value.has(*UNDEFINED) else value
+
+
+def holds_at(relation: sp.Basic, place: Mapping[sp.Symbol, sp.Expr]) -> bool:
+    """Whether a relation holds with values put in; it does not hold where a part of it has no value."""
+    try:
+        found = relation.subs(place)
+        return (found.func(*found.args) if isinstance(found, Relational) else found) in (sp.true, True)  # 1 <= 1 may be kept as it stands
+    except (ValueError, TypeError):  # SymPy compares nothing with what is no real number
+        return False

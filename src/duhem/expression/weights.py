@@ -18,7 +18,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
-from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["ROLES", "Conditions", "Weight", "combined", "degree", "removable", "weighing"]
 
@@ -35,7 +35,7 @@ ROLES: Mapping[type, Role] = {
     **dict.fromkeys((word.node for word in ELEMENTARY.values()), "pure"),
     Atan2: "angle",
     EigMax: "placed",
-    **dict.fromkeys((sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan), "compared"),
+    **dict.fromkeys(COMPARISONS, "compared"),
     Where: "chosen",
     sp.Mul: "product",
     sp.Pow: "power",
@@ -52,19 +52,9 @@ class Conditions:
 
     def __init__(self) -> None:
         self.rows: list[Weight] = []
-        self._table = weighing(
-            {
-                "alike": self._equal,
-                "kept": self._equal,
-                "pure": self.pure,
-                "angle": self._angle,
-                "placed": self._equal,
-                "compared": self._equal,
-                "chosen": lambda node, _, a, b: self._equal(node, a, b),
-                "product": self._product,
-                "power": self.power,
-            }
-        )
+        alike: dict[Role, Callable[..., Any]] = dict.fromkeys(("alike", "kept", "placed", "compared"), self._equal)
+        others: dict[Role, Callable[..., Any]] = {"pure": self.pure, "angle": self._angle, "product": self._product, "power": self.power}
+        self._table = weighing(alike | others | {"chosen": lambda node, _, a, b: self._equal(node, a, b)})
 
     def weigh(self, expr: sp.Basic) -> Weight | None:
         """The weight of a formula; what must vanish so that it has one is added to the ``rows``."""

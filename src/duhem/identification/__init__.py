@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from duhem.identification import plot, text  # noqa: F401 (how an identification is shown)
+from duhem.identification import printing  # noqa: F401 (how an identification is shown)
 from duhem.identification.entry import identify
 from duhem.identification.points import Points
 from duhem.identification.result import Estimate, Identification, Outlier

@@ -63,9 +63,8 @@ def identify(
     if len(read) < len(free):
         counts = "is only 1 point" if len(read) == 1 else f"are only {len(read)} points"
         unknowns = f"{len(free)} unknowns {', '.join(free)}"
-        raise InputError(
-            f"there {counts} for the {unknowns}", where=read.where, remedy="add points, or fix a parameter with --set NAME=VALUE"
-        )
+        what = f"there {counts} for the {unknowns}"
+        raise InputError(what, where=read.where, remedy="add points, or fix a parameter with --set NAME=VALUE")
     from duhem.identification.estimation import estimated  # solvers and deciders, once the points are known to be usable
 
     return estimated(family, read, robust=robust, bootstrap=bootstrap, seed=seed, convex=convex)

@@ -60,7 +60,7 @@ class Points:
         """
         if isinstance(given, Points):
             return given
-        names = (*law.forces, *([law.pressure] if law.pressure else []))
+        names = law.coordinates
         if isinstance(given, (str, PathLike)):
             return _of_columns(*_read(given, names), law, f"{fspath(given)}")
         if (table := columns(given, "points", names)) is not None:
@@ -139,9 +139,8 @@ def _text(file: str | PathLike[str]) -> str:
         line = data.count(b"\n", 0, fault.start) + 1
         raise InputError("this is not text in UTF-8", where=f"{where}:{line}", remedy="write the points as CSV") from None
     if "\0" in text:
-        raise InputError(
-            "this is binary", where=f"{where}:{text.count(chr(10), 0, text.index(chr(0))) + 1}", remedy="write the points as CSV"
-        )
+        what = "this is binary"
+        raise InputError(what, where=f"{where}:{text.count(chr(10), 0, text.index(chr(0))) + 1}", remedy="write the points as CSV")
     return text
 
 
@@ -165,14 +164,12 @@ def _complete(present: Any, names: Sequence[str], header: Sequence[str], where: 
     """Every column that is needed is there, and none is nearly the name of an optional one."""
     shown = ", ".join(header)[:120] or "none"
     if absent := [name for name in names if name not in present]:
-        raise InputError(
-            f"there is no column {', '.join(absent)}", where=where, remedy=f"its columns are {shown}; name the law's with --law"
-        )
+        what = f"there is no column {', '.join(absent)}"
+        raise InputError(what, where=where, remedy=f"its columns are {shown}; name the law's with --law")
     for name in header:
         if name not in (*names, *_OPTIONAL) and (near := get_close_matches(name.lower(), _OPTIONAL, n=1, cutoff=0.8)):
-            raise InputError(
-                f"unknown column {name[:40]!r}", where=where, remedy=f"did you mean {near[0]!r}? other columns need other names"
-            )
+            what = f"unknown column {name[:40]!r}"
+            raise InputError(what, where=where, remedy=f"did you mean {near[0]!r}? other columns need other names")
     if all(name in present for name in _OPTIONAL):
         raise InputError("both weight and scatter are given", where=where, remedy="keep one: weight is 1/scatter^2 up to a factor")
 
@@ -215,11 +212,8 @@ def _of_columns(columns: Mapping[str, Array], lines: tuple[int, ...], law: Crite
     forces = np.column_stack([columns[name] for name in law.forces])
     pressure = columns[law.pressure] if law.pressure else None
     if pressure is not None:
-        refuse(
-            pressure >= 0.0,
-            f"{law.pressure} is not negative",
-            f"{law.pressure} < 0 in compression: change the sign, or leave out open contact",
-        )
+        remedy = f"{law.pressure} < 0 in compression: change the sign, or leave out open contact"
+        refuse(pressure >= 0.0, f"{law.pressure} is not negative", remedy)
     size = np.max(np.abs(forces), axis=1)
     refuse(size == 0.0, f"{' = '.join(law.forces)} = 0 is no limit point", "give the forces at which slip begins")
     load = size if pressure is None else np.abs(pressure)

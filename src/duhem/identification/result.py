@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from duhem.identification.points import Points
 from duhem.law.formula_law import Criterion
 from duhem.show.place import write
-from duhem.show.printing import draw
-from duhem.show.shown import Shown
+from duhem.show.printing import Shown, draw
 from duhem.version import __version__
 
 if TYPE_CHECKING:
@@ -43,14 +42,8 @@ class Estimate:
 
     def to_dict(self) -> dict[str, Any]:
         """The estimate as the JSON report has it."""
-        interval = None if self.interval is None else list(self.interval)
-        return {
-            "state": self.state,
-            "value": self.value,
-            "standard_error": self.standard_error,
-            "interval": interval,
-            "remark": self.remark,
-        }
+        own = {key: getattr(self, key) for key in ("state", "value", "standard_error")}
+        return own | {"interval": None if self.interval is None else list(self.interval), "remark": self.remark}
 
 
 @dataclass(frozen=True)
@@ -96,7 +89,7 @@ class Identification(Shown):
     minimised: str
     verification: Verification
 
-    printed_by: ClassVar[str] = "duhem.identification.text"
+    printed_by: ClassVar[str] = "duhem.identification.printing"
 
     def __repr__(self) -> str:
         found = ", ".join(f"{name} = {value:.6g}" for name, value in self.coefficients.items())
@@ -169,7 +162,7 @@ class Identification(Shown):
 
     def to_toml(self, file: str | PathLike[str]) -> None:
         """Write the law as a criterion file that ``duhem verify`` takes.  InputError if it cannot be written."""
-        from duhem.identification.criterion_text import criterion_text
+        from duhem.law.criterion_file import criterion_text
 
         write(file, criterion_text(self.law))
 

@@ -146,7 +146,7 @@ def template(name: str) -> str:
     """A criterion file to start from, with every key explained; it loads and verifies as it stands."""
     if not re.fullmatch(r"[A-Za-z0-9][\w.-]{0,60}", name):
         raise InputError(f"{name[:60]!r} cannot name a law", remedy="use letters, digits, hyphens and underscores")
-    return _TEMPLATE.replace("NAME", name)
+    return Path(__file__).with_name("template.toml").read_text("utf-8").replace("NAME", name)
 
 
 def _built_in() -> Mapping[str, str]:
@@ -196,68 +196,6 @@ def attribute(reference: str, shown: str) -> Any:
             found = getattr(found, part)
     except (Exception, SystemExit) as fault:  # whatever the module does on import is the caller's, and so is its error
         reason = f"{type(fault).__name__}: {' '.join(str(fault).split())}"
-        raise InputError(
-            f"{shown[:60]} cannot be imported ({reason})", remedy="check its name and that its folder is on the path"
-        ) from fault
+        what = f"{shown[:60]} cannot be imported ({reason})"
+        raise InputError(what, remedy="check its name and that its folder is on the path") from fault
     return found
-
-
-_TEMPLATE = """\
-# A criterion for duhem.  Verify it with:  duhem verify NAME.toml
-
-[criterion]
-name = "NAME"
-summary = "Orthotropic friction with a shifted centre"  # optional, one line
-source = ""                                             # optional: author (year), equation
-
-# The forces g depends on, and the normal stress, which is <= 0 in compression.  These are the defaults;
-# pressure = false for a law without one.
-forces = ["sigma_a", "sigma_b"]
-pressure = "sigma_n"
-
-# The admissible states are g <= 0.  Decimals are read exactly.  The words are
-#   abs sign sqrt exp log log10 sin cos tan asin acos atan atan2 sinh cosh tanh min max pos neg norm eigmax where
-# with pos(x) = max(x, 0), neg(x) = max(-x, 0), norm(x, y) = sqrt(x**2 + y**2), where(x > 0 and y > 0, a, b), and
-# eigmax(xx, yy, zz, yz, xz, xy), the greatest eigenvalue of a symmetric matrix.
-g = "norm((sigma_a - shift*abs(sigma_n))/mu_a, sigma_b/mu_b) - abs(sigma_n)"
-
-# Relations between parameters, part of their domain (optional).
-constraints = ["shift < mu_a"]
-
-# Verdicts that are no failure (optional): the exit code of duhem verify is 0 if they come, 1 if others do.
-# expect = { smoothness = "refuted" }     # a law with corners
-
-# A stress instead of forces: kind = "3d" (sigma_xx yy zz yz xz xy), "plane" (sigma_xx yy xy) or "principal" (sigma_1 2 3).
-# With it I1 J2 J3 tr det cos3theta lode principal(1) are words too, or J2(sigma), principal(sigma, 1).  Each shear stress stands once;
-# its slip is the engineering shear 2 epsilon_xy, so that sums over the forces are inner products of tensors.
-# stress = { name = "sigma", kind = "3d" }
-
-# Local names, each in terms of those above it, for everything that is given as a formula.
-# [define]
-# size = "norm(sigma_a, sigma_b)"
-
-[parameters]                              # verified for every value of these domains
-mu_a = { positive = true }                # every positive real; {} is every real
-mu_b = { value = 0.15 }                   # one value
-shift = { min = 0, max = 0.5 }            # a closed interval; either end may be left out
-
-# Ranges of the pressure or of forces in which the claims are asked (optional).
-# [domain]
-# sigma_n = { min = -100 }
-
-# The slip direction, one expression per force, or in [criterion] a potential, whose gradient it is: potential = "...".
-# Left out, it is normal to g = 0 (associated law).
-# [flow]
-# direction = ["sigma_a", "sigma_b"]
-
-# A law of several surfaces has, instead of g, one such table for each; K is where all of them are <= 0.
-# [[surface]]
-# g = "sigma_a - mu_a*abs(sigma_n)"
-# flow = ["1", "0"]                       # or potential = "..."; left out, the slip is normal to the surface
-
-# A law given by its boundary curve has, instead of g, the point and the slip direction at each angle, for |sigma_n| = 1.
-# [boundary]
-# angle = "phi"
-# T = ["mu_a*cos(phi)", "mu_b*sin(phi)"]
-# direction = ["cos(phi)", "sin(phi)"]    # left out, it is normal to the curve
-"""

@@ -1,4 +1,4 @@
-"""Criterion files: TOML in, a frozen law out, every fault with its line and column.
+"""Criterion files: TOML in, a frozen law out, every fault with its line and column; and a law written as such a file.
 
 ``g`` in [criterion] or several [[surface]] give a :class:`duhem.law.formula_law.Criterion`, [boundary] gives a
 :class:`duhem.law.curve_law.ParametricCriterion`.
@@ -6,32 +6,124 @@
 
 from __future__ import annotations
 
-import keyword
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from decimal import Decimal
+from functools import partial
 from os import PathLike
 from typing import Any
 
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import WORDS, symbol
-from duhem.expression.abbreviations import Abbreviations
-from duhem.expression.invariants import Stress
-from duhem.expression.parse import parse_relation, written_out
+from duhem.expression import symbol
+from duhem.expression.abbreviations import Abbreviations, Stress
+from duhem.expression.parse import parse_expression, parse_relation, written_out
 from duhem.expression.spelling import spelled
-from duhem.law.bounding_sections import BoundingSections, curve
-from duhem.law.curve_law import ANGLE, Law, ParametricCriterion
-from duhem.law.definitions import Definitions, PlacedFormula, definitions
+from duhem.expression.text import faithful
+from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
 from duhem.law.domain import POSITIVE, Domain, range_fault
-from duhem.law.formula_law import FORCES, PRESSURE, Criterion
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, PlacedFormula, YieldSurface, definitions, flow_of, name_fault
 from duhem.law.given_text import Relations
 from duhem.law.parameter_domain import check_domain
-from duhem.law.placed_toml import parsed, text_of
-from duhem.law.section_reader import SectionReader
-from duhem.law.yield_surface import YieldSurface
+from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
 
-__all__ = ["expected_verdicts", "read", "reads"]
+__all__ = ["SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
+
+Declared = tuple[str, str, str]  # a name, and the section and key that declare it
+Reading = Callable[..., tuple[sp.Expr, str]]  # of a place: the formula there, and its text
+
+
+@dataclass(frozen=True)
+class SectionReader:
+    """What stands where in a document; InputError for what is missing or of another kind."""
+
+    toml: PlacedToml
+
+    @property
+    def where(self) -> str:
+        """The name of the file."""
+        return self.toml.where
+
+    @property
+    def document(self) -> Mapping[str, Any]:
+        """Everything in it."""
+        return self.toml.document
+
+    def table(self, section: str, *, required: bool = True) -> Mapping[str, Any]:
+        given = self.document.get(section)
+        if given is None and required:
+            raise InputError(f"there is no [{section}]", where=self.where, remedy="start from the template: duhem init NAME")
+        if given is not None and not isinstance(given, dict):
+            raise self.error(f"{section} is not a table", "", section, remedy=f"write [{section}] on a line of its own")
+        return given or {}
+
+    def keys(self, section: str, given: Mapping[str, Any], allowed: Sequence[str], inside: str = "", at: tuple[Key, ...] = ()) -> None:
+        for key in given:
+            if key not in allowed:
+                what = f"unknown {'key' if section else 'section'} {key[:40]!r}" + (f" of {inside}" if inside else "")
+                raise self.error(what, *(at or (section,)), inside or key, remedy=meant(key, allowed))
+
+    def value(self, *path: Key) -> Any:
+        """What stands at a place that is known to be there."""
+        found: Any = self.document
+        for key in path:
+            found = found[key]
+        return found
+
+    def string(self, *path: Key, required: bool = True) -> str:
+        *section, key = path
+        given = self.value(*section).get(key, None if required else "")
+        if given is None:
+            header = f"[[{section[0]}]]" if len(section) > 1 else f"[{section[0]}]"
+            raise self.error(f"{header} has no {key}", *section, remedy=f'add {key} = "..."')
+        if not isinstance(given, str) or (required and not given.strip()):
+            raise self.error(f"{key} is not a text" if given != "" else f"{key} is empty", *path, remedy=f'write {key} = "..."')
+        return given
+
+    def line(self, section: str, key: str, *, required: bool = True) -> str:
+        """A text for people, as one printable line."""
+        given = " ".join(self.string(section, key, required=required).split())
+        if not given.isprintable() or len(given) > 500:
+            raise self.error(f"{key} is not a printable line of at most 500 characters", section, key, remedy="shorten it")
+        return given
+
+    def alone(self, header: str, inside: str, *others: str) -> None:
+        """No ``others`` beside a section that stands for them."""
+        for key in others:
+            if key in (self.document[inside] if inside else self.document):
+                what = f"{header} and {key if inside else f'[{key}]'} are both given"
+                raise self.error(what, inside, key, remedy="leave one of them out")
+
+    def stated(self, *path: Key, known: Mapping[str, sp.Symbol], short: Abbreviations) -> tuple[sp.Expr, str]:
+        """The formula at a place over the symbols ``known``, and its text with all that stands for others written out."""
+        text, line, column = self.formula(*path)
+        return parse_expression(text, known, where=self.where, line=line, column=column, short=short), written_out(text, short)
+
+    def entries(self, *path: Key, example: str) -> list[tuple[Key, ...]]:
+        """The places of the formulas in a list."""
+        given = self.value(*path)
+        if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
+            raise self.error(f"{path[-1]} is not a list of expressions", *path, remedy=f"write {path[-1]} = {example}")
+        return [(*path, i) for i in range(len(given))]
+
+    def error(self, what: str, *path: Key, remedy: str) -> InputError:
+        return InputError(what, where=self.place(*path), remedy=remedy)
+
+    def place(self, *path: Key) -> str:
+        """file:line:column of a key, or the file where the key is not found."""
+        return self.toml.place(*(key for key in path if key != ""))
+
+    def formula(self, *path: Key) -> tuple[str, int, int]:
+        """A formula with the line (from 1) and column (from 0) at which it begins.
+
+        The text is taken as written in the file, so that the columns are the file's; a formula has no use for escapes.
+        """
+        value = self.value(*path) if isinstance(path[-1], int) else self.string(*path)
+        written, line, column = self.toml.written(*path) or (value, 1, 0)
+        return (value if "\\" in written else written), line, column
+
 
 MOST_BYTES = 1_000_000
 _CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "potential", "constraints", "expect")
@@ -69,10 +161,9 @@ class _CriterionReader(SectionReader):
     def law(self) -> Law:
         self.keys("", self.document, ("criterion", "define", "domain", "parameters", "flow", "surface", "boundary", "atlas"))
         self.keys("atlas", self.table("atlas", required=False), _ATLAS)
-        head = self.table("criterion")
-        self.keys("criterion", head, _CRITERION)
+        self.keys("criterion", self.table("criterion"), _CRITERION)
         self.check_sizes()
-        name = self.line("criterion", "name")
+        self.line("criterion", "name")  # a file without a name is told so first
         stress = self.stress()
         forces = self.names() if stress is None else list(stress.components)
         pressure = self.pressure()
@@ -81,74 +172,51 @@ class _CriterionReader(SectionReader):
         declared = [(f, "criterion", "forces") for f in forces] + ([(pressure, "criterion", "pressure")] if pressure else [])
         declared += [(spelled(p), "parameters", p) for p in given]
         self.check_names(declared, Abbreviations(stress=stress).words())
-        parameters = {p: domain.symbol(p) for p, domain in domains.items()}
-        known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {}) | parameters
+        known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
+        known |= {p: domain.symbol(p) for p, domain in domains.items()}
         if "boundary" in self.document:
             self.alone("[boundary]", "criterion", "g", "potential", "stress")
             self.alone("[boundary]", "", "flow", "surface", "domain")
             return self.curve(forces, pressure, domains, declared)
         define = self.definitions(known, stress)
-        bounding = BoundingSections(self, forces, known, define.short)
-        surfaces = bounding.surfaces()
-        whole = YieldSurface(sp.nan) if surfaces else bounding.whole()
-        constraints, texts = self.constraints(parameters, define)
+        axes, read = [known[f] for f in forces], partial(self.stated, known=known, short=define.short)
+        surfaces = self.surfaces(axes, read)
+        whole = YieldSurface(sp.nan) if surfaces else self.whole(axes, read)
+        head = self.head(forces, pressure, domains, define)
+        bounds = {key: getattr(whole, key) for key in ("g", "flow", "potential", "written", "written_flow")}
         domain = self.ranges(forces, pressure)
-        expect = self.expected()
         try:
-            law = Criterion(
-                name=name,
-                g=whole.g,
-                parameters=domains,
-                forces=tuple(forces),
-                pressure=pressure,
-                constraints=constraints,
-                flow=whole.flow,
-                summary=self.line("criterion", "summary", required=False),
-                source=self.line("criterion", "source", required=False),
-                expect=expect,
-                written=whole.written,
-                written_flow=whole.written_flow,
-                written_constraints=texts,
-                stress=stress,
-                define=define,
-                potential=whole.potential,
-                domain=domain,
-                surfaces=surfaces,
-            )
+            law = Criterion(**head, **bounds, stress=stress, define=define, domain=domain, surfaces=surfaces)
         except InputError as fault:
             raise InputError(fault.what, where=self.where, remedy=fault.remedy) from None
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
 
-    def curve(
-        self, forces: Sequence[str], pressure: str | None, domains: Mapping[str, Domain], declared: Sequence[tuple[str, str, str]]
-    ) -> Law:
+    def head(self, forces: Sequence[str], pressure: str | None, domains: Mapping[str, Domain], define: Definitions) -> dict[str, Any]:
+        """What a law of either kind has."""
+        constraints, texts = self.constraints({p: domain.symbol(p) for p, domain in domains.items()}, define)
+        said = {key: self.line("criterion", key, required=key == "name") for key in ("name", "summary", "source")}
+        names = {"parameters": domains, "forces": tuple(forces), "pressure": pressure}
+        return said | names | {"constraints": constraints, "written_constraints": texts, "expect": self.expected()}
+
+    def curve(self, forces: Sequence[str], pressure: str | None, domains: Mapping[str, Domain], declared: Sequence[Declared]) -> Law:
         """A law given by its boundary, in an angle and the parameters."""
         self.keys("boundary", self.table("boundary"), ("angle", "T", "direction"))
         angle = spelled(self.line("boundary", "angle", required=False) or ANGLE)
         self.check_names([*declared, (angle, "boundary", "angle")], frozenset())
         if pressure is None or len(forces) != 2:
             raise self.error("a boundary curve takes two forces and a pressure", "boundary", remedy="declare them, or write g instead")
-        parameters = {p: domain.symbol(p) for p, domain in domains.items()}
-        known = {angle: symbol(angle), **parameters}
+        known = {angle: symbol(angle)} | {p: domain.symbol(p) for p, domain in domains.items()}
         define = self.definitions(known, None)
-        boundary = curve(self, "T", known[angle], known, define.short)
-        flow = curve(self, "direction", known[angle], known, define.short) if "direction" in self.table("boundary") else []
-        constraints, texts = self.constraints(parameters, define)
+        read = partial(self.stated, known=known, short=define.short)
+        boundary = self.components("T", known[angle], read)
+        flow = self.components("direction", known[angle], read) if "direction" in self.table("boundary") else []
         law = ParametricCriterion(
-            name=self.line("criterion", "name"),
-            boundary=tuple(x for _, x in boundary),
-            parameters=domains,
-            forces=tuple(forces),
-            pressure=pressure,
+            **self.head(forces, pressure, domains, define),
+            boundary=tuple(x for x, _ in boundary),
             angle=angle,
-            constraints=constraints,
-            flow=tuple(x for _, x in flow) or None,
-            written=tuple(text for text, _ in (*boundary, *flow)),
-            written_constraints=texts,
-            summary=self.line("criterion", "summary", required=False),
-            source=self.line("criterion", "source", required=False),
-            expect=self.expected(),
+            flow=tuple(x for x, _ in flow) or None,
+            written=tuple(text for _, text in (*boundary, *flow)),
         )
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
@@ -203,22 +271,17 @@ class _CriterionReader(SectionReader):
         if given is False:
             return None
         if not isinstance(given, str):
-            raise self.error(
-                "pressure is not a name", "criterion", "pressure", remedy='write pressure = "sigma_n", or false for a law without'
-            )
+            remedy = 'write pressure = "sigma_n", or false for a law without'
+            raise self.error("pressure is not a name", "criterion", "pressure", remedy=remedy)
         return str(spelled(given))
 
-    def check_names(self, declared: Sequence[tuple[str, str, str]], invariants: frozenset[str]) -> None:
+    def check_names(self, declared: Sequence[Declared], invariants: frozenset[str]) -> None:
         """Every name, with the section and key that declare it, is one, and is free."""
         names = [name for name, _, _ in declared]
-        for name, section, key in declared:
-            if not name.isidentifier():
-                raise self.error(f"{name!r} is not a name", section, key, remedy="use letters, digits and underscores")
-            if name in WORDS or name in invariants or name == "pi" or keyword.iskeyword(name):
-                raise self.error(f"the name {name!r} already means something", section, key, remedy="choose another")
-            if names.count(name) > 1:
-                _, section, key = next(last for last in reversed(declared) if last[0] == name)
-                raise self.error(f"{name!r} is declared twice", section, key, remedy="give each force and parameter a name of its own")
+        for name in names:
+            if fault := name_fault(name, names, "force and parameter", invariants):
+                places = [(section, key) for other, section, key in declared if other == name]
+                raise self.error(fault[0], *places[-1 if fault[0].endswith("twice") else 0], remedy=fault[1])
 
     def ranges(self, forces: Sequence[str], pressure: str | None) -> Mapping[str, Domain]:
         found: dict[str, Domain] = {}
@@ -260,10 +323,153 @@ class _CriterionReader(SectionReader):
     def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions) -> Relations:
         given = self.document["criterion"].get("constraints", [])
         if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
-            raise self.error(
-                "constraints is not a list of comparisons", "criterion", "constraints", remedy='write constraints = ["e < mu_b"]'
-            )
+            remedy = 'write constraints = ["e < mu_b"]'
+            raise self.error("constraints is not a list of comparisons", "criterion", "constraints", remedy=remedy)
         placed = [self.formula("criterion", "constraints", i) for i in range(len(given))]
         short = define.short
         found = [parse_relation(t, parameters, where=self.where, line=line, column=column, short=short) for t, line, column in placed]
         return tuple(found), tuple(written_out(t, short) for t, _, _ in placed)
+
+    # -- what bounds K, and the slip there ----------------------------------------------------------------------
+
+    def whole(self, forces: Sequence[sp.Symbol], read: Reading) -> YieldSurface:
+        """The one surface of a law without [[surface]]: g and potential in [criterion], or [flow]."""
+        flow = ("flow", "direction") if "flow" in self.document else ()
+        if flow:
+            self.keys("flow", self.table("flow"), ("direction",))
+            if "direction" not in self.table("flow"):
+                raise self.error("[flow] has no direction", "flow", remedy=f"write direction = {_example(forces)}")
+        return self.surface(("criterion",), flow, "[flow]", forces, read)
+
+    def surfaces(self, forces: Sequence[sp.Symbol], read: Reading) -> tuple[YieldSurface, ...]:
+        """Those of [[surface]], in order; none where there is no such section."""
+        given = self.document.get("surface", [])
+        if not (isinstance(given, list) and all(isinstance(entry, dict) for entry in given)):
+            raise self.error("surface is no list of tables", "surface", remedy="write [[surface]] above each of them")
+        if given:
+            self.alone("[[surface]]", "criterion", "g", "potential")
+            self.alone("[[surface]]", "", "flow")
+        for i, entry in enumerate(given):
+            self.keys("surface", entry, ("g", "flow", "potential"), at=("surface", i))
+        flows = [("surface", i, "flow") if "flow" in entry else () for i, entry in enumerate(given)]
+        return tuple(self.surface(("surface", i), flow, "flow", forces, read) for i, flow in enumerate(flows))
+
+    def surface(
+        self, section: tuple[Key, ...], flow: tuple[Key, ...], flow_name: str, forces: Sequence[sp.Symbol], read: Reading
+    ) -> YieldSurface:
+        """The g and potential of a section with the flow at a place, if it has one."""
+        g, written = read(*section, "g")
+        if not g.free_symbols & set(forces):
+            remedy = f"use at least one of {', '.join(map(str, forces))}"
+            raise self.error("g does not depend on any force", *section, "g", remedy=remedy)
+        if "potential" in self.value(*section):
+            at = (*section, "potential")
+            if flow:
+                raise self.error(f"{flow_name} and potential are both given", *at, remedy="leave one of them out")
+            potential, text = read(*at)
+            try:
+                flow_of(potential, forces)
+            except InputError as fault:
+                raise self.error(fault.what, *at, remedy=fault.remedy) from None
+            return YieldSurface(g, potential=text, written=written)
+        if not flow:
+            return YieldSurface(g, written=written)
+        entries = self.entries(*flow, example=_example(forces))
+        if len(entries) != len(forces):
+            remedy = f"give one expression for each of {', '.join(map(str, forces))}"
+            counts = f"{len(entries)} components for {len(forces)} forces"
+            raise self.error(f"the flow direction has {counts}", *flow, remedy=remedy)
+        slip, texts = zip(*(read(*entry) for entry in entries), strict=True)
+        return YieldSurface(g, slip, None, written, texts)
+
+    def components(self, key: str, angle: sp.Symbol, read: Reading) -> list[tuple[sp.Expr, str]]:
+        """The two components in [boundary] with their texts; they close because the angle enters by its cosine and sine only."""
+        example = f'["cos({angle})", "sin({angle})"]'
+        if key not in self.table("boundary"):
+            raise self.error(f"[boundary] has no {key}", "boundary", remedy=f"add {key} = {example}")
+        entries = self.entries("boundary", key, example=example)
+        if len(entries) != 2:
+            remedy = f"write {key} = {example}"
+            raise self.error(f"{key} has {len(entries)} components for 2 forces", "boundary", key, remedy=remedy)
+        found = [read(*entry) for entry in entries]
+        for entry, (expr, _) in zip(entries, found, strict=True):
+            if not closes(expr, angle):
+                remedy = f"write it in cos({angle}) and sin({angle}), multiples of the angle expanded"
+                raise self.error(f"{key} uses {angle} otherwise than as cos({angle}) and sin({angle})", *entry, remedy=remedy)
+        return found
+
+
+def _example(forces: Sequence[sp.Symbol]) -> str:
+    return "[" + ", ".join(f'"{f}"' for f in forces) + "]"
+
+
+# -- a law written down -----------------------------------------------------------------------------------------------
+
+
+def criterion_text(law: Law) -> str:
+    """The law in TOML: formula, surfaces or boundary curve, parameters with exact values or domains, constraints, flow.
+
+    InputError for a value or an end of a domain that is no finite decimal.
+    """
+    lines = ["[criterion]", f"name = {_quoted(law.name)}"]
+    lines += [f"{key} = {_quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
+    lines += [f"forces = [{', '.join(map(_quoted, law.forces))}]"]
+    lines += [f"pressure = {_quoted(law.pressure) if law.pressure else 'false'}"]
+    if isinstance(law, Criterion) and not law.surfaces:
+        lines += [f"g = {_quoted(_text(law, law.g))}", *_potential(law)]
+    if law.constraints:
+        lines += [f"constraints = [{', '.join(_quoted(_text(law, c)) for c in law.constraints)}]"]
+    lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in law.parameters.items())]
+    if isinstance(law, ParametricCriterion):
+        lines += ["", "[boundary]", f"angle = {_quoted(law.angle)}", f"T = {_list(law, law.boundary)}"]
+        lines += [f"direction = {_list(law, law.flow)}"] if law.flow is not None else []
+        return "\n".join(lines) + "\n"
+    if law.domain:
+        lines += ["", "[domain]", *(f"{name} = {_domain(own, f'{law.name}: {name}')}" for name, own in law.domain.items())]
+    if law.flow is not None and law.potential is None:
+        lines += ["", "[flow]", f"direction = {_list(law, law.flow)}"]
+    for surface in law.surfaces:
+        lines += ["", "[[surface]]", f"g = {_quoted(_text(law, surface.g))}", *_potential(surface)]
+        lines += [f"flow = {_list(law, surface.flow)}"] if surface.flow is not None and surface.potential is None else []
+    return "\n".join(lines) + "\n"
+
+
+def _potential(stated: Criterion | YieldSurface) -> list[str]:
+    return [] if stated.potential is None else [f"potential = {_quoted(stated.potential)}"]
+
+
+def _list(law: Law, formulas: Sequence[sp.Expr]) -> str:
+    return f"[{', '.join(_quoted(_text(law, x)) for x in formulas)}]"
+
+
+def _text(law: Law, expr: sp.Basic) -> str:
+    return faithful(expr, law.symbols().values())
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)  # a JSON string of printable text is a basic string of TOML
+
+
+def _domain(domain: Domain, where: str) -> str:
+    if domain.value is not None:
+        return f"{{ value = {_decimal(domain.value, where)} }}"
+    ends = [f"max = {_decimal(domain.high, where)}"] if domain.high is not None else []
+    if domain.positive:
+        ends = ["positive = true", *ends]
+    elif domain.low is not None:
+        ends = [f"min = {_decimal(domain.low, where)}", *ends]
+    return f"{{ {', '.join(ends)} }}" if ends else "{}"
+
+
+def _decimal(x: sp.Rational, where: str) -> str:
+    """``x`` in full, as TOML writes numbers."""
+    rest, places = int(x.q), {2: 0, 5: 0}
+    for prime in places:
+        while rest % prime == 0:
+            rest, places[prime] = rest // prime, places[prime] + 1
+    if rest != 1:
+        raise InputError(f"{x} is no finite decimal", where=where, remedy="give it as a decimal, such as 0.333333")
+    scale = max(places.values())
+    digits = str(abs(int(x.p)) * 10**scale // int(x.q)).rjust(scale + 1, "0")
+    body = f"{digits[:-scale]}.{digits[-scale:]}" if scale else digits
+    return f"-{body}" if x < 0 else body

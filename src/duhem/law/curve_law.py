@@ -20,15 +20,11 @@ from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import NONE
 from duhem.expression.spelling import spelled
-from duhem.expression.verbatim import Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains
-from duhem.law.formula_law import FORCES, PRESSURE, Criterion
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion, StatedLaw, as_expression
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.law.given_text import moved, moved_relations, relations, text_of
+from duhem.law.given_text import argument_names, called, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
-from duhem.law.shown_law import ShownLaw
-from duhem.law.signature import argument_names, called, listed
-from duhem.law.yield_surface import as_expression
 
 __all__ = ["ANGLE", "Law", "ParametricCriterion", "closes", "parametric"]
 
@@ -36,7 +32,7 @@ ANGLE = "phi"
 
 
 @dataclass(frozen=True, repr=False)
-class ParametricCriterion(Verbatim, ShownLaw):
+class ParametricCriterion(StatedLaw):
     """K(sigma_n) = |sigma_n| K_1 in two forces, K_1 enclosed by the curve ``boundary`` (angle), angle in [0, 2 pi).
 
     ``boundary``, ``flow`` and ``constraints`` are text in the vocabulary or SymPy expressions over :meth:`symbols`;
@@ -71,11 +67,10 @@ class ParametricCriterion(Verbatim, ShownLaw):
         put(self, "angle", spelled(self.angle))
         put(self, "parameters", Domains(self.parameters))
         put(self, "expect", FrozenMapping(self.expect))
-        names = [*self.forces, self.pressure, self.angle, *self.parameters]
+        names = [*self.coordinates, self.angle, *self.parameters]
         if len(self.forces) != 2 or len(set(names)) < len(names) or not all(n.isidentifier() for n in names):
-            raise InputError(
-                "a boundary curve takes two forces and different names throughout", where=self.name, remedy="correct its names"
-            )
+            what = "a boundary curve takes two forces and different names throughout"
+            raise InputError(what, where=self.name, remedy="correct its names")
         known = self.symbols()
         boundary = tuple(listed(self.boundary, "boundary", self.name))
         flow = () if self.flow is None else tuple(listed(self.flow, "flow", self.name))
@@ -99,9 +94,8 @@ class ParametricCriterion(Verbatim, ShownLaw):
         if stray := expr.free_symbols - inside:
             raise InputError(f"{what} uses {sorted(map(str, stray))}", where=self.name, remedy="use the angle and the parameters only")
         if not closes(expr, turn := known[self.angle]):
-            raise InputError(
-                f"{what} uses {turn} otherwise than as cos({turn}) and sin({turn})", where=self.name, remedy="expand multiples of the angle"
-            )
+            what = f"{what} uses {turn} otherwise than as cos({turn}) and sin({turn})"
+            raise InputError(what, where=self.name, remedy="expand multiples of the angle")
         return expr
 
     def components(self) -> tuple[sp.Expr, ...]:
@@ -110,12 +104,7 @@ class ParametricCriterion(Verbatim, ShownLaw):
 
     def symbols(self) -> dict[str, sp.Symbol]:
         """Every declared name with its symbol: forces, pressure, angle, parameters, in this order."""
-        table = {name: symbol(name) for name in self.forces} | {self.pressure: symbol(self.pressure, nonpositive=True)}
-        return table | {self.angle: symbol(self.angle)} | {name: domain.symbol(name) for name, domain in self.parameters.items()}
-
-    def force_symbols(self) -> tuple[sp.Symbol, ...]:
-        """The symbols of the forces, in order."""
-        return tuple(symbol(name) for name in self.forces)
+        return self._declared(self.angle)
 
     @property
     def associated(self) -> bool:
@@ -143,14 +132,7 @@ class ParametricCriterion(Verbatim, ShownLaw):
             written_constraints=texts,
             flow=None if self.flow is None else (flow[0], flow[1]),
         )
-        whole = self._whole or self
-        object.__setattr__(part, "_whole", whole if domains != whole.parameters else None)
-        return part
-
-    @property
-    def whole(self) -> ParametricCriterion | None:
-        """The law of which this one is a part, by :meth:`fix`: what holds of it holds here; None where it is none."""
-        return self._whole
+        return self._with_part(part)
 
 
 def closes(expr: sp.Expr, angle: sp.Symbol) -> bool:

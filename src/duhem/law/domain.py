@@ -161,9 +161,8 @@ class Domains(FrozenMapping[str, Domain]):
                 raise InputError(f"unknown parameter {name!r}", where=law, remedy=f"its parameters are: {', '.join(self) or 'none'}")
             number = exact_number(value)
             if number not in self[name]:
-                raise InputError(
-                    f"{name} = {number} lies outside its domain {self[name].describe()}", where=law, remedy="choose a value inside"
-                )
+                what = f"{name} = {number} lies outside its domain {self[name].describe()}"
+                raise InputError(what, where=law, remedy="choose a value inside")
             narrow[name] = Domain.fixed(number)
         return Domains(narrow)
 

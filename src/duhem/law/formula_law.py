@@ -1,4 +1,6 @@
-"""A criterion as a frozen value: names, one formula, parameter domains, and optionally a flow of its own.
+"""A criterion as a frozen value: names, one formula or several surfaces, parameter domains, and optionally a flow of its own.
+
+Local names stand for formulas, each in terms of the ones above it.
 
 Sign convention: the pressure name stands for the normal stress, sigma_n <= 0 in compression.  Forces and pressure
 share one unit; what else carries a unit is the law's affair.
@@ -11,38 +13,208 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import repeat
 from keyword import iskeyword
-from typing import Any, overload
+from typing import Any, ClassVar, NamedTuple, Self, overload
 
 import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
-from duhem.expression.abbreviations import Abbreviations
-from duhem.expression.extremes import greatest
+from duhem.expression.abbreviations import NONE, Abbreviations, Stress
+from duhem.expression.branches import gradient
+from duhem.expression.build import greatest
+from duhem.expression.given import given_formula
 from duhem.expression.inert_number import inert_exponent
-from duhem.expression.invariants import Stress
-from duhem.expression.parse import parse_expression
+from duhem.expression.parse import parse_expression, written_out
 from duhem.expression.spelling import spelled
 from duhem.expression.verbatim import HASH, Verbatim
-from duhem.law.definitions import Definitions
-from duhem.law.domain import POSITIVE, Domain, Domains, cover, range_fault
+from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.law.given_text import moved, moved_relations, relations
+from duhem.law.given_text import argument_names, called, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
-from duhem.law.shapes import Shape, check_shape, converted
-from duhem.law.shown_law import ShownLaw
-from duhem.law.signature import argument_names, called, listed
-from duhem.law.yield_surface import YieldSurface, as_expression
+from duhem.law.shapes import Shape, converted
+from duhem.show.printing import Shown, latex
 
-__all__ = ["FORCES", "PRESSURE", "Criterion", "criterion"]
+__all__ = [
+    "FORCES", "PRESSURE", "Criterion", "Definitions", "PlacedFormula", "StatedLaw", "YieldSurface", "as_expression", "criterion",
+    "definitions", "flow_of", "name_fault",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class YieldSurface(Verbatim):
+    """K lies in {g <= 0}; where g = 0 the slip is a non-negative multiple of ``flow``, one expression per force.
+
+    ``potential`` is a formula whose gradient is the flow, instead of ``flow``; neither means associated: the slip is in the normal
+    cone of {g <= 0}.  Text and SymPy expressions as for :class:`duhem.law.formula_law.Criterion`, which reads them; ``written``
+    and ``written_flow`` are g and flow as they were given, where that was text.
+    """
+
+    g: sp.Expr
+    flow: tuple[sp.Expr, ...] | None = None
+    potential: str | None = None
+    written: str = field(default="", repr=False, compare=False)
+    written_flow: tuple[str, ...] = field(default=(), repr=False, compare=False)
+
+    def read(self, known: Mapping[str, sp.Symbol], forces: Sequence[sp.Symbol], short: Abbreviations, owner: str) -> YieldSurface:
+        """The same with its texts read over the symbols ``known``; InputError names the ``owner`` of what cannot be."""
+        g = self.g if self.g is sp.nan else as_expression(self.g, known, f"g of {owner}", short)
+        written = text_of(self.g, g, self.written, known, short)
+        flow, written_flow = self.flow, self.written_flow
+        if flow is not None:
+            given = listed(flow, "flow", owner)
+            flow = tuple(as_expression(c, known, f"flow of {owner}", short) for c in given)
+            texts = zip(given, flow, self.written_flow or repeat(""), strict=False)
+            written_flow = tuple(text_of(c, component, text, known, short) for c, component, text in texts)
+        if self.potential is None:
+            return YieldSurface(g, flow, None, written, written_flow)
+        if not isinstance(self.potential, str):
+            raise InputError("the potential is no text", where=owner, remedy="write its formula as text")
+        where = f"potential of {owner}"
+        try:
+            slip = flow_of(parse_expression(self.potential, known, where=where, short=short), forces)
+        except InputError as fault:
+            raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
+        if flow not in (None, slip):
+            raise InputError("a flow and a potential are both given", where=owner, remedy="leave one of them out")
+        return YieldSurface(g, slip, written_out(self.potential, short), written, written_flow)
+
+    def map(self, change: Callable[[sp.Expr], sp.Expr]) -> YieldSurface:
+        """The same with every expression changed, and no longer the texts it came from."""
+        return YieldSurface(change(self.g), None if self.flow is None else tuple(map(change, self.flow)))
+
+    def moved(self, change: Callable[[sp.Expr, str], sp.Expr]) -> YieldSurface:
+        """The same with every expression, and its text, in other symbols of the same names; a potential's flow is to be found again."""
+        flow = None if self.flow is None or self.potential is not None else tuple(map(change, self.flow, self.written_flow or repeat("")))
+        return replace(self, g=change(self.g, self.written), flow=flow)
+
+
+def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
+    """Text, read over the symbols ``known``, or what :func:`duhem.expression.given.given_formula` makes of anything else."""
+    return (
+        parse_expression(given, known, where=where, short=short) if isinstance(given, str) else given_formula(given, known.values(), where)
+    )
+
+
+def flow_of(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
+    """The flow that a potential gives; InputError, without a place, where it gives none."""
+    flow = gradient(potential, forces)
+    if not any(flow):
+        remedy = f"use at least one of {', '.join(map(str, forces))}"
+        raise InputError("the potential does not depend on any force", remedy=remedy)
+    return flow
+
+
+class PlacedFormula(NamedTuple):
+    """A formula, where it stands (file or law, line from 1, column from 0), and where its name does."""
+
+    text: str
+    where: str
+    line: int
+    column: int
+    name_at: str
+
+
+class Definitions(FrozenMapping[str, str]):
+    """Name to formula as it was given, in order; ``short`` has them, and the invariants of the law's stress, written out."""
+
+    __slots__ = ("short",)
+
+    def __init__(self, content: Mapping[str, str] | None = None, short: Abbreviations = NONE) -> None:
+        super().__init__(content)
+        self.short = short
+
+    @classmethod
+    def of(cls, given: Mapping[str, str], known: Mapping[str, sp.Symbol], stress: Stress | None, law: str) -> Definitions:
+        """Those that a program gives ``law``; InputError as :func:`definitions`."""
+        for name, text in by_name(given, "a formula").items():
+            if not isinstance(text, str):
+                raise InputError(f"the definition of {name} is no text", where=law, remedy="write its formula as text")
+        return definitions({name: PlacedFormula(text, f"{name} of {law}", 1, 0, law) for name, text in given.items()}, known, stress)
+
+
+def definitions(given: Mapping[str, PlacedFormula], known: Mapping[str, sp.Symbol], stress: Stress | None) -> Definitions:
+    """Those of a law over the symbols ``known``; InputError, with its place, for a name or a formula that cannot be one.
+
+    A definition is replaced by its formula, in brackets, wherever its name stands: the law is what it is with all written out.
+    """
+    formulas: dict[str, str] = {}
+    left = [spelled(name) for name in given]
+    taken = [*map(spelled, known), *left]
+    for name, formula in given.items():
+        if fault := name_fault(name, taken, "force, parameter and definition", Abbreviations(stress=stress).words()):
+            raise InputError(fault[0], where=formula.name_at, remedy=fault[1])
+    for formula in given.values():
+        short = Abbreviations(dict(formulas), stress, frozenset(left))
+        parse_expression(formula.text, known, where=formula.where, line=formula.line, column=formula.column, short=short)
+        formulas[left.pop(0)] = written_out(formula.text, short)
+    return Definitions({spelled(name): formula.text for name, formula in given.items()}, Abbreviations(formulas, stress))
+
+
+def name_fault(name: Any, taken: Sequence[Any], whose: str, invariants: frozenset[str] = frozenset()) -> tuple[str, str] | None:
+    """What is wrong with a name among those that are ``taken``, and the remedy, with ``whose`` the names are; None if nothing is."""
+    if not isinstance(name, str) or not name.isidentifier():
+        return f"{name!r} is not a name", "use letters, digits and underscores"
+    if (name := spelled(name)) in WORDS or name in invariants or name == "pi" or iskeyword(name):
+        return f"the name {name!r} already means something", "choose another"
+    return (f"{name!r} is declared twice", f"give each {whose} a name of its own") if taken.count(name) > 1 else None
+
+
+_MOST = 4  # parameters in one line
+
+
+class StatedLaw(Verbatim, Shown):
+    """A law of either kind: its names and their symbols; it is shown by ``law_sheet``, which is imported when that is asked."""
+
+    printed_by: ClassVar[str] = "duhem.law.law_sheet"
+
+    name: str
+    forces: tuple[str, ...]
+    pressure: str | None
+    parameters: Mapping[str, Domain]
+    _whole: Any
+
+    def __repr__(self) -> str:
+        said = [domain.stated(name) for name, domain in self.parameters.items()]
+        more = [f"and {len(said) - _MOST} more"] if len(said) > _MOST else []
+        return f"<{type(self).__name__} {self.name}: {', '.join(self.forces)}; {', '.join(said[:_MOST] + more) or 'no parameter'}>"
+
+    def _repr_latex_(self) -> str:
+        return rf"$\displaystyle {latex(self)}$"
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """The names of stress space: the forces, then the pressure where there is one."""
+        return (*self.forces, *([self.pressure] if self.pressure else []))
+
+    def force_symbols(self) -> tuple[sp.Symbol, ...]:
+        """The symbols of the forces, in order."""
+        return tuple(symbol(name) for name in self.forces)
+
+    def _declared(self, *more: str) -> dict[str, sp.Symbol]:
+        """Every declared name with its symbol: forces, pressure, what is declared besides, parameters."""
+        table = {name: symbol(name, nonpositive=True) if name == self.pressure else symbol(name) for name in (*self.coordinates, *more)}
+        return table | {name: domain.symbol(name) for name, domain in self.parameters.items()}
+
+    @property
+    def whole(self) -> Self | None:
+        """The law of which this one is a part over narrower domains: what holds of it holds here; None where it is none."""
+        return self._whole
+
+    def _with_part(self, part: Self) -> Self:
+        """The ``part``, which knows what it is a part of."""
+        whole, own = self._whole or self, part.parameters
+        narrower = own != whole.parameters and cover(whole.parameters, own)
+        object.__setattr__(part, "_whole", whole if narrower else None)
+        return part
+
 
 FORCES = ("sigma_a", "sigma_b")
 PRESSURE = "sigma_n"
 
 
 @dataclass(frozen=True, repr=False)
-class Criterion(Verbatim, ShownLaw):
+class Criterion(StatedLaw):
     """K(sigma_n) = {g <= 0} in the space of the forces, for every pressure and every parameter of the domain.
 
     ``g``, ``constraints`` and ``flow`` may be given as text in the vocabulary or as SymPy expressions over
@@ -90,7 +262,8 @@ class Criterion(Verbatim, ShownLaw):
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "stress", _stress(self.stress, self.name))
-        put(self, "forces", self._named_forces() if self.stress is None else self._components(self.stress))
+        forces = listed(self.forces, "forces", self.name) if self.stress is None else self._components(self.stress)
+        put(self, "forces", tuple(map(spelled, forces)))
         put(self, "pressure", spelled(self.pressure))
         put(self, "parameters", Domains(self.parameters))
         put(self, "expect", FrozenMapping(self.expect))
@@ -111,7 +284,9 @@ class Criterion(Verbatim, ShownLaw):
             if fault := range_fault(name, own, self.forces, self.pressure):
                 raise InputError(fault[0], where=f"domain of {self.name}", remedy=fault[1])
         if self.closed_form is not None:
-            check_shape(self.closed_form, self.name)
+            if not isinstance(self.closed_form, Shape):
+                what = f"the closed form {self.closed_form!r} is no shape"
+                raise InputError(what, where=self.name, remedy="write Interval(...), Disk(...) or Quadrants(...)")
             put(self, "closed_form", converted(self.closed_form, lambda x: as_expression(x, known, f"closed form of {self.name}", short)))
         self._check_content()
 
@@ -150,28 +325,19 @@ class Criterion(Verbatim, ShownLaw):
         """Whether the slip is normal to the boundary by definition: neither the law nor a surface states a flow."""
         return self.flow is None and all(s.flow is None for s in self.surfaces)
 
-    def _named_forces(self) -> tuple[str, ...]:
-        return tuple(spelled(name) for name in listed(self.forces, "forces", self.name))
-
     def _components(self, stress: Stress) -> tuple[str, ...]:
         if tuple(self.forces) not in (FORCES, stress.components):
-            raise InputError(
-                f"forces and a stress {stress.name!r} are both declared",
-                where=self.name,
-                remedy="leave them out: they are its components",
-            )
+            what = f"forces and a stress {stress.name!r} are both declared"
+            raise InputError(what, where=self.name, remedy="leave them out: they are its components")
         return stress.components
 
     def _check_names(self) -> None:
-        names = [*self.forces, *([self.pressure] if self.pressure else []), *self.parameters]
         if not self.forces:
             raise InputError(f"{self.name} declares no force", remedy="name at least one in forces")
-        _check_are_names(names, self.name)
+        names = [*self.coordinates, *self.parameters]
         for name in names:
-            if name in WORDS or name == "pi" or iskeyword(name):
-                raise InputError(f"the name {name!r} already means something", where=self.name, remedy="choose another")
-            if names.count(name) > 1:
-                raise InputError(f"{name!r} is declared twice", where=self.name, remedy="give each force and parameter a name of its own")
+            if fault := name_fault(name, names, "force and parameter"):
+                raise InputError(fault[0], where=self.name, remedy=fault[1])
 
     def _check_content(self) -> None:
         forces = {self.symbols()[f] for f in self.forces}
@@ -182,33 +348,17 @@ class Criterion(Verbatim, ShownLaw):
             raise InputError("g does not depend on any force", where=self.name, remedy=f"use at least one of {', '.join(self.forces)}")
         for flow in flows:
             if len(flow) != len(self.forces):
-                raise InputError(
-                    f"the flow has {len(flow)} components for {len(self.forces)} forces",
-                    where=self.name,
-                    remedy="give one expression per force",
-                )
+                what = f"the flow has {len(flow)} components for {len(self.forces)} forces"
+                raise InputError(what, where=self.name, remedy="give one expression per force")
         allowed = {self.symbols()[p] for p in self.parameters}
         for relation in self.constraints:
             if stray := relation.free_symbols - allowed:
-                raise InputError(
-                    f"the constraint {relation} uses {sorted(map(str, stray))}",
-                    where=self.name,
-                    remedy="constraints relate parameters only",
-                )
+                what = f"the constraint {relation} uses {sorted(map(str, stray))}"
+                raise InputError(what, where=self.name, remedy="constraints relate parameters only")
 
     def symbols(self) -> dict[str, sp.Symbol]:
         """Every declared name with its symbol: forces, pressure, parameters, in this order."""
         return dict(self._symbols)
-
-    def _declared(self) -> dict[str, sp.Symbol]:
-        table = {name: symbol(name) for name in self.forces}
-        if self.pressure is not None:
-            table[self.pressure] = symbol(self.pressure, nonpositive=True)
-        return table | {name: domain.symbol(name) for name, domain in self.parameters.items()}
-
-    def force_symbols(self) -> tuple[sp.Symbol, ...]:
-        """The symbols of the forces, in order."""
-        return tuple(symbol(name) for name in self.forces)
 
     def defined(self) -> dict[str, sp.Expr]:
         """What each definition stands for, over :meth:`symbols`."""
@@ -223,21 +373,11 @@ class Criterion(Verbatim, ShownLaw):
 
     def fix(self, values: Mapping[str, Any] | None) -> Criterion:
         """The same law with some parameters fixed; a value outside its domain is an error."""
-        return self._over(Domains(self.parameters).fixed(values, self.name))
+        return self._with_part(_over(self, Domains(self.parameters).fixed(values, self.name)))
 
     def within(self, ranges: Mapping[str, Domain]) -> Criterion:
         """The same law over other domains of some of its parameters."""
-        return self._over(Domains({**self.parameters, **ranges}))
-
-    def _over(self, domains: Domains) -> Criterion:
-        part, whole = _over(self, domains), self._whole or self
-        object.__setattr__(part, "_whole", whole if domains != whole.parameters and cover(whole.parameters, domains) else None)
-        return part
-
-    @property
-    def whole(self) -> Criterion | None:
-        """The law of which this one is a part, by :meth:`fix` or :meth:`within`: what holds of it holds here; None where it is none."""
-        return self._whole
+        return self._with_part(_over(self, Domains({**self.parameters, **ranges})))
 
 
 def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
@@ -262,12 +402,6 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
         surfaces=tuple(s.moved(here) for s in law.surfaces),
         closed_form=None if law.closed_form is None else converted(law.closed_form, here),
     )
-
-
-def _check_are_names(names: Sequence[Any], law: str) -> None:
-    for name in names:
-        if not isinstance(name, str) or not name.isidentifier():
-            raise InputError(f"{name!r} is not a name", where=law, remedy="use letters, digits and underscores")
 
 
 def _stress(given: Any, law: str) -> Stress | None:
@@ -330,7 +464,9 @@ def criterion(
         arguments, named = argument_names(f), name or f.__name__.replace("_", "-")
         of = _stress(stress, named)
         axes = tuple(spelled(axis) for axis in listed(forces, "forces", named)) if of is None else of.components
-        _check_are_names([*axes, *([pressure] if pressure else [])], named)
+        for axis in (*axes, *([pressure] if pressure else [])):
+            if not isinstance(axis, str) or not axis.isidentifier():
+                raise InputError(f"{axis!r} is not a name", where=named, remedy="use letters, digits and underscores")
         load = spelled(pressure)
         fixed_names = {*axes, load, *map(spelled, define or ())}
         declared = Domains(parameters)

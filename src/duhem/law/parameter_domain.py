@@ -24,7 +24,7 @@ def check_domain(law: Law, *, where: str = "") -> None:
     A common solution is first looked for among simple values; then z3 is asked for a contradiction in real
     arithmetic.  Constraints outside that arithmetic, and questions z3 gives up, count as satisfiable.
     """
-    if not law.constraints or any(_holds(law, point) for point in simple_points(law)):
+    if not law.constraints or any(all(holds_at(c, point) for c in law.constraints) for point in simple_points(law)):
         return
     free = [s for s in _parameters(law) if law.parameters[s.name].value is None]
     if not free or _contradictory(law):
@@ -47,11 +47,7 @@ def _parameters(law: Law) -> tuple[sp.Symbol, ...]:
 def _bounds(law: Law) -> Iterator[str]:
     """The domains of the parameters that the constraints mention, in words."""
     used = set[sp.Symbol]().union(*(c.free_symbols for c in law.constraints))
-    for s in _parameters(law):
-        domain = law.parameters[s.name]
-        if s in used and domain != Domain():
-            words = domain.describe()
-            yield f"{s} {words}" if words.startswith("=") else f"{s} positive" if words == "positive" else f"{s} in {words}"
+    return (law.parameters[s.name].stated(s.name) for s in _parameters(law) if s in used and law.parameters[s.name] != Domain())
 
 
 def simple_points(law: Law) -> Iterator[dict[sp.Symbol, sp.Rational]]:
@@ -67,10 +63,6 @@ def _inside(domain: Domain, share: sp.Rational) -> sp.Rational:
     if low is None:
         return share if high is None else high - share
     return low + share * (1 if high is None else high - low)
-
-
-def _holds(law: Law, point: dict[sp.Symbol, sp.Rational]) -> bool:
-    return all(holds_at(c, point) for c in law.constraints)
 
 
 def _divisors(constraint: sp.Basic) -> Iterator[sp.Expr]:

@@ -14,10 +14,9 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from duhem.errors import InputError
 from duhem.expression.verbatim import Verbatim
 
-__all__ = ["Disk", "Interval", "Quadrants", "Shape", "check_shape", "converted"]
+__all__ = ["Disk", "Interval", "Quadrants", "Shape", "converted"]
 
 Entry: TypeAlias = str | sp.Expr
 _LOAD = "abs(sigma_n)"
@@ -61,12 +60,6 @@ class Quadrants(Verbatim):
 
 
 Shape = Interval | Disk | Quadrants
-
-
-def check_shape(shape: Any, law: str) -> None:
-    """InputError for what is no shape."""
-    if not isinstance(shape, Shape):
-        raise InputError(f"the closed form {shape!r} is no shape", where=law, remedy="write Interval(...), Disk(...) or Quadrants(...)")
 
 
 def converted(shape: Any, change: Callable[[Any], Any]) -> Any:

@@ -22,7 +22,7 @@ def stress_powers(law: Law) -> Mapping[str, Fraction | None]:
     """By parameter 0 for a pure number, 1 for a stress, and so on; None where the formula leaves it open, or is of unlike terms."""
     table = law.symbols()
     power = {table[name]: sp.Dummy() for name in law.parameters}
-    known = power | {table[name]: sp.S.One for name in (*law.forces, *([law.pressure] if law.pressure else []))}
+    known = power | {table[name]: sp.S.One for name in law.coordinates}
     conditions = _Conditions()
     for formula in _formulas(law):
         found = conditions.weigh(formula)

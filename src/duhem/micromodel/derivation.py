@@ -11,7 +11,7 @@ from dataclasses import replace
 import sympy as sp
 
 from duhem.derivation import Derivation, Equation
-from duhem.derivation.notation import Names
+from duhem.derivation.equation import Names
 from duhem.errors import DuhemError
 from duhem.expression import symbol
 from duhem.law.catalogue import load_formula

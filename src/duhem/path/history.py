@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 
 from duhem.path.run import Plan
 from duhem.projection.result import NOT_SHOWN, Array, Status
-from duhem.show import parquet_package
-from duhem.show.place import AnyPath, write, written
-from duhem.show.printing import draw
-from duhem.show.shown import Shown
+from duhem.show.place import AnyPath, parquet_packages, write, written
+from duhem.show.printing import Shown, draw
 
 __all__ = ["STATES", "SUMS", "Histories", "History", "Recorded", "columns"]
 
@@ -115,7 +113,7 @@ class History(Recorded, Shown):
 
     def to_parquet(self, file: str | os.PathLike[str]) -> None:
         """Write the table as Parquet; MissingExtraError without pyarrow (extra ``parquet``), InputError as :meth:`to_csv`."""
-        pyarrow, parquet = parquet_package.packages()
+        pyarrow, parquet = parquet_packages()
         with written(file) as beside:
             parquet.write_table(pyarrow.table(self.to_dict()), beside)
 

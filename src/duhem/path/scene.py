@@ -23,9 +23,9 @@ from duhem.path.loading import Path, Paths
 from duhem.path.run import Batch, Plan, Run
 from duhem.path.simulate import Interrupted, LeftDomain, LeftPrecision, driven
 from duhem.projection.result import NOT_SHOWN
-from duhem.show import figure, parquet_package
+from duhem.show import figure
 from duhem.show.growing_file import DAMAGED, MARK, UNREADABLE, GrowingFile, another, beside, check_growing, check_kept
-from duhem.show.place import AnyPath, check_place, check_places, written
+from duhem.show.place import AnyPath, check_parquet, check_place, check_places, parquet_packages, written
 
 __all__ = ["GrowingTable", "Needed", "PointCounts", "Scene", "Stopped", "check_outputs", "keep", "perform", "perform_many", "recall"]
 
@@ -185,7 +185,7 @@ def check_outputs(table: str | None, plot: str | None, resume: bool, inputs: Seq
     if table is None and resume:
         raise InputError("there is no table to go on with", where="--resume", remedy="name it with --out or in [output]")
     if table is not None and table.endswith(".parquet"):
-        parquet_package.check()
+        check_parquet()
     check_places([table, plot], inputs)
     if table is not None:
         (check_growing if many else check_kept)(table, inputs)
@@ -354,7 +354,7 @@ class GrowingTable:
 
 def _to_parquet(rows: File, file: str) -> None:
     """The same table as Parquet, some rows at a time."""
-    pyarrow, parquet = parquet_package.packages()
+    pyarrow, parquet = parquet_packages()
     with written(file) as place, open(rows, encoding="utf-8") as stream:
         names = stream.readline().rstrip("\n").split(",")
         schema: Any = pyarrow.schema([(name, pyarrow.int64() if name == "point" else pyarrow.float64()) for name in names])

@@ -1,5 +1,5 @@
 """What does K look like?  Sections with normals, seams, slips and the witness of what is refuted, drawn as they were computed."""
 
-from duhem.portrait.plot import plot
+from duhem.portrait.pictures import plot
 
 __all__ = ["plot"]

@@ -10,15 +10,14 @@ from numpy.typing import NDArray
 
 from duhem.law.units import UNIT
 from duhem.portrait.lines import Vertex, closed
+from duhem.portrait.marks import TrialStep, Violation
 from duhem.portrait.section import Arrow, View
-from duhem.portrait.step import TrialStep
-from duhem.portrait.violation import Violation
 from duhem.show import figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["UNIT", "fill", "paint_section", "paint_step", "paint_violation"]
+__all__ = ["fill", "paint_section", "paint_step", "paint_violation"]
 
 Array = NDArray[np.float64]
 _DARK = "0.25"  # of normals: pink beside it is grey to one reader in twenty
@@ -179,14 +178,7 @@ def paint_violation(axes: Axes, seen: Violation, unit: str, title: str) -> None:
     if seen.way is not None:
         axes.plot(*seen.way.T, color=_RED, linewidth=2.0, linestyle=(0, (5, 1.5)), zorder=5, label="chord of the witness", gid=figure.OPEN)
     for i, (role, point) in enumerate(seen.points.items()):
-        axes.plot(
-            *point,
-            "X" if role == "midpoint" else "o",
-            color=_RED,
-            markeredgecolor="black",
-            markersize=7,
-            zorder=6,
-            label="_" if i else "witness",
-        )
+        mark, label = "X" if role == "midpoint" else "o", "_" if i else "witness"
+        axes.plot(*point, mark, color=_RED, markeredgecolor="black", markersize=7, zorder=6, label=label)
         words = role if "corner" in seen.points else _ROLES.get(role, f"${role}$" if len(role) == 1 else role)
         figure.note(axes, words, (float(point[0]), float(point[1])))

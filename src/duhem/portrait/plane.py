@@ -88,7 +88,7 @@ def usual(law: Law, pressure: float | None) -> tuple[Plane, ...]:
 def named(law: Law, text: str, pressure: float | None) -> tuple[Plane, ...]:
     """The planes that a user names: two forces or the pressure and a force with a comma, ``deviatoric``, ``meridian``, or ``all``."""
     tensor = _kind(law) in ("3d", "principal")
-    axes = law.forces if isinstance(law, ParametricCriterion) else _names(law)
+    axes = law.forces if isinstance(law, ParametricCriterion) else law.coordinates
     if text == "all":
         first = (_deviatoric(law, pressure), _meridian(law)) if tensor else ()
         return (*first, *(_pair(law, a, b, pressure) for a, b in combinations(axes, 2))) or (_line(law),)
@@ -123,7 +123,7 @@ def elsewhere(law: Law, plane: Plane, size: float) -> Iterator[Plane]:
 
 def oblique(law: Law, p: Array, q: Array, aside: Array | None = None) -> Plane:
     """A plane through the points p and q (n,), X from p to q: a pair of axes if they are in one, else with ``aside`` or 0 in it."""
-    names = _names(law)
+    names = law.coordinates
     along = (q - p) / np.linalg.norm(q - p)
     used = [i for i in range(len(law.forces)) if p[i] != 0.0 or q[i] != 0.0 or (aside is not None and aside[i] != 0.0)]
     level = law.pressure is None or (p[-1] == q[-1] and (aside is None or aside[-1] == p[-1]))
@@ -148,10 +148,6 @@ def _kind(law: Law) -> str | None:
     return law.stress.kind if isinstance(law, Criterion) and law.stress is not None else None
 
 
-def _names(law: Law) -> tuple[str, ...]:
-    return (*law.forces, *([law.pressure] if law.pressure else []))
-
-
 def _symbol(name: str) -> str:
     return f"${latex_name(name)}$"
 
@@ -162,7 +158,7 @@ def _unit(names: Sequence[str], name: str) -> Array:
 
 def _pair(law: Law, a: str, b: str, pressure: float | None) -> Plane:
     """Two axes, the pressure the first of them; the other forces are 0."""
-    names = _names(law)
+    names = law.coordinates
     if b == law.pressure:
         a, b = b, a
     pressed = a == law.pressure
@@ -179,34 +175,26 @@ def _pair(law: Law, a: str, b: str, pressure: float | None) -> Plane:
 
 def _line(law: Law) -> Plane:
     """The one force of a law without pressure; Y is no stress."""
-    names = _names(law)
+    names = law.coordinates
     return Plane(names, np.zeros(1), np.ones(1), np.zeros(1), _symbol(names[0]), "")
 
 
 def _deviatoric(law: Law, mean: float | None) -> Plane:
     """Haigh and Westergaard's: sigma_xx points upwards; a length in it is that of the stress tensor."""
-    names = _names(law)
+    names = law.coordinates
     n = len(names)
     p = 0.0 if mean is None else mean
     one, two, three = (f"{latex_name(name)}" for name in names[:3])
     x, y, base = np.zeros(n), np.zeros(n), np.zeros(n)
     x[:3], y[:3], base[:3] = np.array([0.0, 1.0, -1.0]) / sqrt(2.0), np.array([2.0, -1.0, -1.0]) / sqrt(6.0), p
     guides = {one: (0.0, 1.0), two: (sqrt(0.75), -0.5), three: (-sqrt(0.75), -0.5)}
-    return Plane(
-        names,
-        base,
-        x,
-        y,
-        rf"$({two} - {three})/\sqrt{{2}}$",
-        rf"$(2{one} - {two} - {three})/\sqrt{{6}}$",
-        f"deviatoric plane, $p = {latex_number(p)}$",
-        guides=guides,
-    )
+    x_symbol, y_symbol = rf"$({two} - {three})/\sqrt{{2}}$", rf"$(2{one} - {two} - {three})/\sqrt{{6}}$"
+    return Plane(names, base, x, y, x_symbol, y_symbol, f"deviatoric plane, $p = {latex_number(p)}$", guides=guides)
 
 
 def _meridian(law: Law) -> Plane:
     """Triaxial stresses: p is the mean stress, q > 0 where the first normal stress is the greatest; slips are volume and shape."""
-    names = _names(law)
+    names = law.coordinates
     x, y = np.zeros(len(names)), np.zeros(len(names))
     x[:3], y[:3] = 1.0, np.array([2.0, -1.0, -1.0]) / 3.0
     one, two = latex_name(names[0]), latex_name(names[1])

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.show.shown import Shown
+from duhem.show.printing import Shown
 
 __all__ = ["ACCURACY", "NOT_CLOSEST", "NOT_SHOWN", "Array", "Pointwise", "Projection", "Residuals", "Solution", "Status"]
 

@@ -8,7 +8,7 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.expression.length import length as components_length
+from duhem.expression.numpy_ import length as components_length
 from duhem.projection.result import Array
 
 __all__ = ["any_of", "columns_times", "dot", "length", "products", "share", "spanning", "times", "unit", "widest"]

@@ -13,9 +13,8 @@ from duhem.errors import InputError
 from duhem.expression import holds_at
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
-from duhem.law.formula_law import Criterion
+from duhem.law.formula_law import Criterion, YieldSurface
 from duhem.law.parameter_domain import simple_points
-from duhem.law.yield_surface import YieldSurface
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import plain_choices, rationals
 from duhem.proof.kernel.certificate import SCHEMA, digest

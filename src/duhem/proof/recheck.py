@@ -13,9 +13,8 @@ from duhem.proof.kernel import certificate as kernel
 from duhem.proof.kernel.certificate import Rechecked
 from duhem.proof.kernel.term import NotWritten
 from duhem.show.page import PAGE, Page, printable
-from duhem.show.printing import plain, sheet, text
+from duhem.show.printing import Shown, plain, sheet, text
 from duhem.show.sheet import Sheet
-from duhem.show.shown import Shown
 
 __all__ = ["Recheck", "as_dict", "as_sheet", "as_text", "recheck"]
 

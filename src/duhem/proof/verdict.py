@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 
 from duhem.expression.number import nearest_double
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.show.shown import Shown
+from duhem.show.printing import Shown
 
 __all__ = ["CONTRADICTION", "ClaimResult", "Evidence", "Proof", "Trust", "Verdict", "Witness"]
 

@@ -29,7 +29,7 @@ from duhem.proof.remarks import not_needed, remarks, scope
 from duhem.proof.trust import Confirmations
 from duhem.proof.verdict import CONTRADICTION, ClaimResult, Evidence, Trust, Verdict
 from duhem.show.place import AnyPath, check_place, write
-from duhem.show.shown import Shown
+from duhem.show.printing import Shown
 from duhem.version import __version__
 
 __all__ = ["ClaimResult", "Verification", "claim_results", "verdict_within", "verify", "wanted_claims"]

@@ -59,9 +59,9 @@ from duhem.errors import InputError
 from duhem.expression.number import exact_number, exact_text, fraction
 from duhem.expression.spelling import spelled
 from duhem.law.convex import check_convex
+from duhem.law.criterion_file import SectionReader
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import Key, meant, parsed, text_of
-from duhem.law.section_reader import SectionReader
 from duhem.path.table_file import read_table
 from duhem.screening.campaign import Campaign, Claimed, Inquiry
 from duhem.screening.increments import Increments, Project, Trials

@@ -44,7 +44,7 @@ class Trials:
     def of(self, law: Criterion) -> tuple[Array, Array | None]:
         """Trial stresses (N, d) in Pa and, of a law that has one, pressures (N,); InputError where a column is not there."""
         column = dict(zip(self.columns, np.array(self.rows).T, strict=True))
-        wanted = [*law.forces, *([law.pressure] if law.pressure else [])]
+        wanted = law.coordinates
         if missing := [name for name in wanted if name not in column]:
             raise InputError(f"the increments have no column {missing[0]}", where=law.name, remedy=f"columns are {', '.join(wanted)}")
         return np.stack([column[name] for name in law.forces], axis=1), column[law.pressure] if law.pressure else None

@@ -31,7 +31,7 @@ from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import text_of
 from duhem.path.table_file import cells_of, header_of
-from duhem.show import parquet_package
+from duhem.show.place import parquet_packages
 
 __all__ = ["Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "cells_in_lines", "counted", "given"]
 
@@ -299,7 +299,7 @@ def _from_csv(file: str) -> tuple[tuple[str, ...], bytes]:
 
 
 def _from_parquet(file: str) -> tuple[tuple[str, ...], bytes]:
-    _, parquet = parquet_package.packages()
+    _, parquet = parquet_packages()
     with open(os.fspath(file), "rb") as stream:
         table = parquet.ParquetFile(stream)
         names = tuple(spelled(name) for name in table.schema_arrow.names)

@@ -16,9 +16,8 @@ from typing import Any, ClassVar
 from duhem.screening.campaign import Campaign, Claimed, VerdictLine
 from duhem.screening.rows import counted
 from duhem.show.page import PAGE, Page, tied
-from duhem.show.printing import plain, sheet, text
+from duhem.show.printing import Shown, plain, sheet, text
 from duhem.show.sheet import Sheet
-from duhem.show.shown import Shown
 
 __all__ = ["AGAINST", "Counts", "Summary", "alone", "as_dict", "as_sheet", "as_text"]
 

@@ -13,9 +13,8 @@ from typing import Any, Self
 
 from duhem.errors import InputError
 from duhem.screening.campaign import Campaign, VerdictLine, lines_of, number_of
-from duhem.show import parquet_package
 from duhem.show.growing_file import DAMAGED, GrowingFile, beside, check_growing
-from duhem.show.place import AnyPath, check_place, written
+from duhem.show.place import AnyPath, check_parquet, check_place, parquet_packages, written
 from duhem.version import __version__
 
 __all__ = ["GrowingLines", "check_table", "finished_csv", "read_lines", "stands", "write_table"]
@@ -31,7 +30,7 @@ def check_table(file: AnyPath, inputs: Iterable[str] = ()) -> None:
     if not name.endswith((".csv", ".parquet")):
         raise InputError("the table is neither .csv nor .parquet", where=name, remedy="end its name in .csv or .parquet")
     if name.endswith(".parquet"):
-        parquet_package.check()
+        check_parquet()
     check_place(name, inputs)
     check_growing(name, inputs)
 
@@ -109,7 +108,7 @@ def write_table(file: AnyPath, lines: Iterator[VerdictLine], campaign: Campaign)
 
 
 def _to_parquet(place: str, lines: Iterator[VerdictLine], campaign: Campaign) -> None:
-    pyarrow, parquet = parquet_package.packages()
+    pyarrow, parquet = parquet_packages()
     kinds = {"row": pyarrow.int64(), "steps": pyarrow.int64(), "seconds": pyarrow.float64()}
     told = {"duhem": __version__, "asked": campaign.inquiry.told(), "rows": f"{len(campaign)}", "campaign": campaign.fingerprint}
     fields: Any = [(name, kinds.get(name, pyarrow.string())) for name in VerdictLine._fields]
@@ -145,7 +144,7 @@ def _finished(name: str) -> bool:
 
 def _told(name: str) -> dict[bytes, bytes]:
     """What the metadata of a Parquet table say."""
-    _, parquet = parquet_package.packages()
+    _, parquet = parquet_packages()
     try:
         return parquet.read_schema(name).metadata or {}
     except (OSError, ValueError):
@@ -170,7 +169,7 @@ def _from_csv(name: str) -> Iterator[dict[str, Any]]:
 
 
 def _from_parquet(name: str) -> Iterator[dict[str, Any]]:
-    _, parquet = parquet_package.packages()
+    _, parquet = parquet_packages()
     with open(name, "rb") as stream:
         for batch in parquet.ParquetFile(stream).iter_batches(_LINES):
             yield from batch.to_pylist()

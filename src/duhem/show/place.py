@@ -1,14 +1,19 @@
-"""Whether a file can be written, asked before the work rather than after it; and writing it, whole or not at all."""
+"""Whether a file can be written, asked before the work rather than after it; and writing it, whole or not at all.
+
+Parquet's package, of the extra ``parquet``, is imported where a table is written or read.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from importlib.util import find_spec
+from typing import Any
 
-from duhem.errors import InputError
+from duhem.errors import InputError, MissingExtraError
 
-__all__ = ["AnyPath", "check_place", "check_places", "write", "written"]
+__all__ = ["AnyPath", "check_parquet", "check_place", "check_places", "parquet_packages", "write", "written"]
 
 AnyPath = str | os.PathLike[str]
 
@@ -89,3 +94,19 @@ def _same(file: AnyPath, other: AnyPath) -> bool:
     with suppress(OSError):
         return os.path.samefile(file, other)
     return os.path.realpath(file) == os.path.realpath(other)
+
+
+def check_parquet() -> None:
+    """MissingExtraError where Parquet's package is not installed; nothing is imported."""
+    if find_spec("pyarrow") is None:
+        raise MissingExtraError("pyarrow", "parquet")
+
+
+def parquet_packages() -> tuple[Any, Any]:
+    """``pyarrow`` and ``pyarrow.parquet``; MissingExtraError without them."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise MissingExtraError("pyarrow", "parquet") from None
+    return pyarrow, parquet

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from functools import singledispatch
 from importlib import import_module
-from typing import Any, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 from duhem.show.page import PAGE, Page
 from duhem.show.sheet import Sheet, as_html, as_markdown, as_text
 
-__all__ = ["draw", "html", "latex", "markdown", "plain", "sheet", "text"]
+__all__ = ["Shown", "draw", "html", "latex", "markdown", "plain", "sheet", "text"]
 
 
 @singledispatch
@@ -71,3 +71,27 @@ def _own(printer: Any, result: object) -> Any:
 
 def _unshown(result: object, form: str) -> NoReturn:
     raise TypeError(f"{type(result).__name__} is not shown as {form}")
+
+
+class Shown:
+    """A result whose ``printed_by`` names the module that registers its printers; nothing of it is imported before it is shown."""
+
+    printed_by: ClassVar[str]
+
+    def to_text(self) -> str:
+        """The result for people, in plain text."""
+        return text(self)
+
+    def to_html(self) -> str:
+        """The result as a piece of HTML with all text escaped and formulas as text."""
+        return html(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The result in plain values, ready for JSON; exact numbers as text such as ``3/20``."""
+        return plain(self)
+
+    def _repr_html_(self) -> str:
+        return html(self, typeset=True)
+
+    def _repr_markdown_(self) -> str:
+        return markdown(self)

@@ -28,9 +28,8 @@ from duhem.projection.result import Array, Projection, Status
 from duhem.proof.certificate import admitted_values, law_as_text
 from duhem.proof.verification import ClaimResult, verify
 from duhem.show.place import write
-from duhem.show.printing import plain, sheet
+from duhem.show.printing import Shown, plain, sheet
 from duhem.show.sheet import Sheet
-from duhem.show.shown import Shown
 from duhem.testing.drawn.region import Region
 
 __all__ = ["TOLERANCE", "Differences", "Entry", "Project", "SnapshotFile", "differences", "snapshot"]

@@ -17,8 +17,7 @@ from math import lcm
 import sympy as sp
 
 from duhem.expression import Norm, Where
-from duhem.expression.branches import Branch, TooManyBranchesError, branches, seam
-from duhem.expression.switches import plain_switches
+from duhem.expression.branches import Branch, TooManyBranchesError, branches, plain_switches, seam
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact

@@ -1,4 +1,4 @@
-"""What the atlas says of a published law: where it stands, what the literature claims of it, and what duhem finds.
+"""What the atlas says of a published law, and how it is shown: where it stands, what the literature claims of it, what duhem finds.
 
 A file of the atlas is an ordinary criterion file with a table ``[atlas]``.  It is read when it is asked for; naming the laws
 reads no file.
@@ -10,14 +10,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from duhem.errors import InputError
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.placed_toml import parsed
-from duhem.show.shown import Shown
+from duhem.show.printing import Shown, plain, sheet
+from duhem.show.sheet import Sheet
 
-__all__ = ["ASKED", "Atlas", "AtlasEntry", "atlas", "entries", "entry", "file_of", "groups"]
+__all__ = ["ASKED", "Atlas", "AtlasEntry", "as_dict", "as_sheet", "as_sheet_of_one", "atlas", "entries", "entry", "file_of", "groups"]
 
 ASKED = ("origin", "convexity", "smoothness", "normality", "dissipation")
 """The claims of which an entry keeps verdicts; the state laws hold of every law, and duality is our own."""
@@ -33,8 +34,6 @@ class AtlasEntry(Shown):
     literature says, claim by claim.  ``verdicts``: the word of :class:`duhem.Verdict` that verifying the law gives, for each
     claim of ``ASKED``, over the whole domain of its file.  ``note``: where the print or what is said of it does not hold.
     """
-
-    printed_by: ClassVar[str] = "duhem.law.atlas.entry_sheet"
 
     name: str
     group: str
@@ -55,8 +54,6 @@ class AtlasEntry(Shown):
 
 class Atlas(Shown, FrozenMapping[str, AtlasEntry]):
     """Laws of the atlas by name; each name stands for a law wherever one is asked for."""
-
-    printed_by: ClassVar[str] = "duhem.law.atlas.entry_sheet"
 
     def __getitem__(self, name: str) -> AtlasEntry:
         if name not in self._content:
@@ -98,16 +95,9 @@ def entry(name: str) -> AtlasEntry:
 def _read(file: Path) -> AtlasEntry:
     document = parsed(file.read_text("utf-8"), f"{file}").document
     head, said = document["criterion"], document["atlas"]
-    return AtlasEntry(
-        name=file.stem,
-        group=file.parent.name,
-        summary=head["summary"],
-        source=head["source"],
-        equation=said["equation"],
-        claims=FrozenMapping(said["claims"]),
-        verdicts=FrozenMapping(said["verdicts"]),
-        note=said.get("note", ""),
-    )
+    stated: dict[str, Any] = {key: head[key] for key in ("summary", "source")}
+    stated |= {key: FrozenMapping(said[key]) for key in ("claims", "verdicts")}
+    return AtlasEntry(name=file.stem, group=file.parent.name, equation=said["equation"], note=said.get("note", ""), **stated)
 
 
 def entries(group: str | None = None) -> tuple[AtlasEntry, ...]:
@@ -117,3 +107,27 @@ def entries(group: str | None = None) -> tuple[AtlasEntry, ...]:
         said = f"the atlas has no group {group[:60]!r}" if isinstance(group, str) else f"{type(group).__name__} is no name of a group"
         raise InputError(said, remedy=f"groups are: {', '.join(known)}")
     return tuple(_read(_FOLDER / each / f"{name}.toml") for each in ([group] if group else known) for name in known[each])
+
+
+@sheet.register(Atlas)
+def as_sheet(atlas: Atlas) -> Sheet:
+    """A row a law: its group and what verifying it gives."""
+    rows = tuple((law.name, law.group, *(law.verdicts[claim].replace("_", " ") for claim in ASKED)) for law in atlas.values())
+    return Sheet(f"Atlas: {len(atlas)} published laws", head=("law", "group", *ASKED), rows=rows)
+
+
+@plain.register(Atlas)
+def as_dict(atlas: Atlas) -> dict[str, Any]:
+    """A list of all, each as ``duhem atlas --format json`` has it."""
+    return {"laws": [law.to_dict() for law in atlas.values()]}
+
+
+@sheet.register(AtlasEntry)
+def as_sheet_of_one(law: AtlasEntry) -> Sheet:
+    """Where it stands, and claim by claim what verifying it gives beside what the literature says."""
+    rows = tuple(
+        (claim, law.verdicts.get(claim, "").replace("_", " "), law.claims.get(claim, "")) for claim in {**law.verdicts, **law.claims}
+    )
+    fields = (("group", law.group), ("source", law.source), ("equation", law.equation))
+    notes = (("Note", (law.note,)),) if law.note else ()
+    return Sheet(f"{law.name}: {law.summary}", fields, ("claim", "verdict", "what the literature says"), rows, notes)

@@ -10,13 +10,10 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.derivation.potential import SupportFunction
-from duhem.derivation.support_function import support_function
+from duhem.derivation.support_function import SupportFunction, support_function
 from duhem.expression import Where, defined_at, holds_at
-from duhem.expression.below import smooth_below
-from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
+from duhem.expression.branches import Branch, TooManyBranchesError, branches, plain_switches, smooth_below, thick
 from duhem.expression.number import fraction, rational
-from duhem.expression.switches import plain_switches
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.needs import Obligation, obligations

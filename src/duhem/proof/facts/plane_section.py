@@ -15,9 +15,8 @@ import sympy as sp
 
 from duhem.expression import UNDEFINED, EigMax, Neg, Norm, Pos, Where
 from duhem.expression.balls import certain_sign, enclose
-from duhem.expression.branches import Branch, TooManyBranchesError, almost_everywhere, branches, oriented, thick
+from duhem.expression.branches import Branch, TooManyBranchesError, almost_everywhere, branches, oriented, plain_switches, thick
 from duhem.expression.number import rational
-from duhem.expression.switches import plain_switches
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject

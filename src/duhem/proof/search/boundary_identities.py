@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 import sympy as sp
 
 from duhem.expression import Where
-from duhem.expression.below import smooth_below
-from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
-from duhem.expression.lineality import invariant_directions
+from duhem.expression.branches import Branch, TooManyBranchesError, branches, smooth_below, thick
+from duhem.expression.invariance import invariant_directions
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact

@@ -23,8 +23,7 @@ import sympy as sp
 
 from duhem.expression import EigMax, Norm, defined_at, mpmath_
 from duhem.expression.balls import ball
-from duhem.expression.branches import Seam, seams
-from duhem.expression.gradient import jacobian
+from duhem.expression.branches import Seam, jacobian, seams
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays

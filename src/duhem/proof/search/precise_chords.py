@@ -17,8 +17,8 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import mpmath_
+from duhem.expression.mpmath_ import reach
 from duhem.expression.number import fraction
-from duhem.expression.rays_mpmath import reach
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.search.corners import Crossing, crossings

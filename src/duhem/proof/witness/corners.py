@@ -22,8 +22,7 @@ import sympy as sp
 
 from duhem.expression import Neg, Norm, Pos, Where
 from duhem.expression.balls import ball, certain_sign, enclose, precision
-from duhem.expression.branches import Seam, seams
-from duhem.expression.gradient import jacobian
+from duhem.expression.branches import Seam, jacobian, seams
 from duhem.expression.inert_number import plain_exponent
 from duhem.expression.number import rational
 from duhem.expression.text import formula

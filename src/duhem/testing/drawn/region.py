@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from duhem.expression import mpmath_
 from duhem.expression.jets import Choices, JetProgram, formula
-from duhem.expression.limits import filled
-from duhem.expression.numpy_ import Program
+from duhem.expression.numpy_ import Program, filled
 from duhem.expression.rays import Rays
 from duhem.expression.rounding import bounded
 from duhem.law.formula_law import Criterion

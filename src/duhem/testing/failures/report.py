@@ -9,9 +9,8 @@ from typing import Any, ClassVar
 
 from duhem.show.junit import JUnitCase, JUnitSuite, Outcome, as_xml
 from duhem.show.page import PAGE
-from duhem.show.printing import plain, sheet, text
+from duhem.show.printing import Shown, plain, sheet, text
 from duhem.show.sheet import Sheet
-from duhem.show.shown import Shown
 from duhem.testing.failures.failure import Failure, write_replays
 
 __all__ = ["Report", "as_dict", "as_junit"]

@@ -1,4 +1,4 @@
-"""The witness of a refuted claim as points of a plane, and the part of K around them."""
+"""What is marked in a section: one increment (the trial stress, the closest point of K and the slip), or the witness of a refuted claim."""
 
 from __future__ import annotations
 
@@ -8,20 +8,77 @@ from fractions import Fraction
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
+from duhem.law.catalogue import load_formula
 from duhem.law.curve_law import Law, ParametricCriterion
+from duhem.law.formula_law import Criterion
 from duhem.portrait.lines import Window
-from duhem.portrait.numbers import Numbered, numbered
-from duhem.portrait.plane import oblique
-from duhem.portrait.section import NOTHING, View, beside, section
-from duhem.proof.verdict import Witness
-from duhem.proof.verification import ClaimResult, Verification
+from duhem.portrait.plane import Plane, oblique
+from duhem.portrait.section import NOTHING, Numbered, View, beside, numbered, section
+from duhem.projection.increment import Convexity, posed
+from duhem.projection.projector import Projector
+from duhem.projection.result import Status
+from duhem.proof.verdict import Verdict, Witness
+from duhem.proof.verification import ClaimResult, Verification, verify
 
-__all__ = ["Violation", "drawable", "violation"]
+__all__ = ["TrialStep", "Violation", "drawable", "step", "violation"]
 
 Array = NDArray[np.float64]
+_PART = 0.6  # of the way from trial to end that a slip may lie on
+_LEAST = 0.35  # of its length that it keeps
+
+
+@dataclass(frozen=True)
+class TrialStep:
+    """Trial and end (2,) of an increment in a plane; ``slip`` (2,) the slip's part in it at some length, None at 0."""
+
+    trial: Array
+    stress: Array
+    slip: Array | None
+    status: str
+
+
+def step(given: Numbered, trial: ArrayLike, stiffness: ArrayLike, plane: Plane, length: float, pressure: float = -1.0) -> TrialStep:
+    """An increment from one trial stress (d,) as a plane of forces shows it: what lies across is left out.
+
+    The slip gets ``length``, or less where it would hide the way from trial to end.
+    A law of one force has no plane of forces: there it is drawn along the pressure, at ``pressure``.  Its status is that of
+    :func:`duhem.project`.  InputError for another plane along the pressure and for input that it refuses.
+    """
+    law = load_formula(given.law)
+    alone = plane.pressed and len(law.forces) == 1
+    base = np.array([0.0, pressure]) if alone else plane.base
+    if not (plane.slips or alone):
+        remedy = f"name such a plane first, as {','.join(law.forces[:2])}"
+        raise InputError("an increment is drawn in a plane of forces", where="trial", remedy=remedy)
+    prepared = Projector.of(law, stiffness)
+    question = posed(prepared.setting, trial, float(base[-1]) if law.pressure else None)
+    if len(question.trial) != 1:
+        raise InputError(f"{len(question.trial)} trial stresses are given", where="trial", remedy="give one")
+    if not prepared.method.convex:
+        question = replace(question, convexity=Convexity(loaded=_shown_convex(law), unloaded=False))
+    done = prepared.at(question)
+    n, status = len(plane.names), Status(int(done.status[0]))
+
+    def full(force: Array) -> Array:
+        return np.concatenate([force, base[len(force) :]])[:n]
+
+    slip = np.concatenate([done.slip[0], np.zeros(n - len(done.slip[0]))])
+    size = float(np.linalg.norm(slip))
+    ends = plane.within(full(question.trial[0])), plane.within(full(done.stress[0]))
+    length = max(_LEAST * length, min(length, _PART * float(np.linalg.norm(ends[1] - ends[0]))))
+    way = length * plane.shares(slip) / size if size > 0.0 and np.isfinite(size) else None
+    return TrialStep(*ends, way, status.name.lower())
+
+
+def _shown_convex(law: Criterion) -> bool:
+    """Whether K is proved to be convex, its ranges of forces aside: beyond them another point may be nearer."""
+    everywhere = replace(law, domain={name: own for name, own in law.domain.items() if name == law.pressure})
+    return verify(everywhere, claims="convexity", effort="quick")["convexity"].verdict is Verdict.PROVED
+
 
 _WAYS = (("p", "q"), ("sigma", "tau"), ("inside", "tau"), ("corner", "inside"), ("u", "v"))
 """Roles of which a witness has two: what is drawn as a way from one to the other, first found first."""
@@ -100,13 +157,12 @@ def _around(section_of_all: View, points: Iterable[Array], way: Array | None) ->
 
 def _points(law: Law, witness: Witness) -> dict[str, Array]:
     """The points (n,) of a witness by role; those that give no stress, such as an angle alone, by the boundary curve."""
-    names = (*law.forces, *([law.pressure] if law.pressure else []))
     found: dict[str, Array] = {}
     for role, point in witness.points.items():
         if role in ("outside", "beside", "opposite") and "inside" in witness.points and "corner" not in witness.points:
             continue  # beside `inside`, on the other side of the boundary
-        if set(names) <= set(point):
-            found[role] = np.array([float(Fraction(point[name])) for name in names])
+        if set(law.coordinates) <= set(point):
+            found[role] = np.array([float(Fraction(point[name])) for name in law.coordinates])
         elif isinstance(law, ParametricCriterion) and "tan_half_phi" in point:
             found[role] = _on_curve(law, witness, point["tan_half_phi"])
     return found

@@ -1,8 +1,9 @@
-"""The portrait of a law on one sheet."""
+"""The pictures of laws: the portrait of one on a sheet or in panels of a page, and the atlas on a sheet."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,21 +12,22 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
-from duhem.law.catalogue import load
+from duhem.law.atlas.entry import AtlasEntry
+from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
-from duhem.portrait.drawing import paint_section, paint_step, paint_violation
-from duhem.portrait.numbers import Numbered, numbered
+from duhem.portrait.drawing import fill, paint_section, paint_step, paint_violation
+from duhem.portrait.marks import TrialStep, Violation, drawable, step, violation
 from duhem.portrait.plane import Plane, elsewhere, named, usual
-from duhem.portrait.section import View, section
-from duhem.portrait.step import TrialStep, step
-from duhem.portrait.violation import Violation, drawable, violation
-from duhem.proof.verification import verify
+from duhem.portrait.section import Numbered, View, numbered, section
+from duhem.proof.verification import Verification, verify
 from duhem.show import figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["cut", "plot", "stated"]
+    from duhem.show.document import Drawing
+
+__all__ = ["atlas_sheet", "cut", "panels", "plot", "stated"]
 
 Painter = Callable[["Axes"], None]
 _VALUES = 8  # of parameters in a title
@@ -108,13 +110,12 @@ def cut(given: Numbered, plane: Plane, *, moves: bool = True, reach: float = 0.0
     return section(given, every[-1], reach=reach)
 
 
-def stated(given: Numbered) -> str:
-    """The law with its numbers, as a title says it; those that nobody gave are marked."""
-    values = given.values()
-    said = _listed(values)
+def stated(given: Numbered, between: str = "\n") -> str:
+    """The law, what stands ``between``, and its numbers, as a title says it; those that nobody gave are marked."""
+    values, said = given.values(), _listed(given.values())
     note = f" (taken to draw it: {', '.join(given.chosen[:_VALUES])})" if given.chosen and len(given.chosen) < len(values) else ""
     note = " (taken to draw it)" if given.chosen and not note else note
-    return "\n".join(filter(None, (given.law.name, said + note)))
+    return between.join(filter(None, (given.law.name, said + note)))
 
 
 def _refuted(each: Violation, given: Numbered) -> str:
@@ -156,3 +157,93 @@ def _reaching(given: Numbered, seen: View, taken: TrialStep) -> View:
 def _increment(axes: Axes, seen: View, taken: TrialStep, unit: str, size: float) -> None:
     paint_section(axes, seen, unit, size=size)
     paint_step(axes, taken)
+
+
+def panels(found: Verification) -> tuple[Drawing, ...]:
+    """The witnesses of what is refuted, at their numbers, and then what :func:`duhem.plot` shows of the law if nobody says what.
+
+    Raises MissingExtraError without matplotlib, InputError where no numbers are found for what is left open.
+    """
+    figure.check(None)
+    return tuple(_drawn(found))
+
+
+def _drawn(found: Verification) -> Iterator[Drawing]:
+    refuted = tuple(violation(found.criterion, result) for result in drawable(found))
+    for each in refuted:
+        about = f"The witness that refutes {each.claim}; {stated(each.numbered, ' with ')}"
+        yield _panel(partial(paint_violation, seen=each, unit="", title=f"{each.claim} refuted"), about)
+    given = refuted[0].numbered if refuted else numbered(found.criterion)
+    for plane in usual(given.law, None):
+        seen = cut(given, plane)
+        yield _panel(partial(paint_section, found=seen), f"K in {seen.plane.plain}; {stated(given, ' with ')}")
+
+
+def _panel(paint: Callable[[Axes], None], caption: str) -> Drawing:
+    from duhem.show.document import Drawing
+
+    def whole(place: Axes) -> None:
+        paint(place)
+        figure.snug((place,))
+        figure.legend_below((place,))
+
+    return Drawing(figure.as_svg(figure.drawn(whole, size=(4.5, 4.3))), caption)
+
+
+_COLUMNS = 8
+_TITLE = "The atlas: a section of each law at plain numbers, verdicts over the whole domain of its file"
+_LOOKS: dict[str, dict[str, Any]] = {
+    "proved": {"facecolor": figure.palette(0), "alpha": 0.3, "label": "$K$ convex: proved"},
+    "refuted": {"facecolor": figure.palette(1), "alpha": 0.45, "lines": "xxx", "label": "$K$ convex: refuted"},
+    "open": {"facecolor": "0.75", "alpha": 0.6, "lines": "...", "label": "$K$ convex: open"},
+}
+_TOLD = ("origin", "normality", "dissipation")
+
+
+def atlas_sheet(
+    laws: Sequence[AtlasEntry], file: figure.Target | None = None, on_law: Callable[[str], object] = lambda name: None
+) -> tuple[Axes, ...]:
+    """One section of each law at plain numbers, filled by whether K is convex; below its name the other claims that do not hold.
+
+    ``on_law`` is called with the name of each law before it is drawn.  Raises what :func:`duhem.portrait.plot` raises.
+    """
+    figure.check(file)
+    views = []
+    for law in laws:
+        on_law(law.name)
+        views.append(_first(numbered(load_named(law.name))))
+
+    def paint(*places: Axes) -> None:
+        for place, law, view in zip(places, laws, views, strict=True):
+            _small(place, law, view)
+        figure.legend_below(places)
+
+    columns = min(_COLUMNS, len(laws))
+    return figure.drawn(paint, file, panels=len(laws), columns=columns, size=(2.0, 2.15), title=_TITLE)
+
+
+def _first(at: Numbered) -> View:
+    *others, last = usual(at.law, None)
+    for plane in others:
+        with suppress(InputError):  # this plane holds no point of K; another does
+            return cut(at, plane)
+    return cut(at, last)
+
+
+def _small(axes: Axes, law: AtlasEntry, view: View) -> None:
+    a, b, c, d = view.window
+    convex = law.verdicts["convexity"]
+    look = _LOOKS[convex if convex in _LOOKS else "open"]
+    fill(axes, view, **look)
+    for line in view.lines:
+        axes.plot(*line.points.T, color="black", linewidth=0.9, zorder=3)
+    axes.set(xlim=(a, b), ylim=(c, d), xticks=[], yticks=[])
+    axes.set_aspect("equal" if 0.125 < (b - a) / (d - c) < 8.0 else "auto", adjustable="box")
+    axes.set_xlabel(view.plane.x_symbol, fontsize=8.6, labelpad=2)
+    axes.set_ylabel(view.plane.y_symbol, fontsize=8.6, labelpad=2)
+    others = [f"{claim} {_word(law.verdicts[claim])}" for claim in _TOLD if law.verdicts[claim] not in ("proved", "not_applicable")]
+    axes.set_title("\n".join([figure.shortened(law.name, 24), *others]), fontsize=7.5)
+
+
+def _word(verdict: str) -> str:
+    return verdict if verdict == "refuted" else "open"

@@ -7,7 +7,7 @@ from random import Random
 import pytest
 import sympy as sp
 
-from duhem.expression.factoring import factor_list, factored
+from duhem.derivation.recognise import factor_list, factored
 from tests.long import long_but, mostly_long
 
 X = sp.symbols("x y z", real=True)

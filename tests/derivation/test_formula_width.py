@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from duhem.show.formula_width import width
+from duhem.derivation.typeset import width
 
 # what each has that the others have not
 FORMULAS = (
