@@ -13,8 +13,7 @@ import pytest
 
 from duhem import Domain, InputError, Verdict, verify
 from duhem.law.curve_law import ParametricCriterion
-from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.numeric_curve import Greatest, NumericCurve
+from duhem.proof.facts.curve_subject import CurveSubject, Greatest, NumericCurve
 from duhem.proof.methods import curves
 from duhem.proof.verdict import Evidence, Trust
 from tests.long import long_but, mostly_long

@@ -9,9 +9,9 @@ from random import Random
 import mpmath
 import pytest
 
-from duhem.proof.kernel.angle import without_angles
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds
 from duhem.proof.kernel.constant_value import BITS, Enclosure, enclosed, sign_over
+from duhem.proof.kernel.domain import without_angles
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.oracles import drawn_formulas
 

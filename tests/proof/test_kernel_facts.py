@@ -10,9 +10,9 @@ from collections.abc import Mapping
 import mpmath
 import pytest
 
+from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
-from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import parse
 from tests.long import long_but, mostly_slow
 from tests.oracles import drawn_formulas

@@ -11,9 +11,8 @@ from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import BITS, Enclosure, enclosed
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.deviatoric import convex_in_deviator
+from duhem.proof.kernel.deviatoric import Invariants, convex_in_deviator
 from duhem.proof.kernel.forms import at_end_of
-from duhem.proof.kernel.invariants import Invariants
 from duhem.proof.kernel.pieces import CHOICES, pieces
 from duhem.proof.kernel.plane_gauge import arcs
 from duhem.proof.kernel.signs import _quotient

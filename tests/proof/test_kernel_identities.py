@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import pytest
 
-from duhem.proof.kernel.angle import without_angles
 from duhem.proof.kernel.constant_value import BITS
+from duhem.proof.kernel.domain import without_angles
 from duhem.proof.kernel.forms import affine, determinant, multiple, quadratic
 from duhem.proof.kernel.homogeneity import grows_along_rays, potential_flows_outward
 from duhem.proof.kernel.identity import multiplied_out, value, vanishes

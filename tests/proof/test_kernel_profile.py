@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from duhem.proof.kernel.polynomial import Polynomial
-from duhem.proof.kernel.profile import _between, _beyond_roots, _concave_root, _in_numbers, _leading, _profile, _solved
+from duhem.proof.kernel.region import _between, _beyond_roots, _concave_root, _in_numbers, _leading, _profile, _solved
 from duhem.proof.kernel.signs import RAY, Line, line, sign_at
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain, poly

@@ -10,11 +10,10 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel import claims as rules
-from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, exact
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, exact, signs_of_product
 from duhem.proof.kernel.certificate import EVIDENCE, NO_RULE, SCHEMA, digest, recheck
 from duhem.proof.kernel.domain import StatedFace, StatedLaw, gap, inhabited
 from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.shape import signs_of_product
 from duhem.proof.kernel.term import WORDS, NotWritten, Term, factors, minus, number, parse, product_of, sum_of
 from tests.oracles import drawn_formulas
 

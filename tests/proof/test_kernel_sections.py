@@ -12,9 +12,8 @@ import pytest
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import sign_on_axis
-from duhem.proof.kernel.deviatoric import convex_in_deviator, deviatoric_readers
+from duhem.proof.kernel.deviatoric import Invariants, convex_in_deviator, deviatoric_readers, invariants
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, StatedDomain, StatedLaw
-from duhem.proof.kernel.invariants import Invariants, invariants
 from duhem.proof.kernel.plane_function import Base, PlaneFunction, added, base_of, multiplied, power_of, raised_to, widened
 from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total
 from duhem.proof.kernel.regularity import smooth_near_the_boundary

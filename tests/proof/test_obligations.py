@@ -10,7 +10,6 @@ from duhem import POSITIVE, Criterion, Domain, InputError, ParametricCriterion, 
 from duhem.law.criterion_file import reads
 from duhem.proof.certificate import law_as_text
 from duhem.proof.decide.needs import obligations
-from duhem.proof.facts.definedness import broken_at
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Trust
 from tests.long import long_but, mostly_long
@@ -203,7 +202,7 @@ def test_a_flow_with_a_value_at_every_admitted_pressure_is_not_said_to_have_none
     for root, low in (("p + 1", "-1"), ("1 - p", None)):
         flow, domain = (f"a*sqrt({root})", f"b*sqrt({root})"), {"p": Domain.between(low)} if low else {}
         subject = FormulaSubject(Criterion("law", "norm(a, b) + p", {}, ("a", "b"), "p", flow=flow, domain=domain))
-        assert all(broken_at(subject.problem, o) is None for o in obligations(subject.problem.stated_flows[0][0]))
+        assert all(subject.broken_at(o) is None for o in obligations(subject.problem.stated_flows[0][0]))
 
 
 @pytest.mark.slow

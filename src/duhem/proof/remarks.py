@@ -10,7 +10,6 @@ from duhem.expression.text import formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
-from duhem.proof.facts.definedness import broken_at
 from duhem.proof.facts.extent import Extent, extent
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.special_places import limits_taken, singular_places, undefined_place
@@ -76,7 +75,7 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
             + "Of such a formula nothing is proved but what the kernel confirms"
         )
     elif subject.doubtful_flow:
-        broken = next(((o, at) for o in subject.doubtful_flow if (at := broken_at(subject.problem, o)) is not None), None)
+        broken = next(((o, at) for o in subject.doubtful_flow if (at := subject.broken_at(o)) is not None), None)
         first = broken[0] if broken else subject.doubtful_flow[0]
         part = formula(_stated(subject, first.expr))
         has = f"The flow has no value at {_admitted(subject, broken[1])}" if broken else _NOT_SHOWN_OF_THE_FLOW

@@ -12,7 +12,6 @@ import sympy as sp
 
 from duhem.expression.parse import parse_expression
 from duhem.proof.decide import Question, Sense
-from duhem.proof.facts.definedness import open_obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods.evidence import dissipation_by_shares
 from duhem.proof.verdict import Evidence
@@ -43,7 +42,7 @@ def _defined_but_at_tips(subject: FormulaSubject) -> bool:
         return True
     tips = [tip for tip in found.tips if _rarely_zero(tip, problem.forces)] if found.known and not found.kinks else []
     there = tuple(sp.StrictGreaterThan(tip, 0) for tip in tips)
-    return bool(there) and not any(open_obligations(subject, problem, trees, there) for trees in problem.stated_flows)
+    return bool(there) and not any(subject.open_obligations(trees, there) for trees in problem.stated_flows)
 
 
 def _rarely_zero(tip: sp.Expr, forces: tuple[sp.Symbol, ...]) -> bool:

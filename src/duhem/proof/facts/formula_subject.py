@@ -1,4 +1,10 @@
-"""A law given by a formula, under examination: its problem, the forms that every method may need, the signs decided."""
+"""A law given by a formula, under examination: its problem, the forms that every method may need, the signs decided.
+
+Whether the formula means something: its obligations are decided over the whole domain and for all forces but zero.  A quotient that is
+0/0 at zero force alone is taken by closure; the kernel takes one so that is 0/0 where a deviator is 0, if it has a limit there.  A law that
+is undefined for admitted parameters, whatever the forces, is an error.  One that is undefined at some forces does not have those points in
+K: of such a law, and of one for which the question stays open, nothing is proved.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +12,20 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain, combinations, islice, tee
+from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
 
 from duhem.derivation.support_function import SupportFunction, support_function
-from duhem.expression import Where, defined_at, holds_at
+from duhem.errors import InputError
+from duhem.expression import UNDEFINED, Atan2, Where, defined_at, holds_at
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, plain_switches, smooth_below, thick
 from duhem.expression.number import fraction, rational
+from duhem.expression.text import formula
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.needs import Obligation, obligations
-from duhem.proof.facts.definedness import met_at_zero, open_obligations
 from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.facts.subject import Subject
 from duhem.proof.statement.problem import Face, Problem, state
@@ -27,6 +35,10 @@ __all__ = ["FormulaSubject"]
 _QUESTION_STEPS = 8_000_000
 _MARGIN = Fraction(1, 2**20)  # larger than the boxes in which corners are held
 _OF_THE_FLOW = ("normality", "dissipation")  # the claims that speak of it
+_REMEDY = "fix other values"
+_MOST_POINTS = 64
+_SIGNS = {sp.Ne: "!=", sp.Ge: ">=", sp.Gt: ">", sp.Le: "<=", sp.Lt: "<"}
+Place = dict[sp.Symbol, Any]
 
 
 class FormulaSubject(Subject):
@@ -52,7 +64,7 @@ class FormulaSubject(Subject):
     @cached_property
     def doubtful(self) -> tuple[Obligation, ...]:
         """What the formula as written asks of its parts and is not shown for all forces but zero: nothing is proved then."""
-        return open_obligations(self, self.problem, (self.problem.stated,))
+        return self.open_obligations((self.problem.stated,))
 
     @cached_property
     def doubtful_flow(self) -> tuple[Obligation, ...]:
@@ -62,7 +74,7 @@ class FormulaSubject(Subject):
             of = f"the flow of surface {i}" if self.law.surfaces else "the flow"
             inside = (sp.LessThan(smooth, 0) for other in face.others for smooth in smooth_below(other))
             there = (sp.Eq(face.g, 0, evaluate=False), *(r for r in inside if isinstance(r, sp.LessThan)))
-            found += open_obligations(self, self.problem, trees, () if self.doubtful else there, of)
+            found += self.open_obligations(trees, () if self.doubtful else there, of)
         return tuple(found)
 
     @property
@@ -89,6 +101,56 @@ class FormulaSubject(Subject):
                 if not all(rational(at + step) in span for step in {-beside, beside}):
                     return False
         return True
+
+    # -- whether it means something ------------------------------------------------------------------------------
+
+    def open_obligations(self, trees: Iterable[sp.Basic], there: tuple[sp.Basic, ...] = (), of: str = "g") -> tuple[Obligation, ...]:
+        """Those of formulas of the law, as written, that are not shown to be met for all forces but zero, or for those of a place.
+
+        Raises InputError where one is broken by admitted parameter values, whatever the forces and the pressure; ``of`` says whose it is.
+        """
+        if self.problem.g.has(*UNDEFINED):
+            raise InputError(f"{formula(self.law.g)} is undefined at the fixed values", where=self.law.name, remedy=_REMEDY)
+        needed = dict.fromkeys(o for tree in trees for o in obligations(tree))
+        found = tuple(o for o in needed if not self._everywhere(o, of))
+        return tuple(o for o in found if not self._everywhere(o._replace(given=(*o.given, *there)), of)) if there else found
+
+    def met(self, obligation: Obligation) -> bool:
+        """Whether it is shown for all forces but zero."""
+        return obligation.met(lambda *asked: self.decided(self._question(*asked)).holds is True)
+
+    def _question(self, expr: sp.Expr, sense: Sense, given: tuple[sp.Basic, ...]) -> Question:
+        """For all forces but zero."""
+        forces = self.problem.forces
+        away = (sp.StrictGreaterThan(sp.Add(*(x**2 for x in forces)), 0),) if expr.free_symbols & set(forces) else ()
+        return Question(expr, sense, (*self.problem.given, *given, *away))
+
+    def _everywhere(self, obligation: Obligation, of: str) -> bool:
+        """Whether it is shown for all forces but zero; InputError where parameters alone break it."""
+        problem = self.problem
+        if self.met(obligation):
+            return True
+        if obligation.symbols() <= {x for x in problem.parameters if x is not problem.magnitude}:
+            answer, told = self.decided(self._question(*obligation.asked, obligation.given)), ""
+            if (point := self.broken_at(obligation, answer.point or {})) is not None:
+                told = f"{'0' if obligation.expr.subs(point).is_zero else 'negative'} {f'at {_told(point)}' if point else 'always'}"
+            elif ends := _on_either_side(problem, obligation):
+                told = f"0 somewhere between {' and '.join(map(_told, ends))}"
+            if told:
+                what = f"{of} {obligation.does} {formula(obligation.expr)}, which is {told}"
+                raise InputError(what, where=self.law.name, remedy=_remedy(obligation))
+        return False
+
+    def broken_at(self, obligation: Obligation, hint: Mapping[sp.Symbol, Any] = MappingProxyType({})) -> Place | None:
+        """Admitted parameters and a size of the pressure at which it certainly fails, whatever the forces; None where none were found."""
+        problem, symbols = self.problem, obligation.symbols()
+        if not symbols <= set(problem.parameters):
+            return None
+        points = [*_plain_points(problem, symbols), *([dict(hint)] if all(holds_at(r, hint) for r in problem.given) else [])]
+        point = next((point for point in points if symbols <= point.keys() and obligation.broken(point)), None)
+        return None if point is None else {x: point[x] for x in problem.parameters if x in symbols}
+
+    # -- derived forms ------------------------------------------------------------------------------------------
 
     @cached_property
     def support(self) -> SupportFunction | None:
@@ -122,7 +184,8 @@ class FormulaSubject(Subject):
     @cached_property
     def at_origin(self) -> sp.Expr | None:
         """g at zero force, all forces at once; None where that is 0/0 or otherwise undefined."""
-        if not all(met_at_zero(self, self.problem, o) for o in obligations(self.problem.stated)):
+        zero = dict.fromkeys(self.problem.forces, sp.S.Zero)
+        if not all(self.met(o.put(zero)) for o in obligations(self.problem.stated)):
             return None
         return defined_at(self.simple.g, dict.fromkeys(self.simple.forces, sp.S.Zero))
 
@@ -217,3 +280,48 @@ def _pieces(g: sp.Expr) -> tuple[Branch, ...] | None:
         return plain_switches(thick(branches(g)))
     except TooManyBranchesError:
         return None
+
+
+def _told(point: Place) -> str:
+    return ", ".join(f"{x} = {value}" for x, value in point.items())
+
+
+def _plain_points(problem: Problem, symbols: set[sp.Symbol]) -> list[Place]:
+    """Admitted values of the symbols, which may be the parameters and the size of the pressure, and of what the relations tie to them."""
+    own = _bearing_on(symbols, problem.given)
+    names = tuple(x for x in problem.parameters if x in symbols.union(*(r.free_symbols for r in own)))
+    tried = map(rationals, islice(plain_choices(names, own), _MOST_POINTS))
+    return [point for point in tried if point.get(problem.magnitude, 1) > 0 and all(holds_at(r, point) for r in own)]
+
+
+def _bearing_on(symbols: set[sp.Symbol], given: tuple[sp.Basic, ...]) -> tuple[sp.Basic, ...]:
+    """The relations that speak of the symbols, of what those speak of besides, and so on."""
+    own = tuple(r for r in given if r.free_symbols & symbols)
+    wider = symbols.union(*(r.free_symbols for r in own))
+    return own if wider == symbols else _bearing_on(wider, given)
+
+
+def _remedy(obligation: Obligation) -> str:
+    """The condition under which it is met, for one parameter alone as a bound of that."""
+    expr, symbols = obligation.expr, obligation.expr.free_symbols
+    if not symbols or obligation.instead:
+        return "admit no such values"
+    relation = {Sense.ZERO: sp.Ne, Sense.NONNEGATIVE: sp.Ge, Sense.POSITIVE: sp.Gt}[obligation.sense]
+    (x, *others) = sorted(symbols, key=str)
+    if others or not (expr.is_polynomial(x) and sp.degree(expr, x) == 1):
+        return f"admit only values with {formula(expr)} {_SIGNS[relation]} 0"
+    slope, rest = sp.Poly(expr, x).all_coeffs()
+    bound, sign = -rest / slope, _SIGNS[relation if slope.is_positive else {sp.Ge: sp.Le, sp.Gt: sp.Lt}.get(relation, relation)]
+    above_0 = bound.is_zero and sign in (">", "!=")
+    return f"admit only values with {x} {sign} {formula(bound)}" + (" (positive = true, or a least value above 0)" if above_0 else "")
+
+
+def _on_either_side(problem: Problem, obligation: Obligation) -> tuple[Place, Place] | None:
+    """Places at which a divisor is above and below 0: over a product of intervals it is 0 in between, if it does not jump."""
+    symbols, expr = obligation.symbols(), obligation.expr
+    tied = expr.has(Where, Atan2) or obligation.given or any(c.free_symbols & symbols for c in problem.law.constraints)
+    if obligation.sense is not Sense.ZERO or tied:
+        return None
+    points = _plain_points(problem, symbols)
+    above, below = ([p for p in points if (side * expr.subs(p)).is_positive] for side in (1, -1))
+    return (above[0], below[0]) if above and below else None

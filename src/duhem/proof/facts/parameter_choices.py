@@ -13,13 +13,14 @@ import sympy as sp
 from duhem.expression.number import rational
 from duhem.proof.decide.question import bounds
 
-__all__ = ["Values", "middle_of", "plain_choices", "rationals", "walk"]
+__all__ = ["Point", "Values", "middle_of", "plain_choices", "rationals", "walk"]
 
 _SCALES = (Fraction(1), Fraction(1, 2), Fraction(2), Fraction(1, 10), Fraction(10), Fraction(1, 100), Fraction(100))
 _SHARES = (Fraction(0), Fraction(1), *(Fraction(k, 100) for k in (50, 1, 99, 25, 75, 90)))
 _MOST_TOGETHER, _DRAWN = 4096, 400
 
 Values = Mapping[sp.Symbol, Fraction]
+Point = tuple[Fraction, ...]  # in the force space of the simple problem
 
 
 def rationals(values: Values) -> dict[sp.Symbol, sp.Rational]:

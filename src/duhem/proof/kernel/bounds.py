@@ -1,16 +1,19 @@
-"""Where a parameter lies: as it is declared, and what the constraints leave of that."""
+"""What is known before any rule: where a parameter lies, by its range and the constraints, and the facts of a part of a formula."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from math import isqrt
+from operator import or_
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.polynomial import Polynomial, in_powers
 from duhem.proof.kernel.term import NotWritten, Term
 
-__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "exact", "sharpened"]
+__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Facts", "Sign", "exact", "of_sum", "sharpened", "signs_of_product"]
 
 Sign = int  # which of < 0, = 0, > 0 are possible; 0 for a part with no value
 NEGATIVE, ZERO, POSITIVE = 1, 2, 4
@@ -122,3 +125,64 @@ def _span(poly: Polynomial, bounds: Mapping[str, Bounds]) -> tuple[Fraction | No
         low = None if low is None or first is None else low + c * first
         high = None if high is None or last is None else high + c * last
     return low, high
+
+
+# -- facts -------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is shown of a part: ``defined`` everywhere, its ``sign``, its curvature in the forces."""
+
+    defined: bool = False
+    sign: Sign = ANY
+    convex: bool = False
+    concave: bool = False
+    quasiconvex: bool = False
+
+    @property
+    def affine(self) -> bool:
+        """Convex and concave."""
+        return self.convex and self.concave
+
+    @property
+    def nonnegative(self) -> bool:
+        """>= 0 everywhere."""
+        return not self.sign & NEGATIVE
+
+    @property
+    def convex_in_size(self) -> bool:
+        """Whether |x| is convex."""
+        return self.affine or (self.convex and self.nonnegative) or (self.concave and not self.sign & POSITIVE)
+
+    def negated(self) -> Facts:
+        """Of -x."""
+        return Facts(self.defined, signs_of_product(self.sign, NEGATIVE), self.concave, self.convex, self.concave)
+
+
+def of_sum(moving: Sequence[Facts], constants: Sequence[Facts] = ()) -> Facts:
+    """Of a sum of parts, ``constants`` among them that depend on no force."""
+    parts = (*moving, *constants)
+    signs = [known.sign for known in parts if known.sign != ZERO]
+    together = reduce(or_, signs or [ZERO])
+    if together & NEGATIVE and together & POSITIVE:
+        together = ANY
+    elif any(not sign & ZERO for sign in signs):
+        together &= ~ZERO
+    convex, concave = all(known.convex for known in moving), all(known.concave for known in moving)
+    quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
+    return Facts(all(known.defined for known in parts), together, convex, concave, quasi)
+
+
+def signs_of_product(a: Sign, b: Sign) -> Sign:
+    """The signs that a product of one of ``a`` and one of ``b`` may have."""
+    return _PRODUCTS[a][b]
+
+
+def _sign_of_products(a: Sign, b: Sign) -> Sign:
+    parts = {NEGATIVE: -1, ZERO: 0, POSITIVE: 1}
+    found = {s * t for i, s in parts.items() for j, t in parts.items() if a & i and b & j}
+    return sum(i for i, s in parts.items() if s in found)
+
+
+_PRODUCTS = [[_sign_of_products(a, b) for b in range(ANY + 1)] for a in range(ANY + 1)]  # of every two sets of signs

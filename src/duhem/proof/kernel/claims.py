@@ -15,20 +15,19 @@ from duhem.proof.kernel.boundary import (
     rises_outward,
     with_convex_sums,
 )
-from duhem.proof.kernel.cases import cases, without_outer_map
+from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.cones import Fan
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import divides_by_zero_force
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
-from duhem.proof.kernel.isotropy import in_principal_stresses
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
-from duhem.proof.kernel.shape import Facts
+from duhem.proof.kernel.simpler_laws import cases, in_principal_stresses, without_outer_map
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, parse
 

@@ -2,6 +2,9 @@
 
 The sign of a sum of products is shown by three sound rules: every term has it; so it is once each variable is measured
 from an end of its range; so it is once a multiple of a constraint that has it is taken away.
+
+Waves of an angle are read as algebra: cos(k atan2(q, p)) is Re (p + i q)^k / |(p, q)|^k for whole k, sin its Im (de Moivre 1722).
+Both sides are undefined at p = q = 0, and there alone, so that the formula stays what it is.
 """
 
 from __future__ import annotations
@@ -9,17 +12,16 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import islice, product
+from math import comb, prod
 from typing import Any, NamedTuple, TypeVar
 from unicodedata import normalize
 
-from duhem.proof.kernel.angle import without_angles
-from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign, exact, sharpened
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Facts, Sign, exact, sharpened, signs_of_product
 from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
-from duhem.proof.kernel.shape import Facts, signs_of_product
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, bounded, factors, minus, number, parse, product_of, sum_of
 
 __all__ = [
     "ANY",
@@ -37,11 +39,13 @@ __all__ = [
     "exact",
     "gap",
     "inhabited",
+    "without_angles",
     "without_more",
 ]
 
 _MOST_POWER, _MOST_STEPS, _MOST_CHOICES = 12, 400_000, 64
 _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two constraints to be tried together
+_MOST_TURNS = 24  # of an angle
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
 
 
@@ -91,6 +95,25 @@ def declared(given: Mapping[str, Any], others: tuple[str, ...], formulas: Collec
         raise NotWritten("a constraint does not compare parameters")
     fixed = {Term("name", name=n): number(x.low) for n, x in parameters.items() if x.low is not None and x.low == x.high}
     return forces, parameters, tuple(c.put(fixed) for c in constraints), fixed
+
+
+def without_angles(term: Term) -> Term:
+    """The formula with the waves of whole multiples of an angle as quotients; NotWritten where that is too large."""
+    here = term._replace(args=tuple(map(without_angles, term.args)))
+    if here.op not in ("cos", "sin"):
+        return here
+    (angle,) = here.args
+    turns = prod((x.value for x in factors(angle) if x.op == "number"), start=Fraction(1))
+    moving = [x for x in factors(angle) if x.op != "number"]
+    if [x.op for x in moving] != ["atan2"] or turns.denominator > 1 or not 0 < abs(turns) <= _MOST_TURNS:
+        return here
+    ((q, p),), k, odd = (x.args for x in moving), abs(int(turns)), here.op == "sin"
+    sense = -1 if odd and turns < 0 else 1
+    parts = (
+        product_of(number(sense * (-1) ** (j // 2) * comb(k, j)), Term("**", (p, number(k - j))), Term("**", (q, number(j))))
+        for j in range(odd, k + 1, 2)
+    )
+    return bounded(product_of(sum_of(*parts), Term("**", (Term("norm", (p, q)), number(-k)))))
 
 
 class StatedFace(NamedTuple):

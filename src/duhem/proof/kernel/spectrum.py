@@ -18,10 +18,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
+from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.identity import alike
 from duhem.proof.kernel.polynomial import Polynomial, negated, total, written
-from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["Freed", "entries_of", "extremes", "freed_of_roots", "quasiconvex_with_parts_freed"]

@@ -15,12 +15,10 @@ from typing import TYPE_CHECKING
 import flint
 
 from duhem.expression.balls import certain_sign
-from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.numeric_curve import (
-    LEAD,
-    LEAN,
+from duhem.proof.facts.curve_subject import (
     Ball,
     CurveJet,
+    CurveSubject,
     Greatest,
     NumericCurve,
     Span,
@@ -30,7 +28,7 @@ from duhem.proof.facts.numeric_curve import (
 )
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.curves import backward_flow, inward_flow, leaning_flow, leaning_normal, origin_outside, triangle
+from duhem.proof.witness.curves import backward_flow, leaning, origin_outside, triangle
 
 if TYPE_CHECKING:
     from duhem.proof.search.curve_angles import Rim
@@ -87,11 +85,11 @@ def normality_refuted(subject: CurveSubject) -> Evidence | None:
         from duhem.proof.search.curve_angles import least_powers
 
         for values, t in least_powers(subject, 12):
-            if (witness := inward_flow(subject, values, t)) is not None:
+            if (witness := leaning(subject, values, t)) is not None:
                 return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
         return None
     for values, (before, _, after), _ in _dents(subject):
-        if (witness := leaning_normal(subject, values, before, after)) is not None:
+        if (witness := leaning(subject, values, before, after, "normal")) is not None:
             return Evidence(Verdict.REFUTED, "witness-normal", "the normal is not in the normal cone at the edge of a dent", witness)
     return None
 
@@ -120,7 +118,7 @@ def normality_by_deviation(subject: CurveSubject) -> Evidence | None:
             continue
         angle = _place(curve, worst)
         t, leans = half_tangent(angle), targets(subject, values, angle)
-        if (witness := next(filter(None, (leaning_flow(subject, values, t, u, worst.value) for u in leans)), None)) is not None:
+        if (witness := next(filter(None, (leaning(subject, values, t, u, deviation=worst.value) for u in leans)), None)) is not None:
             least, most = (math.degrees(float(x)) for x in (worst.value.lower(), worst.value.upper()))
             bound = "nowhere by more" if most - least < 1e-6 else f"nowhere by more than {most:.6g}"
             detail = f"the flow leaves the normal by {least:.6g} degrees at angle {subject.sense * math.degrees(angle):.6g}, and {bound}"
@@ -132,7 +130,7 @@ def _deviates(subject: CurveSubject, values: Values) -> bool:
     """Whether a few angles show a deviation at all."""
     curve = subject.at(values)
     jets = (curve.at(Fraction(k, 7), 1) for k in range(-20, 21, 3))
-    return any(certain_sign(LEAN.of(jet)) or certain_sign(LEAD.of(jet)) == -1 for jet in jets)
+    return any(certain_sign(jet.lean) or certain_sign(jet.lead) == -1 for jet in jets)
 
 
 def deviation(jet: CurveJet) -> tuple[Ball, Ball, Ball]:

@@ -20,7 +20,6 @@ from duhem.expression.text import formula
 from duhem.expression.weights import degree
 from duhem.proof.decide import Question, Sense
 from duhem.proof.decide.needs import obligations
-from duhem.proof.facts.definedness import met_for_all
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums, directions, inward, outward, parallel, steep
 from duhem.proof.verdict import Evidence, Proof, Verdict
@@ -304,7 +303,7 @@ def duality(subject: FormulaSubject) -> Evidence | None:
     swap = subject.problem.compressed
     # What the potential divides by must not vanish for any admitted parameters, whatever the rules that gave it have asked.
     asked = [o for o in obligations(found.potential.xreplace(swap)) if not o.symbols() & set(found.rates)]
-    if not all(met_for_all(subject, subject.problem, o) for o in asked):
+    if not all(map(subject.met, asked)):
         return None
     for needed in found.requires:
         if subject.decided(Question(sp.sympify(needed).xreplace(swap), Sense.POSITIVE, subject.problem.given)).holds is not True:

@@ -15,15 +15,12 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from duhem.expression import Where
-from duhem.expression.branches import almost_everywhere
 from duhem.expression.number import rational
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.parameter_choices import Point, Values
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.facts.special_places import undefined_at_zero
-from duhem.proof.search.suggestion import Chord, Exit, Point, SectionCorner
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
 from duhem.proof.witness.points import (
@@ -39,7 +36,8 @@ from duhem.proof.witness.points import (
 )
 
 if TYPE_CHECKING:
-    from duhem.proof.search.boundary_points import BoundaryScout
+    from duhem.proof.search.boundary_points import BoundaryScout, Chord, Exit
+    from duhem.proof.search.corners import SectionCorner
 
 __all__ = [
     "convexity_at_clear_dents",
@@ -97,7 +95,7 @@ def origin_undefined(subject: FormulaSubject) -> Evidence | None:
 def _refuted(subject: FormulaSubject, suggested: Iterable[Chord], touching: bool = False) -> Evidence | None:
     """By the first chord that passes the exact check."""
     for one in suggested:
-        if (witness := chord(subject, one.parameters, one.p, one.q, touching)) is not None:
+        if (witness := chord(subject, *one, touching)) is not None:
             return Evidence(Verdict.REFUTED, "witness-chord", "a chord between two points of K leaves K", witness)
     return None
 
@@ -168,27 +166,23 @@ def convexity_at_seams(subject: FormulaSubject) -> Evidence | None:
 
 def smoothness_at_corners(subject: FormulaSubject) -> Evidence | None:
     """A boundary point on a seam where the one-sided normals differ: in two forces on any seam, in more in some planes."""
-    jumps: bool | None = None
-    for parameters in subject.choices(6 if len(subject.simple.forces) == 2 else 2):
-        for one in _suggested(subject, parameters):
-            if jumps is None:
-                jumps = almost_everywhere(subject.simple.g).has(Where) and not subject.continuous
-            witness = corner(subject, parameters, one.section, one.place, jumps)
-            if witness is not None and subject.may_refute("smoothness", witness.points.values()):
-                return Evidence(Verdict.REFUTED, "witness-corner", "the outward normal jumps at a corner of the boundary", witness)
-    return None
+    choices = subject.choices(6 if len(subject.simple.forces) == 2 else 2)
+    found = (corner(subject, *one) for parameters in choices for one in _suggested(subject, parameters))
+    return _not_smooth(subject, found, "witness-corner", "the outward normal jumps at a corner of the boundary")
 
 
 def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
     """An exact boundary point to which K narrows: the tip of a cone, of a drop, a cusp."""
     from duhem.proof.search.corners import sharp_points  # numpy, only when something is looked for
 
-    for parameters in subject.choices(1):
-        for one in sharp_points(subject, parameters):
-            witness = sharp_point(subject, parameters, one.place, one.away, one.into)
-            if witness is not None and subject.may_refute("smoothness", witness.points.values()):
-                return Evidence(Verdict.REFUTED, "witness-sharp-point", "the boundary has a sharp point", witness)
-    return None
+    found = (sharp_point(subject, *one) for parameters in subject.choices(1) for one in sharp_points(subject, parameters))
+    return _not_smooth(subject, found, "witness-sharp-point", "the boundary has a sharp point")
+
+
+def _not_smooth(subject: FormulaSubject, found: Iterable[Witness | None], method: str, detail: str) -> Evidence | None:
+    """By the first that lies well within the law's ranges."""
+    within = (one for one in found if one is not None and subject.may_refute("smoothness", one.points.values()))
+    return next((Evidence(Verdict.REFUTED, method, detail, one) for one in within), None)
 
 
 def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
@@ -199,7 +193,7 @@ def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionC
         yield from section_corners(subject, parameters)
     elif len(forces) == 2:
         plane = PlaneSection.whole((forces[0], forces[1]))
-        yield from (SectionCorner(parameters, plane, crossing.point) for crossing in crossings(subject, parameters))
+        yield from ((parameters, plane, crossing.point) for crossing in crossings(subject, parameters))
 
 
 # -- the slip ---------------------------------------------------------------------------------------------------------
@@ -283,7 +277,7 @@ def normality_at_points(subject: FormulaSubject, choices: int = 12, near: bool =
 def _on_the_boundary(subject: FormulaSubject, scout: BoundaryScout) -> Iterator[tuple[Exit, Point]]:
     """Targets close by as points that are surely in K."""
     for exit, turned in scout.near_targets():
-        if found := enclosed(subject, turned.parameters, turned.inside, turned.outside, 80):
+        if found := enclosed(subject, *turned, 80):
             yield exit, found.inside
 
 
@@ -292,9 +286,7 @@ def _leans_towards(subject: FormulaSubject, exit: Exit, target: Point) -> Witnes
         return _towards(subject, enclosed_flow(subject, point), target)
 
     name = "flow . (tau - sigma)"
-    return violation(
-        subject, exit.parameters, exit.inside, exit.outside, leaning, name, _NORMALITY, 1, target, lambda b: _angles(subject, b)
-    )
+    return violation(subject, *exit, leaning, name, _NORMALITY, 1, target, lambda b: _angles(subject, b))
 
 
 def _angles(subject: FormulaSubject, point: EnclosedPoint) -> dict[str, float]:
@@ -321,7 +313,7 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
 
     for scout in scouts(subject, choices):
         for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5), scout.entered_again(3)):
-            if witness := violation(subject, exit.parameters, exit.inside, exit.outside, power, "force . flow", _DISSIPATION):
+            if witness := violation(subject, *exit, power, "force . flow", _DISSIPATION):
                 return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
     return None
 

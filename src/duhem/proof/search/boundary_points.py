@@ -1,11 +1,14 @@
-"""Boundary points of a law in floats, with their flow and normal: where to look for a bad slip direction."""
+"""Boundary points of a law in floats, with their flow and normal: where to look for a bad slip direction.
+
+What a search hands on are exact parameter values and exact points, worth an exact look.  Nothing of that is certain.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -14,10 +17,9 @@ from numpy.typing import NDArray
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values, rationals
-from duhem.proof.search.suggestion import Exit, Point
+from duhem.proof.facts.parameter_choices import Point, Values, rationals
 
-__all__ = ["BoundaryScout", "lowest", "scout", "scouts"]
+__all__ = ["BoundaryScout", "Chord", "Exit", "lowest", "scout", "scouts"]
 
 _DIRECTIONS = 720
 _BITS = 50  # finer than any fraction made of them; the ends of witnesses in print depend on them
@@ -25,6 +27,17 @@ _TOUCHING, _ROUNDING, _NEAR = 1e-9, 1e-7, 1e-6  # heights of faces that meet; co
 _RADII = 10.0 ** np.linspace(-5, 5, 61)
 _DRAWN, _DEEPENED, _AROUND = 4000, 80, 64
 _DEEP = 3  # how many rounds are worth while inside
+
+
+Chord = tuple[Values, Point, Point]  # two points of K, as it seems, whose midpoint is outside
+
+
+class Exit(NamedTuple):
+    """A segment from ``inside`` K, as it seems, to ``outside``: the boundary crosses it."""
+
+    parameters: Values
+    inside: Point
+    outside: Point
 
 
 class BoundaryScout:

@@ -29,11 +29,10 @@ from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.facts.parameter_choices import Point, Values, rationals
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.search.boundary_points import scout
 from duhem.proof.search.edges import edges
-from duhem.proof.search.suggestion import Point, SectionCorner, SharpPoint
 
 __all__ = ["Crossing", "crossings", "section_corners", "sharp_points"]
 
@@ -54,6 +53,10 @@ _LARGEST = 10_000  # the denominator of a plain fraction
 _ALONG = 10.0 ** np.linspace(-5, 5, 61)
 
 Place = tuple[float, float]
+SharpPoint = tuple[
+    Values, Point, Point, Point
+]  # a place from which, as it seems, K is left in one direction and its opposite, and entered in another
+SectionCorner = tuple[Values, PlaneSection, Point]  # a place in a plane of forces at which, as it seems, the boundary has a corner
 
 
 @dataclass(frozen=True)
@@ -134,7 +137,7 @@ def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection
             found = None if slopes is None else common_zero(system, slopes, section.at, [float(c) for c in middle], _DIGITS)
             near = found is not None and all(abs(f - c) <= 2 * reach for f, c in zip(found, middle, strict=True))
             if found is not None and near and _turned(seam, section.at, found):
-                yield SectionCorner(parameters, section, found)
+                yield parameters, section, found
 
 
 def _turned(seam: Seam, unknowns: Sequence[sp.Symbol], place: Point) -> bool:
@@ -282,7 +285,7 @@ def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpP
         outside = [k for k in np.argsort(-both) if both[k] > 0]
         for k, fall in falls[:2]:  # where g rises less steeply than it falls, K has a tangent
             steep = [i for i in outside if both_nearer[i] > both[i] * fall / _SAME][:_SHOWN]
-            yield from (SharpPoint(parameters, place, ways[i], ways[k]) for i in steep)
+            yield from ((parameters, place, ways[i], ways[k]) for i in steep)
 
 
 def _plain_places(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[Point]:

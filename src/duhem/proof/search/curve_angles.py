@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from duhem.expression.balls import precision
 from duhem.expression.numpy_ import compiled
 from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.numeric_curve import LEAD, LEAN
 from duhem.proof.facts.parameter_choices import Values
 
 __all__ = ["dents", "half_tangent", "least_powers", "targets"]
@@ -49,7 +48,7 @@ def targets(subject: CurveSubject, values: Values, angle: float) -> Iterator[Fra
     with precision(_BITS):
         jet = subject.at(values).at(half_tangent(angle), 2)
         point, slip = ([float(x) for x in v] for v in (jet.boundary[0], jet.flow[0]))
-        turn = math.atan2(float(LEAN.of(jet)), float(LEAD.of(jet)))
+        turn = math.atan2(float(jet.lean), float(jet.lead))
     if not all(map(math.isfinite, (*point, *slip, turn))):
         return
     for other in _samples(subject)(values).ahead(slip, point):

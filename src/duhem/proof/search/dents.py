@@ -21,8 +21,8 @@ from duhem.expression.jets import formula
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import crossing, first_exit
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.search.boundary_points import Chord
 from duhem.proof.search.precise_chords import dent_chords
-from duhem.proof.search.suggestion import Chord
 
 __all__ = ["chords_across_dents", "chords_across_smooth_dents", "round_coordinates"]
 

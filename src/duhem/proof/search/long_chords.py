@@ -23,10 +23,9 @@ from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, first_exit
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values
-from duhem.proof.search.boundary_points import lowest
+from duhem.proof.facts.parameter_choices import Point, Values
+from duhem.proof.search.boundary_points import Chord, lowest
 from duhem.proof.search.edges import affine, exact_rays, largest_loads
-from duhem.proof.search.suggestion import Chord, Point
 
 __all__ = ["chords_between_exact_rays", "chords_from_far_points", "looked_between", "sampled_chords"]
 
@@ -73,13 +72,9 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int]) -> 
     for p, q, p_anchor, q_anchor in _suspects(value, centre, seen):
         for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
             pull = 10.0**-digits
-            yield Chord(
-                parameters,
-                *(
-                    tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x + pull * (a - x))
-                    for x, a in ((p, p_anchor), (q, q_anchor))
-                ),
-            )
+            pulled = (x + pull * (a - x) for x, a in ((p, p_anchor), (q, q_anchor)))
+            one, two = (tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x) for x in pulled)
+            yield parameters, one, two
 
 
 def _centre(value: Any, d: int) -> Array | None:
@@ -171,7 +166,7 @@ def _between(g: sp.Expr, forces: Sequence[sp.Symbol], rays: Sequence[tuple[int, 
     order = np.argsort(-np.where(np.isnan(middle), -np.inf, middle), kind="stable")[:_TRIED]
     for k in order:
         if middle[k] > 0:
-            yield Chord(parameters, _place(rays, ends[one[k]]), _place(rays, ends[two[k]]))
+            yield parameters, _place(rays, ends[one[k]]), _place(rays, ends[two[k]])
 
 
 def _ends(inside: Array) -> list[int]:
@@ -220,7 +215,7 @@ def chords_from_far_points(subject: FormulaSubject, most: int = 4) -> Iterator[C
             if not subject.budget.pays(_DIAMETER):
                 return
             for t, middle in _mirrored(g, forces, diameter):
-                yield Chord(parameters, diameter.at(t), diameter.at(2 * middle - t))
+                yield parameters, diameter.at(t), diameter.at(2 * middle - t)
 
 
 def _diameters(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[_Diameter]:

@@ -20,10 +20,10 @@ from duhem.expression import mpmath_
 from duhem.expression.mpmath_ import reach
 from duhem.expression.number import fraction
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.facts.parameter_choices import Point, Values, rationals
+from duhem.proof.search.boundary_points import Chord
 from duhem.proof.search.corners import Crossing, crossings
 from duhem.proof.search.edges import edges
-from duhem.proof.search.suggestion import Chord, Point
 
 __all__ = ["chords_beside_edges", "dent_chords", "kink_chords"]
 
@@ -82,7 +82,7 @@ def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence
         if tangent is not None and (rise := -bend(t, tangent) / (2 * length)) > 0:
             ends = [_moved(x, (s * t, tangent), (rise / 2, normal)) for s in (1, -1)]
             if max(map(value, ends)) <= 0:
-                yield Chord(parameters, *(_rounded(end, rise / 1000) for end in ends))
+                yield parameters, _rounded(ends[0], rise / 1000), _rounded(ends[1], rise / 1000)
 
 
 def _moved(x: Sequence[Any], *steps: tuple[Any, Sequence[Any]]) -> list[Any]:
@@ -156,7 +156,7 @@ def _across(subject: FormulaSubject, parameters: Values, crossing: Crossing, dps
         pull = rise * step / 2
         ends = [[c + step * t - pull * n for c, t, n in zip(x, tangent, out, strict=True)] for tangent in tangents]
         p, q = (_rounded(end, pull / 1000) for end in ends)
-        yield Chord(parameters, p, q)
+        yield parameters, p, q
 
 
 def chords_beside_edges(subject: FormulaSubject, most: int = 2) -> Iterator[Chord]:
@@ -173,7 +173,7 @@ def chords_beside_edges(subject: FormulaSubject, most: int = 2) -> Iterator[Chor
             if (start := value.end(ray)) is not None:
                 for other in rays[::2]:
                     if other not in (ray, tuple(-c for c in ray)):
-                        yield from (Chord(parameters, p, q) for p, q in _beside(value, start, other))
+                        yield from ((parameters, p, q) for p, q in _beside(value, start, other))
 
 
 def _beside(value: _Level, start: Sequence[Any], other: Sequence[int]) -> Iterator[tuple[Point, Point]]:

@@ -22,7 +22,7 @@ import sympy as sp
 
 from duhem.expression import Neg, Norm, Pos, Where
 from duhem.expression.balls import ball, certain_sign, enclose, precision
-from duhem.expression.branches import Seam, jacobian, seams
+from duhem.expression.branches import Seam, almost_everywhere, jacobian, seams
 from duhem.expression.inert_number import plain_exponent
 from duhem.expression.number import rational
 from duhem.expression.text import formula
@@ -44,10 +44,10 @@ _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 _T = sp.Symbol("t", positive=True)
 
 
-def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, near: Sequence[Fraction], jumps: bool) -> Witness | None:
+def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, near: Sequence[Fraction]) -> Witness | None:
     """The corner near a place of a plane of forces, on a seam with one switch.
 
-    Where g ``jumps``, only one between the boundary of one piece and the seam, which g does not cross.
+    Where g jumps, only one between the boundary of one piece and the seam, which g does not cross.
     """
     for limit, radius in _BOXES:
         place = [c.limit_denominator(limit) for c in near]
@@ -57,7 +57,7 @@ def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, n
             for seam in seams(local_pieces(subject, parameters, section, box)):
                 if len(seam.crossed) != 1 or seam.kept:
                     continue
-                normals = _normals(seam, section, centre, box, radius, jumps)
+                normals = _normals(subject, seam, section, centre, box, radius)
                 if normals is not None:
                     return _shown(subject, parameters, section, place, radius, seam.crossed[0], normals)
     return None
@@ -84,7 +84,7 @@ def _beside(expr: sp.Expr, switch: sp.Expr, side: int, box: Any) -> int | None:
     return sign
 
 
-def _normals(seam: Seam, section: PlaneSection, centre: Any, box: Any, radius: Fraction, jumps: bool) -> list[list[Any]] | None:
+def _normals(subject: FormulaSubject, seam: Seam, section: PlaneSection, centre: Any, box: Any, radius: Fraction) -> list[list[Any]] | None:
     """Outward normals of the two sides over the box in all forces, surely not parallel in the plane; None if that is open."""
     (switch,), (before, after) = seam.crossed, (seam.before, seam.after)
     assert isinstance(before, LocalPiece) and isinstance(after, LocalPiece)
@@ -99,12 +99,16 @@ def _normals(seam: Seam, section: PlaneSection, centre: Any, box: Any, radius: F
     if side in (-1, 1) and len(section.forces) == 2:  # K ends on the seam: towards `before` if that is outside, else towards `after`
         one = full[0] = [-side * after.signs[switch] * c for c in along]
         crossing = [two]
-    elif not jumps and enclose(before.expr - after.expr, box).contains(0):
+    elif enclose(before.expr - after.expr, box).contains(0) and not _jumps(subject):
         crossing = [one, two]
     else:
         return None
     certain = all(certain_sign(_cross(n, along)) in (-1, 1) for n in crossing) and certain_sign(_cross(one, two)) in (-1, 1)
     return full if certain and all(c.is_finite() for n in full for c in n) else None
+
+
+def _jumps(subject: FormulaSubject) -> bool:
+    return almost_everywhere(subject.simple.g).has(Where) and not subject.continuous
 
 
 def _shown(

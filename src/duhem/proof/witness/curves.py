@@ -9,13 +9,12 @@ from fractions import Fraction
 import flint
 
 from duhem.expression.balls import ball, certain_sign, precision
-from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.numeric_curve import POWER, Ball, Vector, cross, dot
+from duhem.proof.facts.curve_subject import Ball, CurveSubject, Vector, cross, dot
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.points import decimal_pair
 
-__all__ = ["backward_flow", "inward_flow", "leaning_flow", "leaning_normal", "origin_outside", "triangle"]
+__all__ = ["backward_flow", "leaning", "origin_outside", "triangle"]
 
 _BITS = 256
 Place = tuple[Fraction, Fraction]
@@ -53,67 +52,48 @@ def triangle(subject: CurveSubject, values: Values, rim: Angles) -> Witness | No
 
 def backward_flow(subject: CurveSubject, values: Values, t: Fraction) -> Witness | None:
     """T . d < 0 at a point of the boundary of K."""
-    curve = subject.at(values)
     with precision(_BITS):
-        power = POWER.of(curve.at(t, POWER.order))
+        jet = subject.at(values).at(t)
+        power = dot(jet.boundary[0], jet.flow[0])
         if certain_sign(power) != -1 or not subject.simple_at(values):
             return None
-        shown = {**_coordinates(subject, "sigma", curve.point(t)), "force . flow": decimal_pair(power)}
+        shown = {**_coordinates(subject, "sigma", jet.boundary[0]), "force . flow": decimal_pair(power)}
     return _witness(subject, values, {"sigma": t}, shown, "force . flow < 0 at sigma")
 
 
-def inward_flow(subject: CurveSubject, values: Values, t: Fraction) -> Witness | None:
-    """The flow at a point of the boundary leans towards zero force, around which the curve winds."""
-    curve = subject.at(values)
-    with precision(_BITS):
-        lean = -POWER.of(curve.at(t, POWER.order))
-        if certain_sign(lean) != 1 or not subject.simple_at(values) or not subject.turns_at(values, 0):
-            return None
-        shown = {**_coordinates(subject, "sigma", curve.point(t)), "flow . (tau - sigma)": decimal_pair(lean)}
-    statement = "the flow at sigma points towards tau, zero force, which is in K: it is not in the normal cone"
-    return _witness(subject, values, {"sigma": t, "tau": (Fraction(0), Fraction(0))}, shown, statement)
+def leaning(
+    subject: CurveSubject, values: Values, t: Fraction, u: Fraction | None = None, what: str = "flow", deviation: Ball | None = None
+) -> Witness | None:
+    """The flow, or the normal, at a point of the boundary of K leans towards another such point, or for None to zero force in K.
 
-
-def leaning_normal(subject: CurveSubject, values: Values, p: Fraction, q: Fraction) -> Witness | None:
-    """The normal of a simple curve at one boundary point leans towards another."""
-    curve = subject.at(values)
-    if not subject.simple_at(values):
-        return None
-    with precision(_BITS):
-        sigma, tau = curve.point(p), curve.point(q)
-        lean = dot(curve.at(p).flow[0], _minus(tau, sigma))
-        if certain_sign(lean) != 1:
-            return None
-        shown = {**_ends(subject, sigma, tau), "normal . (tau - sigma)": decimal_pair(lean)}
-    statement = "the outward normal at sigma points towards tau, a point of K: it is not in the normal cone"
-    return _witness(subject, values, {"sigma": p, "tau": q}, shown, statement)
-
-
-def leaning_flow(subject: CurveSubject, values: Values, t: Fraction, u: Fraction, deviation: Ball) -> Witness | None:
-    """The flow at the boundary point of greatest ``deviation`` from the normal (radians) leans towards another boundary point."""
-    curve = subject.at(values)
+    The curve is known to be simple where the greatest ``deviation`` of a flow from the normal (radians) is, which is told then.
+    """
+    curve, zero = subject.at(values), (Fraction(0), Fraction(0))
     with precision(_BITS):
         jet = curve.at(t, 2)
-        sigma, flow, tau = jet.boundary[0], jet.flow[0], curve.point(u)
+        sigma, flow = jet.boundary[0], jet.flow[0]
+        tau = (flint.arb(0), flint.arb(0)) if u is None else curve.point(u)
         lean = dot(flow, _minus(tau, sigma))
-        if certain_sign(lean) != 1:
+        if (
+            certain_sign(lean) != 1
+            or not (deviation is not None or subject.simple_at(values))
+            or (u is None and not subject.turns_at(values, 0))
+        ):
             return None
-        degrees = deviation * 180 / flint.arb.pi()
-        shown = {
-            **_ends(subject, sigma, tau),
-            "flow . (tau - sigma)": decimal_pair(lean),
-            "greatest deviation in degrees": decimal_pair(degrees),
-        }
-        slip = math.degrees(math.atan2(float(flow[1]), float(flow[0])))
-        measures = {"deviation_degrees": float(degrees.lower()), "slip_angle_degrees": slip}
-    statement = (
-        "the flow at sigma points towards tau, a point of K: it is not in the normal cone; the deviation is the greatest of all angles"
-    )
-    return _witness(subject, values, {"sigma": t, "tau": u}, shown, statement, measures)
-
-
-def _ends(subject: CurveSubject, sigma: Vector, tau: Vector) -> dict[str, tuple[str, str]]:
-    return {**_coordinates(subject, "sigma", sigma), **_coordinates(subject, "tau", tau)}
+        shown = _coordinates(subject, "sigma", sigma) | ({} if u is None else _coordinates(subject, "tau", tau))
+        shown[f"{what} . (tau - sigma)"] = decimal_pair(lean)
+        told, measures = "", dict[str, float]()
+        if deviation is not None:
+            degrees = deviation * 180 / flint.arb.pi()
+            shown["greatest deviation in degrees"] = decimal_pair(degrees)
+            slip = math.degrees(math.atan2(float(flow[1]), float(flow[0])))
+            told, measures = (
+                "; the deviation is the greatest of all angles",
+                {"deviation_degrees": float(degrees.lower()), "slip_angle_degrees": slip},
+            )
+    place = "zero force, which is in K" if u is None else "a point of K"
+    statement = f"the {'outward ' * (what == 'normal')}{what} at sigma points towards tau, {place}: it is not in the normal cone{told}"
+    return _witness(subject, values, {"sigma": t, "tau": zero if u is None else u}, shown, statement, measures)
 
 
 def _minus(a: Vector, b: Vector) -> Vector:

@@ -9,12 +9,11 @@ shown in balls for the whole box around the segment holds at that boundary point
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from itertools import pairwise, product
 from math import isclose, isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -23,7 +22,7 @@ from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.expression.number import fraction
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.facts.parameter_choices import Point, Values, rationals
 from duhem.proof.facts.plane_section import kinks_decided
 from duhem.proof.verdict import Witness
 
@@ -125,29 +124,24 @@ def origin_outside(subject: FormulaSubject, parameters: Values) -> Witness | Non
     return witness(subject, {"origin": values}, {"g(0)": decimal_pair(enclosure)}, "g > 0 at zero force: 0 is not in K")
 
 
-@dataclass(frozen=True)
-class EnclosedPoint:
+class EnclosedPoint(NamedTuple):
     """Between ``inside`` and ``outside`` (simple problem's forces), g <= 0 at the one and g > 0 at the other, both certain."""
 
     parameters: Values
-    inside: tuple[Fraction, ...]
-    outside: tuple[Fraction, ...]
+    inside: Point
+    outside: Point
 
 
-def enclosed(
-    subject: FormulaSubject, parameters: Values, start: Sequence[Fraction], end: Sequence[Fraction], bits: int
-) -> EnclosedPoint | None:
+def enclosed(subject: FormulaSubject, parameters: Values, start: Point, end: Point, bits: int) -> EnclosedPoint | None:
     """The crossing between ``start`` in K and ``end`` outside, narrowed 2^bits times; None if a sign stays open."""
     return next(_narrowed(subject, parameters, start, end, (bits,)), None)
 
 
-def _narrowed(
-    subject: FormulaSubject, parameters: Values, start: Sequence[Fraction], end: Sequence[Fraction], widths: Sequence[int]
-) -> Iterator[EnclosedPoint]:
+def _narrowed(subject: FormulaSubject, parameters: Values, start: Point, end: Point, widths: Sequence[int]) -> Iterator[EnclosedPoint]:
     """The crossing after each of so many halvings, which rise; no more where a sign stays open."""
     low, high = Fraction(0), Fraction(1)
 
-    def at(s: Fraction) -> tuple[Fraction, ...]:
+    def at(s: Fraction) -> Point:
         return tuple(a + s * (b - a) for a, b in zip(start, end, strict=True))
 
     def inside(s: Fraction) -> bool | None:
@@ -201,8 +195,8 @@ def enclosed_flow(subject: FormulaSubject, point: EnclosedPoint) -> tuple[sp.Exp
 def violation(
     subject: FormulaSubject,
     parameters: Values,
-    start: Sequence[Fraction],
-    end: Sequence[Fraction],
+    start: Point,
+    end: Point,
     quantity: Callable[[EnclosedPoint], sp.Expr | None],
     name: str,
     statement: str,
@@ -225,7 +219,7 @@ def violation(
         return value if certain_sign(value) == wanted else None
 
     def measured(point: EnclosedPoint) -> dict[str, float]:
-        return measures(enclosed(subject, parameters, point.inside, point.outside, _MEASURED) or point)
+        return measures(enclosed(subject, *point, _MEASURED) or point)
 
     for found in _narrowed(subject, parameters, start, end, _WIDTHS):
         if seen(found) is not None:
