@@ -10,7 +10,7 @@ import pytest
 
 from duhem import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.search.inner_point import Blocks, inner_point
+from duhem.proof.search.identities import Blocks, inner_point
 from tests.campaigns.polynomials import forms
 from tests.oracles.prover import convex_sums
 

@@ -206,27 +206,32 @@ def normality_at_chord(subject: FormulaSubject, settled: Mapping[str, Evidence])
         return None
     parameters, p, q, middle = _read(subject, left)
     # n . (midpoint - sigma) > 0 where a segment to the midpoint leaves K, whatever it comes from; so for p or q as well
-    starts = [p, q, [Fraction(0)] * len(p), *([c * s for c in end] for s in (Fraction(1, 2), Fraction(7, 8)) for end in (p, q))]
-    starts += [[s * Fraction(c) for c in _beside(len(p))] for s in (Fraction(1, 2**6), Fraction(1, 2**30), Fraction(1, 2**60))]
+    zero = (Fraction(0),) * len(p)
+    starts = [p, q, zero, *(tuple(c * s for c in end) for s in (Fraction(1, 2), Fraction(7, 8)) for end in (p, q))]
+    starts += [tuple(s * c for c in _beside(len(p))) for s in (Fraction(1, 2**6), Fraction(1, 2**30), Fraction(1, 2**60))]
     for start in itertools.chain(starts, _centre(subject, parameters)):
         for target in (q, p):
-            if start is target:
-                continue
-
-            def away(point: EnclosedPoint, target: Sequence[Fraction] = target) -> sp.Expr | None:
-                return _towards(subject, enclosed_normal(subject, point), target)
-
-            witness = violation(subject, parameters, start, middle, away, "grad g . (tau - sigma)", _CHORD, wanted=1, target=target)
-            if witness is not None:
+            if start is not target and (witness := _leans(subject, (parameters, start, middle), target, enclosed_normal, "grad g", _CHORD)):
                 return Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
     return Evidence(Verdict.UNDECIDED, "witness-chord", _NO_POINT)
 
 
-def _towards(subject: FormulaSubject, vector: Sequence[sp.Expr] | None, target: Sequence[Fraction]) -> sp.Expr | None:
-    """vector . (target - sigma); None where there is no vector."""
-    if vector is None:
-        return None
-    return sp.Add(*(d * (rational(t) - x) for d, t, x in zip(vector, target, subject.simple.forces, strict=True)))
+def _leans(
+    subject: FormulaSubject,
+    crossed: tuple[Values, Point, Point],
+    target: Point,
+    vector: Callable[[FormulaSubject, EnclosedPoint], tuple[sp.Expr, ...] | None],
+    name: str,
+    statement: str,
+    measures: Callable[[EnclosedPoint], dict[str, float]] = lambda point: {},
+) -> Witness | None:
+    """Where the boundary crosses a segment the ``vector`` points towards the target."""
+
+    def lean(point: EnclosedPoint) -> sp.Expr | None:
+        found, forces = vector(subject, point), subject.simple.forces
+        return None if found is None else sp.Add(*(d * (rational(t) - x) for d, t, x in zip(found, target, forces, strict=True)))
+
+    return violation(subject, *crossed, lean, f"{name} . (tau - sigma)", statement, 1, target, measures)
 
 
 def _beside(n: int) -> list[int]:
@@ -234,21 +239,21 @@ def _beside(n: int) -> list[int]:
     return [(-1) ** (i // 2) * (1 + i * i % 7 + 10 * i) for i in range(n)]
 
 
-def _centre(subject: FormulaSubject, parameters: Values) -> Iterator[list[Fraction]]:
+def _centre(subject: FormulaSubject, parameters: Values) -> Iterator[Point]:
     """A point well inside K; the ends of a chord may lie on its boundary, with no way into K between them."""
     from duhem.proof.search.boundary_points import scouts
 
-    yield from (list(exit.inside) for scout in scouts(subject, 6) if scout.parameters == parameters for exit in scout.towards_zero_force())
+    yield from (exit.inside for scout in scouts(subject, 6) if scout.parameters == parameters for exit in scout.towards_zero_force())
 
 
-def _read(subject: FormulaSubject, left: Witness) -> tuple[Values, list[Fraction], list[Fraction], list[Fraction]]:
+def _read(subject: FormulaSubject, left: Witness) -> tuple[Values, Point, Point, Point]:
     """The parameters, the ends and the midpoint of a chord that leaves K."""
     table, simple = subject.law.symbols(), subject.simple
     parameters = {table[name]: Fraction(value) for name, value in left.parameters.items() if table[name] in simple.parameters}
     if simple.magnitude is not None and simple.magnitude in simple.parameters:
         parameters[simple.magnitude] = -Fraction(left.points["p"][str(subject.law.pressure)])
-    points = [[Fraction(left.points[role][str(x)]) for x in simple.forces] for role in ("p", "q", "midpoint")]
-    return parameters, points[0], points[1], points[2]
+    p, q, middle = (tuple(Fraction(left.points[role][str(x)]) for x in simple.forces) for role in ("p", "q", "midpoint"))
+    return parameters, p, q, middle
 
 
 def normality_at_points(subject: FormulaSubject, choices: int = 12, near: bool = True) -> Evidence | None:
@@ -282,11 +287,7 @@ def _on_the_boundary(subject: FormulaSubject, scout: BoundaryScout) -> Iterator[
 
 
 def _leans_towards(subject: FormulaSubject, exit: Exit, target: Point) -> Witness | None:
-    def leaning(point: EnclosedPoint) -> sp.Expr | None:
-        return _towards(subject, enclosed_flow(subject, point), target)
-
-    name = "flow . (tau - sigma)"
-    return violation(subject, *exit, leaning, name, _NORMALITY, 1, target, lambda b: _angles(subject, b))
+    return _leans(subject, exit, target, enclosed_flow, "flow", _NORMALITY, lambda point: _angles(subject, point))
 
 
 def _angles(subject: FormulaSubject, point: EnclosedPoint) -> dict[str, float]:

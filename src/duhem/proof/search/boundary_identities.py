@@ -23,7 +23,7 @@ from duhem.proof.facts.subject import fact
 from duhem.proof.statement.problem import Face, faces
 
 if TYPE_CHECKING:
-    from duhem.proof.search.squares import Pays, Polynomial
+    from duhem.proof.search.identities import Pays, Polynomial
 
 __all__ = ["composed_of_sums", "convex_sums", "directions", "inward", "outward", "parallel", "steep"]
 
