@@ -295,7 +295,7 @@ def sleep():
 def solve():
     import sympy as sp, z3
     from duhem.proof.decide import Budget
-    from duhem.proof.decide.polynomials import Relation, System
+    from duhem.proof.decide.smt import Relation, System
     from duhem.proof.decide.smt import by_smt
     names = x, y, z, w = sp.symbols("x y z w", real=True)
     means = sp.expand((x**2 + y**2 + z**2 + w**2)**4 - 256*x**2*y**2*z**2*w**2 + x*y*z**3*w**3/1000)  # z3 takes minutes

@@ -12,7 +12,7 @@ from duhem.errors import InputError
 from duhem.law.criterion_file import reads
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.certificate import law_as_text
-from duhem.proof.statement.problem import as_written
+from duhem.proof.statement import as_written
 
 FILE = """\
 [criterion]

@@ -10,9 +10,8 @@ import sympy as sp
 
 from duhem.expression import symbol
 from duhem.proof.decide.budget import Budget
-from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.decide.question import Answer
-from duhem.proof.decide.smt import by_smt
+from duhem.proof.decide.smt import Relation, System, by_smt
 from tests.long import long_but
 
 x, y = symbol("x"), symbol("y")

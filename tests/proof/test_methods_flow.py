@@ -122,7 +122,7 @@ def test_a_chord_is_read_with_its_parameters_and_its_pressure() -> None:
     expected = {table["q"]: Fraction(2, 3)} | (
         {magnitude: Fraction(3)} if magnitude in law.simple.parameters and magnitude is not None else {}
     )
-    assert parameters == expected and (p, q, middle) == ([1, 0], [0, Fraction(1, 3)], [Fraction(1, 2), Fraction(1, 6)])
+    assert parameters == expected and (p, q, middle) == ((1, 0), (0, Fraction(1, 3)), (Fraction(1, 2), Fraction(1, 6)))
 
 
 def _on_the_circle(inside: Sequence[float], outside: Sequence[float], radius: float = 1.0) -> list[float]:

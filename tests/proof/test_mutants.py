@@ -18,7 +18,7 @@ import sympy as sp
 import duhem.proof.decide.deciders as deciders_module
 import duhem.proof.facts.subject as subject_module
 import duhem.proof.methods.refuters as refuters_module
-import duhem.proof.statement.problem as problem_module
+import duhem.proof.statement as problem_module
 import duhem.proof.witness.points as witness_module
 import tests.oracles.prover.boundary as implicit
 import tests.oracles.prover.curvature as curvature_module
@@ -27,7 +27,7 @@ from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify
 from duhem.proof.claims import CLAIMS as CLAIMS_BY_NAME
 from duhem.proof.claims import ProofMethod
 from duhem.proof.decide import Answer, Budget, Question, Sense, decide
-from duhem.proof.decide.polynomials import Relation, System
+from duhem.proof.decide.smt import Relation, System
 from duhem.proof.facts.formula_subject import FormulaSubject
 from tests.long import mostly_long
 from tests.oracles.prover.polar_form import PolarForm

@@ -9,7 +9,7 @@ import pytest
 from duhem import POSITIVE, Criterion, Domain, InputError, ParametricCriterion, Verdict, YieldSurface, verify
 from duhem.law.criterion_file import reads
 from duhem.proof.certificate import law_as_text
-from duhem.proof.decide.needs import obligations
+from duhem.proof.decide.question import obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Trust
 from tests.long import long_but, mostly_long

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import sympy as sp
 
-import duhem.proof.statement.problem as problem
+import duhem.proof.statement as problem
 import tests.oracles.prover.boundary as implicit
 import tests.oracles.prover.composition as composition
 import tests.oracles.prover.curvature as curvature_facts

@@ -15,7 +15,7 @@ from duhem import POSITIVE, Criterion, Domain, Verdict, verify
 from tests.campaigns.remarks import ROWS, drawn, faults
 from tests.long import long_but, mostly_long
 
-TELLING = ("duhem.proof.remarks", "duhem.proof.facts.extent", "duhem.proof.facts.special_places")
+TELLING = ("duhem.proof.remarks", "duhem.proof.facts.special_places")
 INSIDE = "; that point is inside K, so the boundary is not touched"
 
 

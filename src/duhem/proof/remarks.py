@@ -1,26 +1,46 @@
-"""What is said beside the verdicts: what each ranges over, which parts a law does not need, what is odd about it."""
+"""What is said beside the verdicts: what each ranges over, which parts a law does not need, what is odd about it.
+
+Odd are sets that are hardly what was meant: nothing, everything, one point, no inside, no end.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import chain, product
+from random import Random
+from typing import Any
 
+import flint
 import sympy as sp
 
+from duhem.expression import UNDEFINED, Norm, Where, defined_at
+from duhem.expression.ball_series import compiled, derivatives
+from duhem.expression.balls import ball, certain_sign, enclose
+from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
-from duhem.proof.facts.extent import Extent, extent
+from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.special_places import limits_taken, singular_places, undefined_place
 from duhem.proof.facts.subject import Subject
+from duhem.proof.statement import as_written
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
-__all__ = ["not_needed", "remarks", "scope"]
+__all__ = ["Extent", "extent", "not_needed", "remarks", "scope"]
 
 _CONTINUED = "Where g is 0/0 and has a limit, it is read as that limit, for K is closed. "
 _NOT_SHOWN_OF_THE_FLOW = "It is not shown that the flow has a value on all of the boundary"
 _STEPS = 8_000_000  # for what is asked here and in no claim
+_NEAR, _FAR = Fraction(1, 2**20), Fraction(2**40)
+_MOST_FORCES = 3  # of the directions along which it looks there are 3^n
+_MOST_RAYS = 4
+_POINTS, _SCALES = 6, (Fraction(1, 4), Fraction(1), Fraction(4))  # of gradients, for each force, at each scale
+_ANALYTIC = {word.node for word in ELEMENTARY.values() if word.analytic}
+Row = list[Any]
 
 
 def scope(law: Law, verdict: Verdict) -> str:
@@ -110,3 +130,206 @@ def _stated(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:
     """An expression of the problem in the law's own names."""
     magnitude, pressure = subject.problem.magnitude, subject.law.pressure
     return expr if magnitude is None or pressure is None else expr.xreplace({magnitude: sp.Abs(sp.Symbol(pressure, real=True))})
+
+
+# -- sets that are hardly what was meant -----------------------------------------------------------------------------
+# They are told of K alone, whatever the flow: a law with a flow of its own is looked at as the associated law with the same g.
+
+
+@dataclass(frozen=True)
+class Extent:
+    """``what`` K is for every parameter value and pressure; ``boundary`` False where it has no boundary point but 0."""
+
+    what: str
+    boundary: bool
+
+
+def extent(subject: FormulaSubject) -> Extent | None:
+    """What is out of the ordinary about K, suspected at a few points and proved; None where nothing is, or nothing is shown."""
+    if subject.doubtful:
+        return None
+    if not subject.law.associated:  # the same K, and perhaps a simpler problem
+        subject = FormulaSubject(without_flow(subject.law), subject.effort)
+        subject.allow(_STEPS)
+    problem, forces, here = subject.simple, subject.simple.forces, subject.at_origin
+    if here is None:
+        return None
+    away = sp.StrictGreaterThan(sp.Add(*(x**2 for x in forces)), 0)
+    signs = _Signs(subject)
+    if signs.all({1}, _NEAR, Fraction(1), _FAR) and subject.ask(problem.g, Sense.POSITIVE, away).holds is True:
+        if subject.positive(here):
+            return Extent(f"K is empty: g > 0 for all forces{_cause(subject)}", False)
+        return _subspace(subject) if subject.nonnegative(-here) else None
+    if signs.all({0, -1}, _FAR, Fraction(1), _NEAR) and subject.ask(-problem.g, Sense.NONNEGATIVE).holds is True:
+        return Extent("K is everything: g <= 0 for all forces", False)
+    if signs.all({0, 1}, Fraction(0), _NEAR, Fraction(1), _FAR) and subject.ask(problem.g, Sense.NONNEGATIVE).holds is True:
+        # g is 0 in all of K, which is another thing than no inside: max(0, f) is 0 wherever f <= 0
+        return Extent("K has no inside: g >= 0 for all forces, and g = 0 in K", True) if zeros_are_thin(problem.g, subject) else None
+    return _unbounded(subject, here, signs)
+
+
+def without_flow(law: Criterion) -> Criterion:
+    """The associated law with the same g."""
+    surfaces = tuple(replace(s, flow=None, potential=None, written_flow=()) for s in law.surfaces)
+    return replace(law, flow=None, potential=None, written_flow=(), surfaces=surfaces)
+
+
+class _Signs:
+    """Signs of g at one parameter choice: at zero force, near it and far away, along axes and diagonals; each found when asked for."""
+
+    def __init__(self, subject: FormulaSubject) -> None:
+        d = len(subject.simple.forces)
+        axes = [tuple(s * (i == k) for i in range(d)) for k in range(d) for s in (1, -1)]
+        self.ways = axes if d > _MOST_FORCES else [way for way in product((0, 1, -1), repeat=d) if any(way)]
+        self._subject, self._known = subject, dict[tuple[Fraction, ...], int | None]()
+        self._parameters = next(subject.choices(1), None)
+
+    def at(self, reach: Fraction, way: tuple[int, ...]) -> int | None:
+        """The sign at so far a point in that direction; None where it is not certain."""
+        if self._parameters is None:
+            return None
+        if (point := tuple(reach * w for w in way)) not in self._known:
+            here = self._subject.values_at(self._parameters, point)
+            self._known[point] = certain_sign(enclose(self._subject.problem.stated, {x: ball(v) for x, v in here.items()}))
+        return self._known[point]
+
+    def all(self, wanted: set[int], *reaches: Fraction) -> bool:
+        """Whether every point looked at has such a sign."""
+        return self._parameters is None or all(self.at(r, way) in wanted for r in reaches for way in self.ways)
+
+
+def _subspace(subject: FormulaSubject) -> Extent:
+    """K where g > 0 in all of the simple problem's forces but 0: what the problem is a slice of is flat."""
+    if not (d := flat_directions(subject)):
+        return Extent("K is the point 0: g > 0 elsewhere", False)
+    shape = "a line" if d == 1 else f"a space of {d} dimensions"
+    return Extent(f"K is {shape} without inside: g > 0 elsewhere", True)
+
+
+def _cause(subject: FormulaSubject) -> str:
+    """The likely reason: a pressure taken for positive."""
+    law = subject.law
+    if law.pressure is None or subject.problem.magnitude is None or f"abs({law.pressure})" in as_written(law)[0].replace(" ", ""):
+        return ""
+    turned = law.g.xreplace({law.symbols()[law.pressure]: subject.problem.magnitude, **law.settled()})
+    there = turned.xreplace(dict.fromkeys(law.force_symbols(), sp.S.Zero))
+    if there.has(*UNDEFINED) or not subject.nonnegative(-there.xreplace(dict(subject.simple.slice))):
+        return ""
+    return f" ({law.pressure} <= 0 in compression: write abs({law.pressure}))"
+
+
+def _unbounded(subject: FormulaSubject, here: sp.Expr, signs: _Signs) -> Extent | None:
+    """Along forces that the simple problem has set to 0, or all the way in one of the directions."""
+    if (d := flat_directions(subject)) and subject.nonnegative(-here):
+        count = f"{'' if most_flat_directions(subject) == d else 'at least '}{d} direction{'s' * (d > 1)}"
+        return Extent(f"K is unbounded: g does not change along {count} of the forces", True)
+    for way in [way for way in signs.ways if signs.at(_FAR, way) in (-1, 0)][:_MOST_RAYS]:
+        if _inside_along(subject, way):
+            along = dict(zip(subject.simple.forces, way, strict=True))
+            ray = ", ".join(f"{x} = {'-' * (w < 0)}t" if (w := along.get(x, 0)) else f"{x} = 0" for x in subject.problem.forces)
+            return Extent(f"K is unbounded: g <= 0 at {ray} for all t > 0", True)
+    return None
+
+
+def _inside_along(subject: FormulaSubject, way: Sequence[int]) -> bool:
+    """Whether g <= 0 all along a ray, for the parameters as they are: a change of units would turn it."""
+    t, problem = sp.Dummy("t", positive=True), subject.problem.principal().quotient()
+    g = problem.g.xreplace({x: w * t for x, w in zip(subject.simple.forces, way, strict=True)})
+    return not g.has(*UNDEFINED) and subject.decided(Question(-g, Sense.NONNEGATIVE, problem.given)).holds is True
+
+
+def flat_directions(subject: FormulaSubject) -> int:
+    """How many independent ones are found, for every parameter value and pressure; the law has no flow of its own.
+
+    Of a law that is isotropic in six components the simple problem has the principal stresses: one direction among them is the
+    pressure's, and two are all deviators, of which there are five in six components.
+    """
+    problem = subject.problem.principal()
+    found = len(problem.forces) - len(subject.simple.forces)
+    return {0: 0, 1: 1, 2: 5}[found] if len(problem.forces) < len(subject.problem.forces) else found
+
+
+def most_flat_directions(subject: FormulaSubject) -> int:
+    """How many directions there are at most in which g does not change, at one choice of the parameters.
+
+    The gradients of g at some points span a space of some rank r; along such a direction each of them is 0, so that of n forces
+    at most n - r directions are left.
+    """
+    forces, values = subject.problem.forces, next(subject.choices(1), None)
+    if values is None:
+        return len(forces)
+    known = {x: ball(v) for x, v in subject.values_at(values, (Fraction(0),) * len(subject.simple.forces)).items()}
+    names = [*forces, *(x for x in known if x not in forces)]
+    run, rng, rows = compiled([subject.problem.g], names), Random(5), list[Row]()
+    for scale in _SCALES:
+        for _ in range(_POINTS * len(forces)):
+            point = [scale * Fraction(rng.randint(-999, 999), 500) for _ in forces]
+            rows.append([_slope(run, [ball(v) for v in point], i, [known[x] for x in names[len(forces) :]]) for i in range(len(forces))])
+    return len(forces) - _rank([row for row in rows if all(x.is_finite() for x in row)])
+
+
+def _slope(run: Any, point: Row, i: int, others: Row) -> Any:
+    """The derivative of g by one of the forces."""
+    moved = [flint.arb_series([x, 1], prec=2) if k == i else x for k, x in enumerate(point)]
+    return derivatives(run(*moved, *others)[0], 1)[1]
+
+
+def _rank(rows: list[Row]) -> int:
+    """The rank that rows of balls certainly have, by elimination with pivots that are certainly not 0."""
+    rank = 0
+    while pivots := [(abs(x).lower(), j, row) for row in rows for j, x in enumerate(row) if certain_sign(x) in (1, -1)]:
+        _, j, pivot = max(pivots, key=lambda found: float(found[0]))
+        rank += 1
+        rows = [[x - y * row[j] / pivot[j] for x, y in zip(row, pivot, strict=True)] for row in rows if row is not pivot]
+        rows = [[x for k, x in enumerate(row) if k != j] for row in rows]
+    return rank
+
+
+def zeros_are_thin(expr: sp.Expr, subject: FormulaSubject) -> bool:
+    """Whether no ball of the simple problem's forces consists of zeros, whatever the parameters and the pressure (False if open).
+
+    An analytic function that is not 0 somewhere is 0 in no ball (the identity theorem).  Zeros of a product, a choice or a maximum
+    are among those of its parts; of a norm, and of a sum of terms >= 0, they are zeros of every part, so that one with thin zeros
+    is enough.
+    """
+    forces = set(subject.simple.forces)
+    if not expr.free_symbols & forces:
+        return subject.positive(expr**2)
+    if _analytic(expr, subject) and _somewhere_not_zero(expr, subject):
+        return True
+    if isinstance(expr, sp.Abs) or (expr.is_Pow and not expr.exp.free_symbols & forces and subject.positive(expr.exp)):
+        return zeros_are_thin(expr.args[0], subject)
+    if isinstance(expr, sp.Mul | sp.Max | sp.Min):
+        return all(zeros_are_thin(part, subject) for part in expr.args)
+    if isinstance(expr, Where):
+        return all(zeros_are_thin(part, subject) for part in expr.args[1:])
+    if isinstance(expr, Norm):
+        return any(zeros_are_thin(part, subject) for part in expr.args)
+    if expr.is_Add and all(subject.ask(term, Sense.NONNEGATIVE).holds is True for term in expr.args):
+        return any(zeros_are_thin(term, subject) for term in expr.args)
+    return False
+
+
+def _analytic(expr: sp.Expr, subject: FormulaSubject) -> bool:
+    """Whether it is built from analytic functions alone, defined for all forces: no root of what may be 0 is one."""
+    if not expr.free_symbols & set(subject.simple.forces) or expr.is_Symbol:
+        return True
+    if expr.is_Pow:
+        base, power = expr.args
+        whole = power.is_Integer and power.is_nonnegative
+        nonzero = base**2 if power.is_Integer else base
+        return _analytic(base, subject) and _analytic(power, subject) and (whole or subject.positive(nonzero))
+    if isinstance(expr, sp.log):
+        return _analytic(expr.args[0], subject) and subject.positive(expr.args[0])
+    return (expr.is_Add or expr.is_Mul or type(expr) in _ANALYTIC) and all(_analytic(part, subject) for part in expr.args)
+
+
+def _somewhere_not_zero(expr: sp.Expr, subject: FormulaSubject) -> bool:
+    """Whether at one point it is 0 for no parameter value and no pressure."""
+    forces = subject.simple.forces
+    axes = ([sp.Integer(i == k) for i in range(len(forces))] for k in range(len(forces)))
+    for point in chain([[sp.S.Zero] * len(forces)], axes, [[sp.Integer(3 * i + 2) for i in range(len(forces))]]):
+        value = defined_at(expr, dict(zip(forces, point, strict=True)))
+        if value is not None and subject.positive(value**2):
+            return True
+    return False

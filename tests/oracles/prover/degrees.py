@@ -16,7 +16,7 @@ from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods.evidence import _by_forces, _in_pressure
-from duhem.proof.statement.problem import Problem
+from duhem.proof.statement import Problem
 from duhem.proof.verdict import Evidence, Proof, Verdict
 from tests.oracles.prover.star import by_degree
 

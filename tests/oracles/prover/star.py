@@ -9,7 +9,7 @@ import sympy as sp
 from duhem.expression.weights import degree
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
-from duhem.proof.statement.problem import Problem
+from duhem.proof.statement import Problem
 
 __all__ = ["Star", "by_degree", "star_form"]
 

@@ -6,8 +6,7 @@ from collections.abc import Callable, Mapping
 
 from duhem.proof.decide import Answer, Budget, Question, decide
 from duhem.proof.decide.deciders import by_rules
-from duhem.proof.decide.polynomials import System
-from duhem.proof.decide.smt import by_smt
+from duhem.proof.decide.smt import System, by_smt
 
 __all__ = ["OF_QUESTIONS", "OF_SYSTEMS"]
 

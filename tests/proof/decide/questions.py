@@ -17,7 +17,7 @@ import sympy as sp
 from duhem.expression import Neg, Norm, Pos, Where, symbol
 from duhem.expression.number import rational
 from duhem.proof.decide import Question, Sense
-from duhem.proof.decide.polynomials import Relation, System
+from duhem.proof.decide.smt import Relation, System
 from tests.proof.decide.truth import Point, UnsuitedError, violated
 
 __all__ = ["GOALS", "SYMBOLS", "Violated", "as_system", "in_a_box", "is_polynomial", "true_ones", "violated_ones"]

@@ -7,7 +7,7 @@ import sympy as sp
 
 from duhem.expression import Norm, symbol
 from duhem.proof.decide import Question, Sense, decide
-from duhem.proof.decide.polynomials import NotAlgebraicError, Relation, System, _Names, polynomial_system
+from duhem.proof.decide.smt import NotAlgebraicError, Relation, System, _Names, polynomial_system
 
 x, y = symbol("x"), symbol("y")
 p, n = symbol("p", positive=True), symbol("n", nonnegative=True)

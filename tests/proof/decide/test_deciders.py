@@ -13,8 +13,7 @@ from duhem.expression import Atan2, symbol
 from duhem.proof.decide import Answer, Budget, Question, Sense, decide, deciders, smt
 from duhem.proof.decide.budget import SpentError
 from duhem.proof.decide.deciders import _meaningful, _named, by_rules
-from duhem.proof.decide.polynomials import Relation, System
-from duhem.proof.decide.smt import by_smt
+from duhem.proof.decide.smt import Relation, System, by_smt
 from tests.long import long_but
 
 x, y = symbol("x"), symbol("y")

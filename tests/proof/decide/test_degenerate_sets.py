@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
-from duhem.proof.decide.polynomials import Relation, System
+from duhem.proof.decide.smt import Relation, System
 from tests.proof.decide.alone import OF_SYSTEMS
 from tests.proof.decide.questions import SYMBOLS
 from tests.proof.decide.truth import system_violated

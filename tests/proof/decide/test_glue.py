@@ -19,7 +19,7 @@ import sympy as sp
 
 from duhem.proof import decide
 from duhem.proof.decide import Answer, Question, Sense, deciders
-from duhem.proof.decide.polynomials import System
+from duhem.proof.decide.smt import System
 from tests.proof.decide.questions import GOALS, Violated, violated_ones
 from tests.proof.decide.truth import Point, UndefinedError, UnsuitedError, system_violated, value
 

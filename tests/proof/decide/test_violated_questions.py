@@ -10,7 +10,7 @@ from functools import cache
 
 import pytest
 
-from duhem.proof.decide.polynomials import System
+from duhem.proof.decide.smt import System
 from tests.long import long_but
 from tests.proof.decide.alone import OF_QUESTIONS, OF_SYSTEMS
 from tests.proof.decide.questions import GOALS, as_system, in_a_box, is_polynomial, true_ones, violated_ones

@@ -10,7 +10,7 @@ import sympy as sp
 from duhem.expression import Atan2, Norm, Where, symbol
 from duhem.expression.inert_number import InertNumber
 from duhem.proof.decide import Question, Sense
-from duhem.proof.decide.needs import NEAR_RIGHT, Obligation, obligations
+from duhem.proof.decide.question import NEAR_RIGHT, Obligation, obligations
 
 x, y, r, q = symbol("x"), symbol("y"), symbol("r"), symbol("q", nonzero=True)
 p, n = symbol("p", positive=True), symbol("n", nonnegative=True)

@@ -10,7 +10,7 @@ import sympy as sp
 
 from duhem.expression import Neg, Norm, Pos, Where
 from duhem.proof.decide import Question, Sense
-from duhem.proof.decide.polynomials import Relation, System
+from duhem.proof.decide.smt import Relation, System
 
 __all__ = ["Point", "UndefinedError", "UnsuitedError", "holds", "system_violated", "value", "violated"]
 

@@ -2,7 +2,6 @@
 
 from duhem.proof.decide.budget import ANY_STEPS, EFFORTS, Budget
 from duhem.proof.decide.deciders import decide
-from duhem.proof.decide.needs import Sense
-from duhem.proof.decide.question import Answer, Question
+from duhem.proof.decide.question import Answer, Question, Sense
 
 __all__ = ["ANY_STEPS", "EFFORTS", "Answer", "Budget", "Question", "Sense", "decide"]

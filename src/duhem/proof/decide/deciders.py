@@ -15,10 +15,8 @@ from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.inert_number import MOST_ROOT
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.decide.budget import Budget, SpentError
-from duhem.proof.decide.needs import NEAR_RIGHT, Sense, obligations
-from duhem.proof.decide.polynomials import NotAlgebraicError, System, polynomial_system
-from duhem.proof.decide.question import Answer, Question, bounds
-from duhem.proof.decide.smt import by_smt
+from duhem.proof.decide.question import NEAR_RIGHT, Answer, Question, Sense, bounds, obligations
+from duhem.proof.decide.smt import NotAlgebraicError, System, by_smt, polynomial_system
 
 __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 

@@ -25,10 +25,10 @@ from duhem.expression.number import fraction, rational
 from duhem.expression.text import formula
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
-from duhem.proof.decide.needs import Obligation, obligations
+from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.facts.subject import Subject
-from duhem.proof.statement.problem import Face, Problem, state
+from duhem.proof.statement import Face, Problem, state
 
 __all__ = ["FormulaSubject"]
 
@@ -42,7 +42,7 @@ Place = dict[sp.Symbol, Any]
 
 
 class FormulaSubject(Subject):
-    """``problem`` is the law as stated, ``simple`` an equivalent slice of it (see :class:`duhem.proof.statement.problem.Problem`)."""
+    """``problem`` is the law as stated, ``simple`` an equivalent slice of it (see :class:`duhem.proof.statement.Problem`)."""
 
     law: Criterion
 

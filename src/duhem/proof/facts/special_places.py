@@ -12,7 +12,7 @@ from duhem.expression.text import formula
 from duhem.expression.weights import degree
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Question, Sense
-from duhem.proof.decide.needs import Obligation, obligations
+from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
 
 __all__ = ["SingularPlace", "limits_taken", "singular_places", "undefined_at_zero", "undefined_place"]

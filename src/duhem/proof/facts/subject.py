@@ -13,7 +13,7 @@ import sympy as sp
 from duhem.expression.parse import parse_as_written
 from duhem.law.curve_law import Law
 from duhem.proof.decide import ANY_STEPS, Answer, Budget, Question, decide
-from duhem.proof.decide.needs import Obligation, obligations
+from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.parameter_choices import Values
 
 __all__ = ["Subject", "fact"]

@@ -22,21 +22,10 @@ from typing import Any
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedFace, StatedLaw, exact
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
-from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Polynomial, negated, slope, times, total, written
 from duhem.proof.kernel.term import NotWritten, Term, minus, parse, product_of, sum_of
 
-__all__ = [
-    "Condition",
-    "Identity",
-    "curves_inward",
-    "falls_from_zero",
-    "flows_along_normals",
-    "flows_outward",
-    "is_steep",
-    "rises_outward",
-    "shown",
-    "with_convex_sums",
-]
+__all__ = ["curves_inward", "falls_from_zero", "flows_along_normals", "flows_outward", "is_steep", "rises_outward", "with_convex_sums"]
 
 Condition = tuple[Polynomial, str]  # and how it stands to 0: ">", ">=" or "=="
 Identity = Mapping[str, Any]
@@ -107,8 +96,8 @@ def _parallel(
         if not shown(total(*map(times, d, gradient)), ">", given, along, domain):
             return False
         for i, j in combinations(range(len(forces)), 2):
-            minor = total(times(d[i], gradient[j]), times({(): Fraction(-1)}, times(d[j], gradient[i])))
-            ways = (minor, times({(): Fraction(-1)}, minor)) if minor else ()
+            minor = total(times(d[i], gradient[j]), negated(times(d[j], gradient[i])))
+            ways = (minor, negated(minor)) if minor else ()
             if not all(shown(way, ">=", given, across, domain) for way in ways):
                 return False
     return True
@@ -191,7 +180,7 @@ def _on_boundary(g: Term, sides: Sequence[Term], domain: StatedDomain) -> dict[s
 
 def shown(poly: Polynomial, sense: str, given: Mapping[str, Condition], identities: Sequence[Identity], domain: StatedDomain) -> bool:
     """Whether some identity refutes that ``poly`` is not ``sense`` 0 (">" or ">=") somewhere in the domain where ``given`` holds."""
-    against = (times({(): Fraction(-1)}, poly), ">=" if sense == ">" else ">")
+    against = (negated(poly), ">=" if sense == ">" else ">")
     return any(_speaks({**given, _GOAL: against}, identity, domain) for identity in identities)
 
 

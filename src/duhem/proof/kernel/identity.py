@@ -37,15 +37,16 @@ def multiplied_through(poly: Polynomial, domain: StatedDomain, signed: bool = Fa
     """The polynomial times what it divides by, and powers of roots undone; ``signed``: times what is seen to be > 0 alone."""
     kept = set[Term]()
     for _ in range(_MOST_STEPS):
-        atom = next((x for m in poly for x, n in m if x not in kept and _undone(x, n, domain)), None)
-        if atom is None:
+        found = next(((x, *root) for m in poly for x, n in m if x not in kept and (root := _undone(x, n, domain)) is not None), None)
+        if found is None:
             break
-        base, least = _below(atom, poly, domain)
+        atom, base, e = found
+        least = -min(0, *(dict(m).get(atom, 0) * e.numerator // e.denominator for m in poly))  # how often it is divided by the base
         sign = domain.of(base) if signed and least % 2 else POSITIVE
         if sign not in (NEGATIVE, POSITIVE):
             kept.add(atom)
             continue
-        poly = domain.polynomial(_without(atom, poly, domain))
+        poly = domain.polynomial(_without(atom, base, e, least, poly))
         if sign == NEGATIVE:
             poly = negated(poly)
     return poly
@@ -72,31 +73,18 @@ def _high(e: Fraction) -> bool:
     return max(abs(e.numerator), e.denominator) > _HIGHEST
 
 
-def _undone(x: Term, n: int, domain: StatedDomain) -> bool:
-    """Whether x**n is to be written otherwise: as y**k y**(j/s) with 0 <= j < s, and k >= 0 after multiplying through."""
-    found = _root(x, domain)
-    if found is None:
-        return False
+def _undone(x: Term, n: int, domain: StatedDomain) -> tuple[Term, Fraction] | None:
+    """That y and e where x**n is to be written otherwise: as y**k y**(j/s) with 0 <= j < s, and k >= 0 after multiplying through."""
+    if (found := _root(x, domain)) is None:
+        return None
     y, e = found
     plain = x.op != "**" or x.args == (y, number(e))
-    return not plain or e < 0 or (e.denominator > 1 and not (e.numerator == 1 and 0 <= n < e.denominator))
+    return None if plain and e >= 0 and (e.denominator == 1 or (e.numerator == 1 and 0 <= n < e.denominator)) else found
 
 
-def _below(x: Term, poly: Polynomial, domain: StatedDomain) -> tuple[Term, int]:
-    """y, where x = y**e, and how often the polynomial is divided by it."""
-    found = _root(x, domain)
-    assert found is not None
-    y, e = found
-    return y, -min(0, *(dict(m).get(x, 0) * e.numerator // e.denominator for m in poly))
-
-
-def _without(x: Term, poly: Polynomial, domain: StatedDomain) -> Term:
-    """The polynomial times that power of y which leaves none below the line, x = y**e."""
-    found = _root(x, domain)
-    assert found is not None
-    y, e = found
+def _without(x: Term, y: Term, e: Fraction, least: int, poly: Polynomial) -> Term:
+    """The polynomial times y**least, which leaves none below the line, x = y**e."""
     root = x if x.op != "**" else Term("**", (y, number(Fraction(1, e.denominator))))
-    _, least = _below(x, poly, domain)
     parts = list[Term]()
     for m, c in poly.items():
         k, j = divmod(dict(m).get(x, 0) * e.numerator, e.denominator)

@@ -19,20 +19,7 @@ from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import affine
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = [
-    "Face",
-    "Vector",
-    "corners",
-    "dot",
-    "is_bounded",
-    "least_of_greatest",
-    "measured",
-    "polyhedra",
-    "solved",
-    "supports_polytope",
-    "union_is_convex",
-    "within",
-]
+__all__ = ["polyhedra", "supports_polytope", "union_is_convex"]
 
 _MOST_ARMS, _MOST_CHOICES, _MOST_CELLS = 100, 5000, 100
 Vector = tuple[Fraction, ...]

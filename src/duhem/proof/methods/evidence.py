@@ -19,7 +19,7 @@ from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.expression.weights import degree
 from duhem.proof.decide import Question, Sense
-from duhem.proof.decide.needs import obligations
+from duhem.proof.decide.question import obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums, directions, inward, outward, parallel, steep
 from duhem.proof.verdict import Evidence, Proof, Verdict

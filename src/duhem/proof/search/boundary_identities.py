@@ -20,7 +20,7 @@ from duhem.expression.invariance import invariant_directions
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
-from duhem.proof.statement.problem import Face, faces
+from duhem.proof.statement import Face, faces
 
 if TYPE_CHECKING:
     from duhem.proof.search.identities import Pays, Polynomial

@@ -1,1 +1,0 @@
-"""What is asked: a law as a question over positive pressure magnitude, and the simplest question equivalent to it."""
