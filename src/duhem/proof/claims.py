@@ -98,11 +98,7 @@ class Claim:
     steps: int = 16_000_000
 
     def examine(
-        self,
-        subject: Subject,
-        settled: Settled,
-        kernel: Kernel | None = None,
-        on_method: Callable[[str], None] = lambda _: None,
+        self, subject: Subject, settled: Settled, kernel: Kernel | None = None, on_method: Callable[[str], None] = lambda _: None
     ) -> Evidence:
         """The first answer, or ``undecided`` when every method passed.
 
@@ -281,10 +277,7 @@ The potential dual to the indicator of K is its support function Phi(d) = sup of
 for K = radius {gauge <= 1} it is the radius times the polar gauge (Rockafellar 1970, Theorems 14.5, 15.3).  For Eq. (35):
 Phi(d) = |sigma_n| sqrt((mu_a^+- d_a)^2 + (mu_b^+- d_b)^2), each sign that of d_i, and Phi** = Phi.
 Where the rules find no closed form nothing is proved or refuted: the verdict is not applicable.""",
-        methods=(
-            ProofMethod(FormulaSubject, evidence.duality),
-            ProofMethod(CurveSubject, curves.duality),
-        ),
+        methods=(ProofMethod(FormulaSubject, evidence.duality), ProofMethod(CurveSubject, curves.duality)),
     ),
     Claim(
         name="state_laws",

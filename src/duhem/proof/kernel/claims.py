@@ -5,16 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel import obligations
-from duhem.proof.kernel.boundary import (
-    curves_inward,
-    falls_from_zero,
-    flows_along_normals,
-    flows_outward,
-    is_steep,
-    rises_outward,
-    with_convex_sums,
-)
+from duhem.proof.kernel import boundary, obligations
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.cones import Fan
 from duhem.proof.kernel.curvature import over
@@ -131,7 +122,7 @@ def _rules(law: StatedLaw | StatedCurve) -> Mapping[tuple[str, str], RuleRow]:
 def _over(law: StatedLaw, evidence: Evidence) -> StatedDomain:
     """The law's domain; the sums in g that ``evidence`` shows to be convex, or >= 0, are taken as such."""
     sums = evidence.get("convex sums")
-    return with_convex_sums(law, evidence["directions"], sums) if sums else over(law)
+    return boundary.with_convex_sums(law, evidence["directions"], sums) if sums else over(law)
 
 
 def _shape(law: StatedLaw, evidence: Evidence) -> Facts:
@@ -172,9 +163,9 @@ def convexity(law: StatedLaw, evidence: Evidence) -> bool:
 
 def curved(law: StatedLaw, evidence: Evidence) -> bool:
     """g is negative at the origin, rises outward where it is 0, and is smooth there and curves inward unless K is an interval."""
-    if not (_inside(law, {}) and rises_outward(law, evidence["outward"])):
+    if not (_inside(law, {}) and boundary.rises_outward(law, evidence["outward"])):
         return False
-    return len(law.forces) == 1 or curves_inward(law, evidence["directions"], evidence["inward"])
+    return len(law.forces) == 1 or boundary.curves_inward(law, evidence["directions"], evidence["inward"])
 
 
 def polyhedral(law: StatedLaw, _: Evidence) -> bool:
@@ -186,7 +177,7 @@ def polyhedral(law: StatedLaw, _: Evidence) -> bool:
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
     shape = _shape(law, evidence)
-    if not (_inside(law, evidence) or falls_from_zero(law)):
+    if not (_inside(law, evidence) or boundary.falls_from_zero(law)):
         return False
     return (shape.defined and shape.convex and smooth_near_the_boundary(law.g, over(law))) or round_at_its_ends(law)
 
@@ -195,7 +186,7 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and grad g != 0 there: g rises outward, or it is shown of the gradient itself."""
     if not smooth_near_the_boundary(law.g, over(law)):
         return False
-    return is_steep(law, evidence["steep"]) if "steep" in evidence else rises_outward(law, evidence["outward"])
+    return boundary.is_steep(law, evidence["steep"]) if "steep" in evidence else boundary.rises_outward(law, evidence["outward"])
 
 
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
@@ -211,7 +202,7 @@ def one_force(law: StatedLaw, evidence: Evidence) -> bool:
 
 def parallel(law: StatedLaw, evidence: Evidence) -> bool:
     """Every flow of the law's own is a positive multiple of the gradient of its g, which does not rise towards K, K being convex."""
-    return flows_along_normals(law, evidence.get("along", ()), evidence.get("across", ()))
+    return boundary.flows_along_normals(law, evidence.get("along", ()), evidence.get("across", ()))
 
 
 def star_shaped(law: StatedLaw, _: Evidence) -> bool:
@@ -232,7 +223,7 @@ def homogeneity(law: StatedLaw, _: Evidence) -> bool:
 
 def power(law: StatedLaw, evidence: Evidence) -> bool:
     """sigma . d >= 0 wherever g = 0: d is the law's own flow, or a mean of the gradients of the pieces of g there, none of which is 0."""
-    return flows_outward(law, evidence.get("outward", ()))
+    return boundary.flows_outward(law, evidence.get("outward", ()))
 
 
 def potential(law: StatedLaw, evidence: Evidence) -> bool:

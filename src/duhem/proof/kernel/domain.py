@@ -24,24 +24,9 @@ from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, bounded, factors, minus, number, parse, product_of, sum_of
 
 __all__ = [
-    "ANY",
-    "NEGATIVE",
-    "POSITIVE",
-    "ZERO",
-    "Bounds",
-    "Sign",
-    "StatedDomain",
-    "StatedFace",
-    "StatedLaw",
-    "as_list",
-    "as_object",
-    "declared",
-    "exact",
-    "gap",
-    "inhabited",
-    "without_angles",
-    "without_more",
-]
+    "ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "StatedFace", "StatedLaw", "as_list", "as_object",
+    "declared", "exact", "gap", "inhabited", "without_angles", "without_more",
+]  # fmt: skip
 
 _MOST_POWER, _MOST_STEPS, _MOST_CHOICES = 12, 400_000, 64
 _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two constraints to be tried together

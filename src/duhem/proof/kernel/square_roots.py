@@ -10,18 +10,7 @@ from fractions import Fraction
 from functools import reduce
 
 from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.polynomial import (
-    Monomial,
-    Polynomial,
-    in_powers,
-    negated,
-    number_in,
-    replaced,
-    slope,
-    times,
-    total,
-    written,
-)
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, number_in, replaced, slope, times, total, written
 from duhem.proof.kernel.signs import RAY, Interval, line, nonnegative, parts
 from duhem.proof.kernel.term import NotWritten, Term, number
 

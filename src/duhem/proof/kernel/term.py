@@ -14,20 +14,9 @@ from typing import NamedTuple
 from duhem.proof.kernel.steps import pay
 
 __all__ = [
-    "COMPARISONS",
-    "UNREADABLE",
-    "WORDS",
-    "NotWritten",
-    "Term",
-    "bounded",
-    "factors",
-    "in_words",
-    "minus",
-    "number",
-    "parse",
-    "product_of",
-    "sum_of",
-]
+    "COMPARISONS", "UNREADABLE", "WORDS", "NotWritten", "Term", "bounded", "factors", "in_words", "minus", "number", "parse",
+    "product_of", "sum_of",
+]  # fmt: skip
 
 _OF_ONE = (
     "abs", "sign", "sqrt", "exp", "log", "log10", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "pos", "neg",

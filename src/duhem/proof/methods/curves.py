@@ -15,17 +15,7 @@ from typing import TYPE_CHECKING
 import flint
 
 from duhem.expression.balls import certain_sign
-from duhem.proof.facts.curve_subject import (
-    Ball,
-    CurveJet,
-    CurveSubject,
-    Greatest,
-    NumericCurve,
-    Span,
-    Vector,
-    cross,
-    dot,
-)
+from duhem.proof.facts.curve_subject import Ball, CurveJet, CurveSubject, Greatest, NumericCurve, Span, Vector, cross, dot
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.curves import backward_flow, leaning, origin_outside, triangle

@@ -25,19 +25,10 @@ from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = [
-    "convexity_by_branches",
-    "convexity_by_sums",
-    "convexity_on_boundary",
-    "dissipation_by_identities",
-    "dissipation_by_shares",
-    "dissipation_of_potential",
-    "dissipation_on_boundary",
-    "duality",
-    "normality_parallel",
-    "smoothness_by_identities",
-    "smoothness_by_sums",
-    "smoothness_on_boundary",
-]
+    "convexity_by_branches", "convexity_by_sums", "convexity_on_boundary", "dissipation_by_identities", "dissipation_by_shares",
+    "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "smoothness_by_identities",
+    "smoothness_by_sums", "smoothness_on_boundary",
+]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
 Asked = tuple[sp.Expr, Sense, tuple[sp.Basic, ...]]  # a sign, and where it is asked

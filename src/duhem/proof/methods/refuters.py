@@ -40,26 +40,11 @@ if TYPE_CHECKING:
     from duhem.proof.search.corners import SectionCorner
 
 __all__ = [
-    "convexity_at_clear_dents",
-    "convexity_at_deepest_dents",
-    "convexity_at_dents",
-    "convexity_at_far_points",
-    "convexity_at_seams",
-    "convexity_beside_edges",
-    "convexity_between_exact_rays",
-    "convexity_by_sampling",
-    "convexity_by_scouting",
-    "convexity_by_thorough_scouting",
-    "dissipation_at_points",
-    "dissipation_by_sampling",
-    "normality_at_chord",
-    "normality_at_points",
-    "normality_by_sampling",
-    "origin_at_parameters",
-    "origin_undefined",
-    "smoothness_at_corners",
-    "smoothness_at_sharp_points",
-]
+    "convexity_at_clear_dents", "convexity_at_deepest_dents", "convexity_at_dents", "convexity_at_far_points", "convexity_at_seams",
+    "convexity_beside_edges", "convexity_between_exact_rays", "convexity_by_sampling", "convexity_by_scouting",
+    "convexity_by_thorough_scouting", "dissipation_at_points", "dissipation_by_sampling", "normality_at_chord", "normality_at_points",
+    "normality_by_sampling", "origin_at_parameters", "origin_undefined", "smoothness_at_corners", "smoothness_at_sharp_points",
+]  # fmt: skip
 
 _NO_POINT = "a chord leaves K, so K is not convex; no boundary point is confirmed at which grad g leaves the normal cone of K"
 _CHORD = (

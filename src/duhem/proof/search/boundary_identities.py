@@ -218,12 +218,7 @@ class _Forms:
         return found
 
     def refuted(
-        self,
-        goal: sp.Poly,
-        op: str,
-        zero: Mapping[str, sp.Poly],
-        sides: Sequence[sp.Poly | None] = (),
-        names: Sequence[str] = (),
+        self, goal: sp.Poly, op: str, zero: Mapping[str, sp.Poly], sides: Sequence[sp.Poly | None] = (), names: Sequence[str] = ()
     ) -> Mapping[str, Any] | None:
         """Why ``goal`` is never ``op`` 0 in the law's domain where ``zero`` is 0 and ``sides`` are >= 0; ``names`` for the generators."""
         from duhem.proof.search.identities import Condition, identity, text  # numpy, only when something is looked for

@@ -27,19 +27,9 @@ from duhem.proof.facts.plane_section import kinks_decided
 from duhem.proof.verdict import Witness
 
 __all__ = [
-    "EnclosedPoint",
-    "chord",
-    "decimal_pair",
-    "enclosed",
-    "enclosed_flow",
-    "enclosed_normal",
-    "origin_outside",
-    "over_box",
-    "rounded",
-    "sign_at",
-    "violation",
-    "witness",
-]
+    "EnclosedPoint", "chord", "decimal_pair", "enclosed", "enclosed_flow", "enclosed_normal", "origin_outside", "over_box", "rounded",
+    "sign_at", "violation", "witness",
+]  # fmt: skip
 
 _PRECISIONS = (64, 128, 256, 512, 1024, 2048)
 _WIDTHS = (20, 40, 60, 90, 120)
