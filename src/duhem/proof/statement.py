@@ -7,8 +7,9 @@ violation of the law as written.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import zip_longest
 from typing import Any, NamedTuple
 
@@ -43,13 +44,12 @@ class Face(NamedTuple):
 
     def put(self, values: Mapping[sp.Symbol, Any]) -> Face:
         """The same with symbols replaced."""
-        flow = None if self.flow is None else tuple(_put(c, values) for c in self.flow)
-        return Face(_put(self.g, values), flow, tuple(_put(g, values) for g in self.others))
+        return self.each(partial(_put, values=values))
 
-    def with_algebraic_angles(self) -> Face:
-        """The same with waves of a polar angle as algebra."""
-        flow = None if self.flow is None else tuple(map(algebraic_angles, self.flow))
-        return Face(algebraic_angles(self.g), flow, tuple(map(algebraic_angles, self.others)))
+    def each(self, change: Callable[[sp.Expr], sp.Expr]) -> Face:
+        """The same with a change of every formula."""
+        flow = None if self.flow is None else tuple(map(change, self.flow))
+        return Face(change(self.g), flow, tuple(map(change, self.others)))
 
 
 def _put(expr: sp.Expr, values: Mapping[sp.Symbol, Any]) -> sp.Expr:
@@ -152,7 +152,7 @@ def state(law: Criterion) -> Problem:
     if magnitude is not None and (span := law.domain.get(law.pressure or "")) is not None:
         given += _compressed(span).relations(magnitude)
     values = {name: swap.get(x, x) for name, x in table.items()}
-    parts = tuple(face.put(swap).with_algebraic_angles() for face in faces(law))
+    parts = tuple(face.put(swap).each(algebraic_angles) for face in faces(law))
     return Problem(
         law=law,
         stated=_trees(law, law, values)[0],

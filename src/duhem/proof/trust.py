@@ -67,6 +67,7 @@ class Confirmations:
 
     def of(self, claim: str, evidence: Evidence, rests_on: Iterable[str]) -> Standing:
         """How a proof stands, where the claims it may have started from, ``rests_on``, came before."""
+        self.standings.pop(claim, None)  # a proof may have turned out to be none
         if evidence.verdict is not Verdict.PROVED:
             return Standing()
         proof = self._accepted(claim, evidence.proof)
@@ -88,11 +89,6 @@ class Confirmations:
             }
             proof = replace(proof, evidence={**proof.evidence, OVER: domains})
         return Evidence(Verdict.PROVED, whole.method, detail, proof=proof)
-
-    def withdraw(self, claim: str) -> Standing:
-        """The proof turned out to be none."""
-        del self.standings[claim]
-        return Standing()
 
     def _checked(self) -> frozenset[str]:
         return frozenset(name for name, found in self.standings.items() if found.trust is Trust.CHECKED)

@@ -214,7 +214,7 @@ def _examined(
             doubted = standing.trust not in (None, Trust.CHECKED)
             if doubted and (against := CLAIMS[name].contradiction(subject, settled)) is not None:
                 settled[name] = evidence = against
-                standing = confirmations.withdraw(name)
+                standing = confirmations.of(name, evidence, CLAIMS[name].needs)
             if whole is not None and (proof := _of_the_whole(name, evidence, standing.trust, whole, effort)) is not None:
                 evidence = settled[name] = confirmations.of_a_part(name, proof, whole)
                 standing = confirmations.of(name, evidence, CLAIMS[name].needs)

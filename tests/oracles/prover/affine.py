@@ -41,7 +41,7 @@ class Affine:
         solver.set("rlimit", most)
         solver.add(*stated)
         result = solver.check()
-        self._budget.spend(min(most, counted(solver, most)))
+        self._budget.pays(min(most, counted(solver, most)))
         if result == z3.unsat:
             return False
         return reals.point(solver.model()) if result == z3.sat else None

@@ -8,17 +8,10 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-__all__ = ["ANY_STEPS", "EFFORTS", "Budget", "SpentError"]
+__all__ = ["ANY_STEPS", "EFFORTS", "Budget"]
 
 ANY_STEPS = 1 << 62  # more than anybody spends
 EFFORTS = {"quick": Fraction(1, 8), "normal": Fraction(1), "thorough": Fraction(8)}  # each budget is multiplied by
-
-
-class SpentError(Exception):
-    """Something costs more steps than are left."""
-
-    def __init__(self) -> None:
-        super().__init__("its steps are spent")
 
 
 class Budget:
@@ -47,8 +40,3 @@ class Budget:
             return False
         self._left -= steps
         return self._whole is None or self._whole.pays(steps)
-
-    def spend(self, steps: int) -> None:
-        """The same, with SpentError where it costs more than is left."""
-        if not self.pays(steps):
-            raise SpentError

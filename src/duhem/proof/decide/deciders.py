@@ -14,7 +14,7 @@ from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.inert_number import MOST_ROOT
 from duhem.expression.vocabulary import KINKS
-from duhem.proof.decide.budget import Budget, SpentError
+from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.question import NEAR_RIGHT, Answer, Question, Sense, bounds, obligations
 from duhem.proof.decide.smt import NotAlgebraicError, System, by_smt, polynomial_system
 
@@ -171,10 +171,7 @@ def _decide_system(system: System, budget: Budget) -> Answer:
             return Answer(None, met.method, reason=f"it is open whether {obligation.goal.poly} {obligation.goal.op} 0")
     answer = Answer(None)
     for decider in POLYNOMIAL_DECIDERS:
-        try:
-            answer = decider(system, budget.part(budget.left // 8))
-        except SpentError as fault:
-            answer = Answer(None, reason=str(fault))
+        answer = decider(system, budget.part(budget.left // 8))
         if answer.holds is not None:
             break
     return answer

@@ -22,7 +22,7 @@ from duhem.errors import InputError
 from duhem.expression import Norm, fold
 from duhem.expression.inert_number import MOST_ROOT
 from duhem.expression.smt import Reals
-from duhem.proof.decide.budget import Budget, SpentError
+from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.question import Answer, Question, Sense
 
 __all__ = ["NotAlgebraicError", "Relation", "System", "by_smt", "counted", "polynomial_system"]
@@ -156,7 +156,7 @@ def by_smt(system: System, budget: Budget) -> Answer:
 
     most = min(budget.left, _MOST)
     if not most:
-        raise SpentError
+        return Answer(None, "smt-z3", reason="its steps are spent")
     reals = Reals(system.variables)
     solver = z3.Tactic(_TACTIC, ctx=reals.context).solver()
     solver.set("rlimit", most)
@@ -170,7 +170,7 @@ def by_smt(system: System, budget: Budget) -> Answer:
         reason = f"z3: {solver.reason_unknown()}"
     if "keyboard" in reason:  # z3 takes Ctrl-C for itself
         raise KeyboardInterrupt
-    budget.spend(most if result == z3.unknown else min(most, counted(solver, most)))
+    budget.pays(most if result == z3.unknown else min(most, counted(solver, most)))
     if result == z3.unknown:
         return Answer(None, "smt-z3", reason=reason)
     return Answer(True, "smt-z3") if result == z3.unsat else Answer(False, "smt-z3", point=reals.point(solver.model()))
