@@ -219,18 +219,9 @@ def _examined(
                 evidence = settled[name] = confirmations.of_a_part(name, proof, whole)
                 standing = confirmations.of(name, evidence, CLAIMS[name].needs)
         seconds = time.perf_counter() - start
-        found = ClaimResult(
-            name,
-            evidence.verdict,
-            evidence.method,
-            scope(criterion, evidence.verdict),
-            seconds,
-            evidence.detail,
-            evidence.witness,
-            standing.trust,
-            standing.proof,
-            subject.spent + confirmations.spent - before,
-        )
+        verdict, witness, steps = evidence.verdict, evidence.witness, subject.spent + confirmations.spent - before
+        said = scope(criterion, verdict), seconds, evidence.detail
+        found = ClaimResult(name, verdict, evidence.method, *said, witness, standing.trust, standing.proof, steps)
         results.append(found)
         if name in wanted and on_claim is not None:
             on_claim(found)

@@ -216,7 +216,7 @@ def _leans(
         found, forces = vector(subject, point), subject.simple.forces
         return None if found is None else sp.Add(*(d * (rational(t) - x) for d, t, x in zip(found, target, forces, strict=True)))
 
-    return violation(subject, *crossed, lean, f"{name} . (tau - sigma)", statement, 1, target, measures)
+    return violation(subject, *crossed, lean, f"{name} . (tau - sigma)", statement, target, measures)
 
 
 def _beside(n: int) -> list[int]:

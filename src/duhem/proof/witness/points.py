@@ -190,13 +190,13 @@ def violation(
     quantity: Callable[[EnclosedPoint], sp.Expr | None],
     name: str,
     statement: str,
-    wanted: int = -1,
     target: Sequence[Fraction] | None = None,
     measures: Callable[[EnclosedPoint], dict[str, float]] = lambda point: {},
 ) -> Witness | None:
-    """A witness that ``quantity`` has the ``wanted`` sign at the boundary point between ``start`` and ``end``, or at one beside it."""
+    """A witness that ``quantity`` is < 0, or > 0 for a target, at the boundary point between ``start`` and ``end``, or at one beside it."""
     if not subject.admits(subject.values_at(parameters, start)):
         return None
+    wanted = -1 if target is None else 1
     others: dict[str, Values] = {} if target is None else {"tau": subject.values_at(parameters, target)}
     if any(sign_at(subject.problem.stated, at)[0] not in (-1, 0) for at in others.values()):
         return None
