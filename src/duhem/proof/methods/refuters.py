@@ -178,7 +178,7 @@ def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionC
         yield from section_corners(subject, parameters)
     elif len(forces) == 2:
         plane = PlaneSection.whole((forces[0], forces[1]))
-        yield from ((parameters, plane, crossing.point) for crossing in crossings(subject, parameters))
+        yield from ((parameters, plane, point) for _, point in crossings(subject, parameters))
 
 
 # -- the slip ---------------------------------------------------------------------------------------------------------

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from itertools import chain, islice, product
@@ -53,18 +52,11 @@ _LARGEST = 10_000  # the denominator of a plain fraction
 _ALONG = 10.0 ** np.linspace(-5, 5, 61)
 
 Place = tuple[float, float]
+Crossing = tuple[Seam, Point]  # a point (decimals of high precision) on the boundary, on a seam with one switch
 SharpPoint = tuple[
     Values, Point, Point, Point
 ]  # a place from which, as it seems, K is left in one direction and its opposite, and entered in another
 SectionCorner = tuple[Values, PlaneSection, Point]  # a place in a plane of forces at which, as it seems, the boundary has a corner
-
-
-@dataclass(frozen=True)
-class Crossing:
-    """``point`` (decimals of high precision) on the boundary, on a seam with one switch."""
-
-    seam: Seam
-    point: Point
 
 
 def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> Iterator[Crossing]:
@@ -89,7 +81,7 @@ def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> 
                 return
             if (point := common_zero(system, slopes, forces, start, digits)) is not None:
                 known.append(point)
-                yield Crossing(seam, point)
+                yield seam, point
 
 
 def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symbol], start: Sequence[float], digits: int) -> Point | None:

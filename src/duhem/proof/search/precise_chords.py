@@ -17,12 +17,12 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import mpmath_
-from duhem.expression.mpmath_ import reach
+from duhem.expression.branches import Seam
 from duhem.expression.number import fraction
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Point, Values, rationals
 from duhem.proof.search.boundary_points import Chord
-from duhem.proof.search.corners import Crossing, crossings
+from duhem.proof.search.corners import crossings
 from duhem.proof.search.edges import edges
 
 __all__ = ["chords_beside_edges", "dent_chords", "kink_chords"]
@@ -123,27 +123,27 @@ def _least(context: Any, frame: Sequence[Sequence[Any]], bend: Callable[[Sequenc
 def kink_chords(subject: FormulaSubject, most: int = 12) -> Iterator[Chord]:
     """Chords across seams where the tangents of the two branches of the boundary point out of K (two forces)."""
     for parameters in subject.choices(most):
-        for crossing in crossings(subject, parameters, 80):
-            yield from _across(subject, parameters, crossing)
+        for seam, point in crossings(subject, parameters, 80):
+            yield from _across(subject, parameters, seam, point)
 
 
-def _across(subject: FormulaSubject, parameters: Values, crossing: Crossing, dps: int = 80) -> Iterator[Chord]:
+def _across(subject: FormulaSubject, parameters: Values, seam: Seam, point: Point, dps: int = 80) -> Iterator[Chord]:
     """With unit tangents t1, t2 away from the crossing, K is dented there if t1 + t2 points along the outward normals."""
     context = mpmath_.kept_digits(dps)
     forces = subject.simple.forces
     exact = rationals(parameters)
-    x = [context.mpf(c.numerator) / c.denominator for c in crossing.point]
+    x = [context.mpf(c.numerator) / c.denominator for c in point]
 
     def gradient(expr: sp.Expr) -> list[Any]:
         return _unit([mpmath_.evaluate(expr.diff(v).subs(exact), dict(zip(forces, x, strict=True)), dps) for v in forces], context)
 
-    (switch,) = crossing.seam.crossed
-    side = crossing.seam.after.signs[switch]
-    seam, one, two = (gradient(e) for e in (switch, crossing.seam.before.expr, crossing.seam.after.expr))
+    (switch,) = seam.crossed
+    side = seam.after.signs[switch]
+    along_seam, one, two = (gradient(e) for e in (switch, seam.before.expr, seam.after.expr))
     tangents = []
     for normal, sense in ((one, -side), (two, side)):
         along = [-normal[1], normal[0]]
-        lean = sense * (along[0] * seam[0] + along[1] * seam[1])
+        lean = sense * (along[0] * along_seam[0] + along[1] * along_seam[1])
         if not lean:
             return
         tangents.append([c * context.sign(lean) for c in along])
