@@ -121,7 +121,7 @@ DECIDER = '''\
 
 import sympy as sp
 
-from duhem.proof.decide.budget import Budget
+from duhem.proof.decide.question import Budget
 from duhem.proof.decide.smt import System
 from duhem.proof.decide.question import Answer
 

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import duhem
 from duhem.law import catalogue
 from duhem.law.curve_law import Law
-from duhem.proof import trust
+from duhem.proof import verification
 from tests.campaigns.families.table import trials
 
 __all__ = ["KERNEL_ALONE", "Written", "rechecked", "written"]
@@ -58,7 +58,7 @@ def laws(count: int) -> Iterator[tuple[str, Law]]:
 
 def written(family: str, law: Law) -> Written:
     """The law verified, its proofs written down."""
-    spent, of = [0.0], trust.Confirmations.of
+    spent, of = [0.0], verification.Confirmations.of
 
     def timed(*arguments: Any) -> Any:
         start = time.perf_counter()
@@ -66,13 +66,13 @@ def written(family: str, law: Law) -> Written:
         spent[0] += time.perf_counter() - start
         return found
 
-    trust.Confirmations.of = timed  # type: ignore[method-assign]
+    verification.Confirmations.of = timed  # type: ignore[method-assign]
     try:
         start = time.perf_counter()
         found = duhem.verify(law)
         seconds = time.perf_counter() - start
     finally:
-        trust.Confirmations.of = of  # type: ignore[method-assign]
+        verification.Confirmations.of = of  # type: ignore[method-assign]
     return Written(family, found.certificate(), seconds, spent[0])
 
 

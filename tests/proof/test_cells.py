@@ -9,8 +9,7 @@ import pytest
 import sympy as sp
 
 from duhem.expression import symbol
-from duhem.proof.decide.budget import Budget
-from duhem.proof.decide.question import Answer
+from duhem.proof.decide.question import Answer, Budget
 from duhem.proof.decide.smt import Relation, System, by_smt
 from tests.long import long_but
 

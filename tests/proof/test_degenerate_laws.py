@@ -12,7 +12,7 @@ import sympy as sp
 from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, verify
 from duhem.proof.claims import Claim
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import rationals
+from duhem.proof.facts.subject import rationals
 from duhem.proof.verdict import Evidence
 from tests.long import long_at, long_but, mostly_long
 

@@ -14,10 +14,10 @@ from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.deviatoric import Invariants, convex_in_deviator
 from duhem.proof.kernel.forms import at_end_of
 from duhem.proof.kernel.pieces import CHOICES, pieces
+from duhem.proof.kernel.plane_function import plain
 from duhem.proof.kernel.plane_gauge import arcs
 from duhem.proof.kernel.signs import _quotient
 from duhem.proof.kernel.spectrum import freed_of_roots, quasiconvex_with_parts_freed
-from duhem.proof.kernel.square_roots import plain
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.small_laws import confirmed, domain, law, poly
 from tests.proof.test_kernel_boundary import DISC, RISES, identity

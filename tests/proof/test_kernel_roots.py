@@ -11,9 +11,9 @@ import pytest
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.plane_function import Signs, plain, root_of, roots_in, slope_along
 from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.signs import RAY
-from duhem.proof.kernel.square_roots import Signs, plain, root_of, roots_in, slope_along
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.oracles import drawn_formulas
 

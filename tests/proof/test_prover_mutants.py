@@ -27,8 +27,8 @@ from duhem.proof.decide import Answer, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import CLAIMS
 from duhem.proof.methods import evidence
-from duhem.proof.trust import Confirmations, Standing
 from duhem.proof.verdict import Evidence, Proof, Trust
+from duhem.proof.verification import Confirmations, Standing
 from tests.long import mostly_long
 from tests.oracles.prover import evaluation as evaluated
 from tests.oracles.prover import parallel

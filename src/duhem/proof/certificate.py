@@ -16,7 +16,7 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion, YieldSurface
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import plain_choices, rationals
+from duhem.proof.facts.subject import plain_choices, rationals
 from duhem.proof.kernel.certificate import SCHEMA, digest
 from duhem.proof.statement import as_written, texts
 from duhem.proof.verdict import ClaimResult

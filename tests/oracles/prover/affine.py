@@ -9,7 +9,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import Neg, Pos
 from duhem.expression.smt import Reals
-from duhem.proof.decide.budget import Budget
+from duhem.proof.decide.question import Budget
 from duhem.proof.decide.smt import counted
 
 __all__ = ["Affine"]

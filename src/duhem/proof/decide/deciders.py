@@ -14,8 +14,7 @@ from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.inert_number import MOST_ROOT
 from duhem.expression.vocabulary import KINKS
-from duhem.proof.decide.budget import Budget
-from duhem.proof.decide.question import NEAR_RIGHT, Answer, Question, Sense, bounds, obligations
+from duhem.proof.decide.question import NEAR_RIGHT, Answer, Budget, Question, Sense, bounds, obligations
 from duhem.proof.decide.smt import NotAlgebraicError, System, by_smt, polynomial_system
 
 __all__ = ["POLYNOMIAL_DECIDERS", "decide"]

@@ -22,8 +22,7 @@ from duhem.errors import InputError
 from duhem.expression import Norm, fold
 from duhem.expression.inert_number import MOST_ROOT
 from duhem.expression.smt import Reals
-from duhem.proof.decide.budget import Budget
-from duhem.proof.decide.question import Answer, Question, Sense
+from duhem.proof.decide.question import Answer, Budget, Question, Sense
 
 __all__ = ["NotAlgebraicError", "Relation", "System", "by_smt", "counted", "polynomial_system"]
 

@@ -32,8 +32,7 @@ from duhem.law.domain import Domain
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Budget
 from duhem.proof.decide.question import Obligation, obligations
-from duhem.proof.facts.parameter_choices import Values, rationals
-from duhem.proof.facts.subject import Subject
+from duhem.proof.facts.subject import Subject, Values, rationals
 from duhem.proof.statement import with_algebraic_angles
 
 __all__ = ["Ball", "CurveJet", "CurveSubject", "Greatest", "NumericCurve", "Span", "Vector", "cross", "dot"]

@@ -26,8 +26,7 @@ from duhem.expression.text import formula
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.question import Obligation, obligations
-from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
-from duhem.proof.facts.subject import Subject
+from duhem.proof.facts.subject import Subject, Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.statement import Face, Problem, state
 
 __all__ = ["FormulaSubject"]

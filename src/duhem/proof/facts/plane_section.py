@@ -20,7 +20,7 @@ from duhem.expression.number import rational
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.facts.subject import Values, rationals
 
 __all__ = ["LocalPiece", "PlaneSection", "kinks_decided", "local_pieces"]
 

@@ -32,11 +32,23 @@ from typing import NamedTuple
 from duhem.proof.kernel.bounds import Facts, of_sum
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import degree_at_most
-from duhem.proof.kernel.plane_function import Base, PlaneFunction, PlaneVariable, base_of, derivatives, multiplied, power_of
+from duhem.proof.kernel.plane_function import (
+    Base,
+    PlaneFunction,
+    PlaneVariable,
+    Signs,
+    base_of,
+    derivatives,
+    inner,
+    multiplied,
+    plain,
+    power_of,
+    roots_in,
+    slope_along,
+)
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total, written
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.spectrum import entries_of, extremes
-from duhem.proof.kernel.square_roots import Signs, inner, plain, roots_in, slope_along
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["DeviatoricReader", "Invariants", "convex_in_deviator", "deviatoric_readers", "invariants", "of_tensor"]

@@ -16,7 +16,7 @@ import flint
 
 from duhem.expression.balls import certain_sign
 from duhem.proof.facts.curve_subject import Ball, CurveJet, CurveSubject, Greatest, NumericCurve, Span, Vector, cross, dot
-from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.subject import Values
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.curves import backward_flow, leaning, origin_outside, triangle
 

@@ -18,9 +18,9 @@ import sympy as sp
 from duhem.expression.number import rational
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Point, Values
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.facts.special_places import undefined_at_zero
+from duhem.proof.facts.subject import Point, Values
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
 from duhem.proof.witness.points import (

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Point, Values, rationals
+from duhem.proof.facts.subject import Point, Values, rationals
 
 __all__ = ["BoundaryScout", "Chord", "Exit", "lowest", "scout", "scouts"]
 

@@ -28,8 +28,8 @@ from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Point, Values, rationals
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
+from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.search.boundary_points import scout
 from duhem.proof.search.edges import edges
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from duhem.expression.balls import precision
 from duhem.expression.numpy_ import compiled
 from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.subject import Values
 
 __all__ = ["dents", "half_tangent", "least_powers", "targets"]
 

@@ -23,7 +23,7 @@ from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, first_exit
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Point, Values
+from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord, lowest
 from duhem.proof.search.edges import affine, exact_rays, largest_loads
 

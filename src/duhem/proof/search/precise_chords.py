@@ -20,7 +20,7 @@ from duhem.expression import mpmath_
 from duhem.expression.branches import Seam
 from duhem.expression.number import fraction
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Point, Values, rationals
+from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.search.boundary_points import Chord
 from duhem.proof.search.corners import crossings
 from duhem.proof.search.edges import edges

@@ -28,8 +28,8 @@ from duhem.expression.number import rational
 from duhem.expression.text import formula
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.plane_section import LocalPiece, PlaneSection, local_pieces
+from duhem.proof.facts.subject import Values
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.points import decimal_pair, witness
 

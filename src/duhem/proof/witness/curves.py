@@ -10,7 +10,7 @@ import flint
 
 from duhem.expression.balls import ball, certain_sign, precision
 from duhem.proof.facts.curve_subject import Ball, CurveSubject, Vector, cross, dot
-from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.subject import Values
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.points import decimal_pair
 

@@ -22,8 +22,8 @@ from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.expression.number import fraction
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Point, Values, rationals
 from duhem.proof.facts.plane_section import kinks_decided
+from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.verdict import Witness
 
 __all__ = [
