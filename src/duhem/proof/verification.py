@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import partial
 from threading import RLock
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 from duhem.errors import InputError
 from duhem.expression.balls import precision
@@ -150,19 +150,20 @@ def verify(
     Raises InputError for an unknown law, parameter, claim or effort, and for values outside the domain.
     """
     criterion: Law = load(law).fix(parameters)
-    examined = _examined(criterion, claims, effort, on_claim, on_method, criterion.whole)
+    subject, settled, wanted, results, rests_on = _examined(criterion, claims, effort, on_claim, on_method, criterion.whole)
     parts = (
-        *not_needed(criterion, [evidence.verdict for evidence in examined.settled.values()]),
-        *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in examined.wanted),
+        *not_needed(criterion, [evidence.verdict for evidence in settled.values()]),
+        *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in wanted),
     )
     with _alone():
-        said, empty = remarks(examined.subject, examined.settled)
-    return Verification(criterion, examined.results, parts, said, examined.rests_on, effort, empty)
+        said, empty = remarks(subject, settled)
+    return Verification(criterion, results, parts, said, rests_on, effort, empty)
 
 
 def claim_results(law: Law, claims: Iterable[str] | None = None, effort: str = "normal") -> tuple[ClaimResult, ...]:
     """The results of :func:`verify` alone, where nobody reads what is said beside them."""
-    return _examined(law, claims, effort).results
+    *_, results, _ = _examined(law, claims, effort)
+    return results
 
 
 def verdict_within(law: Criterion, claim: str, steps: int) -> Verdict:
@@ -185,16 +186,6 @@ def verdict_within(law: Criterion, claim: str, steps: int) -> Verdict:
     return found.verdict
 
 
-class _Examined(NamedTuple):
-    """A law with its claims settled; ``results`` are of those ``wanted``."""
-
-    subject: Subject
-    settled: Mapping[str, Evidence]
-    wanted: tuple[str, ...]
-    results: tuple[ClaimResult, ...]
-    rests_on: tuple[ClaimResult, ...]
-
-
 def _examined(
     criterion: Law,
     claims: Iterable[str] | None,
@@ -202,8 +193,11 @@ def _examined(
     on_claim: Callable[[ClaimResult], None] | None = None,
     on_method: Callable[[str, str, Budget], None] | None = None,
     whole: Law | None = None,
-) -> _Examined:
-    """``whole`` is the law over wider domains: what is proved of that is proved of this part."""
+) -> tuple[Subject, Mapping[str, Evidence], tuple[str, ...], tuple[ClaimResult, ...], tuple[ClaimResult, ...]]:
+    """A law with its claims settled, which of them are wanted, the results of these, and of the others that they rest on.
+
+    ``whole`` is the law over wider domains: what is proved of that is proved of this part.
+    """
     check_domain(criterion)
     wanted = wanted_claims(claims)
     if not isinstance(effort, str) or effort not in EFFORTS:
@@ -238,7 +232,7 @@ def _examined(
             on_claim(found)
     used = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.rests_on(name)})
     asked, others = (tuple(r for r in results if (r.claim in wanted) is own and r.claim in used) for own in (True, False))
-    return _Examined(subject, settled, wanted, asked, others)
+    return subject, settled, wanted, asked, others
 
 
 def _of_the_whole(name: str, evidence: Evidence, best: Trust | None, whole: Law, effort: str) -> ClaimResult | None:

@@ -268,8 +268,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("convexity", "polyhedral"): RuleRow(
         _NONE, polyhedral, obligations.formula,
-        "g is piecewise affine, and the union of the polyhedra on which g <= 0 is one (Bemporad, Fukuda, Torrisi "
-        "2001)",
+        "g is piecewise affine, and the union of the polyhedra on which g <= 0 is one (Bemporad, Fukuda, Torrisi 2001)",
     ),
     ("convexity", "polar-curvature"): RuleRow(
         _ORIGIN, lambda law, _: StarGauge(law).convex(), obligations.numbers_in_formula,
