@@ -121,9 +121,8 @@ DECIDER = '''\
 
 import sympy as sp
 
-from duhem.proof.decide.question import Budget
+from duhem.proof.decide.question import Answer, Budget
 from duhem.proof.decide.smt import System
-from duhem.proof.decide.question import Answer
 
 __all__ = ["by_discriminant"]
 
@@ -191,7 +190,7 @@ ROW = '("convexity", "ball"): RuleRow(_NONE, ball, obligations.formula, "K is a 
 def test_a_rule_of_the_kernel_proves_is_reported_and_rechecked(tmp_path: Path) -> None:
     tree, claims = Tree.copied(tmp_path), "src/duhem/proof/kernel/claims.py"
     tree.write("src/duhem/proof/kernel/ball.py", RULE)
-    tree.insert(claims, "from duhem.proof.kernel import obligations", "from duhem.proof.kernel.ball import ball")
+    tree.insert(claims, "from duhem.proof.kernel import boundary, obligations", "from duhem.proof.kernel.ball import ball")
     tree.insert(claims, "RULES: Mapping", ROW)
     said = tree.run("-m", "duhem", "verify", "coulomb", "--claims", "convexity", "--format", "json", "--certificate", "made.json")
     (found,) = json.loads(said)["claims"]
