@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -359,7 +358,7 @@ def test_how_hard_a_chord_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_the_first_chord_that_holds_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
-    tried = [SimpleNamespace(parameters={}, p=k, q=-k) for k in range(4)]
+    tried = [({}, k, -k) for k in range(4)]
     monkeypatch.setattr(refuters, "chord", lambda subject, parameters, p, q, touching: None if p < 2 else (p, q))
     found = refuters._refuted(subject("a**2 + b**2 - 1"), tried)  # type: ignore[arg-type]
     assert found is not None and found.witness == (2, -2)
