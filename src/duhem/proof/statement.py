@@ -24,8 +24,7 @@ from duhem.expression.text import faithful
 from duhem.expression.weights import removable
 from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
-from duhem.law.formula_law import Criterion
-from duhem.law.yield_surface import YieldSurface
+from duhem.law.formula_law import Criterion, YieldSurface
 from duhem.proof.decide.question import evaluated, obligations
 
 __all__ = ["Face", "Problem", "as_written", "faces", "state", "texts", "with_algebraic_angles"]

@@ -18,6 +18,7 @@ import sympy as sp
 
 from duhem.expression import mpmath_
 from duhem.expression.branches import Seam
+from duhem.expression.mpmath_ import reach
 from duhem.expression.number import fraction
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Point, Values, rationals
