@@ -17,7 +17,7 @@ def paint(left, right):
     left.set_title("antoni2007, an increment: every claim proved")
     witness = duhem.verify("limacon", DENTED, claims="convexity")["convexity"].witness
     plot("limacon", parameters=DENTED, planes="sigma_a,sigma_b", pressure=-1.0, axes=[right])
-    right.set_title("limacon, e = 4/5: convexity refuted")
+    right.set_title("limacon, e = 0.8: convexity refuted")
     points = {role: [float(Fraction(point[force])) for force in ("sigma_a", "sigma_b")] for role, point in witness.points.items()}
     right.plot(*zip(points["p"], points["q"], strict=True), color="#D55E00", dashes=(6, 2), marker="o", markeredgecolor="black", zorder=5)
     right.plot(*points["midpoint"], color="#D55E00", marker="X", markersize=8, markeredgecolor="black", zorder=6)

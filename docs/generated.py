@@ -199,7 +199,7 @@ def _keys(schema: Mapping[str, Any], whole: Mapping[str, Any], before: str = "")
     for key, value in schema.get("properties", {}).items():
         value = _resolved(value, whole)
         name = f"{before}{key}"
-        yield [f"`{name}`" + ("" if key in needed else " (may lack)"), _type(value), plain(value.get("description", ""))]
+        yield [f"`{name}`" + ("" if key in needed else " (optional)"), _type(value), plain(value.get("description", ""))]
         yield from _keys(value, whole, f"{name}.")
         yield from _keys(_resolved(value.get("items", {}), whole), whole, f"{name}[].")
 

@@ -38,7 +38,7 @@ CASES = {
     "a file for a path": (lambda: simulate(path="t.csv"), "Path.from_csv"),
     "no path": (lambda: simulate(path=None), "NoneType is no loading path"),
     "a list for a method": (lambda: simulate(method=["exact"]), "choose implicit"),
-    "a table for a start": (lambda: simulate(start={}), "dict is no history"),
+    "a table for a start": (lambda: simulate(start={}), "dict is not a history"),
     "a number for a function": (lambda: simulate(on_step=5), "give a function"),
     "a number for claims": (lambda: duhem.verify("coulomb", claims=5), "the claims are: origin"),
     "numbers for claims": (lambda: duhem.verify("coulomb", claims=[1]), "the claims are: origin"),
@@ -62,9 +62,9 @@ def test_a_wrong_argument_is_one_error_with_a_remedy(case):
     ("claim", "words"),
     [
         ("convex", "did you mean 'convexity'?"),
-        ("normality", "was not asked for"),
-        (0, "asked for are: origin, convexity"),
-        ("zz", "asked for are"),
+        ("normality", "was not selected"),
+        (0, "the selected claims are: origin, convexity"),
+        ("zz", "the selected claims are"),
     ],
 )
 def test_a_claim_that_is_not_there(verified, claim, words):

@@ -413,7 +413,7 @@ def test_command(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         "bench", "limacon", "--set", "mu=0.25", "--set", "e=0.3", "--scene", "increment", "--repeats", "1", "--json", str(file)
     )
     assert (code, err) == (0, f"duhem: wrote the results to {file}\n")
-    assert "newton" in out and "Left out" in out and "closed-form: limacon declares no closed form" in out
+    assert "newton" in out and "Omitted" in out and "closed-form: limacon has no closed form" in out
     assert "newton, numba: numba is not installed" in out
     found = json.loads(file.read_text())
     assert found["duhem"] == duhem.__version__ and found["rows"][0]["method"] == "newton"

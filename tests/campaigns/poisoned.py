@@ -35,8 +35,8 @@ __all__ = ["REASONS", "campaign", "faults"]
 
 # What each kind of row says, by the friction that makes it; of malformed ones, by what stands in its place.
 REASONS = {
-    "0.11": "it takes more than 1 s of the processor",
-    "0.12": "it asks for more than 4 GB of memory",
+    "0.11": "it needs more than 1 s of processor time",
+    "0.12": "it needs more than 4 GB of memory",
     "0.13": "its process ended by SIGSEGV",
     "0.14": "ZeroDivisionError: of the law (at poisoned.py",
     "0.15": "its process ended by SIGABRT",

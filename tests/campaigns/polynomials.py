@@ -123,7 +123,7 @@ def run(trials: Iterator[Trial]) -> None:
     for (family, margin), counts in sorted(table.items()):
         print(f"{family:26} {margin:14} {counts['right']:5} right {counts['open']:4} open {counts['WRONG']:3} wrong")
     for family, each in seconds.items():
-        print(f"{family:26} {len(each)} laws, {sum(each):.1f} s of the processor, median {median(each):.3f}, most {max(each):.2f}")
+        print(f"{family:26} {len(each)} laws, {sum(each):.1f} s of processor time, median {median(each):.3f}, most {max(each):.2f}")
     print("proofs:", dict(trusts))
 
 

@@ -116,11 +116,11 @@ Row = tuple[str, Callable[[Case, Any], bool]]
 _INSIDE = r"(; (?:that point is|those points are) inside K(?: for \w+ < 0)?, so the boundary is not touched)?"
 ROWS: tuple[Row, ...] = (
     (r"K is empty: g > 0 for all forces(?: \(\w+ <= 0 in compression: write abs\(\w+\)\))?", lambda case, _: case.empty),
-    (r"K is everything: g <= 0 for all forces", lambda case, _: case.everything),
+    (r"K contains all forces: g <= 0 everywhere", lambda case, _: case.everything),
     (r"K is the point 0: g > 0 elsewhere", lambda case, _: case.dim == 0 and case.centred),
-    (r"K is a line without inside: g > 0 elsewhere", lambda case, _: case.dim == 1),
-    (r"K is a space of (\d+) dimensions without inside: g > 0 elsewhere", lambda case, m: case.dim == int(m[1])),
-    (r"K has no inside: g >= 0 for all forces, and g = 0 in K", lambda case, _: case.thin),
+    (r"K is a line without interior points: g > 0 elsewhere", lambda case, _: case.dim == 1),
+    (r"K is a space of (\d+) dimensions without interior points: g > 0 elsewhere", lambda case, m: case.dim == int(m[1])),
+    (r"K has no interior points: g >= 0 for all forces, and g = 0 in K", lambda case, _: case.thin),
     (
         r"K is unbounded: g does not change along (\d+) directions? of the forces",
         lambda case, m: case.flat == int(m[1]) and not case.empty,
@@ -132,21 +132,22 @@ ROWS: tuple[Row, ...] = (
     (r"K is unbounded: g <= 0 at (.*) for all t > 0", lambda case, m: _along(case, m[1])),
     (rf"g is not differentiable at (.*?){_INSIDE}", lambda case, m: _singular(case, m[1], m[2])),
     (r"g does not depend on (.*)", lambda case, m: all(_idle(case, name) for name in m[1].split(", "))),
-    (r"g has no value (at zero force), for it .*: there it is read as its limit, and K is closed", lambda case, m: _nowhere(case, m[1])),
+    (r"g has no value (at zero force), for it .*: duhem uses its limit there, and K is closed", lambda case, m: _nowhere(case, m[1])),
     # what is not shown, and said to be so
     (
-        r"It is not shown that g has a value for all forces: it .*\. (?:g has no value .*\. )?"
-        r"(?:Where g is 0/0 and has a limit, it is read as that limit, for K is closed\. |A point at which g has no value is not in K\. )"
-        r"Of such a formula nothing is proved but what the kernel confirms",
+        r"duhem could not show that g has a value for all forces: it .*\. (?:g has no value .*\. )?"
+        r"(?:Where g is 0/0 and has a limit, duhem uses this limit, because K is closed\. |"
+        r"A point where g has no value does not belong to K\. )"
+        r"For such a formula, duhem reports only proofs that the kernel confirms",
         lambda case, _: case.kind == "quotient",
     ),
     (
-        r"It is not shown that the flow has a value on all of the boundary: it .*\. Of such a flow nothing is proved but what the kernel "
-        r"confirms",
+        r"duhem could not show that the flow has a value on the whole boundary: it .*\. "
+        r"For such a flow, duhem reports only proofs that the kernel confirms",
         lambda case, _: not case.law.associated,
     ),
-    (r"The flow has no value at .*: it .*\. Of such a flow nothing is proved but what the kernel confirms", lambda case, _: False),
-    (r"\w+: .* proved it and .* refutes it at .*: a defect of duhem, please report it", lambda case, _: False),
+    (r"The flow has no value at .*: it .*\. For such a flow, duhem reports only proofs that the kernel confirms", lambda case, _: False),
+    (r"\w+: .* proved it and .* refutes it at .*: this is a defect of duhem, please report it", lambda case, _: False),
 )
 
 

@@ -11,7 +11,7 @@ loop      the first --few rows in a plain loop, against the table
 killed    the first --few rows, killed --kills times at moments of chance by SIGTERM, SIGINT and SIGKILL in turn; and workers killed
 dask      the first --few rows on clusters of 1, 2 and 4 processes on the loopback address, with one worker killed, with the run killed
 
-Sets and truth stay in --folder, and are made where it has none: 20 ms of the processor each.
+Sets and truth stay in --folder, and are made where it has none: 20 ms of processor time each.
 """
 
 from __future__ import annotations
@@ -159,7 +159,7 @@ def truth_part(folder: Path, options: argparse.Namespace, truth: list[bool]) -> 
     wrong = sum(verdict in ("proved", "refuted") and (verdict == "proved") != convex for verdict, convex in pairs)
     is_open = sum(verdict not in ("proved", "refuted") for verdict in said)
     print(f"truth: {len(said)} rows, {sum(truth)} convex; {dict(Counter(said))}; {wrong} wrong, {is_open} open ({is_open / len(said):.2%})")
-    print(f"  {len(said) / clock:.1f} rows a second by the clock, {processor:.0f} s of the processor, load {os.getloadavg()[0]:.1f}")
+    print(f"  {len(said) / clock:.1f} rows a second by the clock, {processor:.0f} s of processor time, load {os.getloadavg()[0]:.1f}")
     sizes[len(said)] = (largest[0], largest[1])
     print("  largest of the run and of its workers so far:", *(f"{n} rows {a:.0f} and {b:.0f} MB;" for n, (a, b) in sizes.items()))
     return wrong
@@ -171,7 +171,7 @@ def workers_part(folder: Path, options: argparse.Namespace, truth: list[bool]) -
         for workers in rates:
             clock, processor = timed(folder, "few", f"{workers}.csv", "--workers", f"{workers}")
             rates[workers].append(options.few / clock)
-            print(f"workers: {workers}: {options.few / clock:.2f} rows a second, {processor:.1f} s of the processor", flush=True)
+            print(f"workers: {workers}: {options.few / clock:.2f} rows a second, {processor:.1f} s of processor time", flush=True)
     print(f"  two are {max(rates[2]) / max(rates[1]):.2f} times as quick as one; load {os.getloadavg()[0]:.1f}")
     return int(table(folder / "1.csv") != table(folder / "2.csv"))
 
@@ -207,7 +207,7 @@ def overhead_part(folder: Path, options: argparse.Namespace, truth: list[bool]) 
     print(
         f"overhead: {1e3 * each:.3f} ms a row beside the {1e3 * loop / len(many):.3f} of a plain loop, by {len(many)} rows answered at once"
     )
-    print(f"  it is {each / row:.2%} of the median row, {1e3 * row:.1f} ms of the processor; load {os.getloadavg()[0]:.1f}")
+    print(f"  it is {each / row:.2%} of the median row, {1e3 * row:.1f} ms of processor time; load {os.getloadavg()[0]:.1f}")
     return int(each > 0.05 * row)
 
 

@@ -34,7 +34,7 @@ def test_it_prints_or_writes_the_same(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (["radial-flow", "--to", "c"], "flow of its own"),
+        (["radial-flow", "--to", "c"], "its own flow direction"),
         (["wedge", "--to", "c"], "formula"),
         (["quartic", "--to", "c"], "convexity is refuted"),
         (["superellipse", "--to", "fortran"], "--set p=VALUE"),
@@ -50,4 +50,4 @@ def test_what_cannot_be_written_is_one_line(run: Run, arguments: list[str], why:
 def test_the_law_is_not_written_over(run: Run, tmp_path: Path) -> None:
     (tmp_path / "disc.toml").write_text(DISC)
     code, _, err = run(str(tmp_path / "disc.toml"), "--to", "c", "--out", str(tmp_path / "." / "disc.toml"))
-    assert code == 2 and "written over" in err and (tmp_path / "disc.toml").read_text() == DISC
+    assert code == 2 and "overwritten" in err and (tmp_path / "disc.toml").read_text() == DISC

@@ -50,7 +50,7 @@ def folder(tmp_path, monkeypatch):
 )
 def test_nothing_that_is_read_is_written_over(run: Run, folder: Path, arguments) -> None:
     code, out, message = run(*arguments)
-    assert (code, out) == (2, "") and "would be written over" in message
+    assert (code, out) == (2, "") and "would be overwritten" in message
     assert {name: (folder / name).read_text() for name in FILES} == FILES
 
 
@@ -64,11 +64,11 @@ def test_a_result_without_a_name_is_not_left_out(run: Run, folder: Path, option:
 def test_what_a_part_would_be_kept_in_is_no_other_file(run: Run, folder: Path) -> None:
     (folder / "h.csv.partial").write_text("mine")
     code, _, message = run("simulate", "own.toml", "--out", "h.csv")
-    assert code == 2 and "no part of a run" in message and (folder / "h.csv.partial").read_text() == "mine"
+    assert code == 2 and "does not belong to duhem" in message and (folder / "h.csv.partial").read_text() == "mine"
     (folder / "l.toml").rename("h.csv.partial")
     (folder / "own.toml").write_text(SCENE.replace('"coulomb"', '"h.csv.partial"'))
     code, _, message = run("simulate", "own.toml", "--out", "h.csv")
-    assert code == 2 and "would be written over" in message and (folder / "h.csv.partial").read_text() == LAW
+    assert code == 2 and "would be overwritten" in message and (folder / "h.csv.partial").read_text() == LAW
 
 
 @pytest.mark.parametrize("law", ["acts:law", "acts:law.toml", "./acts:law", "os:path", "acts.py:law", " acts:law "])

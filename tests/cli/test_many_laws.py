@@ -32,10 +32,10 @@ def test_several_laws_have_a_line_each(run: Run, monkeypatch: pytest.MonkeyPatch
     (tmp_path / "dent.toml").write_text((tmp_path / "dent.toml").read_text().replace('"proved"', '"refuted"'))
     assert run("verify", "dent.toml", "ball.toml", "--claims", "convexity", "--workers", "1")[::2] == (0, "")
     for arguments, said in (
-        (["coulomb", "no*.toml"], "no file is named"),
+        (["coulomb", "no*.toml"], "no file matches"),
         (["coulomb", "none.toml"], "there is no file"),
         (["coulomb", "colomb"], "unknown law"),
-        (["ball.toml", "--workers", "2"], "name several laws"),
+        (["ball.toml", "--workers", "2"], "give several laws"),
     ):
         code, out, err = run("verify", *arguments)
         assert (code, out) == (2, "") and said in err

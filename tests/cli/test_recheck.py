@@ -48,7 +48,7 @@ def test_every_proof_of_the_law_is_confirmed(folder: Path) -> None:
         "disc",
         "criterion norm(sigma_a, sigma_b) - mu*abs(sigma_n) <= 0",
         "slip normal to the boundary (associated)",
-        "forces sigma_a, sigma_b; pressure sigma_n <= 0, frozen",
+        "forces sigma_a, sigma_b; pressure sigma_n <= 0, held fixed",
         "parameters 0 < mu",
     ]
 
@@ -70,7 +70,7 @@ def test_the_last_line_counts_what_is_confirmed_what_has_no_rule_and_what_fails(
     code, last = told({"g": "mu*abs(sigma_n) - norm(sigma_a, sigma_b)"}, smoothness=unruled)
     assert code == 1 and "without a rule here: 1; failed: " in last
     none = {"verdict": "undecided", "trust": None, "rule": None, "evidence": {}}
-    assert told({}, **dict.fromkeys((row["claim"] for row in made["claims"]), none)) == (0, "there is no proof in it")
+    assert told({}, **dict.fromkeys((row["claim"] for row in made["claims"]), none)) == (0, "the certificate contains no proof")
 
 
 def forged(made: dict[str, Any], law: dict[str, Any] | None = None, every: dict[str, Any] | None = None, **changes: Any) -> dict[str, Any]:
@@ -115,7 +115,7 @@ def test_a_false_proof_does_not_pass_under_another_label(folder: Path, tmp_path:
 )  # fmt: skip
 def test_a_label_that_means_nothing_is_one_clear_error(folder: Path, change: dict[str, Any]) -> None:
     made = json.loads((folder / "disc.json").read_text("utf-8"))
-    with pytest.raises(InputError, match=r"cannot be checked: .*make it anew with: duhem verify LAW --certificate FILE"):
+    with pytest.raises(InputError, match=r"cannot be checked: .*make a new one with: duhem verify LAW --certificate FILE"):
         duhem.recheck(forged(made, convexity=change))
 
 
@@ -130,7 +130,7 @@ def test_a_label_that_means_nothing_is_one_clear_error(folder: Path, change: dic
 )  # fmt: skip
 def test_another_version_is_refused_with_the_remedy(folder: Path, schema: Any, words: str) -> None:
     made = json.loads((folder / "disc.json").read_text("utf-8")) | {"schema": schema}
-    with pytest.raises(InputError, match=f"{words}.*make it anew with: duhem verify LAW --certificate FILE"):
+    with pytest.raises(InputError, match=f"{words}.*make a new one with: duhem verify LAW --certificate FILE"):
         duhem.recheck(forged(made))
 
 
@@ -222,7 +222,7 @@ def test_a_key_that_is_there_twice_is_an_error(folder: Path, tmp_path: Path, key
     assert f'"{key}":' in text
     (tmp_path / "twice.json").write_text(text.replace(f'"{key}":', f'"{key}": "another", "{key}":', 1), "utf-8")
     found = run("recheck", tmp_path / "twice.json").exception
-    assert isinstance(found, InputError) and f"'{key}' is there twice" in str(found)
+    assert isinstance(found, InputError) and f"'{key}' occurs twice" in str(found)
 
 
 @pytest.mark.parametrize("law", ["coulomb", "wedge"])
@@ -278,12 +278,12 @@ def test_python_sees_what_does_not_hold(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("given", "what"),
     [
-        ("{", "certificate: this is no JSON; make it anew with"),
+        ("{", "certificate: this is no JSON; make a new one with"),
         ({}, "certificate: the certificate cannot be checked"),
         ({"law": {1, 2}}, "certificate: this is no certificate"),
         (7, "certificate: int is no certificate; give a file"),
         ("absent.json", "absent.json: the file cannot be read"),
-        ('{"a": 1, "a": 2}', "certificate: the key 'a' is there twice"),
+        ('{"a": 1, "a": 2}', "certificate: the key 'a' occurs twice"),
     ],
 )
 def test_what_is_no_certificate_is_one_error(given: Any, what: str) -> None:

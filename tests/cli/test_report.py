@@ -72,11 +72,12 @@ def test_the_page_holds_everything_and_all_of_it_is_text(hostile: Path) -> None:
     assert certificate["sha256"] in said
     rules = {claim["rule"] for claim in certificate["claims"] if claim["rule"]}
     assert rules <= {*said} and len(rules) > 3
-    for title in ("The law", "Verdicts", "Why", "Pictures", "Left out", "Derivation", "Certificate", "How to reproduce it"):
+    for title in ("The law", "Verdicts", "Why", "Pictures", "Omitted", "Derivation", "Certificate", "How to reproduce it"):
         assert title in said
     proved = [claim for claim in certificate["claims"] if claim["verdict"] == "proved"]
     assert said.count("proved") == 2 * len(proved) > 8  # in the table of verdicts, and in that of the certificate
-    assert any("isothermal law" in each for each in said) and any(each.startswith("K in the plane of sigma_a, sigma_n; ") for each in said)
+    assert any("law is isothermal" in each for each in said)
+    assert any(each.startswith("K in the plane of sigma_a, sigma_n; ") for each in said)
     assert "composition" in said and "all parameters" not in said
 
 
@@ -147,11 +148,11 @@ def test_on_a_phone_no_row_of_a_formula_runs_into_the_row_above_it(tab: Browser,
 def test_a_file_that_is_read_is_not_written_over(run: Run, tmp_path: Path) -> None:
     law = tmp_path / "law.toml"
     law.write_text(LAW, "utf-8")
-    for place, said in ((law, "would be written over"), (tmp_path / "none" / "out.html", "no such directory"), (tmp_path, "a directory")):
+    for place, said in ((law, "would be overwritten"), (tmp_path / "none" / "out.html", "no such directory"), (tmp_path, "a directory")):
         code, out, err = run("verify", str(law), "--report", str(place))
         assert code == 2 and out == "" and said in err
     code, _, err = run("verify", str(law), "--report", str(tmp_path / "a"), "--certificate", str(tmp_path / "a"))
-    assert code == 2 and "two results go into this file" in err
+    assert code == 2 and "two results have the same file" in err
     assert law.read_text("utf-8") == LAW and [*tmp_path.iterdir()] == [law]
 
 
@@ -170,7 +171,7 @@ def test_a_refuted_claim_shows_its_witness_and_without_matplotlib_what_to_instal
     found = duhem.verify("limacon", {"e": "3/5"}, claims=["convexity"])
     drawn, decided = report._pictures(found), decided_chapters(found)
     page = as_page([Article("limacon", "", (drawn, *decided))])
-    assert "The witness that refutes convexity; limacon with mu = 1, e = 3/5" in page
+    assert "The counterexample for convexity; limacon with mu = 1, e = 0.6" in page
     seen = Strict()
     seen.feed(page)
     assert any(said.startswith("midpoint: sigma_a") for said in seen.said) and "refuted" in seen.said and "svg" in seen.tags
@@ -190,7 +191,8 @@ def test_without_the_extras_the_page_stands_and_one_line_says_what_to_install(
     assert code == 0 and "origin" in out
     assert err == (
         f"duhem: wrote the page to {page}\n"
-        f"duhem: {page} is without pictures and typeset formulas: matplotlib is not installed, latex2mathml is not installed; "
+        f"duhem: {page} is incomplete: it has no pictures and no typeset formulas: "
+        "matplotlib is not installed, latex2mathml is not installed; "
         'install it with: pip install "duhem[report]"\n'
     )
     seen = read(page)

@@ -261,7 +261,7 @@ def test_the_head_says_what_it_is() -> None:
 @pytest.mark.parametrize(
     ("law", "why"),
     [
-        (duhem.load("rotated-flow"), "flow of its own"),
+        (duhem.load("rotated-flow"), "its own flow direction"),
         (duhem.load("superellipse"), "--set p=VALUE"),
     ],
     ids=lambda value: value if isinstance(value, str) else value.name,

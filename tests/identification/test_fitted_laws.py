@@ -68,7 +68,7 @@ def test_a_parameter_that_ends_on_its_bound_is_said(least, most, end):
     )
     points = rays(duhem.load("limacon"), {"mu": 0.3, "e": 0.6}, 30, 6)
     done = duhem.identify(points, law, convex="assume")
-    said = f"e is on the {end} value of its domain; a better fit may lie beyond"
+    said = f"e is on the {end} value of its domain; a better fit may exist beyond it"
     assert (said in done.to_text()) == (said in done.to_html()) == bool(end) == bool(done.to_dict()["parameters"]["e"]["remark"])
     assert ("on its bound" in done.to_text()) == bool(end) and not done["mu"].remark
 
@@ -111,7 +111,7 @@ def test_a_best_fit_that_is_not_proved_convex_is_refused_where_that_is_required(
     assert duhem.identify(points, law, convex="require").verification.generalized_standard
     monkeypatch.setattr(estimation, "verify", open_)
     assert duhem.identify(points, law).verification["convexity"].verdict is duhem.Verdict.UNDECIDED
-    with pytest.raises(InputError, match="not shown to be convex: convexity is undecided"):
+    with pytest.raises(InputError, match="not proved convex: convexity is undecided"):
         duhem.identify(points, law, convex="require")
     with pytest.raises(InputError, match="choose ask, require, assume"):
         duhem.identify(points, law, convex="maybe")

@@ -99,9 +99,9 @@ def test_it_survives_fixing_and_text() -> None:
 HEAD = '[criterion]\nname = "x"\ng = "norm(sigma_a, sigma_b) + sigma_n"\n[domain]\n'
 FAULTS = {
     "no name of the law": ("sigma_x = { min = 0 }", "neither a force nor the pressure"),
-    "no pressure left": ("sigma_n = { min = 0 }", "no sigma_n < 0 is left"),
-    "without zero force": ("sigma_a = { min = 1 }", "leaves out 0"),
-    "zero force alone": ("sigma_a = { min = 0, max = 0 }", "is nothing else"),
+    "no pressure left": ("sigma_n = { min = 0 }", "the range contains no sigma_n < 0"),
+    "without zero force": ("sigma_a = { min = 1 }", "must contain 0 and other values"),
+    "zero force alone": ("sigma_a = { min = 0, max = 0 }", "must contain 0 and other values"),
     "empty": ("sigma_n = { min = -1, max = -2 }", "is empty"),
     "a number": ("sigma_n = -100", "is not a table"),
     "another key": ("sigma_n = { least = -100 }", "unknown key 'least'"),

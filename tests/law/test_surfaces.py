@@ -74,7 +74,7 @@ def test_a_function_may_return_surfaces() -> None:
         (lambda a, b: [YieldSurface(a - 1), b - 1], None, "is no surface"),
         (lambda a, b: [a - 1, b - 1], None, "is no formula"),
         (lambda a, b: [], None, "is no formula"),
-        (lambda a, b: (YieldSurface(a - 1), YieldSurface(b - 1)), ("a", "b"), "has its g and its flow from them"),
+        (lambda a, b: (YieldSurface(a - 1), YieldSurface(b - 1)), ("a", "b"), "takes g and flow from its surfaces"),
     ],
 )
 def test_what_a_function_may_not_return(returned: Any, flow: Any, said: str) -> None:
@@ -90,7 +90,7 @@ def test_python_takes_surfaces_as_files_do() -> None:
     assert both.associated and both.g == sp.Max(plain.g, both.symbols()["sigma_a"])
     for wrong, what in [
         (lambda: Criterion("x"), "there is no g"),
-        (lambda: replace(both, g=plain.g), "has its g and its flow from them"),
+        (lambda: replace(both, g=plain.g), "takes g and flow from its surfaces"),
         (lambda: Criterion("x", surfaces=("sigma_a",)), "is no surface"),
         (lambda: Criterion("x", surfaces=(YieldSurface("sigma_a", ("1",)),)), "1 components for 2 forces"),
         (lambda: Criterion("x", surfaces=(YieldSurface("sigma_a"), YieldSurface("sigma_n"))), "does not depend on any force"),

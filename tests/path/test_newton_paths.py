@@ -154,7 +154,7 @@ def test_what_has_no_loop_says_so():
     plan = Plan.of(Run("box", path, projection="cvxpy", **given))
     with pytest.raises(InputError, match="projection by cvxpy has none"):
         next(compiled_run.advance(plan, Ledger.begun(2, np.zeros(2), np.zeros(2), plan.compliance)))
-    with pytest.raises(InputError, match="one extrapolated path"):
+    with pytest.raises(InputError, match="a single extrapolated path"):
         simulate("box", path, **given, method="extrapolated", compiled=True)
 
 
@@ -162,4 +162,4 @@ def test_a_scene_says_where_the_loop_would_serve():
     text = walk(4, law="box", **CASES["box"][0]) + "pressure = -1.0\n[method]\n"
     said = [str(scene_file.reads(text + method).parts()) for method in ("", "compiled = true\n", 'projection = "cvxpy"\n')]
     assert ["with compiled = true" in parts for parts in said] == [True, False, False]
-    assert "box declares no closed form" in said[1]
+    assert "box has no closed form" in said[1]

@@ -100,7 +100,7 @@ def test_a_law_with_cohesion_needs_nothing_special():
 def test_a_set_that_does_not_shrink_to_the_origin_is_refused():
     """Without pressure K is a line: no stress of it is called right."""
     law = Criterion("line", "norm(sigma_b, sigma_n*sigma_a) + sigma_n", {})
-    with pytest.raises(InputError, match="neither the origin nor round"):
+    with pytest.raises(InputError, match="neither the origin nor a disk"):
         simulate(law, Path.linear(KNOTS, pressure=LOAD), stiffness=1.0, method="exact")
     with pytest.raises(InputError, match="arc"):
         simulate("coulomb", Path.circle(1.0, pressure=0.0, points=4), stiffness=1.0, parameters={"mu": 0.3}, method="exact", stress=[0, 0])

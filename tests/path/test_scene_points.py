@@ -52,7 +52,7 @@ def test_the_command_writes_what_the_call_gives(folder):
     assert (folder / "h.csv").read_bytes() == (folder / "right.csv").read_bytes()
     assert run(folder / "scene.toml").stdout == (folder / "right.csv").read_text()
     assert sorted(place.name for place in folder.iterdir()) == ["h.csv", "own.csv", "points.csv", "right.csv", "scene.toml"]
-    assert "left out: pyarrow" in run(folder / "scene.toml", "--explain").stdout
+    assert "not needed: pyarrow" in run(folder / "scene.toml", "--explain").stdout
 
 
 def test_each_point_has_a_path_of_its_own_in_a_table(folder):
@@ -98,10 +98,10 @@ def test_what_is_wrong_in_the_table_of_points_is_said(folder, old, new, words):
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        (OWN.replace("7,1,", "8,1,"), "not every point has as many rows"),
-        (OWN.replace("3,1,-0.2", "3,2,-0.2"), "other times"),
+        (OWN.replace("7,1,", "8,1,"), "the points do not have the same number"),
+        (OWN.replace("3,1,-0.2", "3,2,-0.2"), "different times"),
         (OWN.replace("point,", "number,"), "no column point"),
-        (OWN + "7,2,1,1,-1\n3,2,1,1,-1\n", "not every point"),
+        (OWN + "7,2,1,1,-1\n3,2,1,1,-1\n", "the points do not have the same number"),
     ],
 )
 def test_what_is_wrong_in_a_table_of_paths_is_said(folder, table, words):
@@ -197,7 +197,7 @@ def test_notes_and_rows_cut_short_are_refused_or_gone_on_with_to_the_same_bytes(
     assert run(folder / "scene.toml", "--out", table, "--resume").return_value == 0
     assert table.read_bytes() == (folder / "whole.csv").read_bytes()
     rows_beside(table).write_bytes(b"somebody's")
-    assert "no part of a run" in str(run(folder / "scene.toml", "--out", table).exception)
+    assert "does not belong to duhem" in str(run(folder / "scene.toml", "--out", table).exception)
     assert rows_beside(table).read_bytes() == b"somebody's"
 
 

@@ -58,7 +58,7 @@ def test_numbers_that_nobody_gives_satisfy_the_constraints() -> None:
     for least, constraint in ((2, "b > 4/b"), (1000, "b > 1000")):
         at = given(law(constraint))
         assert at.chosen == ("b",) and at.values()["b"] > least
-    with pytest.raises(InputError, match="no numbers for b are found by themselves"):
+    with pytest.raises(InputError, match="duhem found no numbers for b"):
         given(law("exp(b) < 1"))
 
 
@@ -165,10 +165,10 @@ def test_k_is_found_thin_small_large_and_away_from_zero(g: str, sides: tuple[flo
 @pytest.mark.parametrize(
     ("g", "said"),
     [
-        ("norm(sigma_a, sigma_b)", "thinner than the picture resolves"),
-        pytest.param("norm(sigma_a, sigma_b) + sigma_a", "thinner than the picture resolves", marks=pytest.mark.long),
+        ("norm(sigma_a, sigma_b)", "too thin for this picture"),
+        pytest.param("norm(sigma_a, sigma_b) + sigma_a", "too thin for this picture", marks=pytest.mark.long),
         pytest.param("min(norm(sigma_a, sigma_b) - 1, norm(sigma_a - 10, 1000*sigma_b) - 5)", "may be missing", marks=pytest.mark.long),
-        ("min(norm(sigma_a, sigma_b), 1) - 2", "all of the window"),
+        ("min(norm(sigma_a, sigma_b), 1) - 2", "fills the whole picture"),
     ],
 )
 def test_what_a_section_does_not_show_is_said(g: str, said: str) -> None:
@@ -188,7 +188,7 @@ def test_what_a_section_does_not_show_is_said(g: str, said: str) -> None:
 )
 def test_a_segment_and_a_line_are_met_on_both_sides(g: str, along: tuple[int, int]) -> None:
     found = seen(duhem.Criterion(name="k", g=g, pressure=None), "sigma_a,sigma_b")
-    assert not found.lines and "only points that were met are drawn" in found.remark
+    assert not found.lines and "the points are some points of" in found.remark
     far = found.points @ along
     assert len(far) > 20 and sorted(far) == sorted(-far) and not (found.points @ (-along[1], along[0])).any()
     a, b, c, d = found.window
@@ -286,8 +286,8 @@ def test_seams_of_a_maximum_are_drawn_where_its_pieces_meet_alone() -> None:
 
 
 def test_numbers_that_nobody_gave_are_said_to_be_taken() -> None:
-    assert "mu_a = 1/3, mu_b = 2/3 (taken to draw it)" in stated(given("box"))
-    assert "(taken to draw it: mu_b)" in stated(given("box", mu_a=0.5))
+    assert "mu_a = 1/3, mu_b = 2/3 (chosen for the picture)" in stated(given("box"))
+    assert "(chosen for the picture: mu_b)" in stated(given("box", mu_a=0.5))
     assert "taken" not in stated(given("box", mu_a=0.5, mu_b=0.5))
 
 
@@ -324,14 +324,14 @@ def test_a_witness_at_other_numbers_than_its_sheet_says_them() -> None:
 def test_a_witness_in_rays_of_k_is_not_said_to_lie_where_k_is_not() -> None:
     found = duhem.verify("matsuoka-nakai", claims="convexity", effort="quick")
     shown = violation(found.criterion, found["convexity"]).section
-    assert shown.lines == () and "only points of the witness" in shown.remark
+    assert shown.lines == () and "only the points of the counterexample" in shown.remark
 
 
 @pytest.mark.slow
 def test_an_increment_is_drawn_where_it_goes() -> None:
     (axes,) = plot("box", parameters={"mu_a": 0.3, "mu_b": 0.5}, planes="sigma_a,sigma_b", trial=[0.9, 0.1], pressure=-1.0)
     places = {line.get_label(): line.get_xydata() for line in axes.lines}
-    assert places["increment's end: slip"] == pytest.approx(np.array([[0.3, 0.1]]), abs=1e-9)
+    assert places["stress at the end (slip)"] == pytest.approx(np.array([[0.3, 0.1]]), abs=1e-9)
     assert faults(axes.figure) == []
 
 
@@ -410,7 +410,7 @@ def test_a_witness_in_a_narrow_section_has_room_for_numbers_and_notes() -> None:
 def test_a_section_lost_in_rounding_is_a_point_and_another_is_shown_if_none_was_asked() -> None:
     law = catalogue.load("murrell")
     lost = section(given(law), usual(law, 0.0)[0])
-    assert lost.lines == () and len(lost.points) == 1 and "one point" in lost.remark
+    assert lost.lines == () and len(lost.points) == 1 and "a single point" in lost.remark
     assert cut(given(law), usual(law, None)[0]).lines
 
 
@@ -420,8 +420,8 @@ def test_a_section_lost_in_rounding_is_a_point_and_another_is_shown_if_none_was_
 @pytest.mark.parametrize(
     ("law", "options", "said"),
     [
-        ("coulomb", {"planes": "sigma_a"}, "no plane of the law.*sigma_a, sigma_b, sigma_n"),
-        ("coulomb", {"planes": "sigma_a,sigma_a"}, "no plane"),
+        ("coulomb", {"planes": "sigma_a"}, "not a plane of the law.*sigma_a, sigma_b, sigma_n"),
+        ("coulomb", {"planes": "sigma_a,sigma_a"}, "not a plane"),
         ("coulomb", {"planes": "deviatoric"}, "no stress tensor"),
         ("coulomb", {"pressure": 1.0}, "tension"),
         ("coulomb", {"pressure": float("nan")}, "finite"),
@@ -434,7 +434,7 @@ def test_a_section_lost_in_rounding_is_a_point_and_another_is_shown_if_none_was_
         (
             EMPTY,
             {"pressure": -2.0},
-            "no point of K is found on the plane of sigma_a, sigma_b at sigma_n = -2: looked at 0.*; name another plane",
+            "duhem found no point of K on the plane of sigma_a, sigma_b at sigma_n = -2; it searched zero.*; choose another plane",
         ),
         ("coulomb", {"file": "p.xyz"}, "no format"),
     ],
@@ -471,7 +471,7 @@ def test_the_command_writes_where_it_says_and_never_over_what_it_reads(run, tmp_
     for options, said in (
         (("--to", "law.xyz"), "no format"),
         (("--pressure", "x"), "x"),
-        (("--plane", "a,b"), "no plane of the law"),
+        (("--plane", "a,b"), "not a plane of the law"),
         (("--trial", "1", "2", "3"), "--trial|trial"),
     ):
         code, out, err = run("plot", "mine.toml", *options)

@@ -114,7 +114,7 @@ def test_a_path_ends_where_its_stress_leaves_a_range(method: str, closed: bool) 
 
 
 def test_a_path_starts_in_range_and_stays_under_pressures_in_range() -> None:
-    with pytest.raises(InputError, match=r"the stress at the start: sigma_a = 0\.5 lies outside its range"):
+    with pytest.raises(InputError, match=r"the initial stress: sigma_a = 0\.5 lies outside its range"):
         duhem.simulate(CONE, Path.linear([[0, 0], [0, 1]], pressure=-9.0), stiffness=1.0, stress=[0.5, 0.0])
     with pytest.raises(InputError, match=r"pressure\[1\] is -11\.0, outside the range"):
         duhem.simulate(CONE, Path.linear([[0, 0], [0, 1]], pressure=[-9.0, -11.0]), stiffness=1.0)
@@ -131,7 +131,7 @@ def test_commands_name_the_range(tmp_path: File, run: Callable[..., tuple[int, s
     code, out, _ = run("project", str(law), "--trial", "9", "0", "--pressure", "-1", "--format", "json")
     found = json.loads(out)
     assert (code, found["status"]) == (4, "outside")
-    assert found["remark"] == "sigma_a = 0.5 lies outside its range (-oo, 3/10], where cone claims nothing"
+    assert found["remark"] == "sigma_a = 0.5 lies outside its range (-oo, 3/10], where cone is not declared"
     code, out, _ = run("project", str(law), "--trial", "9", "0", "--pressure", "-1")
     assert "outside (sigma_a = 0.5 lies outside" in " ".join(out.split())
     scene = tmp_path / "scene.toml"

@@ -100,8 +100,8 @@ def _turned(by: str, across: str = "1") -> tuple[str, str]:
 
 def test_why_a_curve_has_no_potential_here() -> None:
     reasons = {
-        None: "no closed form found: the support function of K is known along the curve only, Phi = T . n at the normal n",
-        NORMAL: "the law has a flow of its own, which no potential of K gives",
+        None: "no closed form found: the support function of K is known only along the curve, Phi = T . n at the normal n",
+        NORMAL: "the law has its own flow direction, which does not derive from a potential of K",
     }
     for flow, reason in reasons.items():
         assert curves.duality(_subject((C, S), flow)) == Evidence(Verdict.NOT_APPLICABLE, "curve", reason)

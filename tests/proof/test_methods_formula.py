@@ -98,7 +98,7 @@ def test_where_composition_does_not_show_smoothness(g: str, law: dict[str, Any])
     "g", ["a**2 - 1", "abs(a) - 1/2", "(a - 1)**2 - 4", "a - 1", "max(a, 0) - 1", "max(a - 1, -a)", "max(a, -1 - a)", "max(a - 3, -a)"]
 )
 def test_an_interval_with_an_inside(g: str) -> None:
-    detail = "K is an interval with an inside: at each of its ends the normal is +1 or -1"
+    detail = "K is an interval with interior points: at each of its ends the normal is +1 or -1"
     assert composition.smoothness(subject(g, "a")) == Evidence(Verdict.PROVED, "one-dimensional", detail)
 
 
@@ -326,7 +326,7 @@ def test_the_polar_form(g: str) -> None:
     seams = ("proved", "polar-seams", f"gamma > 0 is smooth on each arc, {smooth}", "polar-seams")
     assert told(polar.smoothness(law)) == (seams if smooth else None)
     assert told(polar.dissipation(law)) == (("proved", "euler", EULER, "euler") if star else None)
-    closure = ("proved", "polar-form", "K is star-shaped about 0 (closure at 0 where the formula is 0/0)", "polar-form")
+    closure = ("proved", "polar-form", "K is star-shaped about 0 (if the formula is 0/0 at 0, K is closed there)", "polar-form")
     assert told(polar.origin(law)) == (closure if "/norm" in g and star else None)
 
 
@@ -344,7 +344,7 @@ def test_the_potential_of_a_gauge() -> None:
     assert evidence.duality(subject("norm(a, q*b) - 1", q=UNIT)) is None and evidence.duality(subject("norm(a, b) - q", q=UNIT)) is None
     none = "no closed form found: the rules of the polar gauge give none for the dissipation potential of this law"
     assert evidence.duality(subject("abs(a) + b**2 - 1")) == Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", none)
-    part = "no closed form found: the claims are asked in a range of a, and none is known of a part of K"
+    part = "no closed form found: the claims have a range of a, and no closed form is known for a part of K"
     assert evidence.duality(subject("norm(a, b) - 1", domain={"a": UNIT})) == Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", part)
 
 
@@ -358,11 +358,14 @@ def test_the_state_laws(forces: str) -> None:
 def test_what_was_looked_at_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     one = refuters._tested("no violation at", [720])
     assert one == Evidence(
-        Verdict.TESTED, "sampling", "no violation at 720 boundary points of 1 parameter choice (fixed seeds); nothing is proved"
+        Verdict.TESTED, "sampling", "no violation at 720 boundary points of 1 parameter choice (fixed random seeds); this is not a proof"
     )
-    two = refuters._tested("no chord was found to leave K between", [3, 4])
+    two = refuters._tested("no chord was found that leaves K between", [3, 4])
     assert two is not None
-    assert two.detail == "no chord was found to leave K between 7 boundary points of 2 parameter choices (fixed seeds); nothing is proved"
+    assert (
+        two.detail
+        == "no chord was found that leaves K between 7 boundary points of 2 parameter choices (fixed random seeds); this is not a proof"
+    )
     assert refuters._tested("no violation at", []) is None
     slips = refuters.dissipation_by_sampling(subject("norm(a, b) - 1", flow=A_B))
     assert slips == one and refuters.normality_by_sampling(subject("norm(a, b) - 1", flow=A_B)) == one

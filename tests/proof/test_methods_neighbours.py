@@ -283,9 +283,7 @@ def test_roots_as_letters() -> None:
 def test_what_is_said_of_a_share_of_the_power() -> None:
     found = power_share.dissipation(FormulaSubject(dilatant(alpha=Domain.fixed("0.2"), beta=Domain.fixed("0.05"))))
     assert found is not None and found.verdict is Verdict.PROVED and found.method == "power-share (sign-rules)"
-    assert found.detail.startswith("force . flow = 1/4*g + ") and found.detail.endswith(
-        "wherever g = 0; at an apex so are the flow's limits"
-    )
+    assert found.detail.startswith("force . flow = 1/4*g + ") and found.detail.endswith("wherever g = 0, also in the limit at an apex")
     assert found.proof is not None and found.proof.rule == "power-share" and found.proof.evidence["share"] == "1/4"
 
 
@@ -300,7 +298,7 @@ def test_the_origin_where_g_has_no_value_there() -> None:
     for g in ("a/b - 1", "log(a) - 1"):
         why = refuters.origin_undefined(subject(g))
         assert why is not None and (why.verdict, why.method) == (Verdict.UNDECIDED, "none")
-        assert why.detail.startswith("g has no value at zero force; if its limit is meant there, write where(")
+        assert why.detail.startswith("g has no value at zero force; if you mean its limit there, write where(")
     assert refuters.origin_undefined(subject("norm(a, b) - 1")) is None
     assert evaluated.origin(subject("a/b - 1")) is None and refuters.origin_at_parameters(subject("a/b - 1")) is None
     apart = refuters.origin_at_parameters(subject("norm(a - q, b) - 999/1000", q=UNIT))  # outside at the end of a range alone

@@ -88,5 +88,5 @@ def test_the_apex_is_no_obstacle_and_the_verdict_is_checked() -> None:
     found = verify(SHOWN[0], claims=["dissipation", "normality"])
     assert (found["dissipation"].verdict, found["dissipation"].trust) == (Verdict.PROVED, Trust.CHECKED)
     assert found["normality"].verdict is Verdict.REFUTED
-    assert "Of such a flow nothing is proved but what the kernel confirms" in found.remarks[0]
+    assert "For such a flow, duhem reports only proofs that the kernel confirms" in found.remarks[0]
     assert verify(NOT_SHOWN[0], claims=["dissipation"])["dissipation"].verdict is Verdict.REFUTED

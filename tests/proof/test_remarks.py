@@ -67,17 +67,17 @@ def test_the_campaign_knows_an_untruth() -> None:
     """Each sentence is untrue of some of the sets."""
     sentences = (
         "K is empty: g > 0 for all forces",
-        "K is everything: g <= 0 for all forces",
+        "K contains all forces: g <= 0 everywhere",
         "K is the point 0: g > 0 elsewhere",
-        "K is a line without inside: g > 0 elsewhere",
-        "K is a space of 4 dimensions without inside: g > 0 elsewhere",
-        "K has no inside: g >= 0 for all forces, and g = 0 in K",
+        "K is a line without interior points: g > 0 elsewhere",
+        "K is a space of 4 dimensions without interior points: g > 0 elsewhere",
+        "K has no interior points: g >= 0 for all forces, and g = 0 in K",
         "K is unbounded: g does not change along 4 directions of the forces",
         "K is unbounded: g does not change along -3 direction of the forces",
         "K is unbounded: g <= 0 at x1 = t, x2 = t for all t > 0",
         "g is not differentiable at x1 = 17, x2 = 19",
         "g does not depend on x2",
-        "g has no value at zero force, for it divides by x1: there it is read as its limit, and K is closed",
+        "g has no value at zero force, for it divides by x1: duhem uses its limit there, and K is closed",
     )
     discs = [
         case
@@ -101,8 +101,8 @@ CONE = {"define": {"p": "I1(s)/3", "q": "sqrt(3*J2(s))"}, "parameters": {"c": PO
         ("J2(s) + I1(s)**2 - c", ""),
         ("J2(s) - c", "K is unbounded: g does not change along 1 direction of the forces"),
         ("I1(s) - c", "K is unbounded: g does not change along 5 directions of the forces"),
-        ("J2(s) + 0*c", "K is a line without inside: g > 0 elsewhere"),
-        ("I1(s)**2 + 0*c", "K is a space of 5 dimensions without inside: g > 0 elsewhere"),
+        ("J2(s) + 0*c", "K is a line without interior points: g > 0 elsewhere"),
+        ("I1(s)**2 + 0*c", "K is a space of 5 dimensions without interior points: g > 0 elsewhere"),
         ("J2(s) + I1(s)**2 + 0*c", "K is the point 0: g > 0 elsewhere"),
         ("J2(s) + I1(s)**2 + c", "K is empty: g > 0 for all forces"),
     ],
@@ -117,7 +117,7 @@ def test_the_cone_of_the_guide_is_unbounded_along_the_pressure_alone() -> None:
     apex = "s_xx = s_zz, s_yy = s_zz, s_yz = 0, s_xz = 0, s_xy = 0"
     for potential in (None, "q + d/2*p"):
         found = remarks("q + d*p - c", potential=potential, **{**STRESS, **CONE})  # type: ignore[arg-type]
-        assert [r for r in found if "It is not shown" not in r] == [
+        assert [r for r in found if "could not show" not in r] == [
             f"K is unbounded: g <= 0 at {ray} for all t > 0",
             f"g is not differentiable at {apex}",
         ]
@@ -130,7 +130,7 @@ def test_the_cone_of_the_guide_is_unbounded_along_the_pressure_alone() -> None:
         [
             ("pos(norm(a, b) - abs(n))", []),
             ("max(0, norm(a, b) - abs(n))", []),
-            ("(a - 1)**2 + b**2", ["K has no inside: g >= 0 for all forces, and g = 0 in K"]),
+            ("(a - 1)**2 + b**2", ["K has no interior points: g >= 0 for all forces, and g = 0 in K"]),
             ("sqrt((a**2 - 1)**2) + a**2 - 1 + 0*b", ["g does not depend on b"]),  # 0 for |a| <= 1
             ("sqrt(a**4 - 2*a**2 + 1) + a**2 - 1 + abs(b)*0", ["g does not depend on b"]),
             ("sqrt(a**2 + b**2 + 1) - 2", []),
@@ -141,10 +141,10 @@ def test_the_cone_of_the_guide_is_unbounded_along_the_pressure_alone() -> None:
             ("norm(a - 2, b) + norm(a, b)/2 - 1", ["g is not differentiable at a = 2, b = 0"]),
             ("norm(a, b)**2 + norm(a, b)**3 - 1", []),
             ("abs(a - m*b) - 1 + 0*norm(a, b)", []),
-            ("b**2", ["K is a line without inside: g > 0 elsewhere", "g does not depend on a"]),
+            ("b**2", ["K is a line without interior points: g > 0 elsewhere", "g does not depend on a"]),
             (
                 "norm(a, b)*(2 - norm(a, b)) - 1",
-                ["K is everything: g <= 0 for all forces", f"g is not differentiable at zero force{INSIDE}"],
+                ["K contains all forces: g <= 0 everywhere", f"g is not differentiable at zero force{INSIDE}"],
             ),
         ],
     ),
@@ -189,7 +189,7 @@ def test_an_angle_that_divides_by_0_on_a_line_is_read_as_no_limit(k: int) -> Non
 
 def test_a_limit_at_zero_force_is_said() -> None:
     (said,) = remarks("norm(a, b) + a*b/norm(a, b)/4 - 1", claims=("convexity",))
-    assert said == "g has no value at zero force, for it divides by norm(a, b): there it is read as its limit, and K is closed"
+    assert said == "g has no value at zero force, for it divides by norm(a, b): duhem uses its limit there, and K is closed"
 
 
 def test_a_value_at_zero_force_that_is_a_limit_is_called_one() -> None:

@@ -40,7 +40,7 @@ def test_no_violation_is_not_said(law: Criterion) -> None:
     found = verify(law, claims=["normality", "dissipation"])
     assert {r.verdict.value for r in found.results} <= {"undecided", "refuted"}
     for result in found.results:
-        assert result.verdict.value == "refuted" or ("in floats" in result.detail and "no exact witness confirms" in result.detail)
+        assert result.verdict.value == "refuted" or ("in floats" in result.detail and "no exact counterexample confirms" in result.detail)
 
 
 LEFT_FACE = ("a**2 + b**2 - 1", None)

@@ -219,8 +219,8 @@ def test_a_root_of_nothing_is_left_to_the_other_rules() -> None:
 @pytest.mark.parametrize(
     ("g", "said"),
     [
-        ("sqrt(3*J2(s)) - 1 + 0*cos3theta(s)", "it is read as that limit, for K is closed"),
-        ("s_1**2 + s_2/s_3 - 1", "A point at which g has no value is not in K"),
+        ("sqrt(3*J2(s)) - 1 + 0*cos3theta(s)", "duhem uses this limit, because K is closed"),
+        ("s_1**2 + s_2/s_3 - 1", "A point where g has no value does not belong to K"),
     ],
 )
 def test_a_limit_is_said_where_a_proof_takes_it(g: str, said: str) -> None:

@@ -139,7 +139,7 @@ def test_a_finished_table_in_csv_is_asked_anew_as_it_says_not_what_was_asked(fol
         mine.write_text(mine.read_text().replace("t**2 - 1", formula))
         rows._law.cache_clear()  # as another process has it
         done = CliRunner().invoke(cli, ["campaign", str(folder / "c.toml"), "--resume"], standalone_mode=False)
-        said.append((done.return_value, table(folder / "t.csv")[0]["verdict"], done.stderr.count("every row is asked anew")))
+        said.append((done.return_value, table(folder / "t.csv")[0]["verdict"], done.stderr.count("computes all rows again")))
     assert said == [(0, "proved", 0), (1, "refuted", 1)]
 
 
@@ -204,7 +204,7 @@ def test_where_there_is_no_room_one_line_says_so_and_what_is_noted_stays(folder,
         resource.setrlimit(resource.RLIMIT_FSIZE, (rows_beside(out).stat().st_size + 20, before[1]))
 
     try:
-        with pytest.raises(InputError, match=r"the rows cannot be kept: .*; make room"):
+        with pytest.raises(InputError, match=r"the rows cannot be written: .*; free some disk space"):
             duhem.campaign(folder / "campaign.toml", out=out, on_row=full)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
@@ -242,7 +242,7 @@ def test_what_costs_nothing_is_asked_as_anything_is(folder, monkeypatch):
 
 def test_a_row_that_asks_the_program_to_end_is_a_row(folder, monkeypatch):
     monkeypatch.setattr(Claimed, "answers", lambda self, law: sys.exit(3))
-    assert {line.error for line in asked(file.read(folder / "campaign.toml"), 1)} == {"it asks the program to end, with 3"}
+    assert {line.error for line in asked(file.read(folder / "campaign.toml"), 1)} == {"it ends the program, with 3"}
 
 
 @pytest.mark.parametrize("lacks", [OSError(errno.ENOMEM, "Cannot allocate memory"), MemoryError()])
@@ -310,7 +310,7 @@ def test_a_row_that_ends_its_process_is_a_row_and_harms_no_other():
     assert "ZeroDivisionError: by mu" in found[4]
 
 
-@pytest.mark.parametrize(("how", "said"), mostly_long([("hang", "more than 1 s of the processor"), ("memory", "more than 4 GB")]))
+@pytest.mark.parametrize(("how", "said"), mostly_long([("hang", "more than 1 s of processor time"), ("memory", "more than 4 GB")]))
 def test_a_row_that_takes_too_much_is_ended(how, said):
     campaign = Campaign((mu(range(1, 5)),), Poison(**{how: 2}), seconds=1)
     with pool.Pool(campaign, 1) as processes:
@@ -325,7 +325,7 @@ def test_a_row_that_waits_for_ever_is_ended_with_what_it_started(monkeypatch):
     with pool.Pool(campaign, 1) as processes:
         (found,) = processes.texts([range(2, 3)])
     assert json.loads(found)[0][4] is None
-    assert json.loads(found)[0][-1] == "it waits: more than 1.5 s have passed, and it has not taken 0.5 s of the processor"
+    assert json.loads(found)[0][-1] == "it waits: more than 1.5 s have passed, and it has not taken 0.5 s of processor time"
 
 
 @pytest.mark.long
@@ -376,13 +376,13 @@ def test_what_cannot_be_asked_is_said_before_the_work(folder, monkeypatch):
     ):
         with pytest.raises(InputError, match=said):
             duhem.campaign(folder / "campaign.toml", **arguments)
-    with pytest.raises(InputError, match="no table to go on with"):
+    with pytest.raises(InputError, match="no table to continue"):
         duhem.campaign(["coulomb"], resume=True)
     with pytest.raises(InputError, match="there are no rows"):
         duhem.campaign([])
     (folder / "campaign.toml").write_text(CAMPAIGN.replace('out = "table.csv"\n', ""))
     done = CliRunner().invoke(cli, ["campaign", str(folder / "campaign.toml")], standalone_mode=False)
-    assert "no place for the table" in str(done.exception)
+    assert "the name of the table is missing" in str(done.exception)
 
 
 def test_what_no_process_can_take_is_said(monkeypatch):

@@ -29,7 +29,7 @@ def test_without_the_extra_the_message_says_what_to_install(monkeypatch):
 
 
 def test_a_scheduler_and_workers_of_this_machine_are_not_both_asked():
-    with pytest.raises(InputError, match="workers and a scheduler"):
+    with pytest.raises(InputError, match="workers and scheduler"):
         duhem.campaign(["coulomb"], workers=2, scheduler="tcp://127.0.0.1:1")
 
 

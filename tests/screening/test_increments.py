@@ -67,8 +67,8 @@ def test_the_table_is_the_same_from_two_processes_and_the_summary_counts(tmp_pat
 
 
 WRONG = {
-    "nothing drawn": ("[increments]\n", "drawn or given"),
-    "both": ('[increments]\nn = 1\ntable = "t.csv"\n', "drawn or given"),
+    "nothing drawn": ("[increments]\n", "give either n and seed"),
+    "both": ('[increments]\nn = 1\ntable = "t.csv"\n', "give either n and seed"),
     "no seed": ("[increments]\nn = 1\n", "has no seed"),
     "no number": ("[increments]\nn = true\nseed = 1\n", ":6:1: n = True"),
     "pressed": (f"{DRAWN}pressure = 1\n", "pressure = 1"),
@@ -98,7 +98,7 @@ def test_what_is_asked_is_asked_for(tmp_path):
         file.reads(f'[campaign]\nask = "os:system"\n{rows}', folder=tmp_path)
     with pytest.raises(InputError, match="nothing is given to solve"):
         file.reads(f"{HEAD}{rows}{DRAWN}", folder=tmp_path)
-    with pytest.raises(InputError, match="drawn or given"):
+    with pytest.raises(InputError, match="give either count and seed"):
         Increments(duhem.project)
-    with pytest.raises(InputError, match="something else"):
+    with pytest.raises(InputError, match="claims and ask are both given"):
         duhem.campaign(["coulomb"], ["origin"], ask=Claimed(("origin",)))

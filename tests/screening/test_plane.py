@@ -165,5 +165,5 @@ def test_what_has_no_plane_is_not_asked_first(tmp_path):
         assert not (tmp_path / "table.csv").exists()
     for text in ("", "row,law\n1,coulomb\n", "\0"):
         (tmp_path / "no.csv").write_text(text)
-        with pytest.raises(InputError, match=r"no table of a campaign|no parameter"):
+        with pytest.raises(InputError, match=r"not the table of a campaign|no parameter"):
             plot_table(str(tmp_path / "no.csv"))

@@ -52,7 +52,7 @@ def test_a_draw_keeps_the_constraints_and_each_point_comes_from_its_number(tmp_p
     assert dict(campaign.row(7).values) == dict(found[6].values)
     assert values(rows(tmp_path, text.replace("seed = 3", "seed = 4"))) != values(found)
     nowhere = rows(tmp_path, text.replace("mu = [0, 2]", "mu = [2, 3]").replace("n = 10", "n = 1"))
-    assert "none of 30 draws" in nowhere[0].fault
+    assert "none of 30 random draws" in nowhere[0].fault
 
 
 def test_a_table_is_read_as_it_is_written_and_a_malformed_line_is_one_row(tmp_path):
@@ -87,12 +87,12 @@ def test_parquet_gives_the_same_rows_as_csv(tmp_path):
 
 
 WRONG = {
-    "no rows": ("", "there are no \\[\\[rows\\]\\]"),
+    "no rows": ("", "the file has no \\[\\[rows\\]\\]"),
     "unknown key": (f"{LIMACON}gird = {{}}\n", ":5:1: unknown key 'gird'.*grid"),
     "unknown law": ('[[rows]]\nlaw = "limaçom"\n', "4:1: unknown law"),
     "a file that is not there": ('[[rows]]\nlaws = ["a.toml"]\n', "no file 'a.toml'"),
     "code": ('[[rows]]\nlaw = "os:sep"\n', "would import code"),
-    "an empty glob": ('[[rows]]\nlaws = ["*.tml"]\n', "no file is named"),
+    "an empty glob": ('[[rows]]\nlaws = ["*.tml"]\n', "no file matches"),
     "unknown parameter": (f"{LIMACON}grid = {{ nu = [1] }}\n", "5:10: unknown parameter 'nu'"),
     "no number": (f'{LIMACON}grid = {{ mu = ["a"] }}\n', "5:16: 'a' is not a number"),
     "two kinds": (f"{LIMACON}grid = {{ mu = [1] }}\ndraw = {{ n = 1, seed = 1 }}\n", "grid and draw"),
@@ -104,7 +104,7 @@ WRONG = {
     "drawn and set": (f"{LIMACON}set = {{ mu = 1 }}\ndraw = {{ n = 1, seed = 1, mu = [0, 1] }}\n", "mu is given twice"),
     "unknown claim": ("claims_ = 1\n", "unknown key 'claims_'"),
     "negative": (f"seconds = -1\n{LIMACON}", "seconds = -1"),
-    "little memory": (f"memory = 0.49\n{LIMACON}", "memory = 0.49; give 0.5 or more: less does not load what asks a row"),
+    "little memory": (f"memory = 0.49\n{LIMACON}", "memory = 0.49; give 0.5 or more: duhem itself needs this much"),
     "not a number": (f"seconds = nan\n{LIMACON}", "seconds = NaN; give a number"),
     "a list for one effort": (f'effort = ["quick"]\n{LIMACON}', "unknown effort"),
     "more rows than a length": (f"{LIMACON}draw = {{ n = 1{'0' * 30}, seed = 1, mu = [0, 1] }}\n", "there are more than"),

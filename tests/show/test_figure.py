@@ -364,7 +364,7 @@ def test_colours_differ_in_grey_or_by_their_marks() -> None:
         ("p", "no ending is no format"),
         ("no/where/p.png", "there is no such directory"),
         ("folder.png", "this is a directory"),
-        ("locked/p.png", "it may not be written"),
+        ("locked/p.png", "you have no permission to write it"),
     ],
 )
 def test_a_place_that_cannot_be_written_to_is_said_before_the_work(place: str, said: str, tmp_path, monkeypatch) -> None:

@@ -169,10 +169,10 @@ def test_a_history_shows_its_ends_and_what_it_left_out() -> None:
 
 def test_a_report_of_a_routine_says_how_each_check_came_out() -> None:
     report = Report(HOSTILE, ("one",), (), {"two": HOSTILE}, 7, 1, expected={"three": "known"}, unexpected={"one": "mended"})
-    assert dict(sheet(report).rows) == {"one": "passed, and was expected to fail", "two": "left out", "three": "failed, as expected"}
+    assert dict(sheet(report).rows) == {"one": "passed, but was expected to fail", "two": "skipped", "three": "failed, as expected"}
     read = Read(report._repr_html_())
     assert f"two: {HOSTILE}" in read.said and "$x" not in read.typeset
-    assert repr(report) == f"<Report of {HOSTILE}: 1 checks passed, 1 failed, 1 left out; 7 increments, 1 flagged>"
+    assert repr(report) == f"<Report of {HOSTILE}: 1 checks passed, 1 failed, 1 skipped; 7 increments, 1 flagged>"
     assert report.to_text() == str(report) and json.loads(json.dumps(report.to_dict()))["left_out"] == {"two": HOSTILE}
 
 

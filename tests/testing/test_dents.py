@@ -86,7 +86,7 @@ def test_a_dent_is_found_at_every_seed_and_told_by_stresses_that_show_it(name: s
 def test_a_dent_that_is_deep_is_told_in_round_numbers() -> None:
     (failure,) = asked(DENTED["limacon, e = 0.6"], 0).failures
     assert failure.case.parameters == {"mu": 1.0, "e": 0.6} and failure.case.pressure == [-1.0]
-    assert failure.message == "[-0.41, 0.3] and [-0.41, -0.3] lie in K, and their middle [-0.41, 0] does not"
+    assert failure.message == "[-0.41, 0.3] and [-0.41, -0.3] lie in K, and their midpoint [-0.41, 0] does not"
 
 
 CONVEX = [(*law, 0) for law in (*ALWAYS, *AT_VALUES)] + [
@@ -129,8 +129,8 @@ def test_nor_one_whose_g_is_zero_at_the_origin_or_has_no_value_there(name: str, 
 
 def test_where_no_stress_surely_lies_inside_the_report_says_that_boundary_points_were_left_out() -> None:
     (said,) = asked(of("pos(norm(a, b) - 1)"), 0, 2).tested()
-    lacking = "and on no pairs of boundary points, which need a stress that surely lies inside K, where none is known"
-    assert said == f"convexity was tested on 56 pairs of stresses alone, {lacking}; duhem verify seeks a proof"
+    lacking = "and on no pairs of boundary points, which need a stress inside K, and none is known"
+    assert said == f"convexity was tested only on 56 pairs of stresses, {lacking}; duhem verify searches for a proof"
     assert "which need" not in asked(of("norm(a, b) - 1"), 0, 2).tested()[0]
     assert "boundary" not in asked(of("abs(a) - 1", "a"), 0, 2).tested()[0]  # two points
 

@@ -100,8 +100,8 @@ INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
         ("stress", radial_return, "radial return"),
         ("stress", radial_when_far, "radial return of trial stresses that lie 3."),
     ],
-    "metric_of_no_stiffness": [("stress", identity_metric, "metric of the identity")],
-    "metric_of_the_diagonal": [("stress", lambda t, p, k: projected(t, p, np.diag(np.diag(k))), "the diagonal of the stiffness alone")],
+    "metric_of_no_stiffness": [("stress", identity_metric, "computed with the identity")],
+    "metric_of_the_diagonal": [("stress", lambda t, p, k: projected(t, p, np.diag(np.diag(k))), "only the diagonal of the stiffness")],
     "metric_of_the_inverse": [("stress", inverse_metric, "inverse stiffness")],
     "metric_of_exchanged_entries": [
         ("stress", lambda t, p, k: projected(t, p, k[::-1, ::-1]), "entries of the stiffness for sigma_a and sigma_b exchanged"),
@@ -122,13 +122,17 @@ INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
     "too_far": [("stress", reflected, "2 times what leads to the closest point")],
     "multiple_of_the_answer": [
         ("stress", over_projection, "0.9 times the closest point"),
-        ("stress", to_the_origin, "all stress is gone where there is slip"),
+        ("stress", to_the_origin, "the stress is zero if there is slip"),
     ],
     "one_newton_step": [("stress", newton_once, "one step of Newton's method")],
     "component_by_component": [
-        ("stress", lambda t, p, k: np.clip(t, [[0.5, 0.1]] * p[:, None], [[-0.5, -0.1]] * p[:, None]), "cut at the end of its own axis")
+        (
+            "stress",
+            lambda t, p, k: np.clip(t, [[0.5, 0.1]] * p[:, None], [[-0.5, -0.1]] * p[:, None]),
+            "each component is limited separately",
+        )
     ],
-    "forgotten_slip": [("stress", from_displacements(forgets), "the former slip is forgotten")],
+    "forgotten_slip": [("stress", from_displacements(forgets), "the previous slip is missing")],
     "imprecise": [("stress", lambda t, p, k: ellipse(t, p, k).astype(np.float32), "single precision")],
     "opposite_slip": [("slip", with_extras(slip=np.negative), "the slip has the opposite sign")],
     "no_slip": [("slip", with_extras(slip=lambda x: 0.0 * x), "always zero")],
@@ -154,7 +158,7 @@ INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
     "elastic_tangent": [("tangent", of_step(lambda t, s, g, k: np.tile(k, (len(t), 1, 1)), "tangent"), "the elastic one")],
     "no_tangent": [("tangent", with_extras(tangent=lambda x: 0.0 * x), "the tangent is zero")],
     "continuum_tangent": [("tangent", of_step(rates, "tangent"), "that of the rates")],
-    "tangent_by_the_trial": [("tangent", with_extras(tangent=lambda x: x @ np.linalg.inv(K)), "slope by the trial stress")],
+    "tangent_by_the_trial": [("tangent", with_extras(tangent=lambda x: x @ np.linalg.inv(K)), "derivative by the trial stress")],
     "opposite_tangent": [("tangent", with_extras(tangent=np.negative), "the tangent has the opposite sign")],
     "secant": [("tangent", of_step(secant, "tangent"), "a secant")],
     "multiple_of_the_tangent": [("tangent", with_extras(tangent=lambda x: 2.0 * x), "2 times the slope of the stress")],
@@ -245,7 +249,7 @@ def test_what_is_kept_of_the_first_call_is_told_and_shown_by_the_whole_run(what:
     if what == "stiffness" and not said.startswith(
         first
     ):  # of the first, a multiple of the identity, routines without a memory say as much
-        assert said.startswith(("radial return", "the closest point is taken in the metric of the identity")), str(report)
+        assert said.startswith(("radial return", "the closest point is computed with the identity")), str(report)
     else:
         assert said.startswith(first) and "of the first call of the run" in said, str(report)
         assert f"seed={seed}" in failure.reproducer()
@@ -332,7 +336,7 @@ def test_an_error_of_far_trials_is_a_share_of_the_stress_and_no_lack_of_digits()
 def test_what_corrects_far_out_does_not_correct_nothing() -> None:
     late = asked(lambda t, p, k: np.where(np.abs(t).max(axis=1, keepdims=True) < 1e3, t, projected(t, p, k)))
     assert told("stress", late)["trial_stress"].endswith("of these, but farther out it does")
-    assert told("stress", asked(nothing))["trial_stress"].endswith("it corrects nothing")
+    assert told("stress", asked(nothing))["trial_stress"].endswith("without a correction")
 
 
 def test_a_tangent_of_a_stress_that_is_not_the_closest_point_says_so_first() -> None:
@@ -382,8 +386,8 @@ def test_what_is_done_at_some_increments_is_not_said_of_all(name: str) -> None:
     query = asked(update, pressure=pressure)
     query = query if pressure else asked_without_pressure(update)
     said = told("stress", query)
-    assert all(each.endswith("at such increments only, others beside them are answered right") for each in said.values()), said
-    assert "at such increments only" not in told("stress", asked(nothing if what == "trial_stress" else lambda t, p, k: 0.0 * t))[what]
+    assert all(each.endswith("this happens only for such increments, and others near them are right") for each in said.values()), said
+    assert "only for such increments" not in told("stress", asked(nothing if what == "trial_stress" else lambda t, p, k: 0.0 * t))[what]
 
 
 def asked_without_pressure(update: Routine) -> Query:

@@ -207,11 +207,11 @@ def test_a_call_without_end_is_an_error_that_names_its_increment(many: Path, tmp
     update = shared_library(many, "void endless(const double *trial, double *stress)", isolated=True, seconds=0.5)
     assert update(np.array([[1.0]]), None, np.eye(1)).stress.tolist() == [[1.0]]
     options = {"stiffness": [1.0], "max_examples": 3, "rows": 4, "tries": 5, "seed": 0}
-    with pytest.raises(Unfinished, match=r"endless of .*\.so has not answered within 0\.5 s; look where") as fault:
+    with pytest.raises(Unfinished, match=r"endless of .*\.so has not answered within 0\.5 s; check its loops") as fault:
         conformance(None, update, **options)
     failure = fault.value.failure
     assert failure.case.trial[0, 0] > 2 or failure.case.path.max() > 2
-    assert str(fault.value).startswith("trial [") and f"asked by the check {failure.check.name}" in str(fault.value)
+    assert str(fault.value).startswith("trial [") and f"in the check {failure.check.name}" in str(fault.value)
     (tmp_path / "test_replay.py").write_text(failure.replay(), "utf-8")
     with pytest.raises(Unfinished):
         runpy.run_path(str(tmp_path / "test_replay.py"))[f"test_{failure.check.name.replace('-', '_')}"]()
@@ -249,7 +249,7 @@ def test_what_the_routine_leaves_out_is_not_a_number(many: Path) -> None:
 
 WRONG = {
     "void f(float *trial, double *stress)": "'float \\*trial' is not understood",
-    "double f(double *trial, double *stress)": "no prototype",
+    "double f(double *trial, double *stress)": "not the prototype",
     "void f(double *trial)": "no argument 'stress'",
     "void f(double *stress)": "no argument 'trial'",
     "void f(double *trial, double stress)": "'double stress' cannot be written to",
@@ -270,7 +270,7 @@ def test_a_prototype_that_is_none_is_told(text: str) -> None:
 
 def test_what_is_missing_is_told(many: Path, tmp_path: Path) -> None:
     plain = "void {}(const double *trial, double *stress)"
-    with pytest.raises(InputError, match=r"there is no such file; give the place"):
+    with pytest.raises(InputError, match=r"there is no such file; give the path"):
         shared_library(tmp_path / "none.so", plain.format("f"))
     for isolated in (False, True):  # the second in a process of its own
         with pytest.raises(InputError, match=r"has no symbol 'nothing'; name an exported function"):
@@ -279,7 +279,7 @@ def test_what_is_missing_is_told(many: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot be loaded"):
         shared_library(tmp_path / "text.so", plain.format("f"))
     one = np.ones((1, 2))
-    with pytest.raises(InputError, match="argument 'mu': it is no word of its own, and there is no parameter"):
+    with pytest.raises(InputError, match="argument 'mu': it is neither a known name nor a parameter"):
         friction()["update"](one, -one[:, 0], np.eye(2))
     with pytest.raises(InputError, match="no argument for the parameter 'c'"):
         friction()["update"](one, -one[:, 0], np.eye(2), mu=0.3, c=1.0)
@@ -291,11 +291,11 @@ def test_what_is_missing_is_told(many: Path, tmp_path: Path) -> None:
         umat(many, [], np.eye(6), symbol="crash", axes=2 * np.eye(3))
     with pytest.raises(InputError, match="symmetric, positive definite"):
         umat(many, [], -np.eye(6), symbol="crash")
-    with pytest.raises(InputError, match="a material has its own stiffness; give"):
+    with pytest.raises(InputError, match="a material contains its own stiffness; give"):
         conformance(None, mises()["update"], stiffness=[1.0])
-    with pytest.raises(InputError, match="hold it against a law with from_material"):
+    with pytest.raises(InputError, match="use from_material to test it with a law"):
         conformance("coulomb", mises()["update"])
-    with pytest.raises(InputError, match="says how many forces there are"):
+    with pytest.raises(InputError, match="must give the number of forces"):
         conformance(None, friction()["update"])
 
 

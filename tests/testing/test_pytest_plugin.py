@@ -95,7 +95,7 @@ class TestMethods:
             f"FAILED {name}update[[]idempotence]*",
             f"XFAIL {name}update[[]variational-inequality] - *the slip is reversed on purpose",
             f"FAILED {name}update[[]feasibility]*",
-            "*feasibility passes, and was expected to fail: thought to fail; take it out of expected_failed_checks",
+            "*feasibility passes, but was expected to fail: thought to fail; remove it from expected_failed_checks",
             f"PASSED {name}update[[]flagged]",
             f"FAILED {name}stick[[]feasibility]*",
             f"PASSED {name}test_made[[]feasibility-3]",
@@ -230,7 +230,7 @@ def update(trial, pressure, stiffness):
     many = found["update[coulomb-flagged]"]["duhem_flagged"].split(" of ")
     assert many[0] == many[1] != "0"
     done.stdout.fnmatch_lines_random(["PASSED *::update[[]orthotropic-flagged]", "FAILED *::update[[]coulomb-flagged]*"])
-    done.stdout.fnmatch_lines(["*update[[]coulomb] flags * increments as not solved, more than a share 0"])
+    done.stdout.fnmatch_lines(["*update[[]coulomb] flags * increments as not solved, more than the allowed fraction 0"])
 
 
 WRONG = {
@@ -239,14 +239,14 @@ WRONG = {
     'law="coulomb", checks="feasible"': "unknown check 'feasible'; choose one of *",
     'law="coulomb", tolerance=1': "the marker duhem takes no 'tolerance'; it takes law, *",
     'law="coulomb", parameters={"nu": 1}': "*nu*",
-    'law="coulomb", checks="slip", expected_failed_checks={"ray": "?"}': "ray is expected to fail and not asked for; name it in checks",
-    'law="coulomb", checks=[]': "checks: no check is asked for; *",
+    'law="coulomb", checks="slip", expected_failed_checks={"ray": "?"}': "ray is expected to fail, but is not selected; name it in checks",
+    'law="coulomb", checks=[]': "checks: no check is selected; *",
     'law="coulomb", checks=[3]': "checks: 3 is no check; *",
-    'law="coulomb", expected_failed_checks=["slope"]': "expected_failed_checks: [[]'slope'[]] says not which check fails why; *",
-    'law="coulomb", most_flagged="all"': "most_flagged: 'all' is no share; give a number from 0 to 1, *",
+    'law="coulomb", expected_failed_checks=["slope"]': "expected_failed_checks: [[]'slope'[]] does not map checks to reasons; *",
+    'law="coulomb", most_flagged="all"': "most_flagged: 'all' is not a fraction; give a number from 0 to 1, *",
     'law="coulomb", pressure=1.0': "pressure: sigma_n = 1.0 is positive; sigma_n <= 0 in compression: *",
     "law=None, stiffness=[[1.0, 2.0], [2.0, 1.0]]": "stiffness: the matrix is not positive definite; *",
-    'law="coulomb"': "it takes (), and an update routine takes (trial, pressure, stiffness); use the fixture duhem_check, *",
+    'law="coulomb"': "it takes (), but an update routine takes (trial, pressure, stiffness); use the fixture duhem_check *",
 }
 
 
@@ -267,8 +267,8 @@ def test_a_marker_that_cannot_be_used_is_one_line(pytester: pytest.Pytester, giv
     ("routine", "said"),
     [
         ("async def update(trial, pressure, stiffness): ...", "it is async, *"),
-        ("def update(trial, pressure, stiffness, made): ...", "nothing gives it the argument 'made'; *"),
-        ("class TestIt:\n    @MARK\n    def update(self, made, pressure): ...", "it takes (made, pressure), and *"),
+        ("def update(trial, pressure, stiffness, made): ...", "there is no value for its argument 'made'; *"),
+        ("class TestIt:\n    @MARK\n    def update(self, made, pressure): ...", "it takes (made, pressure), but *"),
         ("@pytest.mark.parametrize('mu', [1, 2])\ndef update(trial, pressure, stiffness, mu): ...", "it is parametrised, *"),
     ],
 )
@@ -277,7 +277,7 @@ def test_a_marked_routine_that_only_a_test_could_call_is_one_line(pytester: pyte
     pytester.makepyfile(test_it=f"{head}{'' if routine.startswith('class') else '@MARK'}\n{routine}\n")
     done = tried(pytester)
     done.assert_outcomes(errors=1)
-    done.stdout.fnmatch_lines([f"test_it.py::*update: {said}use the fixture duhem_check, in a test that hands a routine over: *"])
+    done.stdout.fnmatch_lines([f"test_it.py::*update: {said}use the fixture duhem_check in a test that makes the routine: *"])
 
 
 def test_a_marked_routine_with_open_parameters_is_called(pytester: pytest.Pytester) -> None:
@@ -415,7 +415,7 @@ def test_a_snapshot_is_kept_beside_the_test_and_compared(pytester: pytest.Pytest
     done = tried(pytester)
     done.assert_outcomes(failed=1)
     done.stdout.fnmatch_lines(
-        ["coulomb, mu = 0.5, claims origin: snapshots/test_it/test_law.json: there is no such file; * keep it with --duhem-update"]
+        ["coulomb, mu = 0.5, claims origin: snapshots/test_it/test_law.json: there is no such file; * store them with --duhem-update"]
     )
     done.stdout.no_fnmatch_line("* --update*")  # an option of the command, not of pytest
     tried(pytester, "--duhem-update").assert_outcomes(passed=1)

@@ -138,7 +138,7 @@ def test_a_replay_runs_as_it_stands(factor: float, friction: Callable[[float], o
 
 def test_a_routine_without_a_name_has_a_stub_that_says_so(tmp_path: Path) -> None:
     (file,) = failing(lambda trial, pressure, stiffness, mu: trial).write_replays(tmp_path)
-    with pytest.raises(AssertionError, match=r"<lambda> has no name that a file can import: call it here"):
+    with pytest.raises(AssertionError, match=r"<lambda> has no name that can be imported: call it here"):
         runpy.run_path(str(file))["test_feasibility"]()
 
 
@@ -189,7 +189,7 @@ def test_what_is_printed_takes_the_law_that_was_tested(
     monkeypatch.undo()  # as in another process, in another folder
     lines = failure.reproducer()
     if kind == "closed form":
-        assert "law = ...  # no file, name or formula gives this law again: put it here" in lines
+        assert "law = ...  # write the code that makes the law here" in lines
         with pytest.raises(duhem.InputError, match="ellipsis is no law"):
             exec(lines, {})
     else:
@@ -203,7 +203,7 @@ def test_a_routine_made_in_a_test_is_told_by_what_makes_it() -> None:
 
     (failure,) = conformance("coulomb", upd, DISK, checks="feasibility", stiffness=1.0, pressure=-1.0, max_examples=2, tries=0).failures
     maker = f"{__name__}.test_a_routine_made_in_a_test_is_told_by_what_makes_it"
-    assert f"update = ...  # made by {maker}: put here the lines that make it" in failure.reproducer()
+    assert f"update = ...  # made by {maker}: write the code that makes it here" in failure.reproducer()
 
 
 def within_the_disk(trial, pressure, stiffness):

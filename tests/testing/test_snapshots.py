@@ -73,13 +73,13 @@ CHANGES: dict[str, tuple[Callable[[Entry], Any], str]] = {
     "method": (lambda e: e["claims"]["convexity"].update(method="sampling"), "convexity: method composition → sampling"),
     "trust": (lambda e: e["claims"]["origin"].update(trust="prover"), "origin: trust checked → prover"),
     "scope": (lambda e: e["claims"]["origin"].update(scope="mu = 1"), "origin: scope all parameters → mu = 1"),
-    "lost": (lambda e: e["claims"].pop("duality"), "duality: kept, and not asked now"),
+    "lost": (lambda e: e["claims"].pop("duality"), "duality: stored, but not examined now"),
     "undecided": (lambda e: e["claims"]["convexity"].update(verdict="undecided"), "convexity: proved → undecided"),
     "domain": (lambda e: e["law"]["parameters"]["mu"].update(max="2"), "parameters mu max: none → 2"),
     "formula": (lambda e: e["law"].update(g="sigma_a"), "→ sigma_a"),
     "status": (lambda e: e["increments"][0].update(status="failed"), "increment 1: status stick → failed"),
     "fewer": (lambda e: e["increments"].pop(), "increments: 7 → 6"),
-    "none": (lambda e: e.update(left_out={"increments": "why"}), "increments left out: none → why"),
+    "none": (lambda e: e.update(left_out={"increments": "why"}), "increments omitted: none → why"),
     "slip": (lambda e: e["increments"][1]["slip"].update(sigma_a=0.0), "increment 2: slip moved by"),
 }
 
@@ -111,9 +111,9 @@ def test_what_is_kept_of_fewer_claims_says_so(kept: Entry, tmp_path: Path) -> No
     few = deepcopy(kept)
     few["claims"] = {"origin": kept["claims"]["origin"]}
     others = [name for name in kept["claims"] if name != "origin"]
-    assert differences(few, kept) == tuple(f"{name}: not kept, now {kept['claims'][name]['verdict']}" for name in others)
+    assert differences(few, kept) == tuple(f"{name}: not stored, now {kept['claims'][name]['verdict']}" for name in others)
     named = SnapshotFile({"coulomb, claims origin": few, "box": kept})
-    with pytest.raises(InputError, match=r"nothing is kept of coulomb, only of coulomb, claims origin; write it"):
+    with pytest.raises(InputError, match=r"there is no snapshot of coulomb, only of coulomb, claims origin; write it"):
         named.entry("coulomb", tmp_path / "kept.json")
 
 
@@ -134,7 +134,7 @@ def test_a_law_that_is_no_more_convex_and_a_witness_that_moves(tmp_path: Path) -
 def test_laws_without_increments_say_why() -> None:
     assert "flow of its own" in snapshot("plesha", duhem.project, claims="origin")["left_out"]["increments"]
     other = [{"parameters": {}, "pressure": None, "trial": {"x": 1.0}, "stiffness": {"x": 1.0}}]
-    assert "were others" in snapshot("coulomb", duhem.project, claims="origin", increments=other)["left_out"]["increments"]
+    assert "have other forces" in snapshot("coulomb", duhem.project, claims="origin", increments=other)["left_out"]["increments"]
 
 
 def test_the_file_is_read_as_it_was_written(kept: Entry, tmp_path: Path) -> None:
@@ -162,7 +162,7 @@ def test_the_command_keeps_compares_and_tells(
     assert run("snapshot", "coulomb", "--update") == (0, "coulomb: not kept before\nwrote duhem-snapshot.json\n", "")
     assert run("snapshot", "coulomb") == (0, "coulomb: as kept\n", "")
     code, _, said = run("snapshot", "coulomb", "orthotropic")
-    assert code == 2 and "nothing is kept of orthotropic; write it with --update" in said
+    assert code == 2 and "there is no snapshot of orthotropic; write it with --update" in said
     before = Path("duhem-snapshot.json").read_text("utf-8")
     Path("duhem-snapshot.json").write_text(before.replace('"proved"', '"undecided"', 1), "utf-8")
     code, said, _ = run("snapshot", "coulomb")

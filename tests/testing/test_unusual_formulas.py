@@ -36,7 +36,7 @@ def disk(share: float) -> Update:
 def test_the_disk_of_coulomb_in_other_words(name: str) -> None:
     report = conformance(law(name), disk(1.0), **OTHER_WORDS)
     assert report.ok and {"feasibility", "origin"} <= set(report.passed), str(report)
-    assert ("not judged where g has no value" in report.counted()) == (report.undefined > 0) == (name == "relative")
+    assert ("not judged because g has no value there" in report.counted()) == (report.undefined > 0) == (name == "relative")
 
 
 @pytest.mark.slow

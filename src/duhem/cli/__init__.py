@@ -31,12 +31,17 @@ __all__ = ["cli"]
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__, prog_name="duhem", message="%(prog)s %(version)s")
 def cli() -> None:
-    """Decide whether a friction or yield law is thermodynamically admissible, and prove it.
+    """Decide whether friction and yield laws are thermodynamically admissible.
 
-    A LAW is a name (duhem list, duhem atlas), a criterion file (duhem init NAME), or module:attribute.
+    A law is admissible if slip never produces energy. For each claim about a law, duhem gives a proof or a counterexample. It also
+    computes slip increments and loading paths, and tests update routines (functions that compute the stress at the end of an
+    increment).
 
-    Exit codes: 0 nothing refuted, 1 something refuted, 2 usage or file error, 3 undecided with --strict, 4 internal or
-    solver failure, 130 interrupted.
+    K is the set of admissible stresses. LAW is a name (duhem list, duhem atlas), a criterion file (duhem init NAME writes one), or
+    module:attribute.
+
+    Exit codes: 0 nothing refuted, 1 something refuted, 2 usage or file error, 3 undecided with --strict, 4 internal or solver failure,
+    130 interrupted.
     """
 
 

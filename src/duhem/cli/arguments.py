@@ -96,7 +96,7 @@ settings_option = click.option(
     metavar="NAME=VALUE",
     multiple=True,
     shell_complete=_complete_setting,
-    help="Fix a parameter, exactly: mu_a=0.15 or mu_a=3/20. Repeatable.",
+    help="Fix a parameter at an exact value, for example mu_a=0.15 or mu_a=3/20. Repeatable.",
 )
 
 
@@ -105,7 +105,9 @@ def format_option(*forms: str, says: str = "How to print it.") -> Callable[[_Com
     return click.option("--format", "form", type=click.Choice(forms), default=forms[0], show_default=True, help=says)
 
 
-report_format_option = format_option("text", "json", "junit", says="For people, for programs, or for what reads JUnit's XML.")
+report_format_option = format_option(
+    "text", "json", "junit", says="The form of the output: text for people, JSON for programs, or JUnit XML for integration servers."
+)
 
 
 def convex_option(says: str) -> Callable[[_Command], _Command]:
@@ -241,7 +243,7 @@ def read_numbers(text: str, where: str) -> list[float]:
 def read_number(text: str, where: str) -> float:
     numbers = read_numbers(text, where)
     if len(numbers) > 1:
-        raise InputError(f"{len(numbers)} numbers are given", where=where, remedy="give one")
+        raise InputError(f"this option has {len(numbers)} numbers", where=where, remedy="give one")
     return numbers[0]
 
 

@@ -22,12 +22,14 @@ _OPEN = ("tested", "undecided")
 @click.command()
 @group_option
 @format_option("text", "markdown", "json")
-@click.option("--plot", "file", metavar="FILE", help="Draw a section of each law on one sheet instead (.png, .svg, .pdf, ...).")
+@click.option(
+    "--plot", "file", metavar="FILE", help="Instead of printing, draw a section of each law on one sheet (.png, .svg, .pdf, ...)."
+)
 def atlas(group: str | None, form: str, file: str | None) -> None:
-    """Print the atlas: published laws, what the literature claims of them, and our verdicts.
+    """List published laws, their claims in the literature, and verdicts.
 
-    A verdict is over the whole domain of the law's file; "open" is one that no method has decided.  Each name can stand
-    for a LAW in every command.
+    A verdict covers the whole domain in the file of the law. "open" means that no method decided the claim. You can use each name as
+    LAW in every command.
     """
     from duhem.law.atlas.entry import entries
 

@@ -25,8 +25,8 @@ __all__ = ["bench"]
     type=click.Choice(["increment", "path", "throughput", "project", "paths", "all"]),
     default="all",
     show_default=True,
-    help="One increment alone, a loading path, many increments at once, the same through duhem.project, many steps through "
-    "duhem.simulate, or all of these.",
+    help="What to measure. increment: one increment; path: a loading path; throughput: many increments at once; project: the same "
+    "through duhem.project; paths: many steps through duhem.simulate.",
 )
 @stiffness_option
 @click.option(
@@ -34,18 +34,18 @@ __all__ = ["bench"]
     type=click.IntRange(1),
     default=5,
     show_default=True,
-    help="Runs of each measurement; slow ones take fewer, small batches more.",
+    help="Number of runs of each measurement (fewer for slow ones, more for small batches).",
 )
 @click.option(
     "--points",
     type=click.IntRange(1),
     default=1_000_000,
     show_default=True,
-    help="Increments of the scenes throughput and project, steps of a path in paths.",
+    help="Number of increments for throughput and project, and of steps for paths.",
 )
 @peers_option
 @json_option
-@click.option("--plot", metavar="FILE", help="Draw time over error, both logarithmic (.png, .pdf, .svg, ...).")
+@click.option("--plot", metavar="FILE", help="Draw run time over error with logarithmic axes (.png, .pdf, .svg, ...).")
 def bench(
     law: str,
     settings: Sequence[str],
@@ -57,14 +57,14 @@ def bench(
     json_file: str | None,
     plot: str | None,
 ) -> int:
-    """Measure error against run time of every method that applies to LAW (left out: antoni2007).
+    """Measure the error and the run time of every method for LAW.
 
-    Errors are taken against a reference in fifty digits that shares nothing with the methods; its own error is shown.
-    Every parameter needs a value (--set); those of antoni2007 default to Figure 5 of the paper.  Times are medians with
-    least and most; ratios are taken within the run.  What fails is listed, what is left out is named with the reason.
+    The default law is antoni2007. The reference has fifty digits and shares no code with the methods; the output shows its own error
+    too. Every parameter needs a value (--set); the default values of antoni2007 are those of Figure 5 of the paper. Times are medians
+    with minimum and maximum. Ratios compare times of the same run. The output lists failures, and omitted methods with the reason.
 
-    Exit codes: 0 measured, whether or not a target holds; 2 usage or file error; 4 no method gave an answer; 130
-    interrupted, after printing what was done.
+    Exit codes: 0 measured, even if a target is missed; 2 usage or file error; 4 no method gave an answer; 130 interrupted, after
+    printing the results so far.
     """
     fixed, diagonal = read_subject(law, settings, stiffness)
 

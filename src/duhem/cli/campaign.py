@@ -21,18 +21,18 @@ __all__ = ["campaign"]
 
 @click.command()
 @click.argument("campaign_file", metavar="CAMPAIGN", type=click.Path(dir_okay=False))
-@click.option("--workers", metavar="N", type=click.IntRange(min=1), help="Processes that ask rows; left out, one a core.")
-@click.option("--scheduler", metavar="ADDRESS", help="The scheduler of a Dask cluster, by address or by the file that it wrote.")
+@click.option("--workers", metavar="N", type=click.IntRange(min=1), help="Number of processes (default: one per core).")
+@click.option("--scheduler", metavar="ADDRESS", help="Use this Dask scheduler: its address, or the file that it wrote.")
 @click.option(
     "--resume",
     is_flag=True,
-    help="Go on with a campaign that was stopped; a finished table in Parquet stays, one in CSV is asked anew.",
+    help="Continue a campaign that was stopped. A finished Parquet table is not changed; a finished CSV table is computed again.",
 )
-@click.option("--out", metavar="FILE", help="Write the table as .csv or .parquet; left out, the one that the campaign names.")
-@click.option("--routine", metavar="MODULE:CALLABLE", help="The routine whose checks CAMPAIGN asks, as of duhem test; no file names it.")
-@click.option("--row", metavar="N", type=click.IntRange(min=1), help="Ask this row alone, and print its lines as JSON.")
-@click.option("--plot", "picture", metavar="FILE", help="Also draw verdicts over the parameters that vary: .png, .svg, .pdf, ...")
-@click.option("--axes", metavar="A,B", help="One or two parameters to draw over, where more of them vary.")
+@click.option("--out", metavar="FILE", help="Write the table to this .csv or .parquet file (default: the file that CAMPAIGN names).")
+@click.option("--routine", metavar="MODULE:CALLABLE", help='The update routine to test if CAMPAIGN has ask = "checks" (see duhem test).')
+@click.option("--row", metavar="N", type=click.IntRange(min=1), help="Compute only this row, and print its lines as JSON.")
+@click.option("--plot", "picture", metavar="FILE", help="Also draw the verdicts over the parameters that vary (.png, .svg, .pdf, ...).")
+@click.option("--axes", metavar="A,B", help="The one or two parameters on the axes of the picture, if more than two vary.")
 def campaign(
     campaign_file: str,
     workers: int | None,
@@ -44,18 +44,21 @@ def campaign(
     picture: str | None,
     axes: str | None,
 ) -> int:
-    """Ask every row of CAMPAIGN, a TOML file: laws times parameter sets, one line of the table a row and claim.
+    """Verify many laws and parameter sets, as listed in CAMPAIGN.
 
-    A name that is no law, a file that is not there and a fault in the file of a law with grid, draw or table are told before anything is
-    asked.  Any other row whose law cannot be read, or that crashes, hangs or asks for too much memory, is a row with its reason and harms
-    no other.
-    The table is the same from any number of workers, but for the seconds; --scheduler asks a Dask cluster (extra cluster), of SLURM for
-    example through dask-jobqueue, whose workers see the files that the campaign names.  A campaign that is interrupted (Ctrl-C, SIGTERM) or
-    killed keeps what is done beside the table, and --resume goes on from there.  With --plot CAMPAIGN may be a finished table, which is
-    drawn and not asked again.
+    CAMPAIGN is a TOML file. Each of its rows is one law with one parameter set. The table has one line per row and claim. CAMPAIGN may
+    also ask for increments, for the checks of a routine, or for stress cases.
 
-    Exit codes: 1 where a claim is refuted, a check failed or an increment flagged or wrong, 4 where a row has an error instead, which
-    comes first.
+    duhem reports a wrong name of a law, a missing file, and an error in a law with grid, draw or table before it starts. Any other row
+    that cannot be read, crashes, hangs or needs too much memory is written to the table with the reason, and the other rows are not
+    affected. Except for the seconds, the table does not depend on the number of workers. --scheduler uses a Dask cluster (extra
+    cluster), for example one that dask-jobqueue starts under SLURM. Its workers must see the files of the campaign.
+
+    A campaign that is interrupted (Ctrl-C, SIGTERM) or killed keeps its results beside the table, and --resume continues from there.
+    With --plot, CAMPAIGN may be a finished table; duhem then draws it and computes nothing.
+
+    Exit codes: 1 if a claim is refuted, a check failed, or an increment is flagged or wrong; 4 if a row has an error. 4 takes
+    precedence.
     """
     from duhem.errors import InputError
     from duhem.expression.spelling import spelled
@@ -67,13 +70,17 @@ def campaign(
     from duhem.vouched.increments import project
 
     if axes is not None and picture is None:
-        raise InputError("there is no picture for these axes", where=f"--axes {axes}", remedy="name it: --plot plane.png")
+        raise InputError("--axes needs the name of a picture", where=f"--axes {axes}", remedy="add for example --plot plane.png")
     over = None if axes is None else [spelled(name.strip()) for name in axes.split(",")]
     if picture is not None:
         figure.check(picture)
     if campaign_file.endswith((".csv", ".parquet")):
         if picture is None or workers is not None or scheduler is not None or resume or out is not None or row is not None or routine:
-            raise InputError("a finished table is drawn, not asked", where=campaign_file, remedy="give --plot FILE, and at most --axes")
+            raise InputError(
+                "the file is a finished table, which duhem can only draw",
+                where=campaign_file,
+                remedy="add --plot FILE, and use no other option than --axes",
+            )
         check_place(picture, [campaign_file])
         plane.plot_table(campaign_file, picture, over)
         say(picture)
@@ -83,16 +90,18 @@ def campaign(
     asked = file.read(campaign_file, project=project, routine=routine, checks=_checks, stress=_stress)
     if row is not None:
         if scheduler is not None or resume or out is not None or picture is not None:
-            raise InputError("one row is asked here, and its lines are printed", where="--row", remedy="leave the other options out")
+            raise InputError(
+                "--row prints the lines of one row and takes no other option", where="--row", remedy="remove the other options"
+            )
         return _alone(asked, row)
     table = asked.out if out is None else out  # an empty name is refused, not taken for none
     if table is None:
-        raise InputError("there is no place for the table", where=campaign_file, remedy='write out = "table.csv" in [campaign], or --out')
+        raise InputError("the name of the table is missing", where=campaign_file, remedy='write out = "table.csv" in [campaign], or --out')
     if picture is not None:
         check_places([table, picture], asked.inputs)
         plane.check(asked, over)
     if resume and finished_csv(table):
-        click.echo(f"duhem: {table} is finished, and CSV says not what was asked of it: every row is asked anew", err=True)
+        click.echo(f"duhem: {table} is finished, but a CSV table does not store its campaign: duhem computes all rows again", err=True)
     with Progress("starting") as progress:
         began, last, first = monotonic(), 0.0, -1
 

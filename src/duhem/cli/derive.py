@@ -14,7 +14,11 @@ __all__ = ["derive"]
 @law_argument
 @format_option("text", "latex", "markdown")
 def derive(law: str, form: str) -> None:
-    """Print the symbolic derivation of LAW."""
+    """Print the symbolic derivation of LAW.
+
+    The derivation starts with the free energy. It gives the state laws, the slip and, if a closed form is found, the dissipation
+    potential.
+    """
     chosen = read_law(law)
     from duhem import derivation
     from duhem.show.printing import text

@@ -30,25 +30,25 @@ EXTRAS = {
     "mutation": ("cosmic-ray", "coverage"),
 }
 PURPOSES = {
-    "parquet": "histories as Parquet: simulate --out history.parquet",
-    "cluster": "campaigns on many machines, by Dask: duhem campaign --scheduler ADDRESS",
+    "parquet": "histories as Parquet files: simulate --out history.parquet",
+    "cluster": "campaigns on many machines with Dask: duhem campaign --scheduler ADDRESS",
     "plot": "pictures: duhem plot, duhem figures, and --plot of other commands",
-    "notebooks": "the course in notebooks, run without a browser; jupyterlab opens it",
+    "notebooks": "the notebooks of the course (install jupyterlab to open them)",
     "report": "pages with pictures and typeset formulas: verify --report FILE",
-    "fast": "compiled increments and paths, through numba",
-    "second": "cvc5, a second solver; nothing in this version asks it",
-    "docs": "the pages in docs: python -m sphinx docs docs/_build",
+    "fast": "compiled increments and paths, with numba",
+    "second": "cvc5, a second SMT solver, which this version does not use",
+    "docs": "these pages as HTML: python -m sphinx docs docs/_build",
     "test": "the tests: python -m pytest",
-    "mutation": "which changes of the code no test sees: python -m tests.campaigns.mutation",
+    "mutation": "a search for changes of the code that no test detects: python -m tests.campaigns.mutation",
 }
 _FIELD = 15
 
 
 @click.command()
 def doctor() -> int:
-    """List installed and missing parts.
+    """List the installed and the missing parts.
 
-    Ends with facts about the machine that help with a bug report.
+    The last lines describe the machine. Include them in a bug report.
     """
     say(installed())
     return FAILED if missing() else HELD
@@ -59,7 +59,7 @@ def installed() -> str:
     lines = [f"duhem {__version__}", "", "core", *_rows(CORE, "duhem")]
     for extra, packages in EXTRAS.items():
         lines += ["", *PAGE.hanging(f"extra {extra}: {PURPOSES[extra]}"), *_rows(packages, f"duhem[{extra}]")]
-    lines += ["", *PAGE.hanging('every extra at once: pip install "duhem[all]"; from a clone, pip install ".[all]"')]
+    lines += ["", *PAGE.hanging('To install all extras: pip install "duhem[all]"; from a clone, pip install ".[all]"')]
     return "\n".join([*lines, "", "machine", *_machine()])
 
 

@@ -13,7 +13,10 @@ __all__ = ["explain"]
 @click.command()
 @click.argument("claim", required=False, shell_complete=complete_claims)
 def explain(claim: str | None) -> None:
-    """Explain the theory of CLAIM, or list the claims."""
+    """Explain what a CLAIM says and how it is proved.
+
+    Without CLAIM, duhem lists the claims.
+    """
     from duhem.proof.claims import CLAIMS
 
     page = endless_page()
@@ -21,7 +24,7 @@ def explain(claim: str | None) -> None:
         say("\n".join(page.listed({name: entry.statement for name, entry in CLAIMS.items()})))
         return
     (name,) = read_claims(claim)
-    theory = CLAIMS[name].theory.strip()
-    if page.width is not None:
-        theory = " ".join(theory.split())
-    say("\n".join([*page.hanging(f"{name}: {CLAIMS[name].statement}"), "", *page.hanging(theory, rest="")]))
+    say("\n".join(page.hanging(f"{name}: {CLAIMS[name].statement}")))
+    for paragraph in CLAIMS[name].theory.strip().split("\n\n"):
+        theory = paragraph if page.width is None else " ".join(paragraph.split())
+        say("\n".join(["", *page.hanging(theory, rest="")]))

@@ -16,16 +16,18 @@ __all__ = ["export"]
 @law_argument
 @settings_option
 @click.option(
-    "--to", "language", type=click.Choice(["c", "fortran"]), required=True, help="The increment in C, or what calls it in Fortran."
+    "--to", "language", type=click.Choice(["c", "fortran"]), required=True, help="c: the C file; fortran: the Fortran file that calls it."
 )
-@click.option("--out", metavar="FILE", help="Write it there; left out, to standard output.")
+@click.option("--out", metavar="FILE", help="The file to write (default: standard output).")
 def export(law: str, settings: Sequence[str], language: str, out: str | None) -> int:
-    """Write the slip increment of LAW and its consistent tangent as source.
+    """Write the slip increment of LAW as C or Fortran code.
 
-    C: one C99 file that needs nothing but the mathematical library; parameters that --set leaves open are arguments.  Fortran: a
-    module with the interface (bind(C)) and a subroutine with the arguments of Abaqus' FRIC for a law with a pressure, else of UMAT,
-    to be linked with the C file.  LAW is verified first, and the head of the file has the verdicts.  A law whose K is not proved to
-    be convex is refused.  A point that the routine does not solve has a status that says so, never an answer.
+    The code also contains the consistent tangent. C: one C99 file that needs only the mathematical library. A parameter without --set
+    becomes an argument. Fortran: a module with the interface (bind(C)), and a subroutine with the arguments of FRIC of Abaqus if the
+    law has a pressure, otherwise of UMAT. Link it with the C file.
+
+    duhem verifies LAW first and writes the verdicts into the head of the file. It rejects a law if it cannot prove that K is convex. If
+    the routine cannot solve an increment, it returns a status and no answer.
     """
     from duhem.show.place import check_place, write
 

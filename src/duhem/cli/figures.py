@@ -23,16 +23,25 @@ __all__ = ["figures"]
 
 @click.command()
 @click.argument("names", nargs=-1, metavar="[NAMES]...")
-@click.option("--out", "folder", metavar="DIR", default="figures", show_default=True, help="The folder to write into; made if missing.")
-@click.option("--set", "settings", metavar="NAME=VALUE", multiple=True, help="Change a parameter of the figures named. Repeatable.")
-@click.option("--format", "form", type=click.Choice(["png", "pdf", "svg"]), default="png", show_default=True, help="How to draw.")
-@click.option("--data", is_flag=True, help="Write the numbers as CSV and draw nothing.")
-@click.option("--list", "listing", is_flag=True, help="List the figures with their parameters, and stop.")
+@click.option(
+    "--out",
+    "folder",
+    metavar="DIR",
+    default="figures",
+    show_default=True,
+    help="The folder for the files. It is created if it does not exist.",
+)
+@click.option("--set", "settings", metavar="NAME=VALUE", multiple=True, help="Change a parameter of the figures. Repeatable.")
+@click.option(
+    "--format", "form", type=click.Choice(["png", "pdf", "svg"]), default="png", show_default=True, help="The form of the pictures."
+)
+@click.option("--data", is_flag=True, help="Write the numbers as CSV instead of pictures.")
+@click.option("--list", "listing", is_flag=True, help="Only list the figures with their parameters.")
 def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: str, data: bool, listing: bool) -> int:
-    """Compute the figures NAMES of the source paper: 1, 4, 5, 8, 9 and oblique; all of them if none is named.
+    """Compute the figures of the source paper.
 
-    Each is computed from the model and written as figure-NAME; the numbers it rests on are printed.  Figure 8 is a table:
-    it is printed, and written as CSV.
+    NAMES are 1, 4, 5, 8, 9 and oblique. Without NAMES, duhem computes all of them. Each figure is computed from the model and written
+    as figure-NAME, and its main numbers are printed. Figure 8 is a table: duhem prints it and writes it as CSV.
     """
     from duhem.micromodel.figures import FIGURES, Figure, Table, unknown
 

@@ -21,15 +21,21 @@ __all__ = ["identify"]
     default="antoni2007",
     show_default=True,
     shell_complete=complete_law,
-    help="The family to fit: a name, a criterion file, or module:attribute.",
+    help="The law whose parameters are fitted: a name, a criterion file, or module:attribute.",
 )
 @settings_option
-@click.option("--robust", is_flag=True, help="Minimise Huber's loss, which outliers hardly move, in place of squares.")
-@convex_option("Refuse a fit refuted to be convex, one not proved to be, or none.")
-@click.option("--bootstrap", type=click.IntRange(0), default=0, metavar="N", help="Draws for percentile intervals; 0: from the covariance.")
-@click.option("--seed", type=click.IntRange(0), default=0, metavar="S", show_default=True, help="Seed of the bootstrap.")
-@click.option("--out", metavar="FILE", help="Write the fitted law as a criterion file for duhem verify.")
-@click.option("--plot", metavar="FILE", help="Draw criterion, points and outliers (.png, .pdf, .svg, ...).")
+@click.option("--robust", is_flag=True, help="Minimise Huber's loss instead of the sum of squares. Outliers hardly change this fit.")
+@convex_option("ask: reject a fit whose K is not convex; require: also reject a fit whose K is not proved convex; assume: reject none.")
+@click.option(
+    "--bootstrap",
+    type=click.IntRange(0),
+    default=0,
+    metavar="N",
+    help="Number of bootstrap samples for percentile intervals (default 0: intervals from the covariance).",
+)
+@click.option("--seed", type=click.IntRange(0), default=0, metavar="S", show_default=True, help="Seed of the bootstrap samples.")
+@click.option("--out", metavar="FILE", help="Write the fitted law to this criterion file.")
+@click.option("--plot", metavar="FILE", help="Draw the criterion, the points and the outliers (.png, .pdf, .svg, ...).")
 @format_option("text", "json", says="For people or for programs.")
 def identify(
     points: str,
@@ -43,10 +49,12 @@ def identify(
     plot: str | None,
     form: str,
 ) -> int:
-    """Fit a law to the limit points in POINTS, a CSV file, and prove the fitted law admissible.
+    """Fit a law to the limit points in POINTS, a CSV file.
 
-    Columns: the law's forces and pressure (sigma_a, sigma_b, sigma_n; sigma_n < 0 in compression), one unit for all, and
-    either weight (proportional to 1/scatter^2) or scatter (standard deviation of each force).
+    A limit point is a measured stress at which slip begins. duhem then tries to prove that the fitted law is admissible.
+
+    Columns: the forces and the pressure of the law (sigma_a, sigma_b, sigma_n; sigma_n < 0 in compression), all in the same unit. You
+    may add weight (proportional to 1/scatter^2) or scatter (standard deviation of each force).
     """
     from duhem import identification
     from duhem.show.printing import text

@@ -14,9 +14,9 @@ __all__ = ["init"]
 
 @click.command()
 @click.argument("name")
-@click.option("--scene", is_flag=True, help="A scene for duhem simulate instead of a criterion.")
+@click.option("--scene", is_flag=True, help="Write a scene for duhem simulate instead of a criterion file.")
 def init(name: str, scene: bool) -> None:
-    """Write NAME.toml, a commented criterion file (or scene) to start from."""
+    """Write NAME.toml, a commented criterion file or scene."""
     stem = name.removesuffix(".toml")
     path = Path(f"{stem}.toml")
     try:

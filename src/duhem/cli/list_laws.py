@@ -8,13 +8,16 @@ from duhem.cli.output import endless_page, say
 
 __all__ = ["group_option", "list_laws"]
 
-group_option = click.option("--group", metavar="GROUP", help="Only this group of the atlas, for example metals.")
+group_option = click.option("--group", metavar="GROUP", help="Show only this group of the atlas, for example metals.")
 
 
 @click.command("list")
 @group_option
 def list_laws(group: str | None) -> None:
-    """List the laws that can be named; of the atlas, the published laws, a line a group."""
+    """List the built-in laws and the groups of the atlas.
+
+    The atlas is the collection of published laws; --group lists the laws of one group.
+    """
     from duhem.law import catalogue
     from duhem.law.atlas import entry
 

@@ -15,19 +15,28 @@ __all__ = ["plot"]
 @click.command(cls=Vectors)
 @law_argument
 @settings_option
-@click.option("--pressure", metavar="P", help="sigma_n <= 0 of the sections; -1 if left out. For a stress tensor: the mean stress.")
+@click.option(
+    "--pressure", metavar="P", help="The pressure sigma_n <= 0 of the sections (default -1). For a stress tensor: the mean stress."
+)
 @click.option(
     "--plane",
     "planes",
     metavar="A,B",
     multiple=True,
-    help="Two forces, or the pressure and a force; deviatoric, meridian, all. Repeatable.",
+    help="The plane of a section: two forces, or the pressure and a force, or deviatoric, meridian, all. Repeatable.",
 )
-@click.option("--trial", metavar="STRESS", help="Draw one increment from this trial stress, a number per force.")
-@click.option("--stiffness", metavar="K", default="1", show_default=True, help="Of the increment: one number, or one per force.")
-@click.option("--witness", is_flag=True, help="Verify the law, and draw the witness of each claim that is refuted.")
-@click.option("--unit", metavar="UNIT", default="", help="Any text, written as the unit of stresses; Pa is given the prefix that suits.")
-@click.option("--to", "file", metavar="FILE", help="Where to (.png, .svg, .pdf, ...); left out, NAME.png in the working folder.")
+@click.option("--trial", metavar="STRESS", help="Draw one increment from this trial stress (one number per force).")
+@click.option(
+    "--stiffness", metavar="K", default="1", show_default=True, help="Stiffness of the increment: one number, or one number per force."
+)
+@click.option("--witness", is_flag=True, help="Verify the law, and draw the counterexample of each refuted claim.")
+@click.option(
+    "--unit",
+    metavar="UNIT",
+    default="",
+    help="The unit of the stresses, as text for the axes. If it is Pa, duhem chooses a prefix such as M.",
+)
+@click.option("--to", "file", metavar="FILE", help="The picture to write: .png, .svg, .pdf, ... (default: NAME.png in the working folder).")
 def plot(
     law: str,
     settings: Sequence[str],
@@ -39,10 +48,14 @@ def plot(
     unit: str,
     file: str | None,
 ) -> int:
-    """Draw K of LAW: sections with boundary, normals, seams, and slips that are not normal.
+    """Draw K, the set of admissible stresses, of LAW.
 
-    A law of more than two forces is cut by pairs of its axes, one of a stress tensor by the deviatoric plane and a meridian, one with
-    a pressure at one pressure and along it.  A parameter that is left open gets a plain number of its domain: the title says which.
+    The picture shows sections of K with the boundary, its normals, its seams (lines where the formula of g changes), and the slip
+    directions that are not normal.
+
+    If LAW has more than two forces, each section shows two of them. A stress tensor is shown in the deviatoric plane and in a meridian
+    plane. A law with a pressure is shown at one pressure and along the pressure axis. If a parameter has no value, duhem takes a simple
+    number from its domain, and the title shows this number.
     """
     import re
 

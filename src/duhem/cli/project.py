@@ -26,22 +26,28 @@ __all__ = ["project"]
 @click.command(cls=Vectors)
 @law_argument
 @settings_option
-@click.option("--trial", metavar="A B ...", required=True, help="Trial stress k (u - u_in), one number a force.")
-@click.option("--pressure", metavar="N", help="Normal stress sigma_n <= 0 in compression.")
-@click.option("--stiffness", metavar="K ...", default="1", show_default=True, help="One number, one a force, or the matrix row by row.")
-@click.option("--method", type=click.Choice(["auto", *METHODS]), default="auto", show_default=True, help="How to solve.")
-@convex_option("Look for a proof that K is convex, require it, or do without.")
-@click.option("--tangent", is_flag=True, help="Add the consistent tangents.")
+@click.option(
+    "--trial", metavar="A B ...", required=True, help="Trial stress k (u - u_in): the stress without further slip, one number per force."
+)
+@click.option("--pressure", metavar="N", help="Pressure (normal stress) sigma_n <= 0 in compression.")
+@click.option(
+    "--stiffness", metavar="K ...", default="1", show_default=True, help="One number, one number per force, or the matrix row by row."
+)
+@click.option("--method", type=click.Choice(["auto", *METHODS]), default="auto", show_default=True, help="The method of solution.")
+@convex_option("ask: look for a proof that K is convex; require: reject the law without such a proof; assume: do not look for one.")
+@click.option("--tangent", is_flag=True, help="Add the consistent tangents (derivatives of the new stress).")
 @format_option("text", "json", says="For people or for programs.")
 def project(
     law: str, settings: Sequence[str], trial: str, pressure: str | None, stiffness: str, method: str, convex: str, tangent: bool, form: str
 ) -> int:
-    """One slip increment of LAW: the closest point of K to a trial stress.
+    """Compute one slip increment of LAW.
 
-    Prints stress, slip and multiplier with the residuals of the optimality conditions, recomputed from the law's formula.
-    Ends with 4 if they say that the point is not solved.  Where K is not convex a point may be stationary and not the closest:
-    a slip is called stationary, and ends with 4, unless K is shown to be convex, and inaccurate if a nearer point of K is found.
-    A stress beyond a range of forces that LAW declares is called outside, and ends with 4 too.
+    The new stress is the closest point of K, the set of admissible stresses, to the trial stress. The output shows the stress, the
+    slip, the multiplier, and the residuals of the optimality conditions, which duhem recomputes from the formula of the law.
+
+    The status is stick or slip if the answer is sound. Every other status ends with exit code 4: inaccurate or failed (the residuals
+    are too large, or a closer point of K was found), stationary (K is not known to be convex, so a closer point may exist), outside
+    (the stress leaves a range of forces that LAW declares).
     """
     from duhem.law.parameter_domain import check_fixed
     from duhem.projection.increment import check_associated

@@ -17,16 +17,17 @@ __all__ = ["recheck"]
 
 @click.command()
 @click.argument("certificate", type=click.Path(dir_okay=False))
-@click.option("--law", metavar="LAW", shell_complete=complete_law, help="Also ask that the certificate is about this law.")
+@click.option("--law", metavar="LAW", shell_complete=complete_law, help="Also check that the certificate is about this law.")
 @settings_option
 def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
-    """Check the proofs in CERTIFICATE (duhem verify LAW --certificate FILE) against the text of the law in it.
+    """Check the proofs in CERTIFICATE again, with the kernel alone.
 
-    The checker shares nothing with what made the proofs: no SymPy, no solver.  It prints the law that the certificate is
-    about, then a row for each claim; the last line counts.  --law and --set say which law it should be about.
+    duhem verify LAW --certificate FILE writes a certificate. The kernel is a small program that uses neither SymPy nor a solver, and
+    shares no code with the programs that found the proofs. The output shows the law of the certificate, and one row per claim. With
+    --law and --set you state which law you expect.
 
-    Ends with 0 only if everything that the certificate calls proved is confirmed, with 1 if a proof fails or the law is
-    another, and with 3 if no proof fails but some rest on the word of a prover or solver, for which the kernel has no rule.
+    Exit codes: 0 if the kernel confirms everything that the certificate calls proved; 1 if a proof fails or the certificate is about
+    another law; 3 if no proof fails, but some proofs rely on a prover or solver because the kernel has no rule for them.
     """
     if not certificate.strip():
         raise InputError("no file is named", where="CERTIFICATE", remedy="make one with: duhem verify LAW --certificate FILE")

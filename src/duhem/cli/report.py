@@ -70,7 +70,7 @@ def without() -> str:
     if not faults:
         return ""
     [*_, last] = faults.values()
-    return f"without {' and '.join(faults)}: {', '.join(fault.what for fault in faults.values())}; {last.remedy}"
+    return f"incomplete: it has no {' and no '.join(faults)}: {', '.join(fault.what for fault in faults.values())}; {last.remedy}"
 
 
 def _pictures(found: Verification) -> Chapter:

@@ -13,22 +13,26 @@ __all__ = ["simulate"]
 
 @click.command()
 @click.argument("scene", type=click.Path(dir_okay=False))
-@click.option("--out", metavar="FILE", help="Write the history as .csv or .parquet; left out, the scene's table, else standard output.")
-@click.option("--plot", metavar="FILE", help="Draw stress path, hysteresis and energies (.png, .pdf, .svg, ...).")
-@click.option("--explain", is_flag=True, help="Print what the scene needs and what is left out, and stop.")
-@click.option("--resume", is_flag=True, help="Go on with a run that was stopped.")
+@click.option(
+    "--out", metavar="FILE", help="Write the history to this .csv or .parquet file (default: the table of the scene, or standard output)."
+)
+@click.option("--plot", metavar="FILE", help="Draw the stress path, the hysteresis and the energies (.png, .pdf, .svg, ...).")
+@click.option("--explain", is_flag=True, help="Only print which parts of the computation the scene needs, and which it does not need.")
+@click.option("--resume", is_flag=True, help="Continue a run that was stopped.")
 def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resume: bool) -> int:
-    """Drive a law along the loading path of SCENE, a TOML file.
+    """Compute a loading path from SCENE, a TOML file.
 
-    A step whose closest point of K cannot be vouched for ends the run: on a K that is not shown to be convex, where a nearer point
-    of K is found; elsewhere a line says in how many steps the slip is stationary and no more, and convex = "require" in [method]
-    refuses such a K.  The exact integrator follows the slip along the boundary and asks for no closest point; --explain says where
-    K is not convex.  A pressure outside the range that the law declares is refused; a stress that leaves one ends the run, and what
-    came before is kept as after an interruption.
+    Each step computes the closest point of K, the set of admissible stresses. The run ends if a step has no reliable answer. If K is
+    not known to be convex, a computed point may be stationary only: a closer point may exist. A message then counts these steps. The
+    run ends if duhem finds a closer point. convex = "require" in [method] rejects a law whose K is not known to be convex. The exact
+    integrator follows the slip along the boundary and computes no closest points; --explain tells you if K is not convex.
 
-    A run that is interrupted (Ctrl-C, SIGTERM) keeps what is done in FILE.partial, and --resume goes on from there.  So it does after a
-    run that was killed, from what was kept last: every minute, or as often as the scene says, and of many points after each share
-    of them.
+    duhem rejects a pressure outside the range that the law declares. If the stress leaves its declared range, the run ends and keeps
+    its previous steps.
+
+    If you interrupt a run (Ctrl-C, SIGTERM), it keeps its results in FILE.partial, and --resume continues from there. A run that was
+    killed continues from its last checkpoint, which is written every minute by default and, for many points, after each group of
+    points.
     """
     from duhem.left_out import LeftOut
     from duhem.path import scene_file
@@ -49,7 +53,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     if explain:
         chosen = looked_into(chosen)
         for part in chosen.parts(table, figure):
-            say(f"{'left out' if isinstance(part, LeftOut) else 'needed'}: {part.part} ({part.reason})")
+            say(f"{'not needed' if isinstance(part, LeftOut) else 'needed'}: {part.part} ({part.reason})")
         return HELD
     with Progress("simulating") as progress:
         began = last = monotonic()
@@ -66,9 +70,11 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
                 came = perform_many(chosen, table, resume, say, on_step)
                 progress.show("")
                 if came.stationary:
-                    click.echo(f"duhem: in the slips of {came.stationary} of {came.points} points {NOT_SHOWN}", err=True)
+                    click.echo(f"duhem: in the slips of {came.stationary} of {came.points} points, {NOT_SHOWN}", err=True)
                 if came.ended:
-                    click.echo(f"duhem: {came.ended} points end early, at a step that cannot be vouched for or leaves a range", err=True)
+                    click.echo(
+                        f"duhem: {came.ended} points end early, at a step without a reliable answer or outside a declared range", err=True
+                    )
                 wrote(f"the histories of {came.points} points", table)
                 return FAILED if came.ended else HELD
             history = perform(chosen, table, resume, on_step)

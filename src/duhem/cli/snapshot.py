@@ -15,13 +15,15 @@ __all__ = ["snapshot"]
 
 @click.command()
 @laws_argument
-@click.option("--file", metavar="FILE", default="duhem-snapshot.json", show_default=True, help="Where snapshots are kept.")
-@click.option("--update", is_flag=True, help="Keep what is found now.")
+@click.option("--file", metavar="FILE", default="duhem-snapshot.json", show_default=True, help="The file with the snapshots.")
+@click.option("--update", is_flag=True, help="Store the present results.")
 def snapshot(laws: Sequence[str], file: str, update: bool) -> int:
-    """Compare each LAW with what is kept of it: verdicts, methods, trust, exact witnesses, and some slip increments.
+    """Compare each LAW with its stored snapshot.
 
-    Ends with 1 if something has changed, and says what; with 2 if nothing is kept yet.  Stresses and slips may move by the
-    tolerance that FILE states.  With --update the file is written; laws in it that are not named stay as they are.
+    A snapshot contains verdicts, methods, trust, exact witnesses, and some slip increments.
+
+    Exit codes: 0 nothing has changed; 1 something has changed (the output says what); 2 there is no snapshot yet. Stresses and slips
+    may differ by the tolerance that FILE states. --update writes the file; laws in it that you do not name stay unchanged.
     """
     from duhem.show.place import check_place
     from duhem.testing.snapshots import SnapshotFile, differences

@@ -20,22 +20,25 @@ __all__ = ["stress"]
 @click.command()
 @flagship_argument
 @settings_option
-@click.option("--axis", "axes", metavar="NAME", multiple=True, help="Only this axis of difficulty, for example load. Repeatable.")
+@click.option("--axis", "axes", metavar="NAME", multiple=True, help="Test only this kind of difficulty, for example load. Repeatable.")
 @stiffness_option
 @peers_option
 @json_option
-@click.option("--plot", metavar="FILE", help="Draw accurate digits over decades for each axis and method (.png, .pdf, .svg, ...).")
+@click.option(
+    "--plot", metavar="FILE", help="Draw the number of accurate digits over the difficulty, for each method (.png, .pdf, .svg, ...)."
+)
 def stress(
     law: str, settings: Sequence[str], axes: Sequence[str], stiffness: str | None, peers: bool, json_file: str | None, plot: str | None
 ) -> int:
-    """Try every method that applies to LAW (left out: antoni2007) on stiff and extreme increments, decade by decade.
+    """Test every method for LAW on stiff and extreme increments.
 
-    Each answer is judged against a reference in fifty digits: finite, in K, how many digits are accurate, and whether the
-    method flags it.  Silently wrong is what has fewer than 6 digits and no flag.  Input that is not finite has to be
-    refused.  Every parameter needs a value (--set); those of antoni2007 default to Figure 5 of the paper.
+    The default law is antoni2007. The difficulty grows by factors of ten. duhem compares each answer with a reference in fifty digits:
+    is it finite, is it in K, how many digits are accurate, and does the method flag it? An answer with fewer than 6 accurate digits and
+    no flag is counted as silently wrong. Each method must also reject input that is not finite. Every parameter needs a value (--set);
+    the default values of antoni2007 are those of Figure 5 of the paper.
 
-    Exit codes: 0 measured, whatever was found; 2 usage or file error; 4 no method gave an answer; 130 interrupted, after
-    printing what was done.
+    Exit codes: 0 measured, whatever the results are; 2 usage or file error; 4 no method gave an answer; 130 interrupted, after printing
+    the results so far.
     """
     from duhem.benchmark import extreme_cases
 

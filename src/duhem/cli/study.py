@@ -23,10 +23,12 @@ FLAGSHIP = "antoni2007"
 FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}  # Antoni et al. 2007
 
 flagship_argument = click.argument("law", default=FLAGSHIP, shell_complete=complete_law)
-stiffness_option = click.option("--stiffness", metavar="K ...", help="Diagonal stiffness, one number a force, in quotes; left out 1 2 ...")
-json_option = click.option("--json", "json_file", metavar="FILE", help="Write everything as one JSON object.")
+stiffness_option = click.option(
+    "--stiffness", metavar="K ...", help="Diagonal stiffness in quotes, one number per force (default: 1 2 ...)."
+)
+json_option = click.option("--json", "json_file", metavar="FILE", help="Write all results to this file as one JSON object.")
 peers_option = click.option(
-    "--peers", is_flag=True, help="Measure other programs too (SciPy, jaxmat, qpax, ProxQP), those that are installed."
+    "--peers", is_flag=True, help="Also measure the other programs that are installed (SciPy, jaxmat, qpax, ProxQP)."
 )
 
 

@@ -45,30 +45,31 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
 
 @click.command()
 @click.argument("subject", metavar="LAW|MODULE:CALLABLE", shell_complete=complete_law)
-@click.option("--law", metavar="LAW", shell_complete=complete_law, help="The law that MODULE:CALLABLE is a routine for.")
+@click.option("--law", metavar="LAW", shell_complete=complete_law, help="The law of the routine MODULE:CALLABLE.")
 @settings_option
 @click.option(
     "--profile",
     type=click.Choice([*_EXAMPLES]),
     default="dev",
     show_default=True,
-    help="How many cases are drawn: 30, 100 with seed 0 (the same each time), or 2000.",
+    help="Number of cases: dev 30; ci 100, the same in each run; deep 2000.",
 )
-@click.option("--examples", type=click.IntRange(1), metavar="N", help="Another number of cases than the profile's.")
-@click.option(
-    "--stiffness", metavar="K ...", help="Fix it, in quotes: one number a force, or the matrix row by row. Drawn by decades if left out."
-)
-@click.option("--pressure", metavar="N", help="Fix the normal stress sigma_n <= 0. Drawn by decades if left out, as far as there is a law.")
-@click.option("--seed", type=click.IntRange(0), metavar="S", help="Draw the cases of this seed again.")
-@click.option("--accuracy", metavar="A", help="Relative error in stress that the routine promises; 1e-9 if left out.")
-@click.option("--checks", metavar="A,B", help="Only these checks.")
+@click.option("--examples", type=click.IntRange(1), metavar="N", help="Number of cases, instead of that of the profile.")
+@click.option("--stiffness", metavar="K ...", help="Stiffness in quotes: one number per force, or the matrix row by row (default: random).")
+@click.option("--pressure", metavar="N", help="Pressure (normal stress) sigma_n <= 0 (default: random, if there is a law).")
+@click.option("--seed", type=click.IntRange(0), metavar="S", help="Draw the same cases as an earlier run with this seed.")
+@click.option("--accuracy", metavar="A", help="Relative error of the stress that you allow the routine (default 1e-9).")
+@click.option("--checks", metavar="A,B", help="Run only these checks.")
 @click.option(
     "--most-flagged",
     metavar="S",
-    help="Share of the increments that MODULE:CALLABLE may flag as not solved; 0 if left out. Those of duhem's own methods do not count.",
+    help="Maximum fraction of increments that MODULE:CALLABLE may flag as not solved (default 0). Not used for duhem's own methods.",
 )
 @click.option(
-    "--expect", metavar="CHECK=REASON", multiple=True, help="A check known to fail, and why; that it passes is an error. Repeatable."
+    "--expect",
+    metavar="CHECK=REASON",
+    multiple=True,
+    help="A check that you expect to fail, with the reason. If it passes, this is an error. Repeatable.",
 )
 @click.option(
     "--shrink",
@@ -76,15 +77,15 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
     metavar="N",
     default=200,
     show_default=True,
-    help="Tries to make each failing case smaller, at most.",
+    help="Maximum number of attempts to simplify a failing case.",
 )
 @click.option(
     "--every",
     type=click.IntRange(1),
     metavar="N",
-    help="Of one increment in N more is asked than its answer; 1 asks all of all, left out is 7, without a law 2.",
+    help="Some checks call the routine again. Do this for one increment in N (default 7, without a law 2).",
 )
-@click.option("--replay", metavar="FOLDER", help="Also write each failure to FOLDER as a test file.")
+@click.option("--replay", metavar="FOLDER", help="Also write each failure to FOLDER, as a test file that repeats it.")
 @report_format_option
 def test(
     subject: str,
@@ -104,15 +105,18 @@ def test(
     replay: str | None,
     form: str,
 ) -> int:
-    """Put a routine for the slip increment to every check, or duhem's own: each method that takes LAW.
+    """Run every check on an update routine, or on duhem's methods.
 
-    MODULE:CALLABLE is update(trial (N, d), pressure (N,), stiffness (d, d), **parameters) -> stress (N, d), with --law the law
-    that it is for; the module is looked for in the working folder too.  Without --law it is put to the checks that need none:
-    it is a Material, or --stiffness says how many forces there are and --set what its parameters are.  Increments are drawn by
-    Hypothesis on, beside and far off the boundary, failing ones shrunk; each likely cause is told once.
+    An update routine computes the stress at the end of an increment. A check is a property that every correct routine has. With LAW,
+    duhem tests its own methods for this law.
 
-    Exit codes: 0 every check passed; 1 a check failed; 2 usage or file error; 4 a routine answered nothing, or did not come back
-    in its time; 130 interrupted, after printing what was found.
+    MODULE:CALLABLE is your routine update(trial (N, d), pressure (N,), stiffness (d, d), **parameters) -> stress (N, d). --law names
+    its law. duhem also looks for the module in the working folder. Without --law, only the checks that need no law run. Then the
+    routine must be a Material, or --stiffness must give the number of forces, and --set the parameters. Hypothesis draws increments on,
+    beside and far from the boundary of K, and simplifies those that fail. The report shows each likely cause once.
+
+    Exit codes: 0 every check passed; 1 a check failed; 2 usage or file error; 4 a routine gave no answer or exceeded its time; 130
+    interrupted, after printing the results so far.
     """
     asked = {
         "law": law,
@@ -218,8 +222,8 @@ def _most_flagged(given: str | None, own: bool) -> float:
 
     if not own:
         if given is not None:
-            remedy = "leave it out: a method says of what it does not take that it is not solved"
-            raise InputError("it is for a routine of your own", where=f"--most-flagged {given}", remedy=remedy)
+            remedy = "remove it: duhem's methods flag what they cannot solve"
+            raise InputError("this option applies only to your own routine", where=f"--most-flagged {given}", remedy=remedy)
         return 1.0
     share = 0.0 if given is None else read_number(given, "--most-flagged")
     check_share(share, "--most-flagged")
@@ -239,17 +243,19 @@ def _routines(
     if law is not None:
         known, given = read_fixed_formula(law, settings), read_routine(subject)
         if isinstance(given, Material):
-            remedy = "name a routine that from_material makes of it, or leave out --law"
-            raise InputError("a material has its own stiffness", where=subject, remedy=remedy)
+            remedy = "name a routine made with from_material, or remove --law"
+            raise InputError("a material contains its own stiffness", where=subject, remedy=remedy)
         return {subject: (partial(ConformanceRun, known, given, None, given=law), held_to)}, {}
     if free:
         routine, values = read_routine(subject), read_settings(settings)
         own = isinstance(routine, Material)
         if own and values:
-            raise InputError("a material has its own parameters", where=f"--set {settings[0]}", remedy="give them where it is made")
+            raise InputError(
+                "a material contains its own parameters", where=f"--set {settings[0]}", remedy="set them where the material is created"
+            )
         if not own and stiffness is None:
-            what = f"{subject} is a routine: without a law nothing says how many forces there are"
-            raise InputError(what, where="--law", remedy="say which law it is for, as --law coulomb, or give --stiffness")
+            what = f"{subject} is a routine without a law, so the number of forces is not known"
+            raise InputError(what, where="--law", remedy="name its law, for example --law coulomb, or give --stiffness")
         parameters = None if own else {name: float(value) for name, value in values.items()}
         return {subject: (partial(ConformanceRun, None, routine, parameters), held_to)}, {}
     known = read_fixed_formula(subject, settings)
@@ -305,7 +311,7 @@ def _told(form: str, tested: Mapping[str, _Tested], left_out: Mapping[str, str],
         routines = {name: {**as_dict(each.report), "again": again} for name, each in tested.items()}
         return json.dumps({"routines": routines, "left_out": left_out}, indent=2, ensure_ascii=False)
     parts = [_text(name, each, again) for name, each in tested.items()]
-    return "\n\n".join([*parts, *(f"{method} left out: {why}" for method, why in left_out.items())])
+    return "\n\n".join([*parts, *(f"{method} skipped: {why}" for method, why in left_out.items())])
 
 
 def _text(name: str, tested: _Tested, again: str) -> str:

@@ -49,20 +49,22 @@ _ORDER = ("refuted", "undecided", "tested", "proved", "not_applicable")  # what 
 @click.command()
 @laws_argument
 @settings_option
-@click.option("--claims", metavar="A,B", shell_complete=complete_claims, help="Only these claims (duhem explain lists them).")
+@click.option("--claims", metavar="A,B", shell_complete=complete_claims, help="Decide only these claims (duhem explain lists them).")
 @report_format_option
-@click.option("--report", metavar="FILE", help="Also write a page for people, HTML in one file: pictures, derivation, how to reproduce it.")
-@click.option("--certificate", metavar="FILE", help="Also write the proofs for duhem recheck, as JSON.")
+@click.option("--report", metavar="FILE", help="Also write an HTML page for people, with pictures and the derivation.")
+@click.option("--certificate", metavar="FILE", help="Also write the proofs to this JSON file, for duhem recheck.")
 @click.option(
     "--effort",
     type=click.Choice(["quick", "normal", "thorough"]),
     default="normal",
     show_default=True,
-    help="How many steps each claim may cost: an eighth, all, eight times as many.",
+    help="Budget of steps for each claim: quick is an eighth of normal, thorough is eight times normal.",
 )
-@click.option("--strict", is_flag=True, help="Exit with 3 if a claim is neither proved nor refuted.")
+@click.option("--strict", is_flag=True, help="End with exit code 3 if a claim is neither proved nor refuted.")
 @_expect_option
-@click.option("--workers", metavar="N", type=click.IntRange(min=1), help="Processes that verify several laws; left out, one a core.")
+@click.option(
+    "--workers", metavar="N", type=click.IntRange(min=1), help="Number of processes if you give several laws (default: one per core)."
+)
 def verify(
     laws: Sequence[str],
     settings: Sequence[str],
@@ -75,12 +77,17 @@ def verify(
     expect: Sequence[str],
     workers: int | None,
 ) -> int:
-    """Prove or refute what is claimed of LAW, or of several laws, also by a pattern such as 'laws/*.toml'.
+    """Prove or refute the claims about one LAW or several.
 
-    Each claim is decided over the whole parameter domain and for every pressure, unless --set fixes a parameter.  Results
-    go to standard output, progress to standard error.  Of several laws each has one line, which says what is wrong where a law
-    cannot be read, crashes, or takes more than 600 s of the processor or 4 GB; the exit code is then 4.  With --report, --format json or
-    junit they are verified in full, one after the other.
+    LAW may also be a pattern such as 'laws/*.toml'.
+
+    A proof covers the whole domain of the parameters and every pressure. --set fixes a parameter. The trust of a proof is: checked (the
+    kernel, a small independent program, confirmed it), solver (one step relies on an SMT result that nothing else has checked), or
+    prover (the kernel has no rule for this argument). Results go to standard output, progress messages to standard error.
+
+    If you give several laws, each of them has one line of output. If a law cannot be read, crashes, or needs more than 600 s of
+    processor time or 4 GB, its line says so, and the exit code is 4. With --report, --format json or --format junit, duhem verifies the
+    laws one after the other and prints all details.
     """
     from duhem.proof.claims import CLAIMS
     from duhem.show.place import check_places, write
@@ -91,14 +98,16 @@ def verify(
     if len(laws) > 1 and form == "text" and report is None and certificate is None:
         return _verify_each(laws, settings, asked, effort, strict, expected, workers)
     if workers is not None:
-        remedy = "name several laws, and leave --format, --report and --certificate out"
-        raise InputError("these are the processes that say of several laws a line each", where=f"--workers {workers}", remedy=remedy)
+        remedy = "give several laws, and remove --format, --report and --certificate"
+        raise InputError("--workers applies only to several laws with one line of output each", where=f"--workers {workers}", remedy=remedy)
     fixed = [_fixed(law, settings, several=len(laws) > 1) for law in laws]
     for law in fixed:
         _check_expected(law.name, law.expect)
     check_places([report, certificate], laws)
     if certificate is not None and len(laws) > 1:
-        raise InputError("a certificate is of one law", where=f"--certificate {certificate}", remedy="verify the laws one by one")
+        raise InputError(
+            "a certificate can contain only one law", where=f"--certificate {certificate}", remedy="verify the laws one by one"
+        )
     texts: list[str] = []
     if report is not None:
         from duhem.cli.report import law_lines
@@ -172,7 +181,7 @@ def _read_expected(given: Sequence[str], asked: Iterable[str]) -> dict[str, str]
     for one in given:
         where = f"--expect {one}"
         claim, verdict = read_pair(one, where, "CLAIM=VERDICT", "--expect smoothness=refuted")
-        check_names("claim", [claim], asked, "claims asked for are", where)
+        check_names("claim", [claim], asked, "you selected these claims:", where)
         check_names("verdict", [verdict], map(str, Verdict), "verdicts are", where)
         if expected.setdefault(claim, verdict) != verdict:
             raise InputError(f"{claim} is expected to be {expected[claim]} too", where=where, remedy="expect one verdict of each claim")
@@ -207,7 +216,7 @@ def _found_files(laws: Iterable[str]) -> list[str]:
         if any(letter in law for letter in "*?[") and not os.path.exists(law):
             files = sorted(glob.glob(law, recursive=True))
             if not files:
-                raise InputError(f"no file is named {law[:60]!r}", remedy=f"they are looked for in {os.getcwd()}")
+                raise InputError(f"no file matches {law[:60]!r}", remedy=f"duhem searched in {os.getcwd()}")
             found += files
         else:
             found.append(law)

@@ -476,13 +476,12 @@ def _one_dimensional_equations(names: Names) -> Iterator[Equation]:
 
 
 def derive(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, stiffness: str = "orthotropic") -> Derivation:
-    """Everything that follows symbolically from the law's formula (Antoni et al. 2007, section 2, Eqs. 1 and 21-36).
+    """Derive what follows symbolically from the formula of a law (Antoni et al. 2007, section 2, Eqs. 1 and 21-36).
 
-    ``law`` is a criterion, or what :func:`duhem.load` finds by a name or path.
-    ``parameters`` fixes some of them; ``stiffness`` is ``orthotropic`` (one k per force), ``isotropic`` (one k) or
-    ``full`` (any symmetric positive definite matrix), in stress per length.  sigma_n <= 0 in compression.  What has no
-    closed form is left out and listed with its reason.  Raises InputError for an unknown law,
-    parameter or stiffness.  A law given by a boundary curve has the derivation it names, for all parameters, or none.
+    ``law`` is a criterion, or a name or path for :func:`duhem.load`.  ``parameters`` fixes some of its parameters.  ``stiffness`` is
+    ``orthotropic`` (one k per force), ``isotropic`` (one k) or ``full`` (any symmetric positive definite matrix), in stress per length.
+    sigma_n <= 0 in compression.  Parts without a closed form are omitted and listed with the reason. A law that is given by a boundary
+    curve has the derivation that it names, for all parameters, or none. Raises InputError for an unknown law, parameter or stiffness.
     """
     chosen = load(law)
     if isinstance(chosen, ParametricCriterion) and chosen.derivation:
@@ -506,7 +505,7 @@ def _equations(law: Criterion, names: Names, left_out: list[LeftOut]) -> Iterato
         left_out.append(LeftOut("normal and criterion by branches", f"the formula has more than {MOST} branches"))
     yield from _evolution_equations(names, found)
     if not law.associated:
-        left_out.append(LeftOut("dissipation potential", "the law has a flow of its own, which no potential of K gives"))
+        left_out.append(LeftOut("dissipation potential", "the law has its own flow direction, which does not derive from a potential of K"))
         if law.flow is None and _slips(law) is None:
             left_out.append(LeftOut("flow by surfaces", f"a surface has more than {MOST} branches"))
     elif (support := support_function(law)) is None:

@@ -136,7 +136,7 @@ def as_text(derivation: Derivation, page: Page = PAGE) -> str:
             body = printer.doprint(_shown(equation.relation, derivation.names)).replace("\n", f"\n{_INDENT}")
             lines += [f"{f'({equation.number})':9} {body}", *page.hanging(f"[{equation.name}] {equation.note}", _INDENT, f"{_INDENT}  ")]
         lines.append("")
-    lines += ["Left out", "--------", *(line for part in derivation.left_out for line in page.hanging(str(part)))]
+    lines += ["Omitted", "-------", *(line for part in derivation.left_out for line in page.hanging(str(part)))]
     return "\n".join(lines) + "\n"
 
 
@@ -148,7 +148,7 @@ def as_markdown(derivation: Derivation) -> str:
         lines += [f"## {section}", ""]
         for equation, rows in group:
             lines += [f"**({equation.number})** `{equation.name}`: {marked(equation.note)}", "", f"$$\n{in_one(rows)}\n$$", ""]
-    lines += ["## Left out", "", *(f"- {marked(str(part))}" for part in derivation.left_out)]
+    lines += ["## Omitted", "", *(f"- {marked(str(part))}" for part in derivation.left_out)]
     return "\n".join(lines) + "\n"
 
 
@@ -182,7 +182,7 @@ def as_latex(derivation: Derivation) -> str:
             lines += [rf"\noindent {_prose(equation.note)}:", displayed(rows.formula, equation.number)]
             if rows.named:
                 lines += [r"\noindent where", displayed(rows.named)]
-    lines += [r"\subsection*{Left out}", r"\begin{itemize}"]
+    lines += [r"\subsection*{Omitted}", r"\begin{itemize}"]
     lines += [rf"\item {_prose(part)}: {_prose(reason)}." for part, reason in derivation.left_out]
     return "\n".join([*lines, r"\end{itemize}", r"\end{document}", ""])
 
@@ -199,7 +199,7 @@ def displayed(rows: Sequence[str], number: str = "") -> str:
 def as_sheet(derivation: Derivation) -> Sheet:
     """A field an equation: its number, name and sentence, and the formula."""
     fields = tuple((_title(e), Typeset(_line(in_words(e, derivation.names)), in_one(rows))) for e, rows in formulas(derivation))
-    return Sheet(f"Derivation of {derivation.law}", fields, notes=(("Left out", tuple(map(str, derivation.left_out))),))
+    return Sheet(f"Derivation of {derivation.law}", fields, notes=(("Omitted", tuple(map(str, derivation.left_out))),))
 
 
 @plain.register(Derivation)

@@ -37,10 +37,10 @@ def header(verification: Verification, law: Criterion, parameters: Sequence[str]
         *_said(f"K = {{{formula(law.g)} <= 0}}", "criterion"),
         *_said(law.source, "source"),
         *_said(", ".join(law.forces), "forces"),
-        *_said(f"{law.pressure} <= 0 in compression" if law.pressure else "none; the argument is not read", "pressure"),
+        *_said(f"{law.pressure} <= 0 in compression" if law.pressure else "none; the routine ignores this argument", "pressure"),
         *_said("; ".join(fixed), "fixed"),
-        *_said("; ".join(places) or "none; may be a null pointer", "arguments"),
-        *_said(", ".join(formula(c) for c in law.constraints), "with"),
+        *_said("; ".join(places) or "none; you may pass a null pointer", "arguments"),
+        *_said(", ".join(formula(c) for c in law.constraints), "constraints"),
         *_said(", ".join(own.stated(name) for name, own in law.domain.items()), "ranges"),
         "",
         *_said(_INCREMENT),
@@ -54,37 +54,37 @@ def header(verification: Verification, law: Criterion, parameters: Sequence[str]
         *(line for result in verification.results for line in _said(_verdict(result.verdict, result.trust, result.scope), result.claim)),
         *_said(f"{verification.certificate()['sha256']} (of the law as fixed here: duhem verify LAW --certificate FILE)", "sha256"),
         "",
-        *_said("Left out:"),
+        *_said("Limits:"),
         *(line for text in _LEFT_OUT for line in _said(text, "")),
     ]
     return [line.rstrip() for line in lines]
 
 
 _INCREMENT = (
-    "One slip increment: the stress of K that is nearest to trial = k (u - u_in) in the energy of the stiffness k, "
-    "slip = k^-1 (trial - stress) its step of u_in, dissipation = stress . slip, tangent = d stress/d u."
+    "The routine computes one slip increment.  K is the set of admissible stresses.  trial = k (u - u_in) is the stress without further "
+    "slip, with the stiffness k, the displacement u and the slip u_in.  stress is the point of K that is closest to trial, where k^-1 "
+    "measures the distance.  slip = k^-1 (trial - stress) is the increment of u_in, dissipation = stress . slip, tangent = d stress/d u."
 )
 _STIFFNESS = "stiffness[{n}] symmetric positive definite, tangent[{n}] symmetric, both row by row"
 _STATUS = (
-    "0  sticks: the trial is the answer",
-    "1  slips",
-    "2  not solved: no point was shown to be optimal.  The search begins at zero stress, or at a point inside K that it looks for where "
-    "zero stress is none; where the stress is the tip of a cone that is round, it ends without one.  duhem.project has a more general "
-    "search",
-    "3  no question: a number that is not finite, a stiffness that is not symmetric positive definite, a pressure above 0, "
-    "a parameter, or a pressure, outside its range",
-    "4  solved, and the stress lies outside a range that the law declares for it",
-    "5  slips, and the tangent is not known: more pieces meet at the stress than press, a root within the formula is 0 there, or K has an "
-    "edge there where two eigenvalues are equal",
-    "With 2 and 3 all results are nan, with 5 the tangent alone; with 4 it may be.  Where the stress has no derivative the "
-    "tangent is one of several.",
+    "0  stick: stress = trial",
+    "1  slip",
+    "2  not solved: the routine found no point that fulfils the optimality conditions.  It starts at zero stress, or at another point "
+    "inside K if zero stress is not inside.  It cannot solve an increment that ends at the tip of a round cone.  duhem.project has a "
+    "more general search",
+    "3  invalid input: a number that is not finite, a stiffness that is not symmetric positive definite, a pressure above 0, "
+    "or a parameter or pressure outside its range",
+    "4  solved, but the stress lies outside a range that the law declares for it",
+    "5  slip, but the tangent is not known: degenerate corner (the active surfaces are not unique), a root in the formula is 0 there, or "
+    "K has an edge there where two eigenvalues are equal",
+    "With status 2 and 3 all results are nan.  With status 5 only the tangent is nan; with status 4 it may be nan.  Where the stress has "
+    "no derivative, the routine returns one of several possible tangents.",
 )
 _LEFT_OUT = (
-    "the judge of duhem.project, which holds every answer against the formula in more digits: here the conditions of the optimum "
-    "in doubles decide",
-    "the search for points that Newton's method does not find: they have the status 2",
-    "d stress/d pressure",
-    "compile without -ffast-math: infinities and nan mean something here",
+    "The routine checks the optimality conditions in double precision only.  duhem.project also checks every answer in more digits.",
+    "The routine does not search for points that Newton's method does not find.  They have the status 2.",
+    "The routine does not compute d stress/d pressure.",
+    "Compile without -ffast-math, because the code uses infinities and nan.",
 )
 
 
@@ -118,12 +118,12 @@ def exported(verification: Verification) -> tuple[Criterion, Routine]:
     """
     law = verification.criterion
     if not isinstance(law, Criterion):
-        raise InputError(f"{law.name} is a boundary curve and has no formula g", where="law", remedy="export a law that has one")
+        raise InputError(f"{law.name} is a boundary curve and has no formula g", where="law", remedy="export a law with a formula g")
     made = routine(law)
     if (found := verification["convexity"].verdict) is not Verdict.PROVED:
-        remedy = "--set parameters to where it is; duhem verify LAW says more"
+        remedy = "use --set to choose parameters for which K is convex; duhem verify LAW gives details"
         raise InputError(
-            f"convexity is {found.replace('_', ' ')}, and only of a convex K is the answer sure", where=law.name, remedy=remedy
+            f"convexity is {found.replace('_', ' ')}, but the routine is right only for a convex K", where=law.name, remedy=remedy
         )
     return law, made
 

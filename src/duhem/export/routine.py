@@ -72,7 +72,7 @@ def routine(law: Criterion) -> Routine:
     powers are smooth, and where, is part of the algorithm.
     """
     if not law.associated:
-        what = f"{law.name} has a flow of its own, and the closest point is the slip increment of associated laws only"
+        what = f"{law.name} has its own flow direction, but the closest point is the slip increment of associated laws only"
         raise InputError(what, where="law", remedy="export the same criterion without its flow")
     settled, table = law.settled(), law.symbols()
     g = law.g.xreplace(settled)
@@ -80,7 +80,9 @@ def routine(law: Criterion) -> Routine:
     powers = {x.name for power in g.atoms(sp.Pow) for x in power.exp.free_symbols}
     if open_ := [name for name in names if name in powers]:
         remedy = f"give {' '.join(f'--set {name}=VALUE' for name in open_)}"
-        raise InputError(f"{', '.join(open_)} stands in an exponent, and is no argument then", where=law.name, remedy=remedy)
+        raise InputError(
+            f"{', '.join(open_)} occurs in an exponent, and cannot be an argument of the routine", where=law.name, remedy=remedy
+        )
     if g.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
         raise InputError("g is not defined at these parameters", where=law.name, remedy="set others")
     own, pressure = tuple(table[name] for name in names), table[law.pressure] if law.pressure else None

@@ -40,7 +40,7 @@ def columns(given: Any, where: str, names: Sequence[str] = ()) -> dict[str, Any]
     if len(made) < len(labels):
         spellings = [spelled(label) for label in labels]
         twice = next(name for name in spellings if spellings.count(name) > 1)
-        raise InputError(f"the column {twice!r} is there twice", where=where, remedy="give each column a name of its own")
+        raise InputError(f"the column {twice!r} is there twice", where=where, remedy="give each column its own name")
     first = next(iter(made.values()))
     ways = getattr(first, "dims", ())
     if other := next((name for name, column in made.items() if _apart(first, column) or getattr(column, "dims", ways) != ways), None):

@@ -32,23 +32,24 @@ def identify(
     seed: int = 0,
     convex: str = "ask",
 ) -> Identification:
-    """Fit the free parameters of ``law`` to limit points and prove the fitted law admissible.
+    """Fit the free parameters of ``law`` to limit points, and prove that the fitted law is admissible.
 
-    ``points``: a CSV file, a mapping of columns or an array (m, d + 1), as :meth:`Points.of` reads them: forces and
-    pressure (sigma_n < 0 in compression) in one unit, perhaps ``weight`` or ``scatter``.  ``parameters`` fixes some values
-    beforehand.  Minimised is the sum of rho(distance/scatter) over the points (:mod:`duhem.identification.fit`), rho a
-    square or, with ``robust``, Huber's loss.  ``bootstrap`` draws with ``seed`` give percentile intervals; 0 gives those of
-    the covariance.
+    ``points``: a CSV file, a mapping of columns or an array (m, d + 1), as :meth:`Points.of` reads them: forces and pressure (sigma_n <
+    0 in compression) in one unit, and optionally ``weight`` or ``scatter``.  ``parameters`` fixes some values before the fit.  The fit
+    minimises the sum of rho(distance/scatter) over the points (:mod:`duhem.identification.fit`), where rho is the square or, with
+    ``robust``, Huber's loss.  ``bootstrap`` samples with ``seed`` give percentile intervals; with 0 the intervals come from the
+    covariance.
 
-    The law is fixed to the estimates exactly, unless a parameter is an exponent: then to three decimals of that, the others
-    refitted and cut to six digits.  A parameter that no point feels stays open in the law, over its whole domain.
+    The parameters of the fitted law are exactly the estimates.  If a parameter is an exponent, it is rounded to three decimals, and the
+    other parameters are fitted again and rounded to six digits.  If no point depends on a parameter, it keeps its whole domain in the
+    fitted law.
 
-    ``convex``: a best fit whose K is refuted to be convex is refused; ``require`` refuses one that is not proved to be, too, and
-    ``assume`` none, so that the verdicts on convexity and normality are merely reported.
+    ``convex``: ``ask`` rejects a best fit whose K is not convex; ``require`` also rejects one whose K is not proved convex; ``assume``
+    rejects none and only reports the verdicts.
 
-    Raises InputError for points that cannot be used or do not settle the parameters, and for a family that is not suited:
-    with a slip direction of its own (limit points say nothing of slip), with corners (max or min of the forces), or whose
-    best fit is not admissible.
+    Raises InputError for points that cannot be used or do not determine the parameters, and for a law that is not suitable: with its
+    own slip direction (limit points contain no information about the slip), with corners (max or min of the forces), or with a best fit
+    that is not admissible.
     """
     check_convex(convex)
     family = load_formula(law).fix(parameters)
@@ -59,7 +60,7 @@ def identify(
     read = Points.of(points, family)
     free = [name for name, domain in family.parameters.items() if domain.value is None]
     if not free:
-        raise InputError(f"{family.name} has no free parameter", where="parameters", remedy="leave at least one to identify")
+        raise InputError(f"{family.name} has no free parameter", where="parameters", remedy="leave at least one parameter free")
     if len(read) < len(free):
         counts = "is only 1 point" if len(read) == 1 else f"are only {len(read)} points"
         unknowns = f"{len(free)} unknowns {', '.join(free)}"
@@ -72,12 +73,12 @@ def identify(
 
 def _check_suited(law: Criterion) -> None:
     if not law.associated:
-        what = f"{law.name} has a slip direction of its own, of which limit points say nothing"
-        raise InputError(what, where="law", remedy="take an associated law, such as antoni2007 or orthotropic")
+        what = f"{law.name} has its own slip direction, but limit points contain no information about the slip"
+        raise InputError(what, where="law", remedy="choose an associated law, for example antoni2007 or orthotropic")
     forces = set(law.force_symbols())
     if any(node.free_symbols & forces for node in law.g.atoms(sp.Max, sp.Min)):
-        what = f"{law.name} has corners, where the distance to the boundary has no derivative"
-        raise InputError(what, where="law", remedy="take a law with a smooth boundary, such as superellipse")
+        what = f"{law.name} has corners, so the distance to the boundary has no derivative"
+        raise InputError(what, where="law", remedy="choose a law with a smooth boundary, for example superellipse")
 
 
 def _check_count(value: int, what: str, most: int) -> None:

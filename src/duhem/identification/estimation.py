@@ -151,7 +151,10 @@ def estimated(family: Criterion, read: Points, *, robust: bool, bootstrap: int, 
     names = _names(problem)
     if idle := _idle(problem, solved):
         problem = _problem(_pinned(family, {n: solved.theta[names.index(n)] for n in idle} | dict.fromkeys(unfelt, 1)), read)
-        unfelt, keep = unfelt | dict.fromkeys(idle, "at the best fit no point feels it"), [i for i, n in enumerate(names) if n not in idle]
+        unfelt, keep = (
+            unfelt | dict.fromkeys(idle, "at the best fit, no point depends on it"),
+            [i for i, n in enumerate(names) if n not in idle],
+        )
         solved, resistant = (replace(s, theta=s.theta[keep], slope=s.slope[:, keep]) for s in (solved, resistant))
         names = _names(problem)
     _check_settled(problem, solved)
@@ -235,7 +238,9 @@ def _idle(problem: FitProblem, solved: Solved) -> tuple[str, ...]:
     influence = np.linalg.norm(solved.slope, axis=0) * problem.coordinates.stretch(solved.theta)
     idle = influence <= _UNFELT * influence.max(initial=0.0)
     if idle.all():
-        raise InputError(f"no point feels {', '.join(_names(problem))}", where=problem.points.where, remedy="measure in other directions")
+        raise InputError(
+            f"no point depends on {', '.join(_names(problem))}", where=problem.points.where, remedy="measure in other directions"
+        )
     return tuple(n for n, still in zip(_names(problem), idle, strict=True) if still)
 
 
@@ -244,7 +249,7 @@ def _check_settled(problem: FitProblem, solved: Solved) -> None:
     _, sizes, axes = np.linalg.svd(columns / np.linalg.norm(columns, axis=0), full_matrices=False)
     if not np.all(np.isfinite(solved.theta)) or sizes[-1] <= _SINGULAR * sizes[0]:
         mixed = [n for n, share in zip(_names(problem), np.abs(axes[-1]), strict=True) if share > 0.01]
-        what = f"the points settle only a combination of {' and '.join(mixed)}"
+        what = f"the points determine only a combination of {' and '.join(mixed)}"
         raise InputError(what, where=problem.points.where, remedy="add points in other directions, or fix one with --set NAME=VALUE")
 
 
@@ -261,8 +266,8 @@ def _check_at_rest(problem: FitProblem, solved: Solved, robust: bool) -> None:
     error = np.linalg.norm(inverse, axis=1) * float(np.sqrt(np.mean(np.square(pull))))
     if np.any(moving := step > _SHARE * error + _NEAR):
         names = ", ".join(np.array(_names(problem))[free][moving])
-        what = f"the fit of {names} has not come to rest"
-        raise DuhemError(what, where=problem.points.where, remedy="look for wrong points, try --robust, or fix one with --set")
+        what = f"the fit of {names} has not converged"
+        raise DuhemError(what, where=problem.points.where, remedy="check the points, try --robust, or fix a parameter with --set")
 
 
 def _ends(problem: FitProblem, solved: Solved) -> list[str]:
@@ -293,7 +298,9 @@ def _intervals(problem: FitProblem, solved: Solved, spread: Array, draws: Array)
 
 def _estimate(name: str, value: str, variance: float, interval: tuple[float, float] | None, end: str) -> Estimate:
     error = float(np.sqrt(variance))
-    remark = f"on the {end} value of its domain; a better fit may lie beyond, of which error and interval say nothing" if end else ""
+    remark = (
+        f"on the {end} value of its domain; a better fit may exist beyond it; the error and the interval do not include this" if end else ""
+    )
     return Estimate(name, "fitted", float(value), error if np.isfinite(error) else None, interval, remark)
 
 
@@ -322,7 +329,7 @@ def _fixed(family: Criterion, values: Mapping[str, str], points: Points) -> Crit
         check_domain(fitted)
     except InputError as fault:
         shown = ", ".join(f"{n} = {float(v):.6g}" for n, v in values.items())
-        what = f"the best fit, {shown}, leaves the law's domain: {fault.what}"
+        what = f"the best fit, {shown}, lies outside the domain of the law: {fault.what}"
         raise InputError(what, where=points.where, remedy="take another law") from None
     return fitted
 
@@ -347,8 +354,8 @@ def _proved(law: Criterion, convex: str) -> Verification:
     for result in done.results:
         if result.verdict is Verdict.REFUTED and not (convex == "assume" and result.claim in _OF_CONVEXITY):
             what = f"the best fit of {law.name} is not admissible: {result.claim} is refuted, {result.detail}"
-            raise InputError(what, where="law", remedy="take another law, or a criterion file whose parameters have narrower domains")
+            raise InputError(what, where="law", remedy="choose another law, or a criterion file with narrower domains of the parameters")
     if convex == "require" and done["convexity"].verdict is not Verdict.PROVED:
-        what = f"the best fit of {law.name} is not shown to be convex: convexity is {done['convexity'].verdict}"
-        raise InputError(what, where="convex", remedy='take another law, or convex="ask"')
+        what = f"the best fit of {law.name} is not proved convex: convexity is {done['convexity'].verdict}"
+        raise InputError(what, where="convex", remedy='choose another law, or convex="ask"')
     return done

@@ -30,7 +30,7 @@ MOST_BYTES = 20_000_000
 _MOST_ROWS = 200_000
 _OPTIONAL = ("weight", "scatter")
 _SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
-_COMMAS = "separate them by commas, with points in decimals"
+_COMMAS = "separate them by commas, and write decimals with points"
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,11 +93,11 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
     where, text = f"{fspath(file)}", _text(file)
     rows = _rows(text, where)
     if not rows:
-        raise InputError("the file is empty", where=where, remedy=f"give a header {','.join(names)} and one row a point")
+        raise InputError("the file is empty", where=where, remedy=f"give a header {','.join(names)} and one row per point")
     (first, header), *body = rows
     header = [spelled(name.strip()) for name in header]
     if twice := sorted({name for name in header if header.count(name) > 1}):
-        raise InputError(f"the column {twice[0]!r} is there twice", where=f"{where}:{first}", remedy="give each column a name of its own")
+        raise InputError(f"the column {twice[0]!r} is there twice", where=f"{where}:{first}", remedy="give each column its own name")
     for mark, said in _SEPARATORS.items():
         if mark == " " and len(header) > 1:
             continue  # a name may hold a unit
@@ -105,18 +105,18 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
         if (set(names) - set(header)) & set(words) or (len(words) > len(header) and all(map(_is_number, words))):
             raise InputError(f"the columns are separated by {said}", where=f"{where}:{first}", remedy=_COMMAS)
     if odd := next((name for name in header if not name.isprintable()), None):
-        what = f"the column {odd[:40]!r} has an invisible letter in its name"
+        what = f"the column {odd[:40]!r} has an invisible character in its name"
         raise InputError(what, where=f"{where}:{first}", remedy="write the name anew")
     if all(map(_is_number, header)):
         raise InputError("there is no header", where=f"{where}:{first}", remedy=f"write the names of the columns above, {','.join(names)}")
     _complete(header, names, header, f"{where}:{first}")
     if not body:
-        raise InputError("there is no row below the header", where=where, remedy="give one row a point")
+        raise InputError("there is no row below the header", where=where, remedy="give one row per point")
     kept = [(header.index(name), name) for name in (*names, *_OPTIONAL) if name in header]
     columns: dict[str, list[float]] = {name: [] for _, name in kept}
     for line, row in body:
         if len(row) != len(header):
-            remedy = "give one cell a column, and write decimals with points"
+            remedy = "give one cell per column, and write decimals with points"
             raise InputError(f"{len(row)} cells under {len(header)} columns", where=f"{where}:{line}", remedy=remedy)
         for i, name in kept:
             columns[name].append(_number(row[i], name, f"{where}:{line}"))
@@ -194,10 +194,10 @@ def _is_number(text: str) -> bool:
 def _of_columns(columns: Mapping[str, Array], lines: tuple[int, ...], law: Criterion, where: str) -> Points:
     counts = {np.shape(column) for column in columns.values()}
     if len(counts) != 1 or len(next(iter(counts))) != 1:
-        raise InputError("the columns differ in length", where=where, remedy="give one number a point in each")
+        raise InputError("the columns differ in length", where=where, remedy="give one number per point in each")
     m = counts.pop()[0]
     if m == 0:
-        raise InputError("there are no points", where=where, remedy="give one row a point")
+        raise InputError("there are no points", where=where, remedy="give one row per point")
     lines = lines or tuple(range(1, m + 1))
 
     def refuse(bad: NDArray[np.bool_], what: str, remedy: str) -> None:
@@ -208,11 +208,11 @@ def _of_columns(columns: Mapping[str, Array], lines: tuple[int, ...], law: Crite
 
     for name, column in columns.items():
         value = repr(float(column[np.argmin(np.isfinite(column))]))
-        refuse(~np.isfinite(column), f"{name} is {value}", "every number must be finite; leave the row out")
+        refuse(~np.isfinite(column), f"{name} is {value}", "every number must be finite; remove the row")
     forces = np.column_stack([columns[name] for name in law.forces])
     pressure = columns[law.pressure] if law.pressure else None
     if pressure is not None:
-        remedy = f"{law.pressure} < 0 in compression: change the sign, or leave out open contact"
+        remedy = f"{law.pressure} < 0 in compression: change the sign, or remove points with open contact"
         refuse(pressure >= 0.0, f"{law.pressure} is not negative", remedy)
     size = np.max(np.abs(forces), axis=1)
     refuse(size == 0.0, f"{' = '.join(law.forces)} = 0 is no limit point", "give the forces at which slip begins")
@@ -227,7 +227,7 @@ def _of_columns(columns: Mapping[str, Array], lines: tuple[int, ...], law: Crite
     refuse(weight < 0.0, "weight is negative", "give weights >= 0, proportional to 1/scatter^2")
     kept = weight > 0.0
     if not kept.any():
-        raise InputError("every weight is zero", where=where, remedy="give some point a positive weight")
+        raise InputError("every weight is zero", where=where, remedy="give at least one point a positive weight")
     scatter = 1.0 / np.sqrt(weight[kept] / weight.max())
     shown = tuple(line for line, keep in zip(lines, kept, strict=True) if keep)
     return Points(forces[kept], None if pressure is None else pressure[kept], scatter, False, shown, where)

@@ -79,7 +79,7 @@ def _scatter(done: Identification) -> str:
     if done.points.absolute:
         return "given, in the unit of the stresses"
     if done.level != done.level:
-        return "unknown: no more points than fitted parameters; give a scatter column"
+        return "unknown, because there are no more points than fitted parameters; give a scatter column"
     unit = "in the unit of the stresses" if (done.points.scatter == 1.0).all() else "in the unit of the stresses, at the greatest weight"
     return f"{done.level:.4g} estimated, {unit}"
 
@@ -99,12 +99,12 @@ def _outliers(done: Identification, page: Page) -> Iterator[str]:
     if not done.outliers:
         yield from page.item(f"no outliers (none with |standardised residual| > {done.bound:.3g})")
         return
-    chance = f"which one of {len(done.points)} sound points exceeds with chance 1 %"
+    chance = f"a limit that one of {len(done.points)} correct points exceeds with probability 1 %"
     yield from page.item(f"outliers: |standardised residual| > {done.bound:.3g}, {chance}")
     rows = [(f"row {o.row}", f"line {o.line}", f"{o.standardised:+.4g}", f"{o.distance:+.4g}") for o in done.outliers]
     yield from page.table([("", "", "standardised", "distance"), *rows], "lr")
     if not done.robust:
-        yield from page.item("they are in the fit; --robust bounds what they can do")
+        yield from page.item("the fit includes them; --robust limits their influence")
 
 
 def _number(x: float | None) -> str:

@@ -61,9 +61,9 @@ def load(law: str | Path | Law) -> Any: ...  # a name decides between the kinds 
 
 
 def load(law: str | Path | Law) -> Law:
-    """A law: itself, a name of :func:`names` or of the atlas, the path of a criterion file, or ``module:attribute``.
+    """Return a law by its name, the path of its criterion file, or ``module:attribute``; a law itself is returned unchanged.
 
-    InputError for a name that is unknown or a file that cannot be used.
+    Raises InputError for an unknown name or a file that cannot be used.
     """
     from duhem.law.curve_law import Law
 
@@ -95,7 +95,9 @@ def load_named(name: str) -> Law:
     if (known := _of_name(name)) is not None:
         return known
     if ":" in name:
-        raise InputError(f"{name[:60]!r} would import code, and a file is data", remedy="write the name of a law, or a criterion file's")
+        raise InputError(
+            f"{name[:60]!r} would import code, which a file cannot do", remedy="write the name of a law, or a criterion file's"
+        )
     raise _unknown(name)
 
 
@@ -127,7 +129,7 @@ def load_formula(law: str | Path | Law) -> Criterion:
     if isinstance(found, Criterion):
         return found
     other = f"such as {found.instead}" if found.instead else "such as antoni2007"
-    raise InputError(f"{found.name} has no formula g, only a boundary curve", remedy=f"take a law that has one, {other}")
+    raise InputError(f"{found.name} has no formula g, only a boundary curve", remedy=f"choose a law with a formula, {other}")
 
 
 def summary(name: str) -> str:

@@ -12,4 +12,4 @@ CONVEX = ("ask", "require", "assume")
 def check_convex(convex: object) -> None:
     """InputError for what is none of CONVEX."""
     if not isinstance(convex, str) or convex not in CONVEX:
-        raise InputError(f"convex = {convex!r} says nothing of K", where="convex", remedy=f"choose {', '.join(CONVEX)}")
+        raise InputError(f"convex = {convex!r} is not a choice", where="convex", remedy=f"choose {', '.join(CONVEX)}")

@@ -94,7 +94,7 @@ class SectionReader:
         for key in others:
             if key in (self.document[inside] if inside else self.document):
                 what = f"{header} and {key if inside else f'[{key}]'} are both given"
-                raise self.error(what, inside, key, remedy="leave one of them out")
+                raise self.error(what, inside, key, remedy="remove one of them")
 
     def stated(self, *path: Key, known: Mapping[str, sp.Symbol], short: Abbreviations) -> tuple[sp.Expr, str]:
         """The formula at a place over the symbols ``known``, and its text with all that stands for others written out."""
@@ -243,7 +243,12 @@ class _CriterionReader(SectionReader):
         if (given := head.get("stress")) is None:
             return None
         if "forces" in head:
-            raise self.error("forces and stress are both declared", "criterion", "stress", remedy="leave them out: they are its components")
+            raise self.error(
+                "forces and stress are both declared",
+                "criterion",
+                "stress",
+                remedy="remove forces: the components of the stress are the forces",
+            )
         if not (isinstance(given, dict) and {*given} == {"name", "kind"} and all(isinstance(x, str) for x in given.values())):
             raise self.error("stress is not a table of name and kind", "criterion", "stress", remedy=example)
         try:
@@ -271,7 +276,7 @@ class _CriterionReader(SectionReader):
         if given is False:
             return None
         if not isinstance(given, str):
-            remedy = 'write pressure = "sigma_n", or false for a law without'
+            remedy = 'write pressure = "sigma_n", or pressure = false'
             raise self.error("pressure is not a name", "criterion", "pressure", remedy=remedy)
         return str(spelled(given))
 
@@ -311,7 +316,7 @@ class _CriterionReader(SectionReader):
             remedy = "use positive = true, or min and max, or value, or {} for every real number"
             raise self.error(f"the domain of {name} mixes {mixed}", "parameters", name, remedy=remedy)
         if entry.get("positive", True) is not True:
-            raise self.error(f"positive of {name} is not true", "parameters", name, remedy="leave it out, or write positive = true")
+            raise self.error(f"positive of {name} is not true", "parameters", name, remedy="remove it, or write positive = true")
         try:
             if "value" in entry:
                 return Domain.fixed(entry["value"])
@@ -365,7 +370,7 @@ class _CriterionReader(SectionReader):
         if "potential" in self.value(*section):
             at = (*section, "potential")
             if flow:
-                raise self.error(f"{flow_name} and potential are both given", *at, remedy="leave one of them out")
+                raise self.error(f"{flow_name} and potential are both given", *at, remedy="remove one of them")
             potential, text = read(*at)
             try:
                 flow_of(potential, forces)

@@ -33,7 +33,7 @@ class Domain:
 
     def __post_init__(self) -> None:
         if self.positive and self.low not in (None, 0):
-            raise InputError(f"a positive parameter has the least value {self.low}", remedy="leave out positive, or the least value")
+            raise InputError(f"a positive parameter has the least value {self.low}", remedy="remove positive or the least value")
         if self.positive:
             object.__setattr__(self, "low", sp.S.Zero)
         if self.low is not None and self.high is not None and (self.low > self.high or (self.positive and self.high <= 0)):
@@ -43,7 +43,7 @@ class Domain:
 
     @classmethod
     def between(cls, low: Any = None, high: Any = None) -> Domain:
-        """Closed interval; either end may be left out.  Numbers are read exactly, decimals as rationals."""
+        """Closed interval; you may omit either end.  Numbers are read exactly, decimals as rationals."""
         low, high = (None if end is None else exact_number(end) for end in (low, high))
         return cls(low, high)
 
@@ -125,11 +125,11 @@ def range_fault(name: str, own: Domain, forces: Sequence[str], pressure: str | N
     """What is wrong with a range of a force or the pressure of a law, and the remedy; None if nothing is."""
     if name == pressure:
         if own.low is not None and own.low >= 0:
-            return f"no {name} < 0 is left", "the pressure is <= 0 in compression"
+            return f"the range contains no {name} < 0", "the pressure is <= 0 in compression"
     elif name not in forces:
         return f"{name!r} is neither a force nor the pressure", f"ranges are of: {', '.join([*forces, *([pressure] if pressure else [])])}"
     elif 0 not in own or own.value is not None:
-        return f"the range of {name} leaves out 0 or is nothing else", "claims are about what is around zero force: take it in"
+        return f"the range of {name} must contain 0 and other values", "the claims concern forces around zero: include 0"
     return None
 
 

@@ -76,7 +76,7 @@ class YieldSurface(Verbatim):
         except InputError as fault:
             raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
         if flow not in (None, slip):
-            raise InputError("a flow and a potential are both given", where=owner, remedy="leave one of them out")
+            raise InputError("a flow and a potential are both given", where=owner, remedy="remove one of them")
         return YieldSurface(g, slip, written_out(self.potential, short), written, written_flow)
 
     def map(self, change: Callable[[sp.Expr], sp.Expr]) -> YieldSurface:
@@ -312,8 +312,8 @@ class Criterion(StatedLaw):
         if surfaces:
             most, texts = greatest(*(s.g for s in surfaces)), [s.written for s in surfaces]
             if whole.g not in (sp.nan, most) or whole.flow is not None:
-                what = "a law of several surfaces has its g and its flow from them"
-                raise InputError(what, where=self.name, remedy="leave g, flow and potential out")
+                what = "a law with several surfaces takes g and flow from its surfaces"
+                raise InputError(what, where=self.name, remedy="remove g, flow and potential")
             whole = YieldSurface(most, written=f"max({', '.join(texts)})" if all(texts) else "")
         put = object.__setattr__
         put(self, "surfaces", tuple(surfaces))

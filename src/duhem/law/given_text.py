@@ -33,8 +33,8 @@ def argument_names(function: Callable[..., Any]) -> list[str]:
         if x.kind in (x.VAR_POSITIONAL, x.VAR_KEYWORD):
             raise InputError(f"the argument {x} names nothing", where=where, remedy="name every force and parameter as an argument")
         if x.default is not x.empty:
-            remedy = f"leave it out, and fix a value by parameters={{{x.name!r}: Domain.fixed({x.default!r})}}"
-            raise InputError(f"the argument {x.name} has a default, which no law has", where=where, remedy=remedy)
+            remedy = f"remove it, and fix a value by parameters={{{x.name!r}: Domain.fixed({x.default!r})}}"
+            raise InputError(f"the argument {x.name} has a default value, which is not allowed", where=where, remedy=remedy)
     return [x.name for x in arguments]
 
 

@@ -27,13 +27,13 @@ _SHORT = 12  # characters of an exact number that a cell of a table shows whole
 def stated(law: Law) -> Iterator[tuple[str, str]]:
     """Titles and contents, the boundary of K first; spaces that a line may not break at are tied."""
     yield _boundary(law)
-    pressure = f"; pressure {law.pressure} <= 0 in compression, frozen" if law.pressure else "; no pressure"
+    pressure = f"; pressure {law.pressure} <= 0 in compression, held fixed" if law.pressure else "; no pressure"
     yield "forces", ", ".join(law.forces) + pressure
     yield "parameters", ", ".join(_in_domain(n, d) for n, d in law.parameters.items()) or "none"
     if not isinstance(law, ParametricCriterion) and law.domain:
-        yield "asked for", ", ".join(d.stated(n) for n, d in law.domain.items())
+        yield "restricted to", ", ".join(d.stated(n) for n, d in law.domain.items())
     if law.constraints:
-        yield "with", ", ".join(formula(c) for c in law.constraints)
+        yield "constraints", ", ".join(formula(c) for c in law.constraints)
     yield "slip", _direction(law)
     if law.source:
         yield "source", law.source

@@ -33,7 +33,7 @@ def histories(batch: Batch, method: str, threads: int, on_step: Callable[[int, i
         raise InputError(
             f"{n} points with {len(batch.knots)} knots each are {8 * n * batch.numbers / 2**30:.3g} GiB, and 2 GiB are kept in memory",
             where="keep",
-            remedy='keep fewer knots (keep="last" or every how many), or run a scene, whose table is written as it grows',
+            remedy='keep fewer knots (keep="last" or keep=n), or run a scene, which writes its table step by step',
         )
     whole = _room(batch, 0, n, method)
     for part in parts(batch, method, threads, whole):
@@ -87,7 +87,7 @@ def check(batch: Batch) -> None:
             bad = outside(share, batch.projection, share.stress, 0, np.arange(len(share))) | beyond(batch.law, share.stress)
         if bad.any():
             at = int(np.argmax(bad))
-            what = f"the stress at the start {share.stress[at].tolist()} of point {first + at} lies outside K or a declared range"
+            what = f"the initial stress {share.stress[at].tolist()} of point {first + at} lies outside K or a declared range"
             raise InputError(what, where="stress", remedy="give stress= inside")
 
 

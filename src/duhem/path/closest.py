@@ -162,9 +162,9 @@ def vouched(at: Closest) -> Closest:
         read = in_turn[: slips[0] + 1] if slips.size else in_turn  # a run takes a block no further than its first slip
         if (lost := read[found.lost[read] > 0]).size:
             row, status = int(np.broadcast_to(knot, len(which))[lost[0]]), Status(int(found.lost[lost[0]])).name.lower()
-            reason, remedy = found.judged.remark(int(lost[0])), "take another projection, or smaller steps"
+            reason, remedy = found.judged.remark(int(lost[0])), "choose another projection, or smaller steps"
             if reason == NOT_CLOSEST:
-                remedy = "verify the law's convexity, and take parameters for which it holds"
+                remedy = "verify the convexity of the law, and choose parameters for which K is convex"
             what = f"the closest point under method {found.judged.method} is {status}: {reason}"
             raise DuhemError(what, where=f"step {row}", remedy=remedy)
         return found

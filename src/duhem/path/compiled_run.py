@@ -278,7 +278,7 @@ def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
 
 
 def _missing(why: str) -> InputError:
-    return InputError(f"there is no compiled path: {why}", where="compiled", remedy="leave compiled out")
+    return InputError(f"a compiled path is not possible: {why}", where="compiled", remedy="leave compiled out")
 
 
 # -- declared shapes -----------------------------------------------------------------------------------------------------
@@ -354,7 +354,7 @@ def _loop(member: Increment, projection: str) -> tuple[Projector, Loop] | str:
     if prepared.method.name != "newton":
         return f"projection by {prepared.method.name} has none"
     loop = Loop.of(prepared.setting, "along", sys.modules[__name__])
-    return "a word has no derivative as text" if loop is None else (prepared, loop)
+    return "a function in the formula has no derivative in compiled form" if loop is None else (prepared, loop)
 
 
 def looped(share: Share, projection: str, out: Histories) -> Which | None:

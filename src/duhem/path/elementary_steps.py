@@ -86,7 +86,7 @@ def _exit(s: Pair, q: Pair, e: float, mu: Sequence[float]) -> tuple[float, Pair 
             c = (size - 1.0) * (size + 1.0)
             square = b * b - a * c
             if not isfinite(square):  # it would pass for rest
-                raise OverflowError("the way to the boundary leaves double precision")
+                raise OverflowError("the distance to the boundary overflows or underflows")
             root = sqrt(max(square, 0.0))
             tau = (root - b) / a if b <= 0.0 else -c / (b + root)
             tau = min(max(tau, start), end)

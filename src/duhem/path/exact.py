@@ -32,7 +32,7 @@ def elementary(plan: Plan) -> str | None:
     """None where elementary functions do for the whole path, else the reason why not."""
     shape = shape_numbers(Share.alone(plan))
     if shape is None:
-        return f"{plan.increment.law.name} declares no closed form"
+        return f"{plan.increment.law.name} has no closed form"
     one = isinstance(plan.increment.law.closed_form, Interval)
     load = shape.along(len(plan.path.time))[0]
     if shape.coefficients.min() <= 0.0 or not (one or load.all()):

@@ -95,10 +95,10 @@ class Path:
         _check_size(m, values.shape[1], "points")
         times = np.arange(m, dtype=np.float64) if time is None else given_numbers(time, "time")
         if times.shape != (m,):
-            raise InputError(f"time has the shape {times.shape} for {m} points", where="path", remedy="give one time a point")
+            raise InputError(f"time has the shape {times.shape} for {m} points", where="path", remedy="give one time per point")
         if (back := np.flatnonzero(np.diff(times) <= 0.0)).size:
             i = int(back[0]) + 1
-            raise InputError(f"time[{i}] = {times[i]} does not come after {times[i - 1]}", where="path", remedy="give increasing times")
+            raise InputError(f"time[{i}] = {times[i]} is not greater than {times[i - 1]}", where="path", remedy="give increasing times")
         return cls(values, _pressure(pressure, m), times, control, timed=time is not None)
 
     @classmethod
@@ -116,7 +116,7 @@ class Path:
         middle = given_numbers(mean, "mean")
         if swing.ndim != 1 or not swing.size or middle.shape not in ((), swing.shape):
             what = f"amplitude has the shape {swing.shape}, mean {middle.shape}"
-            raise InputError(what, where="path", remedy="give one number a force in each")
+            raise InputError(what, where="path", remedy="give one number per force in each")
         checked_count(cycles, "cycles", 1)
         _check_size(2 * cycles + 2, swing.size, "cycles")
         with np.errstate(all="ignore"):  # what is not finite is found
@@ -142,7 +142,9 @@ class Path:
         checked_count(points, "points", 1)
         size, rounds, first = _number(radius, "radius"), _number(turns, "turns"), _number(start, "start")
         if not (size > 0.0 and rounds != 0.0):
-            raise InputError("radius, turns and start make no circle", where="path", remedy="give a radius > 0 and turns other than 0")
+            raise InputError(
+                "radius, turns and start do not define a circle", where="path", remedy="give a radius > 0 and turns other than 0"
+            )
         if not isinstance(chords, bool | np.bool_):
             raise InputError(f"chords = {str(chords)[:40]!r}", where="path", remedy="give true or false")
         _check_size(abs(rounds) * points + 1.0, 2, "turns")
@@ -296,7 +298,7 @@ def _pressure(given: ArrayLike | None, m: int) -> Array | None:
         return None
     array = given_numbers(given, "pressure")
     if array.shape not in ((), (m,)):
-        raise InputError(f"pressure has the shape {array.shape} for {m} points", where="path", remedy="give one number, or one a point")
+        raise InputError(f"pressure has the shape {array.shape} for {m} points", where="path", remedy="give one number, or one per point")
     if (bad := np.flatnonzero(np.atleast_1d(array) > 0.0)).size:
         value = np.atleast_1d(array)[bad[0]]
         raise InputError(
@@ -375,7 +377,7 @@ class Paths:
         """
         if not isinstance(path, Path) or path.control != "displacement":
             raise InputError(
-                "this is no path of displacements", where="paths", remedy="give one made with Path.linear(points, pressure=...)"
+                "this is not a path of displacements", where="paths", remedy="give one made with Path.linear(points, pressure=...)"
             )
         remedy = "give (N,), or (N, d) as an array, in the order of the forces"
         factor = given_numbers(unlabelled(by, "by", remedy), "by")
@@ -514,7 +516,9 @@ def paths_from_csv(
     The rows of a point stand together, and all have as many knots at the same times.
     """
     if control != "displacement" or not isinstance(point, str):
-        raise InputError("many points have displacements, and a column that tells them apart", where="path", remedy='write point = "point"')
+        raise InputError(
+            "a table of many points needs displacements and a column that numbers the points", where="path", remedy='write point = "point"'
+        )
     header, rows = read_table(file)
     name = spelled(point)
     if name not in header:
@@ -523,7 +527,9 @@ def paths_from_csv(
     starts = np.append(0, np.flatnonzero(np.diff(numbers)) + 1)
     sizes = np.diff(np.append(starts, len(rows)))
     if (sizes != sizes[0]).any() or len(np.unique(numbers)) != len(starts):
-        raise InputError("not every point has as many rows, all together", where=f"{file}", remedy="sort by point, then by time")
+        raise InputError(
+            "the points do not have the same number of consecutive rows", where=f"{file}", remedy="sort by point, then by time"
+        )
     m = int(sizes[0])
     first = Path.from_rows(header, rows[:m], f"{file}", columns=columns, pressure=pressure, time=time)
     names = displacements(header, f"{file}", columns)
@@ -531,7 +537,7 @@ def paths_from_csv(
     if (at := header.index(spelled(time)) if spelled(time) in header else None) is not None:
         times = rows[:, at].reshape(len(starts), m)
         if (times != times[0]).any():
-            raise InputError("points have knots at other times", where=f"{file}", remedy="give all the same times")
+            raise InputError("the points have different times", where=f"{file}", remedy="give the same times for all points")
     load: Array | float | None = None if isinstance(pressure, str) else pressure
     if isinstance(pressure, str) and spelled(pressure) in header:
         load = rows[:, header.index(spelled(pressure))].reshape(len(starts), m)

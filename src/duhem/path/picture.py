@@ -36,7 +36,7 @@ _UNITS = "Pa", "m"  # of stress and length, where nobody names others
 _FIXED: dict[str, Any] = {"color": figure.GREY, "linewidth": 1.0}
 _VARIED: dict[str, Any] = {"color": "black", "linewidth": 1.2, "linestyle": (0, (5, 2)), "zorder": 2.5}  # over the path, which may hide one
 _START: dict[str, Any] = {"marker": "o", "linestyle": "none", "color": "white", "markeredgecolor": "black", "markersize": 8.0}
-_SUMS = {"work": "work", "psi": r"free energy $\psi$", "dissipation": "dissipation", "numerical": "lost by implicit steps"}
+_SUMS = {"work": "work", "psi": r"free energy $\psi$", "dissipation": "dissipation", "numerical": "numerical loss of implicit steps"}
 
 
 @draw.register(History)
@@ -60,7 +60,7 @@ def picture(
     from duhem.path.trajectory import trajectory
 
     if not np.isfinite(history.to_array()).all():
-        raise InputError("the history holds numbers that are not finite", where="plot", remedy="take other units, or draw a part of it")
+        raise InputError("the history holds numbers that are not finite", where="plot", remedy="use other units, or draw only a part of it")
     seen = trajectory(history)
     over = _over(history, law, parameters)
     if ax is not None:
@@ -88,7 +88,7 @@ def _over(history: History, law: Criterion | str | os.PathLike[str] | None, para
     known = load_formula(law if isinstance(law, str | Criterion) else pathlib.Path(law))
     if known.forces != history.forces or (known.pressure is not None and history.pressure_name is None):
         theirs, ours = ", ".join(known.forces), ", ".join(history.forces)
-        raise InputError(f"{known.name} has the forces {theirs}, the history {ours}", where="law", remedy="take a law of the same forces")
+        raise InputError(f"{known.name} has the forces {theirs}, the history {ours}", where="law", remedy="use a law with the same forces")
     fixed = known.fix(parameters)
     if absent := [name for name, domain in fixed.parameters.items() if domain.value is None]:
         raise InputError(f"{known.name} needs {', '.join(absent)}", where="plot", remedy="give each by name")

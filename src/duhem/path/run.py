@@ -277,6 +277,6 @@ def _kept(keep: int | str, steps: int) -> NDArray[np.intp]:
     if keep == "last":
         return np.array([0, steps])
     if isinstance(keep, str):
-        raise InputError(f"keep = {keep[:40]!r}", where="keep", remedy='give every how many knots are kept, or "last"')
+        raise InputError(f"keep = {keep[:40]!r}", where="keep", remedy='give the number n to keep every n-th knot, or "last"')
     checked_count(keep, "keep", 1)
     return np.unique(np.append(np.arange(0, steps + 1, keep), steps))

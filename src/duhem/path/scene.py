@@ -72,7 +72,7 @@ class Scene(Run):
     def check_asked(self) -> None:
         """InputError where the scene requires what nobody has asked."""
         if self.convex == "require" and self.convexity is None:
-            raise InputError("nobody has asked whether K is convex", where="convex", remedy="run what duhem.vouched makes of the scene")
+            raise InputError("it is unknown whether K is convex", where="convex", remedy="run the scene that duhem.vouched returns")
 
     def batch(self) -> Batch:
         """The checked question of a run of many points."""
@@ -117,22 +117,22 @@ class Scene(Run):
         return (
             _integration(self, plan),
             _solver(self, plan),
-            LeftOut("thermal block", "isothermal: no temperature in the law"),
-            LeftOut("flow check", "associated: slip is normal to K by construction"),
-            LeftOut("K at every step", "constant pressure: K is assembled once")
+            LeftOut("thermal block", "the law is isothermal: it has no temperature"),
+            LeftOut("flow check", "the law is associated: its slip is normal to K by definition"),
+            LeftOut("K at every step", "the pressure is constant: K is computed once")
             if plan.path.constant_pressure
             else Needed("K at every step", "the pressure changes along the path"),
             Needed("matplotlib", f"plot {plot}") if plot else LeftOut("matplotlib", "nothing is plotted"),
             Needed("pyarrow", f"table {table}")
             if table and table.endswith(".parquet")
-            else LeftOut("pyarrow", "no Parquet file is written"),
+            else LeftOut("pyarrow", "the scene writes no Parquet file"),
         )
 
 
 def _integration(scene: Scene, plan: Plan) -> Needed | LeftOut:
     name = "ordinary differential equation"
     if plan.path.control == "stress":
-        return LeftOut(name, "stress path: the displacement follows from it")
+        return LeftOut(name, "the stress is prescribed: the displacement follows from it")
     if scene.method != "exact":
         question = plan.increment
         shown = question.convexity is None or question.shown_convex().all()
@@ -148,9 +148,9 @@ def _solver(scene: Scene, plan: Plan) -> Needed | LeftOut:
 
     name, reason = "solver (CVXPY or Newton)", closed_form.applies(plan.increment)
     loop = scene.method == "implicit" and not (scene.compiled or scene.many) and scene.projection in ("auto", "newton")
-    remark = "; some hundred steps a second, with compiled = true in [method] some hundred thousand" if loop else ""
+    remark = "; this computes some hundred steps per second, or some hundred thousand with compiled = true in [method]" if loop else ""
     if scene.projection not in ("auto", "closed-form"):
-        return Needed(name, f"projection {scene.projection} is asked for{remark}")
+        return Needed(name, f"projection {scene.projection} is selected{remark}")
     if reason is None:
         one = isinstance(scene.law.closed_form, Interval)
         return LeftOut(name, "one-dimensional: closed form" if one else "the closest point has a closed form")
@@ -179,11 +179,11 @@ def check_outputs(table: str | None, plot: str | None, resume: bool, inputs: Seq
     grows as they are done, and there is no picture.
     """
     if many and plot is not None:
-        raise InputError("a picture shows one point", where=plot, remedy="leave the plot out, or draw one point's history")
+        raise InputError("a picture can show only one point", where=plot, remedy="remove the plot, or draw the history of one point")
     if table is not None and not table.endswith((".csv", ".parquet")):
         raise InputError("the table is neither .csv nor .parquet", where=table, remedy="end its name in .csv or .parquet")
     if table is None and resume:
-        raise InputError("there is no table to go on with", where="--resume", remedy="name it with --out or in [output]")
+        raise InputError("there is no table to continue", where="--resume", remedy="name it with --out or in [output]")
     if table is not None and table.endswith(".parquet"):
         check_parquet()
     check_places([table, plot], inputs)
@@ -209,7 +209,7 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
         if table is None:
             raise Stopped(f"{done}; name a table with --out to keep what is done") from None
         kept = keep(stop.history, table, fingerprint)
-        raise Stopped(f"{done}, kept in {kept}; go on with --resume") from None
+        raise Stopped(f"{done}, kept in {kept}; continue with --resume") from None
     except (LeftPrecision, LeftDomain) as fault:
         if table is None:
             raise
@@ -245,7 +245,7 @@ def perform_many(
                     on_step(growing.points, n)
         except KeyboardInterrupt:
             kept = beside(table)
-            raise Stopped(f"interrupted after {growing.points} of {n} points, kept in {kept}; go on with --resume") from None
+            raise Stopped(f"interrupted after {growing.points} of {n} points, kept in {kept}; continue with --resume") from None
         growing.finish()
         return PointCounts(n, growing.ended, growing.stationary)
 
@@ -265,7 +265,7 @@ def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> Histor
     except FileNotFoundError:
         return None
     except (OSError, UnicodeDecodeError):
-        raise InputError("the part of a run cannot be read", where=f"{place}", remedy=UNREADABLE) from None
+        raise InputError("the file of an interrupted run cannot be read", where=f"{place}", remedy=UNREADABLE) from None
     mark, _, table = text.partition("\n")
     if not mark.startswith(f"{MARK}{fingerprint} "):
         raise another(place)
@@ -279,7 +279,7 @@ def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> Histor
         column = dict(zip(header.split(","), rows.T, strict=True))
         return _history(plan, column)
     except (ValueError, KeyError, IndexError):
-        raise InputError("the part of a run is damaged", where=f"{place}", remedy=DAMAGED) from None
+        raise InputError("the file of an interrupted run is damaged", where=f"{place}", remedy=DAMAGED) from None
 
 
 def _sum(table: str) -> str:

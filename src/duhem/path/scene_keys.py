@@ -16,43 +16,41 @@ __all__ = ["CHOICES", "KINDS", "KIND_KEYS", "SECTIONS", "VALUES", "Kind", "templ
 
 SECTIONS: Mapping[str, Mapping[str, str]] = {  # beside [parameters], whose keys are the law's, and [path], see KINDS
     "": {
-        "law": "a built-in name, a name of the atlas, or a criterion file beside the scene",
-        "stiffness": "k in Pa/m: a number, one a force, or a symmetric matrix",
-        "stress": "stress at the beginning, one number a force, in Pa, inside K; 0 if left out",
-        "parameters": "a number for each parameter that the law leaves open",
-        "points": "many points that go the same way, each with numbers of its own",
-        "path": "what is prescribed",
-        "method": "how it is computed",
-        "output": "what is written; the command line's --out and --plot come first",
-    },
-    "points": {
-        "table": "a CSV file, one row a point: parameters of the law, the pressure, scale or scale_a ..., which multiply displacements"
+        "law": "the name of a built-in law or of a law in the atlas, or a criterion file in the folder of the scene",
+        "stiffness": "k in Pa/m: one number, one number per force, or a symmetric matrix",
+        "stress": "initial stress in Pa, one number per force; it must lie inside K (default 0)",
+        "parameters": "a number for each parameter that has no value in the law",
+        "points": "many points on the same path, each with its own numbers",
+        "path": "the prescribed displacements or stresses",
+        "method": "the method of computation",
+        "output": "the files to write; --out and --plot on the command line take precedence",
     },
     "method": {
-        "integrator": "implicit: first order in the step; extrapolated: second order; exact: each straight piece at once, to rounding",
-        "projection": "how the closest point is found; auto takes the cheapest method that applies",
-        "substeps": "into how many steps each step of the path is cut, 1 if left out",
-        "compiled": "true: through numba (extra fast)",
-        "threads": "how many share the work of many points, 1 if left out; no number depends on it",
-        "convex": "whether K is: look for a proof, require one, or do without",
+        "integrator": "implicit: error of first order in the step; extrapolated: second order; "
+        "exact: each straight piece in one step, without discretisation error",
+        "projection": "the method that finds the closest point; auto chooses the cheapest method that applies",
+        "substeps": "number of substeps in each step of the path (default 1)",
+        "compiled": "true: compile with numba (extra fast)",
+        "threads": "number of threads for many points (default 1); the results do not depend on it",
+        "convex": "ask: look for a proof that K is convex; require: reject the law without such a proof; assume: do not look for one",
     },
     "output": {
-        "table": "the history, .csv or .parquet (extra parquet)",
-        "plot": "stress path, hysteresis and energies (extra plot), .png, .svg, .pdf ...",
-        "stress_unit": "the unit of all stresses here, written at the axes of the picture, Pa if left out; no number is converted",
-        "length_unit": "that of displacements, m if left out",
-        "keep": 'of many points: every how many knots are kept, or "last"',
-        "checkpoint": "how often what is done is kept for --resume, in s, 60 if left out",
+        "table": "the file for the history, .csv or .parquet (extra parquet)",
+        "plot": "the file for a picture of the stress path, hysteresis and energies (extra plot): .png, .svg, .pdf ...",
+        "stress_unit": "the unit of the stresses, as text for the axes of the picture (default Pa); numbers are not converted",
+        "length_unit": "the unit of the displacements, as text for the axes (default m)",
+        "keep": 'for many points: n keeps every n-th knot, "last" keeps only the last knot',
+        "checkpoint": "time in s between two checkpoints for --resume (default 60)",
     },
 }
 
 VALUES: Mapping[str, tuple[Any, Any, str]] = {  # keys that hold a value: its type, what is meant where it is left out, and the remedy
     "compiled": (bool, False, "write true or false"),
-    "substeps": (int, 1, "give a whole number from 1 on"),
-    "threads": (int, 1, "give a whole number from 1 on"),
+    "substeps": (int, 1, "give a whole number >= 1"),
+    "threads": (int, 1, "give a whole number >= 1"),
     "stress_unit": (str, "Pa", 'write for example stress_unit = "MPa"'),
     "length_unit": (str, "m", 'write for example length_unit = "mm"'),
-    "keep": ((int, str), 1, 'give every how many knots are kept, or "last"'),
+    "keep": ((int, str), 1, 'give the number n to keep every n-th knot, or "last"'),
     "checkpoint": ((int, float), 60, "give seconds, above 0"),
 }
 
@@ -66,11 +64,13 @@ class Kind(NamedTuple):
 
 
 KINDS: Mapping[str, Kind] = {
-    "linear": Kind("straight from point to point", ("points",), ("time", "control")),
-    "cycle": Kind("0, then from mean + amplitude to mean - amplitude and back", ("amplitude",), ("cycles", "mean", "control")),
-    "circle": Kind("round a circle, of two displacements", ("radius",), ("points", "turns", "start", "centre", "chords")),
-    "random": Kind("from 0 through normal deviates; the same seed gives the same path", ("seed", "points"), ("scale",)),
-    "table": Kind("a CSV file, one row a knot", ("file",), ("columns", "time", "control", "point")),
+    "linear": Kind("straight lines from point to point", ("points",), ("time", "control")),
+    "cycle": Kind("from 0 to mean + amplitude, then to mean - amplitude and back", ("amplitude",), ("cycles", "mean", "control")),
+    "circle": Kind("a circle, for two displacements", ("radius",), ("points", "turns", "start", "centre", "chords")),
+    "random": Kind(
+        "random points with a normal distribution, starting at 0; the same seed gives the same path", ("seed", "points"), ("scale",)
+    ),
+    "table": Kind("a CSV file with one row per knot", ("file",), ("columns", "time", "control", "point")),
 }
 
 CHOICES: Mapping[str, tuple[str, ...]] = {  # the words that a key may have; the first is meant where it is left out
@@ -82,27 +82,27 @@ CHOICES: Mapping[str, tuple[str, ...]] = {  # the words that a key may have; the
 }
 
 KIND_KEYS: Mapping[str, str] = {  # a kind before the key where it means something else there
-    "pressure": "sigma_n <= 0 in compression, in Pa: one number, or one a knot; of a random path also [least, greatest], to draw from",
-    "control": "whether the values are displacements in m or stresses in Pa",
-    "linear points": "the values at the knots, one number or a list of one a force",
-    "linear time": "at each knot, in s, increasing; it only labels them, for the laws are rate independent",
-    "amplitude": "one number, or one a force",
-    "cycles": "how many, 1 if left out",
-    "mean": "what the cycles go round, 0 if left out",
+    "pressure": "sigma_n <= 0 in compression, in Pa: one number, or one number per knot; for a random path also [least, greatest]",
+    "control": "the meaning of the values: displacements in m or stresses in Pa",
+    "linear points": "the values at the knots (points of the path): one number, or a list with one number per force",
+    "linear time": "the time of each knot in s, increasing; it is only a label, because the laws do not depend on the rate",
+    "amplitude": "one number, or one number per force",
+    "cycles": "number of cycles (default 1)",
+    "mean": "the centre of the cycles (default 0)",
     "radius": "in m",
-    "circle points": "steps a turn, 64 if left out",
-    "turns": "how many, 1 if left out; below 0 clockwise",
+    "circle points": "number of steps per turn (default 64)",
+    "turns": "number of turns (default 1); a negative number turns clockwise",
     "start": "the angle of the first knot, in rad",
-    "centre": "of the circle, [0, 0] if left out",
-    "chords": "true: straight between the knots",
+    "centre": "centre of the circle (default [0, 0])",
+    "chords": "true: straight lines between the knots",
     "seed": "a whole number",
-    "random points": "how many knots after the first",
-    "scale": "of the deviates, one number or one a force, 1 if left out",
-    "file": "the table, beside the scene",
-    "columns": "which columns the values are; every u_... that is no u_in_... if left out",
-    "table pressure": "the column of the pressure, sigma_n if left out, or one number in Pa",
-    "table time": "the column of the time, time if left out; a name that is not there states no times",
-    "point": "the column that tells points apart, of a table of many points; left out, it is one path",
+    "random points": "number of knots after the first",
+    "scale": "standard deviation, one number or one number per force (default 1)",
+    "file": "the table, in the folder of the scene",
+    "columns": "the columns with the values (default: every u_... except u_in_...)",
+    "table pressure": "the column with the pressure (default sigma_n), or one number in Pa",
+    "table time": "the column with the time (default time); without such a column, the path has no times",
+    "point": "the column that numbers the points, if the table contains many points (default: the table is one path)",
 }
 
 
@@ -115,13 +115,13 @@ def template(name: str) -> str:
 
 _TEMPLATE = """\
 # A scene for duhem: a law along a loading path.  Run it with:  duhem simulate NAME.toml
-# What it needs and what is left out:  duhem simulate NAME.toml --explain
+# To see what it needs:  duhem simulate NAME.toml --explain
 
 law = "antoni2007"                        # a name (duhem list, duhem atlas), or a criterion file beside this one: "mine.toml"
-stiffness = [1e9, 2e9]                    # Pa/m: a number, one a force, or a symmetric matrix [[k_aa, k_ab], [k_ab, k_bb]]
-# stress = [0, 0]                         # Pa, at the beginning
+stiffness = [1e9, 2e9]                    # Pa/m: a number, one number per force, or a symmetric matrix [[k_aa, k_ab], [k_ab, k_bb]]
+# stress = [0, 0]                         # Pa, the initial stress
 
-[parameters]                              # a number for each that the law leaves open
+[parameters]                              # a number for each parameter without a value
 mu_a_plus = 0.2
 mu_a_minus = 0.08
 mu_b_plus = 0.12
@@ -130,7 +130,7 @@ mu_b_minus = 0.15
 [path]
 kind = "linear"                           # straight from point to point
 points = [[0, 0], [1e-3, 0], [1e-3, 5e-4], [0, 0]]  # m; with control = "stress" Pa
-pressure = -1e6                           # Pa, <= 0 in compression: one number, or one a knot
+pressure = -1e6                           # Pa, <= 0 in compression: one number, or one per knot
 # Other kinds:
 #   kind = "cycle"    amplitude = [1e-3, 0]   cycles = 3   mean = 0
 #   kind = "circle"   radius = 1e-3   points = 64   turns = 2   start = 0   centre = [0, 0]
@@ -139,17 +139,17 @@ pressure = -1e6                           # Pa, <= 0 in compression: one number,
 
 [method]                                  # optional
 integrator = "implicit"                   # first order; "extrapolated": second order; "exact": to rounding
-substeps = 10                             # each step of the path is cut into so many
-# compiled = true                         # through numba (extra fast)
-# convex = "require"                      # refuse a K that is not shown to be convex; "ask" is meant if left out
+substeps = 10                             # number of substeps in each step of the path
+# compiled = true                         # with numba (extra fast)
+# convex = "require"                      # reject the law if K is not proved convex; default "ask"
 
-# [output]                                # optional; else the history goes to standard output, or where --out and --plot say
+# [output]                                # optional; by default the history goes to standard output, or to --out and --plot
 # table = "NAME.csv"                      # or .parquet (extra parquet)
 # plot = "NAME.png"                       # extra plot
-# stress_unit = "MPa"                     # at the axes of the picture, where all numbers above are in MPa and, below, in mm
+# stress_unit = "MPa"                     # text for the axes of the picture, if the numbers of this file are in MPa and mm
 # length_unit = "mm"
 
-# Many points that go the same way, each with parameters, pressure or scale of its own, a row each:
+# Many points on the same path. Each row of the table has its own parameters, pressure or scale:
 # [points]
 # table = "points.csv"
 """

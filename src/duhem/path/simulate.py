@@ -49,9 +49,9 @@ class LeftPrecision(InputError):
     def __init__(self, history: History, time: float) -> None:
         self.history = history
         super().__init__(
-            f"stress, slip or energies leave double precision on the way to time {time:g}",
+            f"stress, slip or energies overflow or underflow on the way to time {time:g}",
             where=f"path, step {len(history)}",
-            remedy="take other units, in which the numbers are of moderate size",
+            remedy="use other units, so that the numbers have a moderate size",
         )
 
 
@@ -61,7 +61,7 @@ class LeftDomain(InputError):
     def __init__(self, history: History, crossed: str, time: float) -> None:
         self.history = history
         super().__init__(
-            f"at time {time:g} {crossed}, where {history.law} claims nothing",
+            f"at time {time:g} {crossed}, where {history.law} is not declared",
             where=f"path, step {len(history)}",
             remedy="stay inside the range, or declare a wider one in the law's domain",
         )
@@ -95,16 +95,16 @@ def driven(
     if not isinstance(method, str) or method not in INTEGRATORS:
         raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
     if start is not None and not isinstance(start, History):
-        raise InputError(f"{type(start).__name__} is no history", where="start", remedy="give what an interrupted run left")
+        raise InputError(f"{type(start).__name__} is not a history", where="start", remedy="give the history of the interrupted run")
     if on_step is not None and not callable(on_step):
         raise InputError(f"{type(on_step).__name__} cannot be called", where="on_step", remedy="give a function of (done, all)")
     if isinstance(run.path, Paths):
         if start is not None:
-            raise InputError("a run of many points has no start to go on from", where="start", remedy="run the points that are left")
+            raise InputError("a run of many points cannot be continued with start", where="start", remedy="run only the remaining points")
         return _many(Batch.of(run), method, run.threads, on_step)
     checked_count(run.threads, "threads", 1, MOST_THREADS)
     if run.keep != 1:
-        raise InputError("keep is for many points", where="keep", remedy="leave it out, or give Paths")
+        raise InputError("keep applies only to many points", where="keep", remedy="remove it, or give Paths")
     plan = Plan.of(run)
     if plan.path.control == "stress":
         with np.errstate(all="ignore"):  # what is not finite is found
@@ -139,8 +139,8 @@ def driven(
 def check_compiled(method: str) -> None:
     """InputError for a method of which one path is not compiled."""
     if method != "implicit":
-        what = f"one {method} path is not compiled"
-        raise InputError(what, where="compiled", remedy='leave it out, or take method="implicit"')
+        what = f"a single {method} path cannot be compiled"
+        raise InputError(what, where="compiled", remedy='remove it, or use method="implicit"')
 
 
 def _compiled(method: str) -> Callable[[Plan, Ledger], Iterator[int]]:
@@ -200,14 +200,14 @@ def first_stress(plan: Plan, given: ArrayLike | None) -> Array:
     except InputError:
         raise
     except (TypeError, ValueError):
-        raise InputError("the stress at the start is not made of numbers", where="stress", remedy=f"give {d} numbers") from None
+        raise InputError("the initial stress is not made of numbers", where="stress", remedy=f"give {d} numbers") from None
     if stress.shape != (d,) or not np.isfinite(stress).all():
-        raise InputError("the stress at the start does not fit the law or is not finite", where="stress", remedy=f"give {d} numbers")
+        raise InputError("the initial stress does not fit the law or is not finite", where="stress", remedy=f"give {d} numbers")
     if _outside(plan, stress[None]) is not None:
         remedy = "give one inside K" if given is not None else "zero stress is not admissible: give stress= inside K"
-        raise InputError(f"the stress at the start {stress.tolist()} lies outside K", where="stress", remedy=remedy)
+        raise InputError(f"the initial stress {stress.tolist()} lies outside K", where="stress", remedy=remedy)
     if beyond(law, stress[None]).any():
-        what = f"the stress at the start: {crossed(law, stress[None])}"
+        what = f"the initial stress: {crossed(law, stress[None])}"
         raise InputError(what, where="stress", remedy="give one inside the range")
     return stress
 
@@ -243,7 +243,7 @@ def _go_on(ledger: Ledger, plan: Plan, method: str, start: History) -> None:
         same = old.increment.g == new.increment.g and old.projection == new.projection
         same = same and start.method in ("", method)  # a part that was read does not say how it was integrated
     if not same or not _elastic(start, plan):
-        raise InputError("the history to go on from belongs to another run", where="start", remedy="start afresh")
+        raise InputError("the given history belongs to another run", where="start", remedy="start afresh")
     ledger.resume(start)
 
 

@@ -376,7 +376,7 @@ def moves(on: Boundary, stress: Array, drive: Motion, pressures: tuple[float, fl
         n = on.normal(state[:d], load(tau))
         if not (np.isfinite(n).all() and n.any()):
             at = ", ".join(f"{x:g}" for x in state[:d])
-            raise DuhemError(f"K has no normal at the stress ({at}), where slip begins", remedy='use method="implicit"')
+            raise DuhemError(f"the boundary of K has no normal at the stress ({at}), where slip begins", remedy='use method="implicit"')
         state[:d] -= on.value(state[:d], load(tau)) * n / float(n @ n)
         ahead = state[:d] + _GLANCE * (1.0 - tau) * np.array(
             slipping(tau, state.tolist())[:d]
@@ -452,7 +452,7 @@ class OpenContact:
         found = self.prepared.at(replace(increment, trial=sides, pressure=np.zeros(len(sides))))
         if found.stress.any():
             raise InputError(
-                f"K of {increment.law.name} is neither the origin nor round where the pressure vanishes",
+                f"K of {increment.law.name} is neither the origin nor a disk at zero pressure",
                 where=f"pressure[{int(np.flatnonzero(increment.pressure == 0.0)[0])}]",
                 remedy='use method="implicit"',
             )

@@ -17,7 +17,7 @@ __all__ = ["MOST_NUMBERS", "cells_of", "header_of", "read_table"]
 
 MOST_NUMBERS = 10_000_000  # of a path: five million knots in the plane, with some 100 bytes each before the first step
 _MOST_CHARACTERS = 100_000  # of a line
-_COMMAS = "separate numbers by commas, with points in decimals"
+_COMMAS = "separate numbers by commas, and write decimals with points"
 _SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 
 
@@ -48,7 +48,7 @@ def _read(stream: TextIO, where: str, least: int) -> tuple[list[str], Array]:
         line += 1
         place = f"{where}:{line}"
         if len(text) > _MOST_CHARACTERS or "\0" in text:
-            raise InputError("this is no line of a table", where=place, remedy="write the table as CSV")
+            raise InputError("this line is not valid CSV", where=place, remedy="write the table as CSV")
         if not text.strip() or text.lstrip().startswith("#"):
             continue
         cells = cells_of(text, place)
@@ -89,9 +89,9 @@ def header_of(cells: list[str], place: str) -> list[str]:
     if all(map(_is_number, names)):
         raise InputError("there is no header", where=place, remedy="write the names of the columns above, such as time,u_a,u_b,sigma_n")
     if odd := next((name for name in names if not name.isprintable()), None):
-        raise InputError(f"the column {odd[:40]!r} has an invisible letter in its name", where=place, remedy="write the name anew")
+        raise InputError(f"the column {odd[:40]!r} has an invisible character in its name", where=place, remedy="write the name anew")
     if twice := next((name for name in names if names.count(name) > 1), None):
-        raise InputError(f"the column {twice[:40]!r} is there twice", where=place, remedy="give each column a name of its own")
+        raise InputError(f"the column {twice[:40]!r} is there twice", where=place, remedy="give each column its own name")
     return names
 
 

@@ -51,7 +51,7 @@ def trajectory(history: History, samples: int | None = None) -> Trajectory:
     against the way on which the stress settles, at most eight times as many.
     """
     if samples is not None and (isinstance(samples, bool) or not isinstance(samples, int) or samples < 1):
-        raise InputError(f"samples = {samples!r}", where="trajectory", remedy="give a whole number from 1 on")
+        raise InputError(f"samples = {samples!r}", where="trajectory", remedy="give a whole number >= 1")
     steps = len(history) - 1
     each = samples if samples is not None else min(max(_POINTS // max(steps, 1), 1), _MOST_A_STEP)
     along = None if history.plan is None else _along(history.plan, history.method)

@@ -50,7 +50,7 @@ def paint_section(axes: Axes, found: View, unit: str = "", title: str = "", *, f
             _fans(axes, [corner for corner in found.corners if corner.convex], long)
         _arrows(axes, _whole(found, found.normals, long), long, _DARK, "normal", found.slips == ())
     if found.slips:
-        _arrows(axes, _whole(found, found.slips, 1.25 * long), 1.25 * long, _RED, "slip by its own rule", True)
+        _arrows(axes, _whole(found, found.slips, 1.25 * long), 1.25 * long, _RED, "slip direction (not normal)", True)
 
 
 def frame(axes: Axes, found: View, unit: str, title: str = "", size: float = 0.0) -> None:
@@ -67,17 +67,17 @@ def frame(axes: Axes, found: View, unit: str, title: str = "", size: float = 0.0
         axes.text(x, y, f"${symbol}$", fontsize="small", color="0.35", ha="center", va="center", bbox=paper, zorder=0.6)
     axes.set_xlim(a, b)
     axes.set_ylim(c, d)
-    if not found.slender:
+    if not (found.slender or found.plane.pressed):  # along the pressure there are no normals, whose angles would have to be right
         axes.set_aspect("equal", adjustable="box")
     wide, high = max(abs(a), abs(b)), max(abs(c), abs(d))
-    if not found.slender:
+    if not (found.slender or found.plane.pressed):  # along the pressure there are no normals, whose angles would have to be right
         wide = high = max(wide, high, size)  # one scale, one unit
     figure.measure(axes.xaxis, found.plane.x_symbol, unit or UNIT, wide)
     figure.measure(axes.yaxis, found.plane.y_symbol, unit or UNIT, high)
     if not found.plane.y_symbol:
         axes.yaxis.set_visible(False)
     said, remark = (figure.wrapped(text, _REMARK) for text in (title, found.remark))
-    lines = [said, found.plane.told(unit), "axes not to one scale" if found.slender else "", remark]
+    lines = [said, found.plane.told(unit), "different scales on the two axes" if found.slender else "", remark]
     axes.set_title("\n".join(line for line in lines if line))
 
 
@@ -159,7 +159,7 @@ def paint_step(axes: Axes, step: TrialStep) -> None:
     """A trial stress, the closest point of K and the way between them."""
     _way(axes, step.trial, step.stress, color=_GREEN, linewidth=1.2, linestyle="--", zorder=6)
     axes.plot(*step.trial, "s", color=_GREEN, markersize=6, label=r"trial stress $\sigma^\mathrm{tr}$", zorder=6)
-    axes.plot(*step.stress, "o", color="black", markersize=5, label=f"increment's end: {step.status}", zorder=6)
+    axes.plot(*step.stress, "o", color="black", markersize=5, label=f"stress at the end ({step.status})", zorder=6)
     if step.slip is not None:
         _way(axes, step.stress, step.stress + step.slip, color=_RED, linewidth=1.8, zorder=6.5)
         axes.plot([], [], color=_RED, linewidth=1.8, marker=">", markersize=4, label=r"direction of the slip $\Delta u^\mathrm{in}$")
@@ -176,7 +176,9 @@ def paint_violation(axes: Axes, seen: Violation, unit: str, title: str) -> None:
     """The section with the points of a witness and the way between two of them."""
     paint_section(axes, seen.section, unit, title, fans=False)
     if seen.way is not None:
-        axes.plot(*seen.way.T, color=_RED, linewidth=2.0, linestyle=(0, (5, 1.5)), zorder=5, label="chord of the witness", gid=figure.OPEN)
+        axes.plot(
+            *seen.way.T, color=_RED, linewidth=2.0, linestyle=(0, (5, 1.5)), zorder=5, label="chord between two points", gid=figure.OPEN
+        )
     for i, (role, point) in enumerate(seen.points.items()):
         mark, label = "X" if role == "midpoint" else "o", "_" if i else "witness"
         axes.plot(*point, mark, color=_RED, markeredgecolor="black", markersize=7, zorder=6, label=label)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -17,7 +17,7 @@ from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.formula_law import Criterion
 from duhem.portrait.lines import Window
 from duhem.portrait.plane import Plane, oblique
-from duhem.portrait.section import NOTHING, Numbered, View, beside, numbered, section
+from duhem.portrait.section import NOTHING, SLENDER, Numbered, View, beside, numbered, section
 from duhem.projection.increment import Convexity, posed
 from duhem.projection.projector import Projector
 from duhem.projection.result import Status
@@ -52,8 +52,8 @@ def step(given: Numbered, trial: ArrayLike, stiffness: ArrayLike, plane: Plane, 
     alone = plane.pressed and len(law.forces) == 1
     base = np.array([0.0, pressure]) if alone else plane.base
     if not (plane.slips or alone):
-        remedy = f"name such a plane first, as {','.join(law.forces[:2])}"
-        raise InputError("an increment is drawn in a plane of forces", where="trial", remedy=remedy)
+        remedy = f"name such a plane first, for example {','.join(law.forces[:2])}"
+        raise InputError("an increment can only be drawn in a plane of forces", where="trial", remedy=remedy)
     prepared = Projector.of(law, stiffness)
     question = posed(prepared.setting, trial, float(base[-1]) if law.pressure else None)
     if len(question.trial) != 1:
@@ -89,6 +89,8 @@ _INSIDE = ("p", "q", "inside", "tau")
 _FREE = 0.05  # of the window's size that is left free around a point
 _NARROWEST = 0.6  # side of a window by the other, where the axes have one scale: narrower, numbers and notes find no room
 _SMALL = 0.08  # share of the window below which a way is drawn larger, in a window of its own
+_FLAT = 0.03  # share of the window below which the depth of a dent is drawn larger than its length
+_DEPTHS = 6.0  # depths of such a dent on either side of its chord
 
 
 @dataclass(frozen=True)
@@ -123,13 +125,33 @@ def violation(law: Law, result: ClaimResult) -> Violation:
     if ends is not None and result.claim == "smoothness":
         ends = None  # the corner is what is seen
     way = None if ends is None else np.array([plane.within(ends[0]), plane.within(ends[1])])
-    window = _around(whole, flat.values(), way)
+    window = _dent(whole, flat) or _around(whole, flat.values(), way)
     shown = whole if window is None else section(at, plane, window)
     told = next((flat[role] for role in ("sigma", "inside") if role in flat and result.claim in ("normality", "dissipation")), None)
     bare = replace(shown, normals=(), slips=()) if told is None else beside(at, shown, told)
     if bare.remark == NOTHING and not points.keys().isdisjoint(_INSIDE):
-        bare = replace(bare, remark="of $K$ only points of the witness are found here")
+        bare = replace(bare, remark="only the points of the counterexample that lie in $K$ are found here")
     return Violation(result.claim, at, bare, flat, way)
+
+
+def _dent(section_of_all: View, points: Mapping[str, Array]) -> Window | None:
+    """A window that stretches a flat dent across its chord, where that is along an axis; None where the dent is deep enough to be seen."""
+    if not {"p", "q", "midpoint"} <= points.keys() or not section_of_all.lines:
+        return None
+    middle, chord = points["midpoint"], np.abs(points["q"] - points["p"])
+    along = int(chord.argmax())
+    long, across = float(chord[along]), 1 - along
+    boundary = np.vstack([line.points for line in section_of_all.lines])
+    near = boundary[np.abs(boundary[:, along] - middle[along]) < 0.1 * long]
+    if chord[across] > 1e-3 * long or not len(near):
+        return None
+    depth = float(np.abs(near[:, across] - middle[across]).min())
+    if not 0.0 < depth < _FLAT * section_of_all.size:
+        return None
+    free = np.full(2, 1.1 * long)
+    free[across] = min(_DEPTHS * depth, 0.9 * free[along] / SLENDER)
+    (a, c), (b, d) = (middle - free).tolist(), (middle + free).tolist()
+    return (a, b, c, d)
 
 
 def _around(section_of_all: View, points: Iterable[Array], way: Array | None) -> Window | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -47,17 +48,18 @@ def plot(
     axes: Iterable[Axes] | None = None,
     on_remark: Callable[[str], object] = lambda text: None,
 ) -> tuple[Axes, ...]:
-    """Draw K = {g <= 0} of a law: sections with their boundary, outward normals, seams and slips that are not normal; the axes.
+    """Draw K = {g <= 0} of a law, and return the axes.
 
-    ``parameters`` fixes some; what is left open gets a plain number of its domain, which the title states.  ``pressure`` sigma_n <= 0
-    of the sections, -1 if nobody says; of a law without one that declares a stress tensor the mean stress of the deviatoric plane.
-    ``planes``: two forces, or the pressure and a force, as ``a,b``; ``deviatoric`` and ``meridian`` (p, q) of a stress tensor; ``all``;
-    none for a choice of them, the first of it that fit where ``axes`` are given.  ``trial`` (d,) and ``stiffness`` as for
-    :func:`duhem.project` draw one increment.  With ``witness`` the law is verified and each witness of a refuted claim is drawn, at
-    its own numbers.  ``unit`` of stresses, "Pa" for prefixes.  ``on_remark`` is called with what a section does not show of K, a line
-    each, which stands above it too.
+    Each panel shows a section of K with its boundary, outward normals, seams (lines where the formula of g changes) and slip directions
+    that are not normal.  ``parameters`` fixes some values; every other parameter gets a simple number from its domain, which the title
+    shows. ``pressure`` is sigma_n <= 0 of the sections (default -1); for a law without pressure that declares a stress tensor, it is
+    the mean stress of the deviatoric plane.  ``planes``: two forces, or the pressure and a force, as ``a,b``; ``deviatoric`` and
+    ``meridian`` (p, q) for a stress tensor; or ``all``.  By default duhem chooses them, at most as many as there are ``axes``.
+    ``trial`` (d,) and ``stiffness``, as for :func:`duhem.project`, draw one increment.  ``witness`` verifies the law and draws the
+    counterexample of each refuted claim, at its own parameters.  ``unit`` is the unit of stresses; "Pa" gets prefixes.  ``on_remark``
+    is called with a line about each part of K that a section does not show; the section has this line as a title too.
 
-    Raises InputError for what does not fit the law or cannot be written, MissingExtraError without matplotlib.
+    Raises InputError for arguments that do not fit the law and for a file that cannot be written, MissingExtraError without matplotlib.
     """
     figure.check(file)
     chosen = load(law)
@@ -113,8 +115,8 @@ def cut(given: Numbered, plane: Plane, *, moves: bool = True, reach: float = 0.0
 def stated(given: Numbered, between: str = "\n") -> str:
     """The law, what stands ``between``, and its numbers, as a title says it; those that nobody gave are marked."""
     values, said = given.values(), _listed(given.values())
-    note = f" (taken to draw it: {', '.join(given.chosen[:_VALUES])})" if given.chosen and len(given.chosen) < len(values) else ""
-    note = " (taken to draw it)" if given.chosen and not note else note
+    note = f" (chosen for the picture: {', '.join(given.chosen[:_VALUES])})" if given.chosen and len(given.chosen) < len(values) else ""
+    note = " (chosen for the picture)" if given.chosen and not note else note
     return between.join(filter(None, (given.law.name, said + note)))
 
 
@@ -130,19 +132,20 @@ def _listed(values: Mapping[str, Any]) -> str:
 
 
 def _short(value: Any) -> str:
-    text = str(value)
-    return text if len(text) <= 8 else f"{float(value):.6g}"
+    """A number in decimals, ``0.6``; a short fraction whose decimals do not end as it is, ``1/3``."""
+    text, decimals = str(value), f"{float(value):.6g}"
+    return text if Fraction(decimals) != value and len(text) <= 8 else decimals
 
 
 def _check_pressure(law: Law, pressure: float | None) -> None:
     if pressure is None:
         return
     if not np.isfinite(pressure):
-        raise InputError(f"{pressure} is no pressure", where="pressure", remedy="give a finite number")
+        raise InputError(f"{pressure} is not a pressure", where="pressure", remedy="give a finite number")
     if law.pressure is None and not any(p.guides for p in usual(law, None)):
-        raise InputError(f"{law.name} has no pressure", where="pressure", remedy="leave it out")
+        raise InputError(f"{law.name} has no pressure", where="pressure", remedy="remove it")
     if law.pressure is not None and pressure > 0.0:
-        raise InputError(f"{law.pressure} = {pressure:g} is tension", where="pressure", remedy="give it <= 0, compression is negative")
+        raise InputError(f"{law.pressure} = {pressure:g} is tension", where="pressure", remedy="give it <= 0: compression is negative")
 
 
 def _reaching(given: Numbered, seen: View, taken: TrialStep) -> View:
@@ -171,7 +174,7 @@ def panels(found: Verification) -> tuple[Drawing, ...]:
 def _drawn(found: Verification) -> Iterator[Drawing]:
     refuted = tuple(violation(found.criterion, result) for result in drawable(found))
     for each in refuted:
-        about = f"The witness that refutes {each.claim}; {stated(each.numbered, ' with ')}"
+        about = f"The counterexample for {each.claim}; {stated(each.numbered, ' with ')}"
         yield _panel(partial(paint_violation, seen=each, unit="", title=f"{each.claim} refuted"), about)
     given = refuted[0].numbered if refuted else numbered(found.criterion)
     for plane in usual(given.law, None):
@@ -191,7 +194,7 @@ def _panel(paint: Callable[[Axes], None], caption: str) -> Drawing:
 
 
 _COLUMNS = 8
-_TITLE = "The atlas: a section of each law at plain numbers, verdicts over the whole domain of its file"
+_TITLE = "The atlas: one section of each law for simple parameter values; the verdicts cover the whole domain of the law"
 _LOOKS: dict[str, dict[str, Any]] = {
     "proved": {"facecolor": figure.palette(0), "alpha": 0.3, "label": "$K$ convex: proved"},
     "refuted": {"facecolor": figure.palette(1), "alpha": 0.45, "lines": "xxx", "label": "$K$ convex: refuted"},

@@ -95,13 +95,13 @@ def named(law: Law, text: str, pressure: float | None) -> tuple[Plane, ...]:
     if text in (DEVIATORIC, MERIDIAN):
         if not tensor:
             remedy = f"name two of {', '.join(axes)}, or all"
-            raise InputError(f"{law.name} declares no stress tensor with three normal components", where=f"plane {text}", remedy=remedy)
+            raise InputError(f"{law.name} has no stress tensor with three normal components", where=f"plane {text}", remedy=remedy)
         return (_deviatoric(law, pressure) if text == DEVIATORIC else _meridian(law),)
     pair = [spelled(name.strip()) for name in text.split(",")]
     if len(pair) != 2 or pair[0] == pair[1] or not set(pair) <= set(axes):
         other = f"{DEVIATORIC}, {MERIDIAN}, " if tensor else ""
         remedy = f"name two of {', '.join(axes)} with a comma between them; or {other}all"
-        raise InputError("this names no plane of the law", where=f"plane {text}"[:80], remedy=remedy)
+        raise InputError("this is not a plane of the law", where=f"plane {text}"[:80], remedy=remedy)
     return (_pair(law, pair[0], pair[1], pressure),)
 
 
@@ -140,8 +140,8 @@ def oblique(law: Law, p: Array, q: Array, aside: Array | None = None) -> Plane:
     sizes = [float(np.linalg.norm(r) / (np.linalg.norm(w) or 1.0)) for r, w in zip(rests, wanted, strict=True)]
     chosen = 0 if sizes[0] > 0.05 else int(np.argmax(sizes))
     across = rests[chosen] / np.linalg.norm(rests[chosen])
-    caption = "plane through the points"
-    return Plane(names, middle, along, across, "along the chord", "across it", caption, slips=level)
+    caption = "plane through the points of the counterexample"
+    return Plane(names, middle, along, across, "along the line", "normal to the line", caption, slips=level)
 
 
 def _kind(law: Law) -> str | None:
@@ -198,4 +198,4 @@ def _meridian(law: Law) -> Plane:
     x, y = np.zeros(len(names)), np.zeros(len(names))
     x[:3], y[:3] = 1.0, np.array([2.0, -1.0, -1.0]) / 3.0
     one, two = latex_name(names[0]), latex_name(names[1])
-    return Plane(names, np.zeros(len(names)), x, y, "$p$", f"$q = {one} - {two}$", "meridian, the other two normal stresses equal")
+    return Plane(names, np.zeros(len(names)), x, y, "$p$", f"$q = {one} - {two}$", "meridian plane: two equal normal stresses")

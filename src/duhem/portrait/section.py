@@ -27,7 +27,8 @@ from duhem.portrait.plane import Plane
 from duhem.proof.certificate import admitted_values
 
 __all__ = [
-    "MARGIN", "NOTHING", "Arrow", "Framed", "Numbered", "Switch", "View", "beside", "framed", "missed", "numbered", "section", "switches",
+    "MARGIN", "NOTHING", "SLENDER", "Arrow", "Framed", "Numbered", "Switch", "View", "beside", "framed", "missed", "numbered", "section",
+    "switches",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -60,7 +61,7 @@ def numbered(law: Law, given: Mapping[str, Any] | None = None) -> Numbered:
     check_domain(fixed)
     left = tuple(name for name, domain in fixed.parameters.items() if domain.value is None)
     if (found := admitted_values(fixed)) is None:
-        raise InputError(f"no numbers for {', '.join(left)} are found by themselves", where=law.name, remedy="give each of them")
+        raise InputError(f"duhem found no numbers for {', '.join(left)}", where=law.name, remedy="give each of them")
     return Numbered(fixed.fix({name: found[name] for name in left}), left)
 
 
@@ -272,7 +273,7 @@ _ARROWS = 18
 _ASIDE = 0.03  # of the window's size, from a corner
 _SMOOTH = 0.94  # cosine between the normals beside a point, below which it has none
 _POINT = 1e-12  # of the law's stresses: K that is no larger is drawn as a point
-_SLENDER = 12.0  # times as long as wide, from where a section is not drawn to scale
+SLENDER = 12.0  # times as long as wide, from where a section is not drawn to scale
 _STEPS = 721  # angles at which a boundary curve is computed
 
 
@@ -309,7 +310,7 @@ class View:
     def slender(self) -> bool:
         """Whether the window is so much longer than wide that it is not drawn to scale."""
         a, b, c, d = self.window
-        return max((b - a) / (d - c), (d - c) / (b - a)) > _SLENDER
+        return max((b - a) / (d - c), (d - c) / (b - a)) > SLENDER
 
     @property
     def corners(self) -> tuple[Vertex, ...]:
@@ -365,9 +366,9 @@ def section(given: Numbered, plane: Plane, window: Window | None = None, *, need
     scale = max(given.size, float(np.abs(plane.base).max()), reach)
     seen = Framed(window, True, np.empty((0, 2))) if window else framed(level, plane, scale, reach)
     if window is None and needed and not len(seen.points):
-        tried = "0, along rays from it and where g falls to from there"
-        remedy = "name another plane or pressure, or set other parameters"
-        raise InputError(f"no point of K is found on {plane.plain}: looked at {tried}", where=given.law.name, remedy=remedy)
+        tried = "zero force, rays from it, and the minimum of g found from there"
+        remedy = "choose another plane or pressure, or other parameters"
+        raise InputError(f"duhem found no point of K on {plane.plain}; it searched {tried}", where=given.law.name, remedy=remedy)
     if window is None and len(seen.points) and _width(seen.window) < _POINT * given.size:
         return _of_point(plane, seen.points.mean(axis=0), given.size)
     window = seen.window
@@ -388,7 +389,7 @@ def _width(window: Window) -> float:
 
 def _of_point(plane: Plane, point: Array, size: float) -> View:
     """K that is lost in the rounding of its law: a point, in a window of the size of the law's stresses."""
-    (x, y), remark = point.tolist(), "all of $K$ is within $10^{-12}$ of one point"
+    (x, y), remark = point.tolist(), "$K$ is a single point, up to $10^{-12}$"
     return View(plane, (x - size, x + size, y - size, y + size), (), remark=remark, points=point[None])
 
 
@@ -398,12 +399,12 @@ def _unseen(level: Callable[[Array], Array], found: View, points: Array) -> dict
     inside = found.grid[2] <= 0.0
     held = inside.any()
     if inside.all():
-        return {"remark": "all of the window is $K$"}
+        return {"remark": "$K$ fills the whole picture"}
     missing, lost = missed(level, found.window, found.grid, points)
     if missing:
         if not held:
-            return {"remark": "$K$ is thinner than the picture resolves: only points that were met are drawn", "points": points}
-        return {"remark": f"pieces of $K$ thinner than 1/{len(found.grid[0]) - 1} of the window may be missing", "points": lost}
+            return {"remark": "$K$ is too thin for this picture: the points are some points of $K$", "points": points}
+        return {"remark": f"pieces of $K$ thinner than 1/{len(found.grid[0]) - 1} of the picture may be missing", "points": lost}
     return {} if held else {"remark": NOTHING}
 
 

@@ -173,7 +173,7 @@ def applies(increment: Increment) -> str | None:
     if (reason := _unfit(increment.law)) is not None:
         return reason
     if 0.0 in coefficients(increment).mu and not increment.diagonal:
-        return "a zero coefficient and a stiffness that couples the forces: give a diagonal stiffness"
+        return "a coefficient is zero and the stiffness couples the forces: give a diagonal stiffness"
     return None
 
 
@@ -182,12 +182,12 @@ def _unfit(law: Criterion) -> str | None:
     """Why a law has no closed form, whatever its numbers."""
     shape = law.closed_form
     if shape is None:
-        return f"{law.name} declares no closed form: use method newton or cvxpy"
+        return f"{law.name} has no closed form: use method newton or cvxpy"
     if len(law.forces) != (1 if isinstance(shape, Interval) else 2):
         return f"the closed form of {law.name} does not fit its {len(law.forces)} forces: use method newton or cvxpy"
     pressure = law.symbols().get(law.pressure or "")
     if any(pressure in sp.sympify(entry).free_symbols for entry in own_entries(shape)):
-        return f"a coefficient in the closed form of {law.name} depends on the pressure: write that part in its load"
+        return f"a coefficient in the closed form of {law.name} depends on the pressure: move that part into its load"
     return None
 
 

@@ -101,7 +101,7 @@ def rungs(solver: str, tolerance: float | None) -> Rungs:
     if not (math.isfinite(tolerance) and tolerance > 0):
         raise InputError(f"the tolerance {tolerance} is not a positive number", where="tolerance", remedy="give one such as 1e-9")
     if dialect is None:
-        raise InputError(f"how {solver} spells its tolerance is not known", where="tolerance", remedy="leave it out")
+        raise InputError(f"duhem does not know the tolerance option of {solver}", where="tolerance", remedy="leave it out")
     return (dialect.rung(tolerance),)
 
 
@@ -120,7 +120,7 @@ def compiled(problem: Any, solver: str) -> Any:
         return problem.get_problem_data(solver, solver_opts={}, **posing)
     except _cp().error.SolverError:
         raise InputError(
-            f"{solver} does not take the cones or the quadratic objective of this law", where="solver", remedy="take CLARABEL"
+            f"{solver} does not support the cones or the quadratic objective of this law", where="solver", remedy="take CLARABEL"
         ) from None
 
 

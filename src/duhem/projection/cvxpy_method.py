@@ -49,7 +49,7 @@ _POOR = 3e-8  # a residual
 _AGAIN = 2  # tolerances, each a tenth as tight, that a poor answer is looked for with
 _KEPT = 64  # blocks of a problem
 
-_ELSEWHERE = "or take method='newton', which needs g smooth and K convex only"
+_ELSEWHERE = "or take method='newton', which needs only a smooth g and a convex K"
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ _DEFAULTS = CvxpyOptions()
 def applies(increment: Increment) -> str | None:
     """None if the cone program can be posed, else the part of the formula that the DCP rules reject, and what to do."""
     if not increment.law.associated:
-        return f"{increment.law.name} has a flow of its own, and the closest-point step is that of the normality rule; leave the flow out"
+        return f"{increment.law.name} has its own flow direction, but this method needs a slip normal to K; remove the flow"
     if far := too_far_apart(increment.stiffness):
         return far
     fault = _fault(increment, increment.g)

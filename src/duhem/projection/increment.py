@@ -97,7 +97,7 @@ def check_associated(law: Criterion) -> None:
     """InputError for a law with a flow of its own."""
     if not law.associated:
         raise InputError(
-            f"{law.name} has a flow of its own, and the closest point is the slip increment of associated laws only",
+            f"{law.name} has its own flow direction, but the closest point is the slip increment of associated laws only",
             where="law",
             remedy="integrate its flow rule instead, or project onto the same criterion without its flow",
         )
@@ -229,7 +229,7 @@ def _trial(given: ArrayLike, d: int, law: Criterion) -> Array:
 def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
     if law.pressure is None:
         if given is not None:
-            raise InputError(f"{law.name} has no pressure", where="pressure", remedy="leave it out")
+            raise InputError(f"{law.name} has no pressure", where="pressure", remedy="remove it")
         return np.zeros(1)
     if given is None:
         raise InputError(f"{law.name} needs the pressure {law.pressure}", where="pressure", remedy="give one number or one a trial stress")

@@ -39,7 +39,7 @@ class Compiling(Options):
 
     def __post_init__(self) -> None:
         if self.threads is not None and not (isinstance(self.threads, int) and self.threads >= 1):
-            raise InputError(f"threads is {self.threads!r}", where="threads", remedy="give a whole number from 1 on, or leave it out")
+            raise InputError(f"threads is {self.threads!r}", where="threads", remedy="give a whole number >= 1, or remove it")
 
     def decided(self, points: int) -> Self:
         """With ``compiled`` said for so many points, where it was left out."""
@@ -92,6 +92,6 @@ class Method(Generic[Own]):
         if strange := [name for name in given if name not in known]:
             near = get_close_matches(strange[0], known, n=1)
             meant = f"did you mean {near[0]!r}? " if near else ""
-            remedy = f"{meant}its options are {', '.join(known)}" if known else "leave it out: it has no options"
-            raise InputError(f"method {self.name} takes no such option: {strange[0]!r}", where=strange[0], remedy=remedy)
+            remedy = f"{meant}its options are {', '.join(known)}" if known else "remove it: this method has no options"
+            raise InputError(f"method {self.name} has no option {strange[0]!r}", where=strange[0], remedy=remedy)
         return self.options(**given)

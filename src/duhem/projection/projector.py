@@ -64,14 +64,14 @@ class Projector:
             reason = asked.applies(question)
             if reason is not None:
                 raise InputError(f"method {asked.name} does not apply: {reason}", where="method")
-            return asked, "asked for"
+            return asked, "you selected it"
         reasons: list[str] = []
         for name, imported in METHODS.items():
             reason = imported().applies(question)
             if reason is None:
                 return imported(), "; ".join([*reasons, "the cheapest method that applies"])
             reasons.append(f"not {name}: {reason}")
-        raise InputError(f"no method applies: {'; '.join(reasons)}", where="method", remedy="rewrite the law in one of these forms")
+        raise InputError(f"no method applies: {'; '.join(reasons)}", where="method", remedy="rewrite the law so that one of them applies")
 
     def __call__(self, trial: ArrayLike, pressure: ArrayLike | None = None, tangent: bool = False, **options: Any) -> Projection:
         return self.at(posed(self.setting, trial, pressure), tangent, **options)
@@ -80,7 +80,7 @@ class Projector:
         """The same for points that are checked already: ``setting`` with ``trial`` (N, d) and ``pressure`` (N,) of finite numbers."""
         method = self.method
         if tangent and method.tangent is None:
-            remedy = "leave tangent out, or take a law with a closed form"
+            remedy = "use tangent=False, or a law with a closed form"
             raise InputError(f"method {method.name} has no tangent", where="tangent", remedy=remedy)
         given = method.options_of(options)
         if isinstance(given, Compiling):

@@ -103,9 +103,9 @@ def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
             columns += [] if done.tangent_pressure is None else [f"{law.pressure}"]
             block = page.table([("by", *columns), *rows], "lr")
         if done.status[0] <= Status.SLIP and any(_finite(x) is None for row in _slopes(done) for x in row):
-            block = page.hanging("none is known: more normals meet at the stress than there are smooth pieces, or a curvature is infinite")
+            block = page.hanging("unknown: degenerate corner (the active surfaces are not unique), or an infinite curvature")
         slopes = [*page.hanging(title), *block]
-    residuals = ["Optimality, relative to the increment"]
+    residuals = page.hanging("Optimality: residuals relative to the increment")
     for name, value in _residuals(done).items():
         residuals += page.field(name.replace("_", " "), f"{value:.1e}", len("complementarity"))
     return page.report([head, increment, sums, slopes, residuals])
@@ -157,7 +157,7 @@ def _residuals(done: Projection) -> dict[str, float]:
 def _remark(law: Criterion, done: Projection) -> str | None:
     """Why a point that looks solved is not, or what of it is no answer of the law's."""
     if done.status[0] == Status.OUTSIDE:
-        return f"{crossed(law, done.stress[:1])}, where {law.name} claims nothing"
+        return f"{crossed(law, done.stress[:1])}, where {law.name} is not declared"
     return done.remark()
 
 

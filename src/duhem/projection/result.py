@@ -16,9 +16,9 @@ __all__ = ["ACCURACY", "NOT_CLOSEST", "NOT_SHOWN", "Array", "Pointwise", "Projec
 Array = NDArray[np.float64]
 
 ACCURACY = 1e-7  # a point with a larger residual is inaccurate
-NOT_CLOSEST = "K is not convex there: the point is stationary, and not shown to be the closest one"
+NOT_CLOSEST = "K is not convex there: the point is stationary, and a closer point may exist"
 
-NOT_SHOWN = "K is not shown to be convex: the point is stationary, and not shown to be the closest one"
+NOT_SHOWN = "duhem could not show that K is convex: the point is stationary, and a closer point may exist"
 
 
 class Status(IntEnum):
@@ -159,9 +159,9 @@ class Projection(Shown):
         if self.residuals.stationary_only()[row]:
             return NOT_CLOSEST
         if self.status[row] == Status.FAILED:
-            return f"method {self.method} found no stress that meets the conditions of the closest point"
+            return f"method {self.method} found no stress that satisfies the optimality conditions"
         if np.isnan(self.residuals.worst()[row]):
-            return "g or its slope has no value at the stress, so that nothing vouches for it"
+            return "g or its gradient has no value at the stress, so the answer cannot be checked"
         if self.residuals.feasibility[row] > ACCURACY:
             return "the stress lies outside K"
-        return "the slip is along no normal that K is seen to have at the stress"
+        return "the slip is not in the normal cone of K at the stress"

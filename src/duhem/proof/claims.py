@@ -121,7 +121,8 @@ class Claim:
                     found = found if found is not None and self._counts(found, subject, confirms) else None
             if found is not None:
                 return found
-        return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its budget of steps")
+        spent = "no method finished within its budget of steps; try --effort thorough, fix a parameter with --set, or narrow a domain"
+        return Evidence(Verdict.UNDECIDED, "none", spent)
 
     def provers_first(self) -> Claim:
         """The same claim for who needs a proof: the first refuter alone comes before what finds one, for it sees what is plainly false."""
@@ -140,9 +141,8 @@ class Claim:
         for found in (method.run(subject) for method in again):
             if found is not None and found.witness is not None and subject.may_refute(self.name, found.witness.points.values()):
                 where = {**found.witness.parameters, **{role: dict(point) for role, point in found.witness.points.items()}}
-                detail = (
-                    f"{settled[self.name].method} proved it and {found.method} refutes it at {where}: a defect of duhem, please report it"
-                )
+                both = f"{settled[self.name].method} proved it and {found.method} refutes it at {where}"
+                detail = f"{both}: this is a defect of duhem, please report it"
                 return Evidence(Verdict.UNDECIDED, CONTRADICTION, detail)
         return None
 
@@ -152,12 +152,15 @@ _ALL = (
         name="origin",
         statement="0 is in K(sigma_n) for every sigma_n < 0",
         theory="""\
-The indicator of K, taken as pseudo-potential Phi*, must be least (= 0) at zero force: that is 0 in K, or g(0) <= 0
-(Antoni et al. 2007, Eqs. 27, 34).  Then Phi* >= 0 = Phi*(0) and, with normality, the dissipation is never negative.
-Decided by evaluating g at the origin and deciding the sign over all parameters; a formula that reads 0/0 there is
-taken by closure when its set is star-shaped about 0; else the claim stays open, and it is said where g has no value.
-For a law given by a boundary curve T, K holds the points the curve winds around: the turns of T around 0 are counted, or
-T x T' > 0, or T . d > 0, so that T turns as often as the flow d does.""",
+K is the set of admissible stresses.  Zero stress must be admissible: g(0) <= 0 for every pressure and for all parameters.  Then
+the indicator function of K, which is the pseudo-potential Phi*, has its minimum 0 at zero force (Antoni et al. 2007, Eqs. 27,
+34).  Together with normality, this implies that the dissipation is never negative.
+
+Proof: duhem evaluates g at zero force and decides its sign for all parameters.  If g is 0/0 there, duhem uses the closure of K,
+provided that K is star-shaped about 0.  Otherwise the claim stays undecided, and a remark says where g has no value.
+
+If the law has a boundary curve T, then K consists of the points around which the curve winds.  duhem counts the turns of T
+around 0, or proves T x T' > 0, or proves T . d > 0, so that T turns as often as the flow d.""",
         methods=(
             CHEAP,
             ProofMethod(FormulaSubject, refuters.origin_at_parameters, again=True),
@@ -170,15 +173,19 @@ T x T' > 0, or T . d > 0, so that T turns as often as the flow d does.""",
         name="convexity",
         statement="K(sigma_n) = {g <= 0} is convex for every sigma_n < 0",
         theory="""\
-The claim is about the set, not about the function: sqrt(|s|) - 1 is not convex and its set is.  Proved by composition (g is
-quasiconvex by the rules of disciplined convex programming, polynomials in it by sums of squares), by polyhedra (K is the polyhedron
-of its faces), by the gauge gamma of a star-shaped K in two forces (gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams
-included), by fans (one formula in each cone between rays), by the boundary, which rises and curves inward everywhere, kinks
-outward included.
-Refuted only by two points of K whose midpoint is outside, in exact arithmetic.  They are looked for across dents and kinks, from where
-a ball lies farthest along a load, and between exact points of faces, edges and whiskers or beside them.
-A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
-boundary points that the curve does not wind around.""",
+The claim concerns the set K, not the function g: sqrt(|s|) - 1 is not a convex function, but its set K is convex.
+
+There are several kinds of proof.  Composition: g is quasiconvex by the rules of disciplined convex programming, with sums of
+squares for polynomials.  Polyhedra: K is the intersection of its half-spaces.  Gauge (a function of degree 1 with K = {gamma <=
+1}), for two forces: gamma'' + gamma >= 0, including the jumps of gamma' at seams, the lines where the formula of g changes.
+Fan: g has one formula in each cone between two rays.  Boundary: the boundary curves inward everywhere, and its kinks point
+outward.
+
+Refutation: two points of K whose midpoint lies outside K, in exact arithmetic.  duhem searches for them across dents and kinks,
+at the points of K that are farthest in a direction, and between or beside exact points of faces and edges.
+
+If the law has a boundary curve T, K is convex if T' x T'' > 0 and the tangent turns once.  The claim is refuted if a triangle
+of boundary points contains a point around which the curve does not wind.""",
         methods=(
             CHEAP,
             ProofMethod(FormulaSubject, refuters.convexity_at_clear_dents),
@@ -202,13 +209,17 @@ boundary points that the curve does not wind around.""",
         name="smoothness",
         statement="the boundary of K(sigma_n), sigma_n < 0, is C^1 in the forces: the outward unit normal is continuous along g = 0",
         theory="""\
-Where the boundary is C^1 the slip direction is a function of the stress; at a corner it is only confined to a cone.
-A kink of abs, pos or neg under an even power, or inside a Euclidean norm, disappears when the function vanishes on it:
-that is why Eq. (35) is C^1 across its quadrant seams though its four branches differ.  The tip at zero force, where
-g is not differentiable, lies inside K for sigma_n < 0 and does not touch the boundary.
-Refuted by a corner held in a box, with two normals that are provably not parallel, or by an exact point from which open cones
-about two opposite directions leave K.
-A boundary curve is C^1 where it is simple (convex, or T x T' > 0), analytic in its angle and T' is never 0.""",
+If the boundary is C^1 (its normal is continuous), the slip direction is a function of the stress.  At a corner, the slip
+direction can be any direction of a cone.  A law with corners can still be admissible.
+
+A kink of abs, pos or neg disappears under an even power or inside a Euclidean norm.  This is why Eq. (35) is C^1 across its
+seams, although its formula differs in the four quadrants.  The tip at zero force, where g has no gradient, lies inside K for
+sigma_n < 0 and does not belong to the boundary.
+
+Refutation: a corner that is enclosed in a box, with two normals that are provably not parallel; or an exact point from which
+open cones about two opposite directions leave K.
+
+A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0), is analytic in its angle, and T' is never 0.""",
         methods=(
             CHEAP,
             Finder(FormulaSubject, evidence.smoothness_by_sums),
@@ -223,16 +234,20 @@ A boundary curve is C^1 where it is simple (convex, or T x T' > 0), analytic in 
         name="normality",
         statement="the flow direction lies in the normal cone of K at every boundary point",
         theory="""\
-Normality rule (Moreau 1970; Antoni et al. 2007, Eqs. 28, 36): u_in' in dI_K(sigma), the normal cone of K at sigma in the
-tangential plane at frozen sigma_n.  d is in the normal cone at sigma exactly when d . (tau - sigma) <= 0 for all tau in K.
-An associated law obeys it by definition when K is convex; when K is not, grad g fails it where a chord leaves K.
-A law with a flow of its own obeys it when that flow is a non-negative multiple of grad g on the boundary.
-Where K is bounded by several surfaces the slip at a point is a non-negative combination of the flows of those that are 0
-there (Koiter 1953): each must be in the normal cone of K wherever its surface is 0 in K.  A surface without a flow slips
-along the normals of its own {g <= 0}, which are normals of K, for K lies in that.
-Refuted by a boundary point, held between two rational ones, and a point tau of K towards which the flow points.
-For a boundary curve the deviation between flow and normal is greatest at an angle found by branch and bound in balls; two
-boundary points at exact angles show the violation.""",
+Normality rule (Moreau 1970; Antoni et al. 2007, Eqs. 28, 36): the slip rate u_in' lies in the normal cone of K at the stress
+sigma, in the tangential plane, while the pressure sigma_n is held fixed.  A direction d lies in the normal cone at sigma
+exactly if d . (tau - sigma) <= 0 for all tau in K.
+
+An associated law obeys this rule by definition if K is convex.  If K is not convex, grad g violates the rule where a chord
+leaves K.  A law with its own flow direction obeys the rule if this flow is a non-negative multiple of grad g on the boundary.
+
+If several surfaces bound K, the slip at a point is a non-negative combination of the flows of those surfaces that are 0 there
+(Koiter 1953). Each of these flows must lie in the normal cone of K wherever its surface is 0 in K.  A surface without its own
+flow slips along the normals of its set {g <= 0}.  These are also normals of K, because K is a subset of this set.
+
+Refutation: a boundary point, enclosed between two rational points, and a point tau of K towards which the flow points.  For a
+boundary curve, duhem finds the angle with the greatest deviation between flow and normal by branch and bound with interval
+bounds.""",
         methods=(
             CHEAP,
             Consequence(FormulaSubject, refuters.normality_at_chord),
@@ -248,14 +263,19 @@ boundary points at exact angles show the violation.""",
         name="dissipation",
         statement="force . flow >= 0 at every boundary point",
         theory="""\
-The intrinsic dissipation of the law reduces to D = sigma . u_in' (Clausius-Duhem, Antoni et al. 2007, Eqs. 22, 23).
-It follows from 0 in K and normality (Fenchel: D = Phi*(sigma) + Phi(u_in') >= 0), but does not need them: a star-shaped K
-with associated flow dissipates by Euler's relation, as does any g = A - B of degrees a > b with B > 0, and a non-associated
-law may dissipate too.
-Where g has a tip, as at an apex, and the formula of the flow no value, the slip is any mean of limits of the flow there (Koiter 1953).
-Of several surfaces each flow is asked wherever its surface is 0 in K; then every non-negative combination dissipates too.
-Refuted by a boundary point, held between two rational ones, where force . flow < 0 over the whole box.
-For a boundary curve T with flow d it is the sign of T . d all around.""",
+The intrinsic dissipation of the law is D = sigma . u_in' (Clausius-Duhem inequality, Antoni et al. 2007, Eqs. 22, 23).  It must
+never be negative.
+
+If 0 lies in K and the normality rule holds, then D = Phi*(sigma) + Phi(u_in') >= 0 (Fenchel).  But the claim can hold without
+these two.  A star-shaped K with associated flow dissipates by Euler's relation, and so does g = A - B with homogeneous A and B
+of degrees a > b and B > 0. A law with its own flow direction may dissipate too.
+
+At a tip of K the flow may have no value.  There the slip is any mean of limits of the flow (Koiter 1953).  If there are several
+surfaces, duhem examines each flow wherever its surface is 0 in K.  Then every non-negative combination of the flows dissipates
+too.
+
+Refutation: a boundary point, enclosed between two rational points, with force . flow < 0 in the whole box.  For a boundary
+curve T with the flow d, duhem decides the sign of T . d at all angles.""",
         methods=(
             CHEAP,
             Finder(FormulaSubject, evidence.dissipation_of_potential),
@@ -273,19 +293,21 @@ For a boundary curve T with flow d it is the sign of T . d all around.""",
         name="duality",
         statement="the dissipation potential in closed form is the support function of K",
         theory="""\
-The potential dual to the indicator of K is its support function Phi(d) = sup of sigma . d over K (Legendre-Fenchel);
-for K = radius {gauge <= 1} it is the radius times the polar gauge (Rockafellar 1970, Theorems 14.5, 15.3).  For Eq. (35):
-Phi(d) = |sigma_n| sqrt((mu_a^+- d_a)^2 + (mu_b^+- d_b)^2), each sign that of d_i, and Phi** = Phi.
-Where the rules find no closed form nothing is proved or refuted: the verdict is not applicable.""",
+The dissipation potential is the support function of K: Phi(d) is the largest value of sigma . d for sigma in K
+(Legendre-Fenchel).  If K = {gauge <= radius}, it is the radius times the polar gauge, the gauge of the dual set (Rockafellar
+1970, Theorems 14.5, 15.3).  For Eq. (35): Phi(d) = |sigma_n| sqrt((mu_a^+- d_a)^2 + (mu_b^+- d_b)^2), with the sign of d_i in
+each term, and Phi** = Phi.
+
+If the rules find no closed form, there is nothing to prove or refute, and the verdict is not applicable.""",
         methods=(ProofMethod(FormulaSubject, evidence.duality), ProofMethod(CurveSubject, curves.duality)),
     ),
     Claim(
         name="state_laws",
         statement="sigma = dpsi/du = -dpsi/du_in, psi convex",
         theory="""\
-The free energy psi_C = (u - u_in) . k (u - u_in)/2 (Antoni et al. 2007, Eq. 30), here with any symmetric positive
-semidefinite stiffness k, gives the stress by differentiation with respect to u and, with the opposite sign, to u_in
-(Eqs. 25, 31).  It is convex in (u, u_in) jointly: a sum of squares of linear functions.""",
+The free energy is psi_C = (u - u_in) . k (u - u_in)/2 (Antoni et al. 2007, Eq. 30), with the displacement u, the slip u_in and
+a symmetric positive semidefinite stiffness k.  Its derivative with respect to u is the stress, and its derivative with respect
+to u_in is minus the stress (Eqs. 25, 31).  psi_C is convex in (u, u_in), because it is a sum of squares of linear functions.""",
         methods=(CHEAP,),
     ),
 )

@@ -19,7 +19,7 @@ from duhem.show.sheet import Sheet
 __all__ = ["Recheck", "as_dict", "as_sheet", "as_text", "recheck"]
 
 _MOST_BYTES = 10_000_000
-_REMEDY = "make it anew with: duhem verify LAW --certificate FILE"
+_REMEDY = "make a new one with: duhem verify LAW --certificate FILE"
 _HEAD = ("claim", "verdict", "trust", "kernel", "why not")
 
 
@@ -42,7 +42,7 @@ class Recheck(Shown):
         for row in self.claims:
             if row.claim == claim:
                 return row
-        raise InputError(f"the certificate says nothing of {claim!r}", remedy=f"it has: {', '.join(r.claim for r in self.claims)}")
+        raise InputError(f"the certificate does not contain {claim!r}", remedy=f"it has: {', '.join(r.claim for r in self.claims)}")
 
     @property
     def ok(self) -> bool:
@@ -66,16 +66,17 @@ class Recheck(Shown):
         """How many proofs are confirmed, how many the kernel has no rule for, and how many it objects to, in words."""
         confirmed, rest = len(self._with("confirmed")), {"without a rule here": len(self.without_rule), "failed": len(self.failed)}
         if not (proofs := confirmed + sum(rest.values())):
-            return "there is no proof in it"
+            return "the certificate contains no proof"
         return f"confirmed: {confirmed} of {proofs} proofs{''.join(f'; {what}: {count}' for what, count in rest.items() if count)}"
 
 
 def recheck(certificate: str | os.PathLike[str] | Mapping[str, Any]) -> Recheck:
-    """Check the proofs of a certificate against the text of the law in it, with the kernel alone.
+    """Check the proofs of a certificate against the text of its law, with the kernel alone.
 
-    ``certificate`` is the name of a file that ``duhem verify LAW --certificate FILE`` or :meth:`duhem.Verification.certificate` wrote, its
-    text (which begins with a brace), or the object itself.  Raises InputError for what is no certificate, or not the one that was made: its
-    hash is another, its law cannot be read, or no parameter is in the domain.  A proof that does not hold is no error: its row says so.
+    ``certificate`` is the name of a file from ``duhem verify LAW --certificate FILE`` or :meth:`duhem.Verification.certificate`, its
+    text (which begins with a brace), or the object itself.  A proof that does not hold is not an error: its row says so. Raises
+    InputError for an object that is not a certificate or was changed: its hash is wrong, its law cannot be read, or no parameter lies
+    in the domain.
     """
     where, data = _given(certificate)
     document = _object(data, where)
@@ -112,7 +113,7 @@ def _object(data: bytes, where: str) -> dict[str, Any]:
     try:
         found = json.loads(data, object_pairs_hook=_with_each_key_once) if len(data) <= _MOST_BYTES else None
     except _RepeatedError as fault:
-        raise InputError(f"the key {fault} is there twice: of two values readers may see either", where=where, remedy=_REMEDY) from None
+        raise InputError(f"the key {fault} occurs twice, so its value is not clear", where=where, remedy=_REMEDY) from None
     except (ValueError, RecursionError):
         raise InputError("this is no JSON", where=where, remedy=_REMEDY) from None
     if not isinstance(found, dict):
@@ -173,13 +174,13 @@ def _law(law: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     for surface in law.get("surfaces", [law] if "g" in law else []):
         yield "criterion", f"{_line(surface['g'])} <= 0"
         yield "slip", _slip(surface["flow"])
-    pressure = f"; pressure {law['pressure']} <= 0, frozen" if law["pressure"] else "; no pressure"
+    pressure = f"; pressure {law['pressure']} <= 0, held fixed" if law["pressure"] else "; no pressure"
     yield "forces", f"{', '.join(law['forces'])}{pressure}"
     yield "parameters", "; ".join(_range(name, own) for name, own in law["parameters"].items()) or "none"
     if law.get("domain"):
-        yield "asked for", "; ".join(_range(name, own) for name, own in law["domain"].items())
+        yield "restricted to", "; ".join(_range(name, own) for name, own in law["domain"].items())
     if law["constraints"]:
-        yield "with", _list(law["constraints"])
+        yield "constraints", _list(law["constraints"])
 
 
 def _slip(flow: Any) -> str:

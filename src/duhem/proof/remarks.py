@@ -32,8 +32,8 @@ from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = ["Extent", "extent", "not_needed", "remarks", "scope"]
 
-_CONTINUED = "Where g is 0/0 and has a limit, it is read as that limit, for K is closed. "
-_NOT_SHOWN_OF_THE_FLOW = "It is not shown that the flow has a value on all of the boundary"
+_CONTINUED = "Where g is 0/0 and has a limit, duhem uses this limit, because K is closed. "
+_NOT_SHOWN_OF_THE_FLOW = "duhem could not show that the flow has a value on the whole boundary"
 _STEPS = 8_000_000  # for what is asked here and in no claim
 _NEAR, _FAR = Fraction(1, 2**20), Fraction(2**40)
 _MOST_FORCES = 3  # of the directions along which it looks there are 3^n
@@ -57,16 +57,16 @@ def scope(law: Law, verdict: Verdict) -> str:
 
 def not_needed(law: Law, verdicts: Iterable[Verdict]) -> Iterator[LeftOut]:
     """Parts of the examination that this law, or what was decided of it, makes needless."""
-    yield LeftOut("thermal", "isothermal law: no temperature among its variables, so D_th and the entropy do not enter")
+    yield LeftOut("thermal", "the law is isothermal: it has no temperature, so thermal dissipation and entropy do not enter")
     if law.associated:
-        yield LeftOut("flow check", "associated law: the slip is the normality rule itself")
+        yield LeftOut("flow check", "the law is associated: the normality rule defines its slip")
     if law.pressure is None:
-        yield LeftOut("pressure", "the law has none: K is one set")
+        yield LeftOut("pressure", "the law has no pressure, so K is a single set")
     if len(law.forces) == 1:
-        yield LeftOut("seams", "one force: the boundary has no seam to cross")
+        yield LeftOut("seams", "the law has one force, so the boundary has no seam (a line where the formula of g changes)")
     found = set(verdicts)
     if Verdict.PROVED in found and found <= {Verdict.PROVED, Verdict.NOT_APPLICABLE}:
-        yield LeftOut("numerical search", "every examined claim was settled by proof")
+        yield LeftOut("numerical search", "every examined claim has a proof, so no samples were taken")
 
 
 def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[str, ...], bool]:
@@ -89,17 +89,17 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
         first = subject.doubtful[0]
         place = undefined_place(subject, first)
         yield (
-            f"It is not shown that g has a value for all forces: it {first.does} {formula(_stated(subject, first.expr))}. "
+            f"duhem could not show that g has a value for all forces: it {first.does} {formula(_stated(subject, first.expr))}. "
             + (f"g has no value {place}. " if place else "")
-            + (_CONTINUED if proved else "A point at which g has no value is not in K. ")
-            + "Of such a formula nothing is proved but what the kernel confirms"
+            + (_CONTINUED if proved else "A point where g has no value does not belong to K. ")
+            + "For such a formula, duhem reports only proofs that the kernel confirms"
         )
     elif subject.doubtful_flow:
         broken = next(((o, at) for o in subject.doubtful_flow if (at := subject.broken_at(o)) is not None), None)
         first = broken[0] if broken else subject.doubtful_flow[0]
         part = formula(_stated(subject, first.expr))
         has = f"The flow has no value at {_admitted(subject, broken[1])}" if broken else _NOT_SHOWN_OF_THE_FLOW
-        yield f"{has}: it {first.does} {part}. Of such a flow nothing is proved but what the kernel confirms"
+        yield f"{has}: it {first.does} {part}. For such a flow, duhem reports only proofs that the kernel confirms"
     if proved:
         yield from limits_taken(subject)
     if odd is not None:
@@ -161,10 +161,12 @@ def extent(subject: FormulaSubject) -> Extent | None:
             return Extent(f"K is empty: g > 0 for all forces{_cause(subject)}", False)
         return _subspace(subject) if subject.nonnegative(-here) else None
     if signs.all({0, -1}, _FAR, Fraction(1), _NEAR) and subject.ask(-problem.g, Sense.NONNEGATIVE).holds is True:
-        return Extent("K is everything: g <= 0 for all forces", False)
+        return Extent("K contains all forces: g <= 0 everywhere", False)
     if signs.all({0, 1}, Fraction(0), _NEAR, Fraction(1), _FAR) and subject.ask(problem.g, Sense.NONNEGATIVE).holds is True:
         # g is 0 in all of K, which is another thing than no inside: max(0, f) is 0 wherever f <= 0
-        return Extent("K has no inside: g >= 0 for all forces, and g = 0 in K", True) if zeros_are_thin(problem.g, subject) else None
+        return (
+            Extent("K has no interior points: g >= 0 for all forces, and g = 0 in K", True) if zeros_are_thin(problem.g, subject) else None
+        )
     return _unbounded(subject, here, signs)
 
 
@@ -203,7 +205,7 @@ def _subspace(subject: FormulaSubject) -> Extent:
     if not (d := flat_directions(subject)):
         return Extent("K is the point 0: g > 0 elsewhere", False)
     shape = "a line" if d == 1 else f"a space of {d} dimensions"
-    return Extent(f"K is {shape} without inside: g > 0 elsewhere", True)
+    return Extent(f"K is {shape} without interior points: g > 0 elsewhere", True)
 
 
 def _cause(subject: FormulaSubject) -> str:

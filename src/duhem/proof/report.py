@@ -27,9 +27,9 @@ _HEAD = ("claim", "verdict", "trust", "method", "scope", "time")
 _STANDARD = ("origin", "convexity", "normality")
 _FIELD = len("parameters")
 _RESTS_ON = {
-    Trust.CHECKED: "confirmed by the kernel, which reads the law's text and knows no prover",
-    Trust.SOLVER: "a solver's word stands for a step of it",
-    Trust.PROVER: "the kernel has no rule for its argument",
+    Trust.CHECKED: "the kernel, a small program that shares no code with the provers, confirmed the proof from the formula of the law",
+    Trust.SOLVER: "one step of the proof relies on an SMT result that nothing else has checked",
+    Trust.PROVER: "the kernel has no rule for this argument, so the proof relies on the method that is named",
 }
 
 
@@ -42,12 +42,13 @@ def as_text(verification: Verification, page: Page = PAGE) -> str:
     *titles, time = _HEAD
     table = page.table([(*titles, f"   {time}"), *map(_row, results)], "lllllr", "", rule=True)
     end = [
+        page.items("Trust", _trusts(results)),
         page.items("Conclusion", _conclusion(verification)),
-        page.items("Left out", verification.left_out),
+        page.items("Omitted", verification.left_out),
         page.items("Remarks", verification.remarks),
     ]
     if verification.interrupted:
-        end = [[f"Interrupted after {len(results)} claim{'s' * (len(results) != 1)}: nothing is concluded."]]
+        end = [[f"Interrupted after {len(results)} claim{'s' * (len(results) != 1)}: there is no conclusion."]]
     return page.report([[*head, *about], table, [*_arguments(results, page)], *end])
 
 
@@ -65,10 +66,11 @@ def as_sheet(verification: Verification) -> Sheet:
     """The same as a sheet: the law's own with the table of verdicts below, then the arguments, counterexamples and conclusion."""
     law, results = sheet(verification.criterion), verification.results
     notes = (
+        ("Trust", _trusts(verification.results)),
         ("Conclusion", _conclusion(verification)),
         ("Arguments", tuple(f"{r.claim}: {r.detail}" for r in results)),
         *((f"Counterexample: {r.claim}", _sentences(r.witness)) for r in results if r.witness is not None),
-        ("Left out", tuple(map(str, verification.left_out))),
+        ("Omitted", tuple(map(str, verification.left_out))),
         ("Remarks", verification.remarks),
     )
     *titles, time = _HEAD
@@ -144,13 +146,14 @@ def decided(verification: Verification) -> tuple[Chapter, ...]:
         against = () if result.witness is None else (Sentences(_sentences(result.witness)),)
         argument = (Paragraph(CLAIMS[result.claim].statement, "statement"), Paragraph(result.detail), *against)
         why.append(Chapter(result.claim, argument))
-    return Chapter("Verdicts", (*said, table)), Chapter("Why", tuple(why))
+    trusts = tuple(map(Paragraph, _trusts(verification.results)))
+    return Chapter("Verdicts", (*said, table, *trusts)), Chapter("Why", tuple(why))
 
 
 def left_aside(verification: Verification, more: Iterable[LeftOut] = ()) -> tuple[Chapter, ...]:
     """Remarks, and what was not examined, or else ``more`` that was not done, with the reason."""
     left = tuple(dict.fromkeys(map(str, (*verification.left_out, *more))))
-    found = (("Remarks", verification.remarks), ("Left out", left))
+    found = (("Remarks", verification.remarks), ("Omitted", left))
     return tuple(Chapter(title, (Sentences(said),)) for title, said in found if said)
 
 
@@ -163,8 +166,8 @@ def certified(document: Mapping[str, Any]) -> Chapter:
     about = [("schema", document["schema"]), ("sha256", document["sha256"])]
     if document["inhabited"]:
         about.append(("not empty at", ", ".join(f"{name} = {value}" for name, value in document["inhabited"].items())))
-    how = Paragraph("Write it with duhem verify LAW --certificate FILE; duhem recheck FILE confirms it with the kernel alone.")
-    return Chapter("Certificate", (Titled(tuple(about)), Columns(("claim", "verdict", "rule of the kernel", "rests on"), rows), how))
+    how = Paragraph("duhem verify LAW --certificate FILE writes the certificate; duhem recheck FILE checks it again with the kernel alone.")
+    return Chapter("Certificate", (Titled(tuple(about)), Columns(("claim", "verdict", "rule of the kernel", "trust"), rows), how))
 
 
 # -- in words -------------------------------------------------------------------------------------------------------
@@ -202,12 +205,18 @@ def _coordinates(point: Mapping[str, str]) -> str:
     return ", ".join(tied(f"{name} {number_in_words(value)}") for name, value in point.items())
 
 
+def _trusts(results: Iterable[ClaimResult]) -> tuple[str, ...]:
+    """A sentence for each trust level that a result has: what one relies on."""
+    found = {result.trust for result in results}
+    return tuple(f"{trust}: {meaning}" for trust, meaning in _RESTS_ON.items() if trust in found)
+
+
 def _conclusion(verification: Verification) -> tuple[str, str]:
     """Whether the law is generalized standard, and dissipative, and why."""
     found = {r.claim: r for r in verification.results}
     standard = _answer("generalized standard", verification.generalized_standard, found, _STANDARD)
     if verification.vacuous and "dissipation" in found:
-        return standard, "dissipative: vacuous (K has no boundary point other than zero force, where no force does work: see the remarks)"
+        return standard, "dissipative: the claim says nothing here (the only boundary point of K is zero force, see the remarks)"
     return standard, _answer("dissipative", verification.dissipative, found, ("dissipation",))
 
 
@@ -221,7 +230,7 @@ def _answer(title: str, answer: bool | None, found: Mapping[str, ClaimResult], c
         reason = f"{_and([c for c in claims if verdicts.get(c) is Verdict.REFUTED])} refuted"
     else:
         open_claims = [c for c in claims if verdicts.get(c) != Verdict.PROVED]
-        reason = "; ".join(f"{c} {_word(verdicts.get(c, 'not asked for'))}" for c in open_claims)
+        reason = "; ".join(f"{c} {_word(verdicts.get(c, 'not examined'))}" for c in open_claims)
     word = {True: "yes", False: "no", None: "not decided"}[answer]
     return f"{title}: {word} ({reason})"
 

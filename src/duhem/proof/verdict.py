@@ -1,8 +1,8 @@
 """What duhem can say about a claim, as frozen values.
 
-``proved``: a sound method decided it over the whole declared domain.  ``refuted``: an exact witness violates it.
-``tested``: sampling found no violation, which proves nothing.  ``undecided``: no method decided it.
-``not_applicable``: the claim has no content for this law, or (of duality) no closed form was found that could be proved.
+``proved``: there is a proof that covers the whole declared domain.  ``refuted``: there is an exact counterexample, the witness.
+``tested``: samples showed no violation; this is not a proof.  ``undecided``: no method finished within its budget.
+``not_applicable``: the claim has no meaning for this law, or (for duality) duhem found no closed form that could be proved.
 """
 
 from __future__ import annotations
@@ -34,10 +34,11 @@ class Verdict(StrEnum):
 
 
 class Trust(StrEnum):
-    """What a proof rests on; their values are the words of the JSON report.
+    """What one relies on when one uses a proof; the values are the words of the JSON report.
 
-    ``checked``: the kernel confirmed it against the law's formula as written.  ``solver``: a solver's word stands for a step
-    of it.  ``prover``: the kernel has no rule for its argument.
+    ``checked``: the kernel, a small program that shares no code with the provers, confirmed the proof from the formula of the law.
+    ``solver``: one step of the proof relies on an SMT result that nothing else has checked.  ``prover``: the kernel has no rule for
+    this argument, so the proof relies on the method that is named.
     """
 
     CHECKED = "checked"

@@ -81,9 +81,9 @@ class Verification(Shown):
                 return result
         asked = ", ".join(result.claim for result in self.results) or "none"
         if isinstance(claim, str) and claim in CLAIMS:
-            raise InputError(f"the claim {claim!r} was not asked for", remedy=f"name it in claims; those asked for are: {asked}")
+            raise InputError(f"the claim {claim!r} was not selected", remedy=f"name it in claims; the selected claims are: {asked}")
         near = get_close_matches(str(claim), CLAIMS, n=1)
-        raise InputError(f"unknown claim {claim!r}", remedy=f"did you mean {near[0]!r}?" if near else f"those asked for are: {asked}")
+        raise InputError(f"unknown claim {claim!r}", remedy=f"did you mean {near[0]!r}?" if near else f"the selected claims are: {asked}")
 
     @property
     def generalized_standard(self) -> bool | None:
@@ -107,7 +107,7 @@ class Verification(Shown):
         """The proofs for :func:`duhem.recheck`, as an object for JSON; written into ``file`` too, if one is given.
 
         It has the law's text, each claim's verdict and trust and, where the kernel confirmed it, rule and evidence; the same at every run.
-        Raises InputError where no exact values of the parameters are found in their domain, or where the file cannot be written.
+        Raises InputError where duhem found no exact values of the parameters in their domain, or where the file cannot be written.
         """
         if file is not None:
             check_place(file)
@@ -142,18 +142,19 @@ def verify(
     on_claim: Callable[[ClaimResult], None] | None = None,
     on_method: Callable[[str, str, Budget], None] | None = None,
 ) -> Verification:
-    """Prove or refute every claim (or the one or those named) over the law's whole parameter domain and every pressure.
+    """Prove or refute the claims about a law, for all values of its parameters and for every pressure.
 
-    ``parameters`` fixes some values (exactly: decimals are rationals); ``on_claim`` is called as each result is in,
-    ``on_method`` before a method tries a claim, with both and the steps from which it draws: ``spent``, and ``left``.
-    What a claim may cost is counted in steps, not by a clock; ``effort`` quick, normal or thorough multiplies them.
-    Raises InputError for an unknown law, parameter, claim or effort, and for values outside the domain.
+    ``claims`` selects some claims; by default all of them are decided.  ``parameters`` fixes some values, exactly: decimals are read as
+    fractions.  The cost of a claim is counted in steps and not in seconds; ``effort`` is ``quick``, ``normal`` or ``thorough``, and
+    multiplies the budget of steps by 1/8, 1 or 8. ``on_claim`` is called with each result.  ``on_method`` is called before a method
+    tries a claim, with the method, the claim and the budget of steps: ``spent`` and ``left``. Raises InputError for an unknown law,
+    parameter, claim or effort, and for values outside the domain.
     """
     criterion: Law = load(law).fix(parameters)
     subject, settled, wanted, results, rests_on = _examined(criterion, claims, effort, on_claim, on_method, criterion.whole)
     parts = (
         *not_needed(criterion, [evidence.verdict for evidence in settled.values()]),
-        *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in wanted),
+        *(LeftOut(f"claim {name}", "not selected") for name in CLAIMS if name not in wanted),
     )
     with _alone():
         said, empty = remarks(subject, settled)

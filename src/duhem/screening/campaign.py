@@ -170,7 +170,7 @@ def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
     except MemoryError:
         raise
     except SystemExit as fault:
-        return ended(campaign, row, f"it asks the program to end, with {fault.code!r}")
+        return ended(campaign, row, f"it ends the program, with {fault.code!r}")
     except BaseException as fault:  # a routine raises what it likes
         if _for_lack_of_memory(fault):
             raise MemoryError from None

@@ -41,11 +41,15 @@ class Cluster:
             said = self._client.run(_version)
         except (OSError, ValueError, TypeError) as fault:
             remedy = "start one with: dask scheduler"
-            raise InputError(f"no scheduler answers: {' '.join(str(fault).split())[:200]}", where=place, remedy=remedy) from None
+            raise InputError(f"the scheduler does not answer: {' '.join(str(fault).split())[:200]}", where=place, remedy=remedy) from None
         if not said:
             raise InputError("the scheduler has no workers", where=place, remedy=f"start some with: dask worker {place}")
         if other := next((version for version in said.values() if version != __version__), None):
-            raise InputError(f"a worker has duhem {other}, and here is {__version__}", where=place, remedy="install the same everywhere")
+            raise InputError(
+                f"a worker has duhem {other}, but this program is duhem {__version__}",
+                where=place,
+                remedy="install the same version everywhere",
+            )
         self._sent, self._key = pickle.dumps(campaign, protocol=pickle.HIGHEST_PROTOCOL), campaign.fingerprint
         self._seconds, self._rows = 0.0, 0
 
@@ -85,8 +89,8 @@ class Cluster:
             try:
                 texts, seconds = future.result()
             except Exception as fault:
-                what = f"the cluster cannot go on: {type(fault).__name__}: {' '.join(str(fault).split())[:300]}"
-                raise DuhemError(what, remedy="go on with --resume when it is well") from None
+                what = f"the cluster has failed: {type(fault).__name__}: {' '.join(str(fault).split())[:300]}"
+                raise DuhemError(what, remedy="continue with --resume when the cluster works again") from None
             future.release()
             self._seconds, self._rows = self._seconds + seconds, self._rows + len(texts)
             if waiting:

@@ -46,31 +46,35 @@ def campaign(
     on_row: OnRow | None = None,
     on_start: Callable[[str], None] | None = None,
 ) -> Summary:
-    """Ask many laws at once, each row in a process that may fail without harm to the others.
+    """Verify or test many laws and parameter sets.
 
-    ``rows`` is a campaign file, or laws and pairs of a law and its parameters. Asked are ``claims``, all of them or what the file says if
-    left out, or ``ask``, such as :class:`duhem.screening.Increments` or :class:`duhem.testing.RoutineChecks`. Where a file asks
-    increments, ``project`` is :func:`duhem.project`, which solves them; checks, ``routine`` is the one that is tested, a callable or its
-    name ``module:callable``, and ``checks`` is RoutineChecks; stress, ``stress`` is :class:`duhem.benchmark.extreme_cases.StressCases`.
-    ``out`` is the table, .csv or .parquet, one line a row and claim; without one the lines are in the summary.
-    ``workers`` processes (the cores, if left out) give the same table, and so does a Dask cluster, whose ``scheduler`` is given by its
-    address or file (extra ``cluster``). While it runs, what is done is kept beside ``out``, and ``resume`` goes on from there, or leaves
-    a finished Parquet table of the campaign as it is, while one in CSV, which says not what was asked, is asked anew; ``on_row`` is called
-    with the rows done and all, ``on_start`` with a cluster's dashboard.
+    Each row runs in its own process, so that a failing row does not harm the others.
 
-    Raises InputError for a campaign that cannot be asked, StoppedCampaign, a KeyboardInterrupt, when interrupted.  What is wrong with a row
-    is in its lines: a law that cannot be read, a value outside its domain, a process that crashed or took too much.
+    ``rows`` is a campaign file, or a list of laws and of pairs (law, parameters).  ``claims`` selects the claims (default: those of the
+    file, or all).  ``ask`` requests something else than claims, for example :class:`duhem.screening.Increments` or
+    :class:`duhem.testing.RoutineChecks`.  If the file has ask = "increments", ``project`` must be :func:`duhem.project`.  If it has ask
+    = "checks", ``routine`` is the routine to test, a callable or its name ``module:callable``, and ``checks`` is RoutineChecks.  If it
+    has ask = "stress", ``stress`` is :class:`duhem.benchmark.extreme_cases.StressCases`. ``out`` is the table, .csv or .parquet, with
+    one line per row and claim; without it, the summary contains the lines. ``workers`` is the number of processes (default: the number
+    of cores); ``scheduler`` is the address or the file of a Dask cluster (extra ``cluster``).  The table does not depend on them.
+    During a run the results are stored beside ``out``, and ``resume`` continues from there. A finished Parquet table is not changed; a
+    finished CSV table does not store its campaign and is computed again.  ``on_row`` is called with the number of finished rows and of
+    all rows, ``on_start`` with the dashboard of a cluster.
+
+    Raises InputError for an invalid campaign, and StoppedCampaign, a KeyboardInterrupt, when interrupted.  An error in a row, such as a
+    law that cannot be read, a value outside its domain, or a process that crashed or exceeded its limits, is written to the lines of
+    this row.
     """
     asked = _read(rows, claims, ask, {"project": project, "routine": routine, "checks": checks, "stress": stress})
     table = asked.out if out is None else os.fspath(out)
     if workers is not None and (not isinstance(workers, int) or isinstance(workers, bool) or workers < 1):
-        raise InputError(f"{workers!r} workers", where="workers", remedy="give a whole number from 1 on")
+        raise InputError(f"{workers!r} workers", where="workers", remedy="give a whole number >= 1")
     if resume and table is None:
-        raise InputError("there is no table to go on with", where="resume", remedy="name it as out")
+        raise InputError("there is no table to continue", where="resume", remedy="name it as out")
     if table is not None:
         check_table(table, asked.inputs)
     if scheduler is not None and workers is not None:
-        raise InputError("workers and a scheduler are both given", where="workers", remedy="the scheduler has its own")
+        raise InputError("workers and scheduler are both given", where="workers", remedy="remove workers: the scheduler has its own")
     if resume and table is not None and stands(table, asked):
         counts = Counts(asked)
         deque(counts.passing(read_lines(table)), maxlen=0)
@@ -85,10 +89,10 @@ def _read(rows: str | os.PathLike[str] | Pairs | Campaign, claims: Iterable[str]
     from duhem.proof.verification import wanted_claims
 
     if claims is not None and ask is not None:
-        raise InputError("claims and something else are asked", where="ask", remedy="leave one of them out")
+        raise InputError("claims and ask are both given", where="ask", remedy="remove one of them")
     if means.get("routine") is not None and not isinstance(rows, str | os.PathLike):
         remedy = "give ask=duhem.testing.RoutineChecks(routine)"
-        raise InputError("a routine is given, and the rows are of no campaign file that asks it", where="routine", remedy=remedy)
+        raise InputError('a routine is given, but there is no campaign file with ask = "checks"', where="routine", remedy=remedy)
     if isinstance(rows, Campaign | str | os.PathLike):
         read = rows if isinstance(rows, Campaign) else file.read(rows, **means)
         if claims is not None:
@@ -126,7 +130,7 @@ def _written(asked: Campaign, pool: Pool | Cluster, table: str, resume: bool, on
                     on_row(growing.done, len(asked))
         except KeyboardInterrupt:
             growing.keep()
-            said = f"interrupted after {growing.done} of {len(asked)} rows, kept beside {table}; go on with --resume"
+            said = f"interrupted after {growing.done} of {len(asked)} rows, kept beside {table}; continue with --resume"
             raise StoppedCampaign(said) from None
         growing.keep()
         write_table(table, counts.passing(growing.lines()), asked)

@@ -1,47 +1,47 @@
-"""Campaigns from TOML: what is asked, and of which rows; a mistake is told with file, line and column.
+"""Campaigns are read from TOML files; an error names file, line and column.
 
 [campaign]
-ask = "claims"                                # left out: claims; or increments, checks, stress, told below in a table of that name
-claims = ["origin", "convexity"]              # left out: all of them
-effort = "normal"                             # quick, normal or thorough: the steps that a claim may cost
-out = "table.csv"                             # or .parquet; the command line's --out comes first
-seconds = 600                                 # of the processor; a row that takes more, or waits ten times as long, is ended
-memory = 4                                    # GB that a row may ask for; at least 0.5
+ask = "claims"                                # default claims; or increments, checks, stress, each with its own table below
+claims = ["origin", "convexity"]              # default: all claims
+effort = "normal"                             # quick, normal or thorough: the budget of steps for each claim
+out = "table.csv"                             # or .parquet; --out on the command line takes precedence
+seconds = 600                                 # limit of processor time for a row; a row may wait at most ten times as long
+memory = 4                                    # limit of memory for a row in GB, at least 0.5
 
 [[rows]]
-laws = ["coulomb", "laws/*.toml"]             # every law as it stands; files are looked for beside the campaign
+laws = ["coulomb", "laws/*.toml"]             # several laws without changes; duhem searches in the folder of the campaign
 [[rows]]
 law = "limacon"
-grid = { mu = [0.3], e = [0.1, 0.5, 0.6] }    # every combination
+grid = { mu = [0.3], e = [0.1, 0.5, 0.6] }    # every combination of these values of these values
 [[rows]]
 law = "limacon"
-set = { mu = 0.3 }                            # the same in every row
-draw = { n = 1000, seed = 1, e = [0, 1] }     # drawn in the domains of the parameters, or in a range where one has no end
+set = { mu = 0.3 }                            # the same values in every row
+draw = { n = 1000, seed = 1, e = [0, 1] }     # random values from the domains, or from a range if a domain is infinite
 [[rows]]
 law = "quartic.toml"
-table = "coefficients.csv"                    # or .parquet; columns are named as parameters
-columns = ["c40", "c22"]                      # only these; left out, all of them
+table = "coefficients.csv"                    # or .parquet; the columns have the names of the parameters
+columns = ["c40", "c22"]                      # the columns with parameters (default: all columns)
 
-[increments]                                  # asked of each row with ask = "increments"
-n = 1000                                      # trial stresses drawn about K; or table = "trials.csv", columns named as forces and pressure
+[increments]                                  # for ask = "increments"
+n = 1000                                      # number of random trial stresses; or table = "trials.csv" with forces and pressure
 seed = 1
-pressure = -1                                 # of the drawn ones, in Pa
-stiffness = 1                                 # in Pa/m: one number, one a force, or the matrix row by row
-method = "auto"                               # closed-form, newton, cvxpy
-convex = "ask"                                # what is known of K: ask, require, assume
+pressure = -1                                 # pressure of the random trial stresses, in Pa
+stiffness = 1                                 # in Pa/m: one number, one number per force, or the matrix row by row
+method = "auto"                               # or closed-form, newton, cvxpy
+convex = "ask"                                # ask: look for a proof that K is convex; require such a proof; assume that K is convex
 
-[checks]                                      # asked of a routine with ask = "checks" and --routine module:callable; no key is needed
-checks = ["feasibility", "dissipation"]       # left out, all that every law demands
-examples = 30                                 # cases that are drawn
+[checks]                                      # for ask = "checks" with --routine module:callable; every key is optional
+checks = ["feasibility", "dissipation"]       # default: all checks that apply to the law
+examples = 30                                 # number of cases
 seed = 0                                      # the same cases in every run
-accuracy = 1e-9                               # relative error in stress that the routine promises
-most_flagged = 0                              # share of the increments that it may flag as not solved
-shrink = 200                                  # tries to make a failing case smaller
-expect = { slope = "no tangent yet" }         # checks known to fail, and why
+accuracy = 1e-9                               # relative error of the stress that you allow the routine
+most_flagged = 0                              # maximum fraction of increments that the routine may flag as not solved
+shrink = 200                                  # maximum number of attempts to simplify a failing case
+expect = { slope = "no tangent yet" }         # checks that you expect to fail, with the reason
 
-[stress]                                      # extreme cases asked of each row with ask = "stress"; no key is needed
-axes = ["load", "trial size"]                 # left out, all of them
-methods = ["newton", "cvxpy"]                 # left out, "auto": the cheapest that applies
+[stress]                                      # extreme cases, for ask = "stress"; every key is optional
+axes = ["load", "trial size"]                 # default: all kinds of difficulty
+methods = ["newton", "cvxpy"]                 # default "auto": the cheapest method that applies
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ class _CampaignReader(SectionReader):
         inquiry, tables = self.inquiry(head, folder, means)
         given = self.document.get("rows")
         if not isinstance(given, list) or not given or not all(isinstance(each, dict) for each in given):
-            raise self.error("there are no [[rows]]", "rows", remedy='write for example [[rows]] and below it laws = ["coulomb"]')
+            raise self.error("the file has no [[rows]]", "rows", remedy='write for example [[rows]] and below it laws = ["coulomb"]')
         blocks, inputs = list[RowBlock](), [self.where, *tables]
         for i in range(len(given)):
             block, files = self.block(i, folder)
@@ -133,13 +133,13 @@ class _CampaignReader(SectionReader):
             count = sys.maxsize
         if count > MOST_ROWS:
             many = f"{count}" if count < sys.maxsize else f"more than {count}"
-            raise self.error(f"there are {many} rows", "rows", remedy=f"at most {MOST_ROWS} are asked at once")
+            raise self.error(f"there are {many} rows", "rows", remedy=f"a campaign may have at most {MOST_ROWS}")
         out = self.string("campaign", "out", required=False) if "out" in head else ""
         return Campaign(
             tuple(blocks),
             inquiry,
             seconds=self.limit(head, "seconds", 600.0, 0.0, "give a number above 0"),
-            memory=self.limit(head, "memory", 4.0, _LEAST_MEMORY, f"give {_LEAST_MEMORY:g} or more: less does not load what asks a row"),
+            memory=self.limit(head, "memory", 4.0, _LEAST_MEMORY, f"give {_LEAST_MEMORY:g} or more: duhem itself needs this much"),
             out=str(folder / out) if out else None,
             inputs=tuple(inputs),
         )
@@ -159,14 +159,14 @@ class _CampaignReader(SectionReader):
         self.keys("rows", given, KEYS["rows"], at=("rows", i))
         kinds = [kind for kind in _KINDS if kind in given]
         if len(kinds) > 1:
-            raise self.error(f"{kinds[0]} and {kinds[1]} are both given", "rows", i, kinds[1], remedy="give each [[rows]] of its own")
+            raise self.error(f"{kinds[0]} and {kinds[1]} are both given", "rows", i, kinds[1], remedy="give each its own [[rows]]")
         if "columns" in given and "table" not in given:
-            raise self.error("columns are those of a table", "rows", i, "columns", remedy="name the table, or leave them out")
+            raise self.error("columns needs a table", "rows", i, "columns", remedy="add a table, or remove columns")
         if ("laws" in given) == ("law" in given):
-            raise self.error("rows are of one law or of several laws", "rows", i, remedy='write law = "..." or laws = ["...", "..."]')
+            raise self.error("a [[rows]] needs either law or laws", "rows", i, remedy='write law = "..." or laws = ["...", "..."]')
         if "laws" in given:
             if kinds:
-                raise self.error(f"{kinds[0]} is for one law", "rows", i, kinds[0], remedy='write law = "..."')
+                raise self.error(f"{kinds[0]} applies only to one law", "rows", i, kinds[0], remedy='write law = "..."')
             names = self.names(i, folder)
             values = self.fixed(i)
             return Given(tuple((name, values) for name in names)), [name.path for name in names if name.path]
@@ -205,7 +205,7 @@ class _CampaignReader(SectionReader):
             if any(letter in text for letter in "*?["):
                 files = sorted(glob.glob(text, root_dir=folder, recursive=True))
                 if not files:
-                    raise self.error(f"no file is named {text[:60]!r}", *path, remedy=f"they are looked for in {os.path.abspath(folder)}")
+                    raise self.error(f"no file matches {text[:60]!r}", *path, remedy=f"duhem searched in {os.path.abspath(folder)}")
                 found += [LawName(file, os.path.abspath(folder / file)) for file in files]
             else:
                 found.append(self.named(text, folder, *path))
@@ -304,7 +304,7 @@ class _CampaignReader(SectionReader):
                 raise self.error(f"{table} has no column {name[:40]!r}", "rows", i, "columns", remedy=meant(name, found))
             if name not in law.parameters:
                 where = self.place("rows", i, "columns" if "columns" in self.value("rows", i) else "table")
-                remedy = f"{meant(name, law.parameters)}; columns = [...] names those to take"
+                remedy = f"{meant(name, law.parameters)}; columns = [...] selects the columns with parameters"
                 raise InputError(f"the column {name[:40]!r} is no parameter of {law.name}", where=where, remedy=remedy)
         return tuple(name if name in wanted else None for name in found)
 
@@ -331,8 +331,8 @@ class _CampaignReader(SectionReader):
         if ask == "stress":
             return self.made("stress", means.get("stress"), "give stress=duhem.benchmark.extreme_cases.StressCases"), []
         if routine is None:
-            remedy = "name it: --routine module:callable, or routine=... in Python; a file is data and runs nothing"
-            raise self.error("checks are of a routine, and none is given", "campaign", "ask", remedy=remedy)
+            remedy = "name it with --routine module:callable, or routine=... in Python: a campaign file cannot name code"
+            raise self.error('ask = "checks" needs a routine', "campaign", "ask", remedy=remedy)
         return self.made("checks", means.get("checks"), "give checks=duhem.testing.RoutineChecks", routine), []
 
     def made(self, section: str, make: Callable[..., Inquiry] | None, remedy: str, *given: Any) -> Inquiry:
@@ -377,7 +377,9 @@ class _CampaignReader(SectionReader):
         given = self.table("increments", required=False)
         self.keys("increments", given, _SECTIONS["increments"])
         if ("n" in given) == ("table" in given):
-            raise self.error("increments are drawn or given", "increments", remedy='write n = 1000 and seed = 1, or table = "trials.csv"')
+            raise self.error(
+                "give either n and seed, or a table", "increments", remedy='write n = 1000 and seed = 1, or table = "trials.csv"'
+            )
         if "table" in given:
             self.alone("table", "increments", "seed", "pressure")
         method, convex = given.get("method", "auto"), given.get("convex", "ask")

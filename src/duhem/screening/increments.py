@@ -77,7 +77,7 @@ class Increments:
 
     def __post_init__(self) -> None:
         if (self.trials is None) == (self.count < 1):
-            raise InputError("increments are drawn or given", where="increments", remedy="give count and seed, or trials")
+            raise InputError("give either count and seed, or trials", where="increments", remedy="give count and seed, or trials")
 
     @property
     def names(self) -> tuple[str, ...]:

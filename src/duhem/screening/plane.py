@@ -6,6 +6,7 @@ In the picture a mark and a hue stand for each verdict, so that either tells it.
 from __future__ import annotations
 
 import json
+import re
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -84,7 +85,7 @@ def chosen(axes: Sequence[str] | None, found: Mapping[str, bool]) -> tuple[str, 
     if axes is None:
         names = tuple(name for name, varies in found.items() if varies)
         if not names:
-            raise InputError("no parameter has two values", where="axes", remedy="a plane is of one or two parameters that vary")
+            raise InputError("no parameter has two values", where="axes", remedy="the picture needs one or two parameters that vary")
         if len(names) > 2:
             words = f"{', '.join(names[:8])}{' ...' if len(names) > 8 else ''} vary"
             raise InputError(words, where="axes", remedy=f"name one or two of them: {','.join(names[:2])}")
@@ -120,7 +121,7 @@ def plane(lines: Iterable[VerdictLine], axes: tuple[str, ...], found: Mapping[st
             panels[key] = VerdictPanel(f"{line.law}: {line.claim}" if len(axes) == 2 else line.law, line.law)
         panels[key].add(line.verdict or NO_VERDICT, *point, *((float(count),) if len(axes) == 1 else ()))
     if not panels:
-        raise InputError(f"no row has a number for {' and '.join(axes)}", where="axes", remedy="name parameters of one law")
+        raise InputError(f"no row has a number for {' and '.join(axes)}", where="axes", remedy="name parameters that occur in one law")
     beside = tuple(name for name, varies in found.items() if varies and name not in axes)
     return VerdictPlane(axes, tuple(claims), tuple(panels.values()), beside, unplaced, rows)
 
@@ -258,7 +259,8 @@ def _axis(axis: Axis, name: str, panel: VerdictPanel, i: int) -> None:
     if unit is None and figure.outsize(size) == 1.0:
         axis.set_label_text(f"${latex_name(name)}$")
     else:
-        figure.measure(axis, f"${latex_name(name)}$", unit or "", size if figure.outsize(size) != 1.0 else 0.0)
+        raised = re.sub(r"\^\((.+)\)$", r"$^{\1}$", unit or "")
+        figure.measure(axis, f"${latex_name(name)}$", raised, size if figure.outsize(size) != 1.0 else 0.0)
 
 
 @lru_cache(maxsize=64)

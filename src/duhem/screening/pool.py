@@ -196,7 +196,7 @@ class Pool:
             self._stillborn += 1
             if self._stillborn < _STARTS:
                 return
-            raise InputError(f"a process ended {how} before it could take the campaign", remedy="is there memory for it?")
+            raise InputError(f"a process ended {how} before it could take the campaign", remedy="check whether there is enough memory")
         if not process.left:
             return
         row, rest = process.left[0], process.left[1:]
@@ -210,11 +210,11 @@ class Pool:
 
     def _reason(self, how: str) -> str:
         if how == _NO_MEMORY:
-            return f"it asks for more than {self.campaign.memory:g} GB of memory"
+            return f"it needs more than {self.campaign.memory:g} GB of memory"
         if how == "by SIGXCPU":
-            return f"it takes more than {self.campaign.seconds:g} s of the processor"
+            return f"it needs more than {self.campaign.seconds:g} s of processor time"
         if how == _WAITS:
             return (
-                f"it waits: more than {self._patience:g} s have passed, and it has not taken {self.campaign.seconds:g} s of the processor"
+                f"it waits: more than {self._patience:g} s have passed, and it has not taken {self.campaign.seconds:g} s of processor time"
             )
         return f"its process ended {how}"

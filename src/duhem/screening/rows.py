@@ -197,7 +197,7 @@ class Draw(RowBlock):
             at = exact | {table[p]: sp.Rational(x.numerator, x.denominator) for p, x in point.items()}
             if all(holds_at(c, at) for c in law.constraints):
                 return Row(number, self.name, fixed | {p: ratio(at[table[p]]) for p in point})
-        return Row(number, self.name, fixed, f"none of {_TRIES} draws satisfies the constraints of {law.name}; narrow the ranges")
+        return Row(number, self.name, fixed, f"none of {_TRIES} random draws satisfies the constraints of {law.name}; narrow the ranges")
 
 
 @dataclass(frozen=True)
@@ -282,7 +282,7 @@ def _from_csv(file: str) -> tuple[tuple[str, ...], bytes]:
         for number, text in enumerate(iter(lambda: stream.readline(_MOST_CHARACTERS + 1), ""), 1):
             place = f"{file}:{number}"
             if len(text) > _MOST_CHARACTERS:
-                raise InputError("this is no line of a table", where=place, remedy="write the table as CSV")
+                raise InputError("this line is not valid CSV", where=place, remedy="write the table as CSV")
             if not text.strip() or text.lstrip().startswith("#"):
                 continue
             if not names:

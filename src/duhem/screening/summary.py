@@ -259,5 +259,5 @@ def _named(summary: Summary, written: Callable[[str], str]) -> Iterator[str]:
     slowest = [("slowest", line) for line in summary.slowest]
     others = [(_said(line.verdict), line) for line in (*summary.open, *summary.against, *summary.failed)]
     for why, line in slowest + others:
-        once = f": {written(summary.commands[line.row])}" if line.row in summary.commands else ", which has no values to be asked with"
+        once = f": {written(summary.commands[line.row])}" if line.row in summary.commands else ", which has no values of parameters"
         yield f"{why}: row {line.row}, {line.claim}, {line.seconds:.3f} s{once}"

@@ -89,7 +89,7 @@ class GrowingLines:
 
     def _found(self, number: int, at: int) -> None:
         if not 0 < number < len(self._places) or self._places[number] >= 0:
-            raise InputError("the part of a run is damaged", where=f"{self._growing.rows}", remedy=DAMAGED)
+            raise InputError("the file of an interrupted run is damaged", where=f"{self._growing.rows}", remedy=DAMAGED)
         self._places[number] = at
         self.done += 1
 
@@ -128,7 +128,7 @@ def stands(file: AnyPath, campaign: Campaign) -> bool:
     if not name.endswith(".parquet") or not _finished(name):
         return False
     if _told(name).get(b"campaign", b"").decode() != campaign.fingerprint:
-        remedy = "give this one a table of another name, or leave --resume out and it is written over"
+        remedy = "use another name for the table, or remove --resume to overwrite it"
         raise InputError("this is the table of another campaign", where=name, remedy=remedy)
     return True
 
@@ -159,7 +159,9 @@ def read_lines(file: AnyPath) -> Iterator[VerdictLine]:
             yield VerdictLine(**line | {"row": int(line["row"]), "steps": int(line["steps"]), "seconds": float(line["seconds"])})
     except (OSError, ValueError, TypeError, KeyError, csv.Error) as fault:
         reason = getattr(fault, "strerror", None) or "it has no lines of row, law, parameters, claim and verdict"
-        raise InputError(f"this is no table of a campaign: {reason}", where=name, remedy="name what duhem campaign has written") from None
+        raise InputError(
+            f"this is not the table of a campaign: {reason}", where=name, remedy="give a table that duhem campaign has written"
+        ) from None
 
 
 def _from_csv(name: str) -> Iterator[dict[str, Any]]:

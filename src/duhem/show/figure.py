@@ -151,7 +151,7 @@ def _given(axes: Iterable[Axes], panels: int) -> tuple[Axes, ...]:
         raise InputError(f"this picture has {panels} axes, {len(places)} are given", where="axes", remedy=f"give {panels}")
     for place in places:
         if not isinstance(place, Kind):
-            raise InputError(f"{type(place).__name__} is not matplotlib's Axes", where="axes", remedy="give what plt.subplots() makes")
+            raise InputError(f"{type(place).__name__} is not matplotlib's Axes", where="axes", remedy="give axes from plt.subplots()")
     return places
 
 

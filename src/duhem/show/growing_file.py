@@ -22,7 +22,7 @@ __all__ = ["DAMAGED", "MARK", "UNREADABLE", "GrowingFile", "another", "beside", 
 
 MARK = "# duhem part of run "
 UNREADABLE = "check its permissions, or delete it"
-DAMAGED = "delete it and start afresh"
+DAMAGED = "delete it and start again"
 
 _PIECE = 1 << 22  # bytes read together
 
@@ -30,7 +30,7 @@ _PIECE = 1 << 22  # bytes read together
 def another(place: AnyPath, asked: str = "scene") -> InputError:
     """The part that is kept at a place is of another run than what is ``asked``."""
     remedy = f"delete it, or go on with the {asked} as it was and the version of duhem that wrote it"
-    return InputError("this is the part of another run", where=f"{place}", remedy=remedy)
+    return InputError("this file belongs to another run", where=f"{place}", remedy=remedy)
 
 
 def beside(file: AnyPath) -> Path:
@@ -53,9 +53,9 @@ def check_kept(file: AnyPath, inputs: Iterable[str] = ()) -> None:
     except FileNotFoundError:
         return
     except OSError as fault:
-        raise InputError(f"the part of a run cannot be read: {fault.strerror}", where=f"{place}", remedy=UNREADABLE) from None
+        raise InputError(f"the file of an interrupted run cannot be read: {fault.strerror}", where=f"{place}", remedy=UNREADABLE) from None
     if not known:
-        raise InputError("this is no part of a run, and one would be kept there", where=f"{place}", remedy="move it away")
+        raise InputError("this file does not belong to duhem, and would be overwritten", where=f"{place}", remedy="move it away")
 
 
 def check_growing(file: AnyPath, inputs: Iterable[str] = ()) -> None:
@@ -64,7 +64,7 @@ def check_growing(file: AnyPath, inputs: Iterable[str] = ()) -> None:
     check_kept(file, inputs)
     check_place(rows, inputs)
     if rows.exists() and not beside(file).exists():
-        raise InputError("this is no part of a run, and rows would go there", where=f"{rows}", remedy="move it away")
+        raise InputError("this file does not belong to duhem, and would be overwritten", where=f"{rows}", remedy="move it away")
 
 
 class GrowingFile:
@@ -139,8 +139,8 @@ class GrowingFile:
         self._alone.close()
 
     def _no_room(self, fault: OSError) -> InputError:
-        remedy = "make room, and go on from what is noted there by asking to resume"
-        return InputError(f"the rows cannot be kept: {fault.strerror}", where=f"{self.rows}", remedy=remedy)
+        remedy = "free some disk space, and continue with resume"
+        return InputError(f"the rows cannot be written: {fault.strerror}", where=f"{self.rows}", remedy=remedy)
 
     def _recalled(self, fingerprint: str) -> bool:
         """Whether there is something to go on with, which is looked at byte by byte."""
@@ -151,7 +151,7 @@ class GrowingFile:
         except (FileNotFoundError, ValueError):
             return False  # nothing there, or not even the mark was whole
         except OSError:
-            raise InputError("the part of a run cannot be read", where=f"{self.notes}", remedy=UNREADABLE) from None
+            raise InputError("the file of an interrupted run cannot be read", where=f"{self.notes}", remedy=UNREADABLE) from None
         with rows:
             if mark != f"{MARK}{fingerprint}":
                 raise another(self.notes, self.asked)
@@ -164,13 +164,13 @@ class GrowingFile:
             except ValueError:
                 found = ()
             if len(found) != len(self.counts):
-                raise InputError("the part of a run is damaged", where=f"{self.notes}", remedy=DAMAGED)
+                raise InputError("the file of an interrupted run is damaged", where=f"{self.notes}", remedy=DAMAGED)
             self.counts, left = found, self.size
             while left > 0 and (piece := rows.read(min(left, _PIECE))):
                 self._sum.update(piece)
                 left -= len(piece)
             if left or self._sum.hexdigest() != noted:
-                raise InputError("the part of a run is damaged", where=f"{self.rows}", remedy=DAMAGED)
+                raise InputError("the file of an interrupted run is damaged", where=f"{self.rows}", remedy=DAMAGED)
         os.truncate(self.notes, noted_so_far.rindex(b"\n") + 1)
         return True
 
@@ -184,7 +184,7 @@ def _locked(notes: Path) -> BinaryIO:
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         stream.close()
-        remedy = "wait until it has ended, or give this one a table of another name"
+        remedy = "wait until it has ended, or use another name for this table"
         raise InputError("another run is writing this table", where=f"{notes}", remedy=remedy) from None
     except (ImportError, OSError):  # a platform or a file system without locks
         stream.close()

@@ -33,19 +33,19 @@ def check_place(file: AnyPath, inputs: Iterable[AnyPath] = ()) -> None:
         pass
     except (OSError, ValueError) as fault:  # too long, or with a letter that ends it
         reason = getattr(fault, "strerror", None) or str(fault)
-        raise InputError(f"no result can go there: {reason}", where=f"{file}"[:200], remedy="name another file") from None
+        raise InputError(f"duhem cannot write there: {reason}", where=f"{file}"[:200], remedy="name another file") from None
     if not os.path.isdir(folder):
         raise InputError("there is no such directory", where=f"{file}", remedy="make it first")
     if os.path.isdir(file):
         raise InputError("this is a directory", where=f"{file}", remedy="name a file")
     if os.path.islink(file):
-        raise InputError("this is a link to another place", where=f"{file}", remedy="name that place, or another file")
+        raise InputError("this is a link to another place", where=f"{file}", remedy="give the target of the link, or another file")
     if os.path.exists(file) and not os.path.isfile(file):
         raise InputError("this is a device or a pipe, not a file", where=f"{file}", remedy="name a file")
     if not os.access(folder, os.W_OK) or (os.path.exists(file) and not os.access(file, os.W_OK)):
-        raise InputError("it may not be written", where=f"{file}", remedy="write where you may")
+        raise InputError("you have no permission to write it", where=f"{file}", remedy="write where you may")
     if any(os.path.exists(given) and _same(file, given) for given in inputs):
-        raise InputError("this file is read, and would be written over", where=f"{file}", remedy="name another file")
+        raise InputError("this file is an input, and would be overwritten", where=f"{file}", remedy="name another file")
 
 
 def check_places(files: Iterable[AnyPath | None], inputs: Iterable[AnyPath] = ()) -> None:
@@ -57,7 +57,7 @@ def check_places(files: Iterable[AnyPath | None], inputs: Iterable[AnyPath] = ()
             continue
         check_place(file, taken)
         if any(_same(file, other) for other in outputs):
-            raise InputError("two results go into this file", where=f"{file}", remedy="give each a name of its own")
+            raise InputError("two results have the same file", where=f"{file}", remedy="give each result its own file")
         outputs.append(file)
 
 
@@ -82,7 +82,7 @@ def written(file: AnyPath) -> Iterator[str]:
         os.replace(beside, file)
     except OSError as fault:
         reason = fault.strerror or " ".join(str(fault).split())
-        remedy = "write where you may and where there is room"
+        remedy = "choose a place with write permission and free disk space"
         raise InputError(f"the file cannot be written: {reason}", where=f"{file}", remedy=remedy) from None
     finally:
         with suppress(OSError):

@@ -68,12 +68,12 @@ def checks_asked(law: _Law, checks: Iterable[Check | str] | Check | str | None) 
     """
     if checks is None:
         return checks_for(law)
-    remedy = 'name some, for example checks=["feasibility"], or leave it out for all'
+    remedy = 'name some, for example checks=["feasibility"], or omit it to run all'
     if not isinstance(checks, str | Check | Iterable):
         raise InputError(f"{checks!r} names no checks", where="checks", remedy=remedy)
     named = (checks,) if isinstance(checks, str | Check) else tuple(checks)
     if not named:
-        raise InputError("no check is asked for", where="checks", remedy=remedy)
+        raise InputError("no check is selected", where="checks", remedy=remedy)
     if wrong := [each for each in named if not isinstance(each, str | Check)]:
         raise InputError(f"{wrong[0]!r} is no check", where="checks", remedy=remedy)
     return tuple(_named(each, law is not None) if isinstance(each, str) else each for each in named)
@@ -85,7 +85,7 @@ def check_expected(law: _Law, expected: Mapping[str, str] | None) -> None:
         return
     if not isinstance(expected, Mapping) or not all(isinstance(each, str) for pair in expected.items() for each in pair):
         remedy = 'give each check with its reason, for example {"slope": "no tangent yet"}'
-        raise InputError(f"{expected!r} says not which check fails why", where="expected_failed_checks", remedy=remedy)
+        raise InputError(f"{expected!r} does not map checks to reasons", where="expected_failed_checks", remedy=remedy)
     for name in expected:
         _named(name, law is not None)
 
@@ -132,32 +132,30 @@ def conformance(
     first: Iterable[Case] = (),
     most_flagged: float | None = None,
 ) -> Report:
-    """Put a routine for the slip increment of ``law`` to every check, on cases drawn by Hypothesis and shrunk where one fails.
+    """Run every check on an update routine for ``law``, on cases that Hypothesis draws and simplifies if a check fails.
 
-    ``update(trial (N, d), pressure (N,), stiffness (d, d), **open)`` returns the stress (N, d) in Pa or a :class:`Step`;
-    the pressure is None for a law without, and ``open`` are the parameters ``parameters`` leaves open, drawn over their
-    domain.  :func:`pointwise` and :func:`from_displacements` adapt other shapes of routine.  ``stiffness`` and
-    ``pressure`` are fixed values, then no other is asked, or strategies, drawn where left out.  ``accuracy`` is the relative error
-    in stress the routine promises; every tolerance follows from it (:attr:`Check.tolerance`).  ``max_examples`` cases of about ``rows``
-    increments are drawn, as the Hypothesis profile says where left out; of one in ``every`` more is asked than the answer to its
-    trial, such as the answer to that answer, or to what lies beside it (:attr:`Check.again`): in 7 where left out, in 2 without a
-    law, and 1 asks it of all.  ``tries`` bounds the shrinking of each failure, and ``seconds`` its time too, if that is worth
-    more than being told the same by a busy machine.
-    ``seed`` is that of the cases, drawn anew where left out unless the profile is derandomised; the report names it.
-    ``expected_failed_checks`` gives the checks that are known to fail, each with the reason: one of them that passes makes
-    the report not ``ok``.  The cause alone need be named: what a check explains that is expected and fails
-    (:mod:`duhem.testing.failures.causes`) may fail with it or pass.  ``first`` are cases that are tried before any is drawn,
-    such as those that failed before; one that does not fit the law and its parameters is passed over.  The law is taken to be
-    associated.  The report is not ``ok`` either where the routine flags more than the share ``most_flagged`` of the increments
-    as not solved; left out, any share may be.
+    ``update(trial (N, d), pressure (N,), stiffness (d, d), **open)`` returns the stress (N, d) in Pa or a :class:`Step`.  The pressure
+    is None for a law without pressure.  ``open`` are the parameters that ``parameters`` does not fix; they are drawn from their
+    domains. :func:`pointwise` and :func:`from_displacements` adapt routines with other arguments.  ``stiffness`` and ``pressure`` are
+    fixed values or strategies; by default they are drawn.  ``accuracy`` is the relative error of the stress that the routine may have;
+    every tolerance follows from it (:attr:`Check.tolerance`).  ``max_examples`` is the number of cases (default: that of the Hypothesis
+    profile), with about ``rows`` increments each.  Some checks call the routine again, with its own answer or beside an increment
+    (:attr:`Check.again`); they do this for one increment in ``every`` (default 7, without a law 2).  ``tries`` is the maximum number of
+    attempts to simplify a failure; ``seconds`` also limits its time, but then the report may depend on the load of the machine.
+    ``seed`` is that of the cases; by default it is random, unless the profile is derandomised, and the report names it.
+    ``expected_failed_checks`` maps the checks that you expect to fail to reasons; if one of them passes, the report is not ``ok``.
+    Name only the cause: checks that it explains (:mod:`duhem.testing.failures.causes`) may fail too.  ``first`` are cases that are
+    tried first, for example those that failed before; a case that does not fit the law and its parameters is ignored.  The law is taken
+    to be associated. ``most_flagged`` is the maximum fraction of increments that the routine may flag as not solved (default:
+    unlimited); with more of them, the report is not ``ok``.
 
-    Without a law (None), ``update`` is such a routine, with ``stiffness`` (d,), (d, d) or a strategy, ``parameters`` that are
-    numbers or strategies, all passed by name, and ``pressure``, None for a routine that is given none; or a
-    :class:`Material`, which has its own.  It is put to the checks that need no law.
+    Without a law (None), ``update`` is such a routine, with ``stiffness`` (d,), (d, d) or a strategy, ``parameters`` that are numbers
+    or strategies, all passed by name, and ``pressure``, which is None for a routine without pressure; or ``update`` is a
+    :class:`Material`, which contains its own.  Then the checks that need no law run.
 
-    A failing check is data in the report, not an exception: see :func:`assert_conforms`.  InputError where an argument cannot be
-    used: no check asked for, an accuracy not between 0 and 1, a count below 1, a stiffness not symmetric and positive definite,
-    a pressure > 0 (sigma_n <= 0 in compression).
+    A failing check is data in the report and not an exception: see :func:`assert_conforms`.  Raises InputError for invalid arguments:
+    no check, an accuracy that is not between 0 and 1, a count below 1, a stiffness that is not symmetric and positive definite, a
+    pressure > 0 (sigma_n <= 0 in compression).
     """
     known = None if law is None else load(law)
     asked = checks_asked(known, checks)
@@ -173,7 +171,7 @@ def conformance(
 
 def _routine(update: Update | Material) -> Update:
     if isinstance(update, Material):
-        raise InputError("a material has its own stiffness", where="update", remedy="hold it against a law with from_material")
+        raise InputError("a material contains its own stiffness", where="update", remedy="use from_material to test it with a law")
     return update
 
 
@@ -192,6 +190,6 @@ def assert_conforms(
         raise AssertionError(str(report))
     if report.flagged_share > most_flagged:
         raise AssertionError(
-            f"the routine flags {report.flagged} of {report.points} increments as not solved, more than a share {most_flagged}"
+            f"the routine flags {report.flagged} of {report.points} increments as not solved, more than the allowed fraction {most_flagged}"
         )
     return report

@@ -80,14 +80,14 @@ class RoutineChecks:
         self._found()
         for name, given, least in (("examples", self.examples, 1), ("seed", self.seed, 0), ("shrink", self.shrink, 0)):
             if not isinstance(given, int) or isinstance(given, bool) or given < least:
-                raise InputError(f"{name} = {str(given)[:40]}", where=name, remedy=f"give a whole number from {least} on")
+                raise InputError(f"{name} = {str(given)[:40]}", where=name, remedy=f"give a whole number >= {least}")
         RunOptions(accuracy=self.accuracy).check(None)
         check_share(self.most_flagged, "most_flagged")
         if self.checks is not None:
             _placed("checks", lambda: checks_asked(_ANY, self.checks))
         if not isinstance(self.expect, tuple) or not all(isinstance(pair, tuple) and len(pair) == 2 for pair in self.expect):
             remedy = 'give each check with its reason, for example slope = "no tangent yet"'
-            raise InputError(f"{str(self.expect)[:40]} says not which check fails why", where="expect", remedy=remedy)
+            raise InputError(f"{str(self.expect)[:40]} does not map checks to reasons", where="expect", remedy=remedy)
         _placed("expect", lambda: check_expected(_ANY, dict(self.expect)))
 
     @property

@@ -188,15 +188,15 @@ class ConformanceRun:
         memory = next((c for c in self.pending if c.name == _MEMORY), None)
         if memory is None and not known:
             raise InputError(
-                "the routine answers the same increment in different ways", where="update", remedy="test one that keeps no state"
+                "the routine gives different answers to the same increment", where="update", remedy="test a routine without memory"
             )
         if check.name != _MEMORY:
             self.pending.remove(check)
             self.judged.discard(check.name)
-            self.left_out[check.name] = "failed once, and not when asked again: the routine has a memory"
+            self.left_out[check.name] = "failed once, but not when repeated: the routine remembers earlier calls"
         if memory is None:
             return []
-        message = f"{check.name} failed on this case, and not when asked again: {failed.message}"
+        message = f"{check.name} failed on this case, but not when repeated: {failed.message}"
         return [self._failure(memory, message, case, float("nan"), 0.0)]
 
     def _look_at_the_whole(self) -> None:
@@ -242,7 +242,7 @@ class ConformanceRun:
     def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
         """Return the same error with the increment, and with what shows it again."""
         failure = replace(self._failure(asked, fault.what, named_by(fault, case), float("nan"), 0.0), origin=self._origin())
-        placed = Unfinished(fault.what, where=f"{failure.increment}, asked by the check {asked.name}", remedy=fault.remedy)
+        placed = Unfinished(fault.what, where=f"{failure.increment}, in the check {asked.name}", remedy=fault.remedy)
         placed.failure = failure
         return placed
 
@@ -367,7 +367,7 @@ def _check_without_law(update: Update | Material, parameters: Mapping[str, Any] 
         given = {"parameters": parameters, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
         if told := [name for name, value in given.items() if value is not None]:
             remedy = "give its parameters where the material is made"
-            raise InputError(f"a material has its own {told[0]}", where=where, remedy=remedy)
+            raise InputError(f"a material contains its own {told[0]}", where=where, remedy=remedy)
     elif drawn.stiffness is None:
         remedy = "give (d,) or (d, d), or a strategy such as stiffnesses(d)"
-        raise InputError("without a law the stiffness says how many forces there are", where=where, remedy=remedy)
+        raise InputError("without a law, the stiffness must give the number of forces", where=where, remedy=remedy)

@@ -81,7 +81,7 @@ def _trials(law: Law) -> Iterator[dict[str, Any]]:
         raise InputError(f"{law.name} has no formula g, only a boundary curve")
     check_associated(law)
     if (exact := admitted_values(law)) is None:
-        raise InputError("no exact values of the parameters are found")
+        raise InputError("duhem found no exact values of the parameters")
     values = {name: float(Fraction(value)) for name, value in exact.items()}
     d = len(law.forces)
     load = None if law.pressure is None else _load(law.domain.get(law.pressure))
@@ -110,7 +110,7 @@ def _load(declared: Domain | None) -> float:
 def _answered(law: Law, asked: Mapping[str, Any], project: Project) -> dict[str, Any]:
     assert isinstance(law, Criterion)
     if not all({*asked[part]} == {*law.forces} for part in ("trial", "stiffness")):
-        raise InputError(f"the forces are {', '.join(law.forces)}, and were others in the increments that are kept")
+        raise InputError(f"the forces are {', '.join(law.forces)}, but the stored increments have other forces")
     trial, stiffness = ([asked[part][name] for name in law.forces] for part in ("trial", "stiffness"))
     done = project(law, trial, asked["pressure"], stiffness, dict(asked["parameters"]))
     parts = {"stress": done.stress[0], "slip": done.slip[0]}
@@ -182,7 +182,7 @@ def _said(value: Any) -> str:
 def _claims(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: float) -> Iterator[str]:
     for claim in {**kept, **now}:
         if claim not in kept or claim not in now:
-            yield f"{claim}: {'not kept, now ' + now[claim]['verdict'] if claim in now else 'kept, and not asked now'}"
+            yield f"{claim}: {'not stored, now ' + now[claim]['verdict'] if claim in now else 'stored, but not examined now'}"
             continue
         old, new = kept[claim], now[claim]
         if old["verdict"] != new["verdict"]:
@@ -210,7 +210,7 @@ def _witness(kept: Mapping[str, Any] | None, now: Mapping[str, Any] | None, tole
 def _increments(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: float) -> Iterator[str]:
     old_reason, new_reason = (_said(each.get("left_out", {}).get("increments")) for each in (kept, now))
     if old_reason != new_reason:
-        yield f"increments left out: {old_reason} → {new_reason}"
+        yield f"increments omitted: {old_reason} → {new_reason}"
         return
     olds, news = kept["increments"], now["increments"]
     if len(olds) != len(news):
@@ -280,7 +280,7 @@ class SnapshotFile:
         if name not in self.laws:
             alike = sorted(each for each in self.laws if each.partition(",")[0] == name.partition(",")[0])
             besides = f", only of {'; of '.join(alike)}" if alike else ""  # other values or claims
-            raise InputError(f"nothing is kept of {name}{besides}", where=f"{file}", remedy=_REMEDY)
+            raise InputError(f"there is no snapshot of {name}{besides}", where=f"{file}", remedy=_REMEDY)
         return self.laws[name]
 
     def with_entries(self, entries: Mapping[str, Entry]) -> SnapshotFile:

@@ -59,39 +59,38 @@ def simulate(
     checkpoint: Checkpoint | None = None,
     convex: str = "ask",
 ) -> History | Histories:
-    """Drive ``law`` along ``path``: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
+    """Compute the path of a law: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
 
-    ``stiffness`` k in Pa/m: a number, (d,) or symmetric positive definite (d, d); ``parameters`` a number for each the law
-    leaves open.  ``method``: ``implicit`` (first order in the step), ``extrapolated`` (second order) or ``exact`` (each
-    step of the path as one, to rounding; it follows the boundary of a K that is not convex too, and says so in ``why``).
-    ``projection`` is the closest point's method, as in :func:`duhem.project`.
-    ``substeps`` cuts each step of the path, for the accuracy of the first two and for more rows of all.  ``stress`` (d,) at
-    the first knot, inside K; left out, it is zero, or the first knot of a stress path.
-    A stress path must stay inside K: there no slip is determined on the boundary, and none is made.
+    ``stiffness``: k in Pa/m, a number, (d,) or symmetric positive definite (d, d).  ``parameters``: a number for each parameter that
+    has no value in the law.  ``method``: ``implicit`` (error of first order in the step), ``extrapolated`` (second order) or ``exact``
+    (each step of the path without discretisation error; it also follows the boundary of a K that is not convex, and says so in
+    ``why``).  ``projection`` is the method for the closest point, as in :func:`duhem.project`.  ``substeps`` divides each step of the
+    path, for accuracy with the first two methods and for more rows with all three.  ``stress`` (d,) is the initial stress, inside K;
+    its default is zero, or the first knot of a stress path. A stress path must stay inside K, because the slip on the boundary would
+    not be determined; it has no slip.
 
-    ``convex`` is as in :func:`duhem.project`, for many points over the range of their numbers: where K is not shown to be convex
-    the steps of the first two methods end at stationary points, ``why`` says so, and a step ends the run where a nearer point of K
-    is found.  The exact method and a stress path need no closest point, and nothing is asked unless it is ``require``.
+    ``convex`` is as in :func:`duhem.project`; for many points, K must be convex over the range of their numbers.  If duhem cannot show
+    that K is convex, the steps of the first two methods end at stationary points and ``why`` says so; the run ends at a step where
+    duhem finds a closer point of K.  The exact method and a stress path need no closest point; for them duhem looks for a proof only
+    with ``require``.
 
-    ``start`` is a part of the same run, to go on from; ``on_step(done, all)`` hears of progress.  Raises InputError for what
-    cannot be used, for a pressure outside the range that the law declares too; :class:`LeftPrecision` and :class:`LeftDomain`,
-    both InputErrors, where numbers grow beyond double precision and where the stress at the end of a step lies outside a declared
-    range; and :class:`Interrupted`, a KeyboardInterrupt, all three with the part that is done.
+    ``start`` is a part of the same run, from which the run continues.  ``on_step(done, all)`` reports progress.  ``checkpoint`` is a
+    pair of seconds and a function: the function is called with the history so far, not more often than that and in at most a tenth of
+    the time. Raises InputError for invalid input and for a pressure outside the range that the law declares; :class:`LeftPrecision` if
+    numbers overflow or underflow, and :class:`LeftDomain` if the stress at the end of a step lies outside a declared range, both
+    InputErrors; and :class:`Interrupted`, a KeyboardInterrupt.  The last three contain the history so far.
 
-    ``checkpoint``, seconds and a function of one path's history: it is given what is done, no more often than that and in no more than
-    a tenth of the time.
+    Many points: ``path`` is :class:`Paths`, each of ``parameters`` is a number or one number per point (N,), ``stress`` is (d,) or (N,
+    d), and the result is :class:`Histories`.  Each point has the same numbers as in a path of its own.  If a point cannot continue, its
+    status says so; a single path raises an error instead.  ``keep`` = n keeps every n-th knot, ``"last"`` only the last one: N points
+    with r knots need 8 N r (3 d + 7) bytes, at most 2 GiB, and the computation needs some 50 MB per thread, or up to 300 MB if each
+    point has its own long path. ``threads`` share the work; the numbers do not depend on them.  ``on_step`` then counts points.
+    ``exact`` computes one point after the other.
 
-    Many points: ``path`` is :class:`Paths`, each of ``parameters`` a number or one a point (N,), ``stress`` (d,) or (N, d), and
-    what comes back :class:`Histories`.  The numbers of a point are those of its path by itself, and a point that cannot go on has a
-    status that says so, where one path by itself raises.  ``keep`` is every how many knots are kept of each path, or ``"last"``:
-    N points with r kept knots take 8 N r (3 d + 7) bytes, 2 GiB at most, and the work besides some 50 MB a thread, or up to
-    300 where long paths are each point's own.
-    ``threads`` share the work and change no number; ``on_step`` hears of points.  ``exact`` takes one point after the other.
-
-    ``compiled`` runs implicit steps through numba (extra ``fast``; its first use compiles for 15 to 80 seconds), whole
-    stretches at once, of one path or many points by any law; of extrapolated steps of many points it finds the closest
-    points.  The last digits may differ.  One path takes some 1e6 steps a second so, on a shape that is not declared 1e5 to 1e6; without
-    it some 2e4, on a shape that is not declared 5e2 to 2e3; extrapolated a third of these.
+    ``compiled`` uses numba (extra ``fast``; the first use compiles for 15 to 80 seconds) for implicit steps of one path or many points
+    with any law, and for the closest points of extrapolated steps of many points.  The last digits may differ.  One path then makes
+    some 1e6 steps per second, or 1e5 to 1e6 if the law declares no shape; without numba some 2e4, or 5e2 to 2e3; extrapolated steps a
+    third of these.
     """
     check_convex(convex)
     known = load_formula(law)

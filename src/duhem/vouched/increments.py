@@ -101,20 +101,21 @@ def prepare(
     convex: str = "ask",
     compiled: bool = False,
 ) -> Prepared:
-    """The slip increment of a law as a callable ``(trial, pressure) -> (stress, slip, multiplier, status)``, checked once.
+    """Return the slip increment of a law as a function (trial, pressure) -> (stress, slip, multiplier, status).
 
-    Arguments, units and errors are those of :func:`duhem.project`, which stands on it.  Whether K is convex is asked here, where the
-    method does not show it, so that no increment waits for the answer but the first one at sigma_n = 0.
+    The law, the stiffness and the parameters are checked only once, here.  Arguments, units and errors are those of
+    :func:`duhem.project`, which uses this function.  duhem also decides here whether K is convex, unless the method shows it; only the
+    first increment at sigma_n = 0 may need another such decision.
 
-    ``compiled``: by numba (extra ``fast``), which takes 20 to 70 seconds the first time that a law is prepared on a machine, and then
-    answers one point five to twenty times sooner.  InputError for a method that is not compiled.
+    ``compiled``: compile with numba (extra ``fast``).  This takes 20 to 70 seconds when a law is first prepared on a machine; after
+    that, one point is five to twenty times faster.  Raises InputError for a method that cannot be compiled.
     """
     check_convex(convex)
     prepared = Prepared(Projector.of(law, stiffness, parameters, method), parameters, convex, compiled)
     if compiled:
         own = prepared.projector.method
         if not issubclass(own.options, Compiling):
-            raise InputError(f"method {own.name} is not compiled", where="compiled", remedy="leave it out, or take method newton")
+            raise InputError(f"method {own.name} is not compiled", where="compiled", remedy="remove compiled, or use the method newton")
         prepared._one.made()
     if not prepared.projector.method.convex:
         asked(prepared.projector.setting.law, parameters, convex, unloaded=False)
@@ -132,29 +133,30 @@ def project(
     convex: str = "ask",
     **options: Any,
 ) -> Projection:
-    """One slip increment: sigma = argmin over K(sigma_n) of (sigma_tr - sigma) . k^-1 (sigma_tr - sigma)/2.
+    """Compute slip increments: sigma = argmin over K(sigma_n) of (sigma_tr - sigma) . k^-1 (sigma_tr - sigma)/2.
 
-    The implicit step of u_in' = lambda' dg/dsigma, lambda' >= 0, g <= 0, lambda' g = 0 (Antoni et al. 2007, Eq. 36), with
-    sigma_tr = k (u - u_in) of the end of the step.  ``trial`` (N, d) or (d,) in Pa; ``pressure`` sigma_n <= 0 in
-    compression, one number or (N,), in Pa; ``stiffness`` k > 0 in Pa/m, one number, (d,) or symmetric (d, d).  Of a declared
-    stress one number means k times the strain tensor: a shear stress is k/2 times its conjugate, the engineering strain.
-    ``parameters`` a number for each parameter that the law leaves open; an increment is that of the law with every parameter at
-    the double nearest to it, so that a slip 1e-12 from the boundary of mu = 3/10 is measured from the double 0.3.
-    ``method``: ``closed-form``, ``newton``, ``cvxpy``, ``auto`` for the first of these that applies, or a
-    :class:`duhem.projection.method.Method` of your own.  ``tangent`` adds d sigma/d u and d sigma/d sigma_n.  ``options`` are the
-    method's.  Points are taken in blocks: with a closed form the work needs some 15 MB a thread beyond what it returns, however many points
-    there are.
+    K is the set of admissible stresses, and sigma_tr = k (u - u_in) is the trial stress at the end of the step, with the displacement
+    u, the slip u_in and the stiffness k.  This is the implicit step of u_in' = lambda' dg/dsigma, lambda' >= 0, g <= 0, lambda' g = 0
+    (Antoni et al. 2007, Eq. 36).
 
-    Every point has a status of its own and residuals recomputed from the law; a point that is not solved is never
-    returned as if it were.  The methods find the closest point of a convex K.  ``convex``: what is known of K, unless the
-    method itself shows that it is convex (the closed form and CVXPY).  ``ask`` has :func:`duhem.verify` look for a proof,
-    once for a law and its numbers and within few steps; where there is none a slip is ``stationary``, and ``inaccurate`` where a
-    nearer point of K is found.  ``require`` raises InputError instead.  ``assume`` asks nobody: such a point counts as a slip unless
-    one of the points of K that are tried speaks against it (:class:`duhem.projection.result.Projection`).
+    ``trial``: sigma_tr, (N, d) or (d,), in Pa.  ``pressure``: sigma_n <= 0 in compression, one number or (N,), in Pa.  ``stiffness``: k
+    > 0 in Pa/m, one number, (d,) or symmetric (d, d).  If the law declares a stress tensor, one number means k times the strain tensor:
+    a shear stress is k/2 times the engineering strain.  ``parameters``: a number for each parameter that has no value in the law.
+    duhem uses the double nearest to each value: the boundary for mu = 3/10 is that of the double 0.3. ``method``: ``closed-form``,
+    ``newton`` or ``cvxpy``; ``auto`` chooses the first of these that applies; or a :class:`duhem.projection.method.Method` of your own,
+    with its ``options``.  ``tangent`` adds d sigma/d u and d sigma/d sigma_n. Points are computed in blocks: with a closed form the
+    computation needs some 15 MB per thread in addition to its results.
 
-    A stress beyond the range that the law declares for a force (its ``domain``) is ``outside``; the trial may lie anywhere.
-    Raises InputError for input that cannot be used, naming the first bad entry, for a pressure outside its range, and for a law
-    with a flow of its own, which the closest point does not integrate.
+    Each point has its own status, and residuals that are recomputed from the law.  A point that is not solved is never returned as if
+    it were.  The methods find the closest point if K is convex.  ``convex`` says what to do if the method itself does not show this
+    (the closed form and CVXPY do).  ``ask``: :func:`duhem.verify` looks for a proof with a small budget, once for a law and its
+    numbers; if it finds none, a slip has the status ``stationary``, or ``inaccurate`` if a closer point of K is found.  ``require``:
+    InputError if there is no proof. ``assume``: no proof is sought, and the point counts as a slip unless duhem finds a closer point of
+    K (:class:`duhem.projection.result.Projection`).
+
+    If the stress leaves a range that the law declares for a force (its ``domain``), the status is ``outside``; the trial stress may lie
+    anywhere.  Raises InputError for invalid input, naming the first invalid entry, for a pressure outside its range, and for a law with
+    its own flow direction, because the closest point is not its slip increment.
     """
     check_convex(convex)
     return _prepared(load_formula(law), stiffness, parameters, method, convex).project(trial, pressure, tangent, **options)

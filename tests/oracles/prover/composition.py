@@ -38,7 +38,9 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
     The second follows from convexity and a point with g < 0 (no minimum on the boundary), or from Euler's relation.
     """
     if len(subject.simple.forces) == 1 and _interval(subject):
-        return Evidence(Verdict.PROVED, "one-dimensional", "K is an interval with an inside: at each of its ends the normal is +1 or -1")
+        return Evidence(
+            Verdict.PROVED, "one-dimensional", "K is an interval with interior points: at each of its ends the normal is +1 or -1"
+        )
     g = subject.simple.g
     facts = regularity(g, subject)
     if not facts.known or facts.kinks or not all(_off_boundary(subject, tip) for tip in facts.tips):

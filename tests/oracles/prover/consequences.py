@@ -20,5 +20,5 @@ def by_convexity(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Ev
 def by_normality(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
     """0 in K and a flow in the normal cone: d . (0 - sigma) <= 0."""
     if all(settled[name].verdict is Verdict.PROVED for name in ("origin", "normality")):
-        return Evidence(Verdict.PROVED, "fenchel", "0 is in K and the flow d is in the normal cone at sigma, so d . (0 - sigma) <= 0")
+        return Evidence(Verdict.PROVED, "fenchel", "0 lies in K and the flow d lies in the normal cone at sigma, so d . (0 - sigma) <= 0")
     return None

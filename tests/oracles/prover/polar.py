@@ -46,7 +46,7 @@ def origin(subject: FormulaSubject) -> Evidence | None:
     """A star-shaped set contains the point it is star-shaped about."""
     if subject.at_origin is not None or polar_form(subject) is None:
         return None
-    detail = "K is star-shaped about 0 (closure at 0 where the formula is 0/0)"
+    detail = "K is star-shaped about 0 (if the formula is 0/0 at 0, K is closed there)"
     return Evidence(Verdict.PROVED, "polar-form", detail, proof=Proof("polar-form"))
 
 

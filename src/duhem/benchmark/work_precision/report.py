@@ -155,7 +155,7 @@ def _heading(result: WorkPrecision, scene: str, rows: Sequence[Measurement]) -> 
     own = result.reference.get(scene)
     said = _DRAWN[scene]
     if isinstance(own, float):
-        said += f" (own error of the reference: ${latex_number(own, 2)}$)"
+        said += f" (error of the reference itself: ${latex_number(own, 2)}$)"
     failed = sorted({f"{row.method} {row.setting}".strip() for row in rows if row.failure is not None})
     return said + ("\nfailed: " + "; ".join(map(figure.shortened, failed)) if failed else "")
 

@@ -66,9 +66,10 @@ class Atlas(Shown, FrozenMapping[str, AtlasEntry]):
 
 
 def atlas(group: str | None = None) -> Atlas:
-    """The published laws, all or of one group, by name: source, what the literature claims of each, and the verdicts that verifying gives.
+    """Return the published laws by name, all or those of one group.
 
-    Reads the files of the atlas and verifies nothing.  Raises InputError for a group that there is not.
+    Each has its source, its claims in the literature and the verdicts of duhem.  This function reads the files of the atlas and
+    verifies nothing.  Raises InputError for an unknown group.
     """
     return Atlas({law.name: law for law in entries(group)})
 

@@ -25,7 +25,7 @@ Place = Mapping[sp.Symbol, sp.Expr]
 def undefined_place(subject: FormulaSubject, obligation: Obligation) -> str:
     """The hydrostatic axis or zero force, with the remedy, where what is divided by or under a logarithm is 0 there; else ""."""
     normal, shear = subject.problem.forces[:3], subject.problem.forces[3:]
-    remedy = "; if its limit is meant there, write where({} > 0, ..., 0) around the part that it stands in"
+    remedy = "; if you mean its limit there, write where({} > 0, ..., 0) around this part"
     axis = dict.fromkeys(normal, sp.Dummy("p", nonzero=True, real=True)) | dict.fromkeys(shear, sp.S.Zero)
     if len(normal) == 3 and len(shear) in (0, 3) and _vanishes(obligation, axis):
         equal = " = ".join(map(str, normal)) + "".join(f", {x} = 0" for x in shear)
@@ -40,7 +40,7 @@ def limits_taken(subject: FormulaSubject) -> Iterator[str]:
     zero = dict.fromkeys(subject.problem.forces, sp.S.Zero)
     part = next((o for o in obligations(subject.problem.stated) if _vanishes(o, zero)), None)
     if part is not None and not subject.doubtful:
-        yield f"g has no value at zero force, for it {part.does} {formula(part.expr)}: there it is read as its limit, and K is closed"
+        yield f"g has no value at zero force, for it {part.does} {formula(part.expr)}: duhem uses its limit there, and K is closed"
 
 
 def _size(law: Criterion) -> str:
@@ -69,7 +69,7 @@ def undefined_at_zero(subject: FormulaSubject) -> str:
         )
     return (
         f"g has no value at zero force: it {part.does} {formula(part.expr)}, which is 0 there; "
-        f"write where({away}, ..., ...) around it, with what g is there at the end"
+        f"write where({away}, ..., ...) around it, with the value of g there at the end"
     )
 
 

@@ -17,7 +17,7 @@ from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 __all__ = ["CLAIMS", "EVIDENCE", "NO_RULE", "OVER", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "digest", "recheck", "stated"]
 
 SCHEMA = "duhem certificate 2"
-NO_RULE = "the certificate offers no rule for it"
+NO_RULE = "the certificate names no rule for it"
 OVER = "over"  # the word of evidence for wider domains of parameters
 CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws")
 VERDICTS = ("proved", "refuted", "tested", "undecided", "not_applicable")

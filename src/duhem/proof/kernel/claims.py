@@ -260,7 +260,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("origin", "polar-form"): RuleRow(
         _NONE, star_shaped, obligations.numbers_in_formula,
-        "K is star-shaped about 0 (closure at 0 where the formula is 0/0)", most_forces=_PLANE,
+        "K is star-shaped about 0 (if the formula is 0/0 at 0, K is closed there)", most_forces=_PLANE,
     ),
     ("convexity", "composition"): RuleRow(
         _NONE, convexity, obligations.formula_where_loads_allow,
@@ -268,16 +268,17 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("convexity", "polyhedral"): RuleRow(
         _NONE, polyhedral, obligations.formula,
-        "g is piecewise affine, and the union of the polyhedra on which g <= 0 is one (Bemporad, Fukuda, Torrisi 2001)",
+        "g is piecewise affine, and the union of the polyhedra on which g <= 0 is itself a polyhedron (Bemporad, Fukuda, Torrisi 2001)",
     ),
     ("convexity", "polar-curvature"): RuleRow(
         _ORIGIN, lambda law, _: StarGauge(law).convex(), obligations.numbers_in_formula,
-        "the boundary r = 1/gamma(theta) bends inwards nowhere: gamma'' + gamma >= 0 on every arc, and gamma' never "
-        "jumps down where two meet (Schneider 2014, section 1.7)", most_forces=_PLANE,
+        "the boundary r = 1/gamma(theta) has no dent: gamma'' + gamma >= 0 on every arc, and gamma' does not decrease "
+        "where two arcs meet (Schneider 2014, section 1.7)", most_forces=_PLANE,
     ),
     ("convexity", "fan"): RuleRow(
         _ORIGIN, lambda law, _: Fan(law).convex(), obligations.formula,
-        "K = {f <= c} with f of degree 1: f is convex in each cone of a fan, and its slope never falls across a ray", most_forces=_PLANE,
+        "K = {f <= c} with f of degree 1: f is convex in each cone between two rays, and its slope does not decrease "
+        "across a ray", most_forces=_PLANE,
     ),
     ("convexity", "implicit-curvature"): RuleRow(
         _NONE, curved, obligations.formula,
@@ -294,8 +295,8 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("smoothness", "fan"): RuleRow(
         _ORIGIN, lambda law, _: Fan(law).smooth(), obligations.formula,
-        "the boundary is {f = c} with f of degree 1: f is smooth in each cone of a fan, and its gradient goes over "
-        "continuously from each to the next", most_forces=_PLANE,
+        "the boundary is {f = c} with f of degree 1: f is smooth in each cone between two rays, and its gradient is "
+        "continuous from each cone to the next", most_forces=_PLANE,
     ),
     ("smoothness", "euler"): RuleRow(
         _NONE, regular_along_rays, obligations.formula_but_at_tips,
@@ -307,7 +308,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("smoothness", "one-dimensional"): RuleRow(
         _CONVEXITY, one_force, obligations.formula,
-        "K is an interval with an inside: at each of its ends the normal is +1 or -1", most_forces=1,
+        "K is an interval with interior points: at each of its ends the normal is +1 or -1", most_forces=1,
     ),
     ("normality", "normality-rule"): RuleRow(_CONVEXITY, lambda law, _: law.associated, obligations.nothing, _MOREAU),
     ("normality", "parallel"): RuleRow(
@@ -316,7 +317,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("dissipation", "fenchel"): RuleRow(
         _ORIGIN | {"normality"}, lambda law, _: True, obligations.flow,
-        "0 is in K and the flow d is in the normal cone at sigma, so d . (0 - sigma) <= 0",
+        "0 lies in K and the flow d lies in the normal cone at sigma, so d . (0 - sigma) <= 0",
     ),
     ("dissipation", "euler"): RuleRow(
         _ORIGIN, euler, obligations.numbers_in_formula,
@@ -335,8 +336,8 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("dissipation", "boundary-power"): RuleRow(_NONE, power, obligations.formula_and_flow, "force . flow >= 0 wherever g = 0"),
     ("dissipation", "power-share"): RuleRow(
         _NONE, power_share, obligations.formula,
-        "force . flow is a constant times g and something >= 0, so it is >= 0 wherever g = 0; at an apex so are the "
-        "flow's limits (Koiter 1953)", True,
+        "force . flow is a constant times g plus a term >= 0, so it is >= 0 wherever g = 0; at an apex the limits "
+        "of the flow dissipate too (Koiter 1953)", True,
     ),
     ("duality", "polar-gauge"): RuleRow(
         _NONE, polar_gauge, obligations.formula,
@@ -347,7 +348,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
 CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {
     ("origin", "winding"): RuleRow(
         _NONE, lambda curve, _: curve.around_zero(), obligations.nothing,
-        "the curve never meets 0 and winds around it",
+        "the curve does not pass through 0 and winds around it",
     ),
     ("convexity", "turning-tangent"): RuleRow(
         _NONE, lambda curve, _: curve.convex(), obligations.nothing,

@@ -39,8 +39,8 @@ _WIDTH = 1e-9  # radians, that is 6e-8 degrees
 def duality(subject: CurveSubject) -> Evidence | None:
     """A boundary curve gives its support function point by point only."""
     if subject.law.flow is not None:
-        return Evidence(Verdict.NOT_APPLICABLE, "curve", "the law has a flow of its own, which no potential of K gives")
-    reason = "no closed form found: the support function of K is known along the curve only, Phi = T . n at the normal n"
+        return Evidence(Verdict.NOT_APPLICABLE, "curve", "the law has its own flow direction, which does not derive from a potential of K")
+    reason = "no closed form found: the support function of K is known only along the curve, Phi = T . n at the normal n"
     return Evidence(Verdict.NOT_APPLICABLE, "curve", reason)
 
 

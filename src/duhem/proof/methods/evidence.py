@@ -218,7 +218,7 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
     for share in _shares(of_power, of_g)[:_MOST_SHARES]:
         coefficients = {part: sp.factor(of_power.get(part, sp.S.Zero) - share * of_g.get(part, sp.S.Zero)) for part in {**of_power, **of_g}}
         rest = sp.Add(*(c * part for part, c in coefficients.items())).xreplace(back)
-        detail = f"force . flow = {formula(share)}*g + {formula(rest)}, which is >= 0 wherever g = 0; at an apex so are the flow's limits"
+        detail = f"force . flow = {formula(share)}*g + {formula(rest)}, which is >= 0 wherever g = 0, also in the limit at an apex"
         proof = Proof("power-share", {"share": formula(share), "rest": formula(rest)})
         yield Evidence(Verdict.PROVED, "power-share", detail, proof=proof)
 
@@ -286,7 +286,7 @@ def _in_pressure(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:
 def duality(subject: FormulaSubject) -> Evidence | None:
     """Phi is the support function of K: each step is a theorem, its positivity hypotheses decided over the whole domain."""
     if bounded := [name for name in subject.law.forces if name in subject.law.domain]:
-        reason = f"no closed form found: the claims are asked in a range of {', '.join(bounded)}, and none is known of a part of K"
+        reason = f"no closed form found: the claims have a range of {', '.join(bounded)}, and no closed form is known for a part of K"
         return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", reason)
     if (found := subject.support) is None:
         reason = "no closed form found: the rules of the polar gauge give none for the dissipation potential of this law"

@@ -46,7 +46,7 @@ __all__ = [
     "normality_by_sampling", "origin_at_parameters", "origin_undefined", "smoothness_at_corners", "smoothness_at_sharp_points",
 ]  # fmt: skip
 
-_NO_POINT = "a chord leaves K, so K is not convex; no boundary point is confirmed at which grad g leaves the normal cone of K"
+_NO_POINT = "a chord leaves K, so K is not convex, but no boundary point was confirmed where grad g leaves the normal cone of K"
 _CHORD = (
     "the way from `inside` to the midpoint of a chord of K crosses the boundary outward, at a sigma between `inside` and `outside`, "
     "so grad g . (tau - sigma) > 0 there for one end tau of the chord: the normal is not in the normal cone of K"
@@ -311,7 +311,7 @@ def convexity_by_sampling(subject: FormulaSubject) -> Evidence | None:
     """Between how many boundary points, of how many parameter choices, chords were tried in vain; None where none were."""
     from duhem.proof.search.long_chords import looked_between
 
-    return _tested("no chord was found to leave K between", looked_between(subject))
+    return _tested("no chord was found that leaves K between", looked_between(subject))
 
 
 def normality_by_sampling(subject: FormulaSubject) -> Evidence | None:
@@ -332,7 +332,7 @@ def _flow(subject: FormulaSubject, what: str, seem: Callable[[BoundaryScout], in
     looked = [scout for scout in scouts(subject, 12) if scout.found > 0]
     for scout in looked:
         if count := seem(scout):
-            detail = f"in floats {what} at {count} of {scout.found} boundary points of a parameter choice, which no exact witness confirms"
+            detail = f"in floats {what} at {count} of {scout.found} boundary points, but no exact counterexample confirms this"
             return Evidence(Verdict.UNDECIDED, "sampling", detail)
     return _tested("no violation at", [scout.found for scout in looked])
 
@@ -341,4 +341,6 @@ def _tested(what: str, found: Sequence[int]) -> Evidence | None:
     if not found:
         return None
     choices = "1 parameter choice" if len(found) == 1 else f"{len(found)} parameter choices"
-    return Evidence(Verdict.TESTED, "sampling", f"{what} {sum(found)} boundary points of {choices} (fixed seeds); nothing is proved")
+    return Evidence(
+        Verdict.TESTED, "sampling", f"{what} {sum(found)} boundary points of {choices} (fixed random seeds); this is not a proof"
+    )

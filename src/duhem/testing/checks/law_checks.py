@@ -157,7 +157,7 @@ class Dents:
 
 @register(
     "origin",
-    statement="the stress-free state is admissible",
+    statement="zero stress is admissible",
     formula="0 in K(sigma_n)",
     source="Antoni et al. (2007), Eqs. 27, 28: Phi* least at 0",
     tolerance="none: 60 digits",
@@ -171,13 +171,13 @@ def origin(q: Query) -> Finding:
 
 @register(
     "convexity",
-    statement="the middle of two stresses of K lies in K",
+    statement="the midpoint of two stresses in K lies in K",
     formula="p, q in K(sigma_n) => (p + q)/2 in K(sigma_n)",
     source="Antoni et al. (2007), Eq. 34; Rockafellar (1970), section 2",
     tolerance="none: p, q and their middle are judged in 60 digits (the middle of two doubles, rounded once, within 4 eps of |p| + |q|; "
     "of two boundary points, moved by 1e-12 of its way to a stress inside)",
     law_only=True,
-    needs="a stress that surely lies inside K, where none is known",
+    needs="a stress inside K, and none is known",
 )
 def convexity(q: Query) -> Finding:
     p, other = q.case.inside, q.case.beside
@@ -200,7 +200,7 @@ def convexity(q: Query) -> Finding:
 
 def _told(first: Array, last: Array) -> str:
     one, other, middle = (f"[{', '.join(f'{x:.6g}' for x in each)}]" for each in (first, last, 0.5 * (first + last)))
-    return f"{one} and {other} lie in K, and their middle {middle} does not"
+    return f"{one} and {other} lie in K, and their midpoint {middle} does not"
 
 
 @register(

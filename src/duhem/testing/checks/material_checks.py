@@ -38,7 +38,7 @@ def _as_of_a_law(name: str, /, **other: object) -> None:
     "answers",
     statement="the routine answers every increment with finite stresses, state and energies",
     formula="sigma in R^d",
-    source="a nan that is passed on silently ruins what comes after",
+    source="an unnoticed nan makes all later results wrong",
     tolerance="none",
 )
 def answers(h: HistoryQuery) -> Finding:
@@ -52,9 +52,9 @@ def answers(h: HistoryQuery) -> Finding:
 
 @_of_any(
     "repeatability",
-    statement="the same increment from the same state has the same answer, whatever was asked before it and beside it, and alone",
+    statement="the same increment from the same state has the same answer, alone, together with others, and after others",
     formula="sigma(state, du) = sigma(state, du)",
-    source="a state kept between calls, or shared between points, makes an answer depend on the order of the questions",
+    source="state that is kept between calls or shared between points makes an answer depend on the order of the calls",
     tolerance="2 u",
 )
 def repeatability(h: HistoryQuery) -> Finding:
@@ -67,8 +67,8 @@ def repeatability(h: HistoryQuery) -> Finding:
 
 _as_of_a_law(
     "inputs",
-    formula="the state before the step, the increment and all that is not returned are as before the call, and so are former answers",
-    source="who calls it goes on with the state before the step, or tries a shorter one, and keeps the states of other steps",
+    formula="the routine does not change the state before the step, the increment, its other inputs and its earlier answers",
+    source="the caller uses the state before the step again, for example for a shorter step, and keeps the states of other steps",
 )
 
 
@@ -109,7 +109,7 @@ _as_of_a_law("vacuity", formula="sigma = sigma_tr for some, and not for others")
 )
 def rate(h: HistoryQuery) -> Finding:
     if not h.remembers:
-        raise NothingToCheck("the routine is not told of time")
+        raise NothingToCheck("the routine has no argument for time")
     most, allowed = np.zeros(len(h.case)), np.zeros(len(h.case))
     for here, before in zip(h.course[1:], h.course[:-1], strict=True):
         allowed += 2.0 * h.error(here.stress, before.stress)
@@ -131,7 +131,7 @@ def _worst_step(h: HistoryQuery, measured: Array, allowed: Array) -> Finding:
 
 @_of_any(
     "dissipation",
-    statement="no step gains what it dissipates",
+    statement="no step has negative dissipation",
     formula="d D >= 0",
     source="Antoni et al. (2007), Eqs. 22, 36: Clausius-Duhem",
     tolerance="u (|sigma| + |k du|)",
@@ -145,7 +145,7 @@ def dissipation(h: HistoryQuery) -> Finding:
 
 @_of_any(
     "rest",
-    statement="without an increment nothing happens, and the next increment is answered as if nothing had",
+    statement="a zero increment changes nothing, also not the answer to the next increment",
     formula="sigma(state, 0) = sigma; sigma(state after that, du) = sigma(state, du)",
     source="rate independence: no increment, no change (Moreau 1977, J. Differ. Equ. 26, 347-374)",
     tolerance="2 u at rest; 4 u after the next increment",
@@ -208,7 +208,7 @@ def stored_energy(h: HistoryQuery) -> Finding:
 
 @_of_any(
     "energy",
-    statement="work = stored + dissipated, but for what a step of finite length leaves open",
+    statement="work = stored + dissipated energy, up to the error of a finite step",
     formula="(sigma_0 + sigma)/2 . du = d psi + d D",
     source="Antoni et al. (2007), Eqs. 22-31, discrete",
     tolerance="|d sigma| |k du - d sigma|, to which any mean of the stresses of the step brings the balance, + "
@@ -230,7 +230,7 @@ def energy(h: HistoryQuery) -> Finding:
 
 _as_of_a_law(
     "slope",
-    statement="the consistent tangent is the slope of the routine, where differences resolve it (no corner of the answer near)",
+    statement="the consistent tangent agrees with finite differences of the routine where these are accurate (not near a corner)",
     tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "
     "|sigma_tr| + |sigma|; what they are off by there, where smaller steps one way come ten times closer, or where at all of them "
     "the two ways disagree by a quarter of it (no slope)",
@@ -248,7 +248,7 @@ _as_of_a_law(
 )
 def subdivision(h: HistoryQuery) -> Finding:
     if not h.by_turns(_DIVIDED):
-        raise NothingToCheck(f"asked in one of {_DIVIDED} cases")
+        raise NothingToCheck(f"tested in one of {_DIVIDED} cases")
     legs = np.diff(h.case.path, axis=1)
     whole = np.sum([h.length(legs[:, i]) for i in range(legs.shape[1])], axis=0)
     ends = [h.along(FINER // 2)[-1], h.fine[-1]]
@@ -266,7 +266,7 @@ def subdivision(h: HistoryQuery) -> Finding:
 
 @_of_any(
     "associated-symmetry",
-    statement="of an associated law, with hardening or without: the consistent tangent is symmetric",
+    statement="the consistent tangent of an associated law, with or without hardening, is symmetric",
     formula="C = C^T",
     source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
     tolerance="d^2 (accuracy + 8 eps), in the metric of k",
@@ -279,7 +279,7 @@ def symmetry(h: HistoryQuery) -> Finding:
 
 
 for _name, _said in (
-    ("non-expansiveness", "two stresses come no farther apart"),
+    ("non-expansiveness", "the distance between two stresses does not increase"),
     ("potential", "the step derives from a potential"),
     ("ray", "a longer or shorter slip in the same direction ends at the same stress"),
 ):
@@ -288,7 +288,7 @@ for _name, _said in (
 
 @_of_any(
     "isotropic-plastic-work",
-    statement="without kinematic hardening: what slips does so along the stress",
+    statement="without kinematic hardening, the slip does positive work",
     formula="sigma . (du - k^-1 d sigma) >= 0",
     source="Drucker (1951), Proc. First US Natl. Congr. Appl. Mech., 487-491",
     tolerance="2 u (|sigma| + |k du|)",

@@ -44,7 +44,7 @@ _FEW = 8  # increments that are asked one by one once the routine has raised, so
 _Answer = TypeVar("_Answer")
 _PATHS = 4  # cases, in one of which some rows follow their paths to the end
 NEAR = 1e-6  # of the size of a stress: so near is at the boundary, on a seam, at a corner
-UNMEASURED = "squares of the stresses, or K itself, leave double precision"
+UNMEASURED = "squares of the stresses, or K itself, overflow or underflow"
 _LEAST, _MOST = 2.0**-480, 2.0**495  # lengths whose squares, and those of what is asked besides, are doubles
 _CLOSE, _ASIDE = 1e-7, 0.01  # of a trial stress: closer than six digits tell, and no farther than it may be called close
 _SIZE = 20  # bits: the size of K to a part in a thousand
@@ -382,7 +382,7 @@ class Query:
         if missed is None or missed[1] not in self.region.parameters or missed[1] in self.passed:
             return ""
         name = missed[1]
-        return f" (parameters that are left open are passed: {name} is fixed, so leave it open, or give the routine its value as a default)"
+        return f" (duhem passes only parameters without a value; {name} has one: leave it open, or give it a default in the routine)"
 
     def note_overwritten(self, names: Any, rows: NDArray[np.intp]) -> None:
         """Keep the names (M,) that a reply to so many ``rows`` brings."""

@@ -109,7 +109,7 @@ def _slopes(q: Query, stress: Array, way: Array, near: Array) -> tuple[Array, Ar
     "answers",
     statement="the routine answers every increment with finite stresses",
     formula="sigma in R^d",
-    source="a nan that is passed on silently ruins what comes after",
+    source="an unnoticed nan makes all later results wrong",
     tolerance="none",
 )
 def answers(q: Query) -> Finding:
@@ -147,7 +147,7 @@ def feasibility(q: Query) -> Finding:
 
 @register(
     "idempotence",
-    statement="an admissible stress stays as it is",
+    statement="an admissible stress does not change",
     formula="P(P(sigma_tr)) = P(sigma_tr)",
     source=_MOREAU,
     tolerance="u + u': sigma lies within u of K, and its own answer within u' of its closest point",
@@ -160,7 +160,7 @@ def idempotence(q: Query) -> Finding:
 
 @register(
     "non-expansiveness",
-    statement="two stresses come no farther apart",
+    statement="the distance between two stresses does not increase",
     formula="|P(x) - P(y)| <= |x - y|",
     source=_MOREAU,
     tolerance="u + u' + 8 eps |x - y|",
@@ -174,7 +174,7 @@ def non_expansiveness(q: Query) -> Finding:
 
 @register(
     "firmness",
-    statement="the tangent's eigenvalues lie in [0, k], said of finite steps",
+    statement="the eigenvalues of the tangent lie in [0, k]; here for finite steps",
     formula="|P(x) - P(y)|^2 <= (P(x) - P(y)) . k^-1 (x - y)",
     source=_MOREAU,
     tolerance="(u + u')(2 |P(x) - P(y)| + |x - y| + u + u') + 8 eps |P(x) - P(y)| |x - y|",
@@ -189,7 +189,7 @@ def firmness(q: Query) -> Finding:
 
 @register(
     "potential",
-    statement="the step derives from a potential: its tangent is symmetric, said of finite steps",
+    statement="the step derives from a potential, so its tangent is symmetric; here for finite steps",
     formula="sum over a cycle x_1, x_2, x_3 of P(x_i) . k^-1 (x_i+1 - x_i) <= 0",
     source="Rockafellar (1970), Convex Analysis, Theorem 24.8; P = grad(|x|^2 - dist^2)/2",
     tolerance="sum of (u_i + 8 eps |P(x_i)|) |x_i+1 - x_i|",
@@ -256,7 +256,7 @@ def variational_inequality(q: Query) -> Finding:
 
 @register(
     "complementarity",
-    statement="there is slip only on the boundary",
+    statement="slip occurs only on the boundary",
     formula="lambda g(sigma, sigma_n) = 0",
     source=_LAW,
     tolerance="sigma lies within u of the boundary where g >= -u |grad g| (exact for convex g), or within 2 u on the way to the trial",
@@ -295,7 +295,7 @@ def _loss(q: Query, found: Reply) -> tuple[Array, Array]:
 
 @register(
     "slip",
-    statement="the slip returned is what the stress lacks",
+    statement="the returned slip agrees with the difference between trial stress and stress",
     formula="k slip = sigma_tr - sigma",
     source="Antoni et al. (2007), Eqs. 25, 31",
     tolerance="2 u",
@@ -313,7 +313,7 @@ def _returned(found: Reply) -> Array:
 
 @register(
     "energy",
-    statement="work = stored + dissipated + lost by the implicit step",
+    statement="work = stored + dissipated energy + numerical loss of the implicit step",
     formula="sigma . du = d psi + sigma . slip + du_e . k du_e/2",
     source="Antoni et al. (2007), Eqs. 22-31, discrete",
     tolerance="2 u (2 |sigma| + |d sigma| + 2 u) + 32 eps (|sigma| + |start| + |sigma_tr|)^2, the start a stress of K",
@@ -354,9 +354,9 @@ def ray(q: Query) -> Finding:
 )
 def stiffness_scale(q: Query) -> Finding:
     if "stiffness" in q.fixed:
-        raise NothingToCheck("the stiffness is given, and no other is asked")
+        raise NothingToCheck("the stiffness is fixed, so no other stiffness is tested")
     if not q.by_turns(_SCALES):
-        raise NothingToCheck(f"asked in one of {_SCALES} cases")
+        raise NothingToCheck(f"tested in one of {_SCALES} cases")
     here = q.here
     there = q.ask(q.case.trial, stiffness=q.case.stiffness * q.case.factor)[0]
     return Finding(q.length(there.stress - here.stress), 2.0 * q.unit(here))
@@ -364,7 +364,7 @@ def stiffness_scale(q: Query) -> Finding:
 
 @register(
     "homogeneity",
-    statement="twice the load, twice the stress: no unit of stress is built in",
+    statement="twice the load gives twice the stress: the routine contains no fixed stress",
     formula="P(c sigma_tr; c sigma_n) = c P(sigma_tr; sigma_n) for c > 0, where K(c sigma_n) = c K(sigma_n)",
     source="Antoni et al. (2007), Eq. 35: the gauge is positively homogeneous",
     tolerance="2 u (c is a power of two)",
@@ -372,9 +372,9 @@ def stiffness_scale(q: Query) -> Finding:
 )
 def homogeneity(q: Query) -> Finding:
     if not q.region.homogeneous:
-        raise NothingToCheck(f"K of {q.region.law.name} has a size of its own")
+        raise NothingToCheck(f"K of {q.region.law.name} does not scale with the pressure")
     if not q.scales:
-        raise NothingToCheck("the pressure is given as a number, and no other is asked")
+        raise NothingToCheck("the pressure is fixed, so no other pressure is tested")
     here, there = q.here, q.larger
     return Finding(q.length(there.stress / q.case.factor - here.stress), 2.0 * q.unit(here))
 

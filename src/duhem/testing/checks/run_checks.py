@@ -24,7 +24,7 @@ def _visited(visited: Visited) -> str | None:
     shares = visited.shares
     missing = [name for name in ("slip", "stick") if shares and not shares[name]]
     if not missing:
-        given_up = f"{visited.given_up:.2%} of the increments that slip are flagged as not solved, and so not tested"
+        given_up = f"{visited.given_up:.2%} of the slipping increments are flagged as not solved, and therefore not tested"
         return given_up if visited.given_up > _MOST else None
     what = {"slip": "nothing slipped", "stick": "nothing stuck"}[missing[0]]
     seen = ", ".join(f"{name} {share:.3g}" for name, share in shares.items())
@@ -33,10 +33,10 @@ def _visited(visited: Visited) -> str | None:
 
 @register(
     "vacuity",
-    statement="the run visits what it is about: some increments stick, and some slip, of which the routine answers most",
+    statement="the run contains increments that stick and increments that slip, and the routine solves most of those that slip",
     formula="sigma_tr in K(sigma_n) for some, and not for others",
-    source="a test in which nothing ever slips passes whatever the routine does",
-    tolerance="increments that the routine flags as not solved do not count; no more than three in four of those that slip may be so",
+    source="if nothing slips, a test passes for any routine",
+    tolerance="flagged increments do not count; at most three in four of the slipping increments may be flagged",
     whole=_visited,
 )
 def vacuity(q: Query) -> Finding:
@@ -46,9 +46,9 @@ def vacuity(q: Query) -> Finding:
 
 @register(
     "repeatability",
-    statement="the same increment has the same answer, whatever was asked before it and beside it, and alone",
+    statement="the same increment has the same answer, alone, together with others, and after others",
     formula="P(sigma_tr) = P(sigma_tr)",
-    source="a state kept between calls, or shared between rows, makes an answer depend on the order of the questions",
+    source="state that is kept between calls or shared between rows makes an answer depend on the order of the calls",
     tolerance="2 u",
     again=True,
 )
@@ -96,9 +96,9 @@ def _apart(one: Array, other: Array) -> Array:
 
 @register(
     "inputs",
-    statement="the routine leaves what it is given, and what it has answered, as it was, and writes to nothing that it is not given",
+    statement="the routine does not change its inputs and its earlier answers, and writes to no other memory",
     formula="sigma_tr, sigma_n and k after the call are those before it, and so are the answers to the calls before",
-    source="who calls it goes on with the trial stress, the pressure and the stiffness, and keeps one answer while it asks for the next",
+    source="the caller uses the trial stress, the pressure and the stiffness again, and keeps one answer during the next call",
     tolerance="none: to the last bit; of C and Fortran, all arguments that are not returned, and 64 bytes either side of each array; "
     "an answer may be the array that was given",
 )

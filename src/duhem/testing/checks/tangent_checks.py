@@ -44,7 +44,7 @@ def asymmetry(q: Query, c: Array) -> tuple[Array, Array]:
 
 @register(
     "slope",
-    statement="the consistent tangent is the slope of the routine, where differences resolve it (no flat point of the boundary near)",
+    statement="the consistent tangent agrees with finite differences of the routine where these are accurate (not near a flat point of K)",
     formula="C du = d sigma",
     source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
     tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "

@@ -45,10 +45,10 @@ class RunOptions:
         _check_pressure(self.pressure, law)
         if not _is_number(self.accuracy) or not 0.0 < self.accuracy < 1.0:  # beyond, every stress would do
             low = _is_number(self.accuracy) and self.accuracy <= 0.0
-            what = "the accuracy is not positive" if low else f"{self.accuracy!r} is no relative error"
+            what = "the accuracy is not positive" if low else f"{self.accuracy!r} is not a relative error"
             raise InputError(what, where="accuracy", remedy="give a number between 0 and 1, for example 1e-9")
         if self.seconds is not None and not (_is_number(self.seconds) and self.seconds >= 0.0):
-            raise InputError(f"{self.seconds!r} is no time", where="seconds", remedy="give a number >= 0, or leave it out")
+            raise InputError(f"{self.seconds!r} is not a time", where="seconds", remedy="give a number >= 0, or remove it")
         for name, least in (("rows", 1), ("every", 1), ("tries", 0), ("max_examples", 1), ("seed", None)):
             given = getattr(self, name)
             if given is not None or name in ("rows", "tries"):  # the others may be left out
@@ -66,7 +66,7 @@ def _check_count(given: Any, where: str, least: int | None) -> None:
 def check_share(given: Any, where: str) -> None:
     """Raise InputError unless it is a number from 0 to 1."""
     if not _is_number(given) or not 0.0 <= given <= 1.0:
-        raise InputError(f"{given!r} is no share", where=where, remedy="give a number from 0 to 1, for example 0.1")
+        raise InputError(f"{given!r} is not a fraction", where=where, remedy="give a number from 0 to 1, for example 0.1")
 
 
 def stiffness_matrix(given: ArrayLike, law: Criterion | None) -> Array:

@@ -31,17 +31,17 @@ _SHAPE = (
 
 # The likely causes, the first first.  What is said of the stress comes before what is returned beside it.
 CAUSES: tuple[Cause, ...] = (
-    Cause("vacuity", (), "what was not visited was not tested, whatever else is found"),
-    Cause("answers", (*_STRESS, *_OUTPUTS, "repeatability"), "without a stress there is nothing that could satisfy the others"),
-    Cause("origin", _SHAPE, "a set without the origin is no K, and the closest point of it has none of these properties"),
-    Cause("convexity", _SHAPE, "on a set that is not convex the closest point is not unique and has none of these properties"),
-    Cause("smoothness", (), "a corner of K breaks none of the others"),
-    Cause("repeatability", (*_STRESS, *_OUTPUTS), "an answer that depends on what was asked before cannot satisfy a rule"),
-    Cause("inputs", (), "an answer may be right though what was given is gone"),
-    *(Cause(name, _STRESS[i + 1 :], "each follows from the stress being the closest point") for i, name in enumerate(_STRESS)),
-    Cause("slip", ("energy",), "the balance of energy is taken with the slip returned"),
-    Cause("energy", (), "no other check looks at it"),
-    Cause("multiplier", (), "no other check looks at it"),
+    Cause("vacuity", (), "the run did not test what it should test"),
+    Cause("answers", (*_STRESS, *_OUTPUTS, "repeatability"), "without a stress, the other checks cannot pass"),
+    Cause("origin", _SHAPE, "if K does not contain the origin, the closest point has none of these properties"),
+    Cause("convexity", _SHAPE, "if K is not convex, the closest point is not unique and has none of these properties"),
+    Cause("smoothness", (), "a corner of K affects no other check"),
+    Cause("repeatability", (*_STRESS, *_OUTPUTS), "an answer that depends on earlier calls cannot satisfy the other checks"),
+    Cause("inputs", (), "an answer may be right although the routine has changed its inputs"),
+    *(Cause(name, _STRESS[i + 1 :], "each of them follows if the stress is the closest point") for i, name in enumerate(_STRESS)),
+    Cause("slip", ("energy",), "the balance of energy uses the returned slip"),
+    Cause("energy", (), "no other check uses it"),
+    Cause("multiplier", (), "no other check uses it"),
     Cause("slope", ("tangent",), "a tangent that is not the slope of the stress need be neither symmetric nor bounded"),
     Cause("tangent", (), "where it is the slope of the stress, the stress derives from no potential"),
 )

@@ -39,7 +39,7 @@ _PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "mult
 _TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
 _BEYOND = 1.7  # times as far out as the boundary that a routine would keep: it is seen whether that is where it goes back to
 _LEAST = 3  # increments that a suggestion has to explain
-_ONLY = "; at such increments only, others beside them are answered right"
+_ONLY = "; this happens only for such increments, and others near them are right"
 _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
 
 

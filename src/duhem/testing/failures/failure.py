@@ -22,7 +22,7 @@ from duhem.testing.routines.origin import Origin
 
 __all__ = ["Departure", "Failure", "drawn_again", "write_replays"]
 
-_NO_LAW = "...  # no file, name or formula gives this law again: put it here"
+_NO_LAW = "...  # write the code that makes the law here"
 
 Numbers = tuple[float, ...]
 
@@ -111,7 +111,7 @@ class Failure:
         if found is None or self.check.law_only:
             return
         if (at := (found.trial, found.pressure, found.stiffness)) != asked:
-            yield "at", f"{_increment(*at, of_tensors)}, which the check asks too"
+            yield "at", f"{_increment(*at, of_tensors)}, which the check also uses"
         yield "returned", _vector(found.returned)
         if found.closest is not None:
             within = "" if found.apart else ", within what is allowed"
@@ -180,9 +180,9 @@ class Failure:
             run += [f"    wrong = violation({check!r}, LAW, update, CASE, {asked})", "    assert wrong is None, wrong"]
         if self.drawn or case is None:
             if not self.drawn:
-                run.append("    # the parameters, the stiffness and the pressure of the run that failed go here")
+                run.append("    # write the parameters, the stiffness and the pressure of the failed run here")
             elif case is not None:
-                run.append("    # what a routine keeps of other calls shows only after them")
+                run.append("    # this error depends on earlier calls, so the test repeats the whole run")
             run += [
                 f"    report = conformance(LAW, update, {self.drawn}{self.drawn and ', '}accuracy={self.accuracy!r})",
                 f"    assert report.failure_of({check!r}) is None, str(report)",
@@ -228,11 +228,15 @@ def _words(text: str) -> str:
 def _nameless(routine: str) -> str:
     """Return a comment that says what to put in the place of a routine without a name to import."""
     maker, inner, _ = routine.rpartition(".<locals>.")
-    return f"made by {maker}: put here the lines that make it" if inner else f"{routine} has no name that can be imported: put it here"
+    return (
+        f"made by {maker}: write the code that makes it here"
+        if inner
+        else f"{routine} has no name that can be imported: write the code that makes it here"
+    )
 
 
 def _stub(routine: str) -> str:
-    told = f"{routine} has no name that a file can import: call it here"
+    told = f"{routine} has no name that can be imported: call it here"
     return f"def update(trial, pressure, stiffness, **parameters):\n    raise NotImplementedError({told!r})\n"
 
 

@@ -84,15 +84,15 @@ class Report(Shown):
     def counted(self) -> str:
         """How many checks came out in which way, and how many increments were asked for, in words."""
         counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"
-        counts += f", {len(self.left_out)} left out" if self.left_out else ""
-        unsaid = f", {self.undefined} not judged where g has no value" if self.undefined else ""
-        unsaid += f", {self.unmeasured} drawn and not judged where squares leave double precision" if self.unmeasured else ""
+        counts += f", {len(self.left_out)} skipped" if self.left_out else ""
+        unsaid = f", {self.undefined} not judged because g has no value there" if self.undefined else ""
+        unsaid += f", {self.unmeasured} not judged because squares of the stresses overflow" if self.unmeasured else ""
         return f"{self.law}: {counts}; {self.flags()}{unsaid}"
 
     def flags(self) -> str:
         """How many increments the routine flags, in words, and where these are too many that they are."""
         if self.flags_too_many:
-            return f"flags {self.flagged} of {self.points} increments as not solved, more than a share {self.most_flagged:g}"
+            return f"flags {self.flagged} of {self.points} increments as not solved, more than the allowed fraction {self.most_flagged:g}"
         return f"{self.points} increments, {self.flagged} flagged"
 
     def tested(self) -> tuple[str, ...]:
@@ -103,7 +103,7 @@ class Report(Shown):
         told = " and ".join(f"{n} {what}" for what, n in tried.items() if n)
         lacking = "".join(f", and on no {what}" for what, n in tried.items() if not n)
         need = f", which need {self.needs[name]}" if lacking and name in self.needs else ""
-        return f"{name} was tested on {told} alone{lacking}{need}; duhem verify seeks a proof" if told else ""
+        return f"{name} was tested only on {told}{lacking}{need}; duhem verify searches for a proof" if told else ""
 
     def __repr__(self) -> str:
         return f"<Report of {self.counted()}>"
@@ -113,9 +113,9 @@ class Report(Shown):
             [
                 self.counted(),
                 *map(str, self.failures),
-                *(f"{name} passed, and was expected to fail: {why}" for name, why in self.unexpected.items()),
+                *(f"{name} passed, but was expected to fail: {why}" for name, why in self.unexpected.items()),
                 *(f"{name} failed, as expected: {why}" for name, why in self.expected.items()),
-                *(f"left out {name}: {why}" for name, why in self.left_out.items()),
+                *(f"skipped {name}: {why}" for name, why in self.left_out.items()),
                 *self.tested(),
             ]
         )
@@ -152,9 +152,9 @@ text.register(Report, lambda report, page=PAGE: str(report))  # lines of code to
 @sheet.register(Report)
 def as_sheet(report: Report) -> Sheet:
     """Return a sheet with a row a check; then what is likely wrong, and why checks were left out or expected to fail."""
-    outcomes = dict.fromkeys(report.passed, "passed") | dict.fromkeys(report.left_out, "left out")
+    outcomes = dict.fromkeys(report.passed, "passed") | dict.fromkeys(report.left_out, "skipped")
     outcomes |= dict.fromkeys(sorted(report.failed), "failed") | dict.fromkeys(report.expected, "failed, as expected")
-    outcomes |= dict.fromkeys(report.unexpected, "passed, and was expected to fail")
+    outcomes |= dict.fromkeys(report.unexpected, "passed, but was expected to fail")
     reasons = {**report.left_out, **report.expected, **report.unexpected}
     return Sheet(
         report.counted(),
@@ -226,7 +226,7 @@ def _case(check: str, report: Report) -> JUnitCase:
         message = failure.diagnosis or failure.message if cause is None else f"{failure.message}; likely explained by {cause}"
         return JUnitCase(check, Outcome.FAILED, message, str(failure))
     if check in report.unexpected:
-        return JUnitCase(check, Outcome.FAILED, f"passed, and was expected to fail: {report.unexpected[check]}")
+        return JUnitCase(check, Outcome.FAILED, f"passed, but was expected to fail: {report.unexpected[check]}")
     if check in report.expected:
         return JUnitCase(check, Outcome.SKIPPED, f"failed, as expected: {report.expected[check]}")
     return JUnitCase(check, Outcome.SKIPPED, report.left_out[check]) if check in report.left_out else JUnitCase(check)

@@ -32,7 +32,7 @@ def trial_stress(p: Probe) -> Iterator[tuple[str, Array]]:
     far, corrected = _FAR_OUT * p.trial, False
     with suppress(NoReply):
         corrected = bool((p.query.ask(far)[0].stress != far).any())
-    yield f"the routine returns the trial stress: it corrects nothing{' of these, but farther out it does' if corrected else ''}", p.trial
+    yield f"the routine returns the trial stress without a correction{' of these, but farther out it does' if corrected else ''}", p.trial
 
 
 @suggests("stress")
@@ -44,7 +44,7 @@ def no_stress(p: Probe) -> Iterator[tuple[str, Array]]:
 def radial_return(p: Probe) -> Iterator[tuple[str, Array]]:
     reach = p.query.region.reach(p.trial, p.pressure)
     scaled = np.where(reach[:, None] < 1.0, reach[:, None] * p.trial, p.trial)
-    yield "radial return: the trial stress is scaled down to the boundary, which is not its closest point", scaled
+    yield "radial return: the trial stress is scaled to the boundary, but this is not the closest point", scaled
     wrong = p.query.length(p.returned - p.closest) > p.query.unit(p.reply)
     if wrong.any() and (nearest := reach[wrong].max()) > 0.0:
         said = (
@@ -55,18 +55,18 @@ def radial_return(p: Probe) -> Iterator[tuple[str, Array]]:
 
 @suggests("stress")
 def metric_of_no_stiffness(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the closest point is taken in the metric of the identity, not of the stiffness", p.projected(stiffness=np.eye(len(p.stiffness)))
+    yield "the closest point is computed with the identity instead of the stiffness", p.projected(stiffness=np.eye(len(p.stiffness)))
 
 
 @suggests("stress")
 def metric_of_the_diagonal(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the closest point is taken with the diagonal of the stiffness alone", p.projected(stiffness=np.diag(np.diag(p.stiffness)))
+    yield "the closest point is computed with only the diagonal of the stiffness", p.projected(stiffness=np.diag(np.diag(p.stiffness)))
 
 
 @suggests("stress")
 def metric_of_the_inverse(p: Probe) -> Iterator[tuple[str, Array]]:
     inverse = np.linalg.inv(p.stiffness)
-    yield "the closest point is taken in the metric of the inverse stiffness", p.projected(stiffness=0.5 * (inverse + inverse.T))
+    yield "the closest point is computed with the inverse of the stiffness", p.projected(stiffness=0.5 * (inverse + inverse.T))
 
 
 def _exchanges(p: Probe) -> Iterator[tuple[str, list[int]]]:
@@ -167,7 +167,7 @@ def multiple_of_the_answer(p: Probe) -> Iterator[tuple[str, Array]]:
     q, slips = p.query, _slipping(p)
     factor = constant(np.where(slips & _wrong(p), q.inner(p.returned, p.closest) / q.inner(p.closest, p.closest), np.nan))
     if factor == 0.0:
-        yield "all stress is gone where there is slip", np.where(slips[:, None], 0.0, p.trial)
+        yield "the stress is zero if there is slip", np.where(slips[:, None], 0.0, p.trial)
     elif factor is not None:
         yield f"the stress is {factor:.6g} times the closest point where there is slip", np.where(slips[:, None], factor, 1.0) * p.closest
 
@@ -178,7 +178,7 @@ def one_newton_step(p: Probe) -> Iterator[tuple[str, Array]]:
     normal, level = region.slope(p.trial, p.pressure)[0], region.level(p.trial, p.pressure)
     way = normal @ p.stiffness
     once = p.trial - (level / np.einsum("ij,ij->i", normal, way))[:, None] * way
-    yield "one step of Newton's method is taken from the trial stress, and no more", np.where((level > 0.0)[:, None], once, p.trial)
+    yield "only one step of Newton's method is done from the trial stress", np.where((level > 0.0)[:, None], once, p.trial)
 
 
 @suggests("stress")
@@ -186,14 +186,14 @@ def component_by_component(p: Probe) -> Iterator[tuple[str, Array]]:
     n, d = p.trial.shape
     ends = [p.query.region.reach(np.tile(s * axis, (n, 1)), p.pressure) for axis in np.eye(d) for s in (1.0, -1.0)]
     cut = np.stack([np.clip(p.trial[:, i], -ends[2 * i + 1], ends[2 * i]) for i in range(d)], axis=1)
-    yield "each component is cut at the end of its own axis", cut
+    yield "each component is limited separately", cut
 
 
 @suggests("stress")
 def forgotten_slip(p: Probe) -> Iterator[tuple[str, Array]]:
     before = np.linalg.solve(p.stiffness, p.trial.T).T[:, ::-1] @ p.stiffness  # as from_displacements gives it
     whole = p.trial + before
-    yield "the former slip is forgotten: the trial stress is taken from the whole displacement", p.trial - whole + p.projected(whole)
+    yield "the previous slip is missing: the trial stress is computed from the total displacement", p.trial - whole + p.projected(whole)
 
 
 @suggests("stress")
@@ -201,7 +201,10 @@ def imprecise(p: Probe) -> Iterator[tuple[str, Array]]:
     q, wrong = p.query, _wrong(p)
     off = (q.length(p.returned - p.closest) / q.length(p.closest))[wrong].max(initial=0.0)
     if 0.0 < off <= 1e-4:
-        yield f"the answer is right to {off:.1g} of the stress only: single precision, a loose tolerance, or too much promised", p.returned
+        yield (
+            f"the answer is right to {off:.1g} of the stress only: single precision, a loose tolerance, or too high a promised accuracy",
+            p.returned,
+        )
 
 
 @suggests("stress")
@@ -290,12 +293,12 @@ def slip_times_the_stiffness(p: Probe) -> Iterator[tuple[str, Array]]:
 
 @suggests("slip")
 def slip_of_the_closest_point(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the slip is that of the closest point, and the stress is another one", _compliant(p, p.trial - p.closest)
+    yield "the slip is that of the closest point, but the stress is different", _compliant(p, p.trial - p.closest)
 
 
 @suggests("slip")
 def slip_of_the_diagonal(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the slip is taken with the diagonal of the stiffness alone", (p.trial - p.returned) / np.diag(p.stiffness)
+    yield "the slip is computed with only the diagonal of the stiffness", (p.trial - p.returned) / np.diag(p.stiffness)
 
 
 @suggests("slip")
@@ -341,7 +344,7 @@ def multiple_of_the_multiplier(p: Probe) -> Iterator[tuple[str, Array]]:
 def multiplier_of_another_g(p: Probe) -> Iterator[tuple[str, Array]]:
     right, size = _multiplier(p), -p.query.region.level(np.zeros_like(p.trial), p.pressure)  # of g = N - R or N^p - R^p
     yield "the multiplier is the length of the slip, of a g whose gradient has length 1", _length(_slip(p))
-    yield "the multiplier is the length of trial stress less stress: it is not divided by the stiffness", _length(p.trial - p.returned)
+    yield "the multiplier is the length of (trial stress - stress): it is not divided by the stiffness", _length(p.trial - p.returned)
     if p.query.region.law.pressure is not None:
         yield "the multiplier is that of g divided by the pressure, not of g as it is written", right * np.abs(p.pressure)
     yield "the multiplier is that of g divided by its size, -g(0): of a gauge, not of g as it is written", right * size
@@ -355,7 +358,7 @@ def _length(vectors: Array) -> Array:
 
 @suggests("tangent")
 def elastic_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the tangent is the elastic one, the stiffness, where there is slip too", np.tile(p.stiffness, (len(p.trial), 1, 1))
+    yield "the tangent is the elastic stiffness although there is slip", np.tile(p.stiffness, (len(p.trial), 1, 1))
 
 
 @suggests("tangent")
@@ -369,14 +372,14 @@ def continuum_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
     along = way[:, :, None] * way[:, None, :] / np.einsum("ij,ij->i", p.gradient, way)[:, None, None]
     slips = (p.returned != p.trial).any(axis=1)[:, None, None]
     yield (
-        "the tangent is that of the rates, k less its part along the normal, not that of the finite step",
+        "the tangent is the continuum tangent (k minus its part along the normal), not the consistent tangent of the finite step",
         np.where(slips, p.stiffness - along, p.stiffness),
     )
 
 
 @suggests("tangent")
 def tangent_by_the_trial(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the tangent is the slope by the trial stress, not by the displacement", p.slopes @ np.linalg.inv(p.stiffness)
+    yield "the tangent is the derivative by the trial stress, not by the displacement", p.slopes @ np.linalg.inv(p.stiffness)
 
 
 @suggests("tangent")

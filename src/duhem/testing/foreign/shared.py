@@ -68,13 +68,13 @@ class Prototype:
         """
         whole = _WHOLE.fullmatch(re.sub(r"/\*.*?\*/", " ", text, flags=re.S))
         if whole is None:
-            raise InputError(f"{text!r} is no prototype of a function that returns void or int", where="signature", remedy=_EXAMPLE)
+            raise InputError(f"{text!r} is not the prototype of a function that returns void or int", where="signature", remedy=_EXAMPLE)
         back, symbol, inner = whole.groups()
         arguments = tuple(_argument(part) for part in inner.split(","))
         names = [a.name for a in arguments]
         if twice := [name for name in names if names.count(name) > 1]:
-            raise InputError(f"{twice[0]!r} is named twice", where=f"signature of {symbol}", remedy="give each argument a name of its own")
-        remedy = f"name the arguments by what they hold: {', '.join(_WORDS[driver])}, or a parameter"
+            raise InputError(f"{twice[0]!r} is named twice", where=f"signature of {symbol}", remedy="give each argument its own name")
+        remedy = f"use these names for the arguments: {', '.join(_WORDS[driver])}, or a parameter"
         if lacking := [needed for needed in (driver, "stress") if needed not in names]:
             raise InputError(f"there is no argument {lacking[0]!r}", where=f"signature of {symbol}", remedy=remedy)
         if strange := [name for name in names if name in _MEANINGS and name not in _WORDS[driver]]:
@@ -98,7 +98,7 @@ class Prototype:
         known = set(values)
         where = f"signature of {self.symbol}"
         if lacking := [name for name in self.values() if name not in known]:
-            said = "it is no word of its own, and there is no parameter of that name"
+            said = "it is neither a known name nor a parameter"
             raise InputError(f"argument {lacking[0]!r}: {said}", where=where, remedy="rename it, or give its value in parameters")
         whole = any(a.name == "parameters" for a in self.arguments)
         if not whole and (unread := sorted(known - set(self.values()))):
@@ -125,9 +125,9 @@ def loaded(path: str | Path, symbol: str, kinds: str, isolated: bool, seconds: f
     """Return the routine of a library.  Raises InputError for a file or symbol that is not there, and unless ``seconds`` > 0."""
     where = Path(path)
     if not seconds > 0.0:
-        raise InputError(f"{seconds!r} s are no time to answer in", where="seconds", remedy="give a number > 0, or leave it out")
+        raise InputError(f"{seconds!r} s is not a valid time limit", where="seconds", remedy="give a number > 0, or remove it")
     if not where.is_file():
-        raise InputError("there is no such file", where=str(path), remedy="give the place of the shared library (.so, .dylib, .dll)")
+        raise InputError("there is no such file", where=str(path), remedy="give the path of the shared library (.so, .dylib, .dll)")
     try:
         return Native(str(where.resolve()), symbol, kinds, isolated, seconds)
     except NativeFault as fault:
@@ -146,7 +146,7 @@ def watched(
     try:
         codes, beside = native(list(columns), rows)
     except OutOfTime as fault:
-        remedy = "look where its loop ends, or give it more time with seconds=..."
+        remedy = "check its loops, or allow more time with seconds=..."
         raise Unfinished(str(fault), where="the routine", remedy=remedy) from None
     every = n // rows
     spoilt = changed(before) | {f"beside {names[j]}": beside[:, j] for j in np.flatnonzero(beside.any(axis=0)).tolist()}

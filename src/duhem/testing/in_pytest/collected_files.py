@@ -144,7 +144,7 @@ class SceneTest(pytest.Item):
             if scene.many:
                 ended = sum(part.ended_early() for part in parts(scene.batch(), scene.method, scene.threads))
                 if ended:
-                    pytest.fail(f"{ended} points end early, at a step that cannot be vouched for or leaves a range", pytrace=False)
+                    pytest.fail(f"{ended} points end early, at a step without a reliable answer or outside a declared range", pytrace=False)
                 return
             history = scene.run()
         except DuhemError as fault:

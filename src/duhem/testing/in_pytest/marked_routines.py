@@ -71,7 +71,7 @@ class Trial:
             raise _unusable(node, f"{fault}", "") from None
         self.expected: dict[str, str] = dict(expected or {})
         if besides := {*self.expected} - {each.name for each in asked}:
-            raise _unusable(node, f"{min(besides)} is expected to fail and not asked for", "name it in checks")
+            raise _unusable(node, f"{min(besides)} is expected to fail, but is not selected", "name it in checks")
         self.asked = {each.name: each for each in asked}
         self.options = given | PROFILES.get(config.getoption("--duhem-profile") or "", {})
         self.selected = list(self.asked)
@@ -118,12 +118,12 @@ class Trial:
             pytest.xfail(report.expected[node])
             pytest.fail(f"{self.node}: {node} fails, as expected: {report.expected[node]}", pytrace=False)  # with --runxfail
         elif node in report.unexpected:
-            reason = f"{node} passes, and was expected to fail: {report.unexpected[node]}"
-            pytest.fail(f"{self.node}: {reason}; take it out of expected_failed_checks", pytrace=False)
+            reason = f"{node} passes, but was expected to fail: {report.unexpected[node]}"
+            pytest.fail(f"{self.node}: {reason}; remove it from expected_failed_checks", pytrace=False)
         elif (failure := report.failure_of(node)) is not None:
             causes = [f.check.name for f in report.failures if node in f.explains]
             if causes:
-                pytest.fail(f"{failure.title}: {failure.message}\n  likely for the same reason as [{causes[0]}], which see", pytrace=False)
+                pytest.fail(f"{failure.title}: {failure.message}\n  likely for the same reason as [{causes[0]}]", pytrace=False)
             pytest.fail(str(failure), pytrace=False)
         elif node in report.left_out:
             pytest.skip(report.left_out[node])
@@ -241,7 +241,7 @@ def _trial_of(collector: pytest.Module | pytest.Class, name: str, function: Func
     """Return what a marker asks of the function under it.  Raises CollectError."""
     trial = Trial(f"{collector.nodeid}::{name}", mark, collector.config, name)
     if fault := _needs_pytest(function, collector, trial):
-        remedy = "use the fixture duhem_check, in a test that hands a routine over: def test_it(duhem_check): duhem_check(update)"
+        remedy = "use the fixture duhem_check in a test that makes the routine: def test_it(duhem_check): duhem_check(update)"
         raise _unusable(trial.node, fault, remedy)
     return trial
 
@@ -249,10 +249,10 @@ def _trial_of(collector: pytest.Module | pytest.Class, name: str, function: Func
 def _needs_pytest(function: FunctionType, collector: pytest.Module | pytest.Class, trial: Trial) -> str:
     """Return why a marked function cannot be called as an update routine, as it takes what only a test is given; "" where it can."""
     if function.__code__.co_flags & (CO_COROUTINE | CO_ASYNC_GENERATOR):
-        return "it is async, and an update routine returns the stress"
+        return "it is async, but an update routine must return the stress directly"
     own = [mark.name for mark in (*function.pytestmark, *collector.iter_markers())]  # type: ignore[attr-defined]
     if "parametrize" in own:
-        return "it is parametrised, and nobody gives an update routine such a value"
+        return "it is parametrised, which is not possible for an update routine"
     takes = list(signature(function, follow_wrapped=False).parameters.values())
     if isinstance(collector, pytest.Class) and not isinstance(getattr_static(collector.obj, function.__name__, None), staticmethod):
         takes = takes[1:]
@@ -260,10 +260,10 @@ def _needs_pytest(function: FunctionType, collector: pytest.Module | pytest.Clas
         return ""
     in_order = [p for p in takes if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
     if len(in_order) < 3:
-        return f"it takes ({', '.join(p.name for p in in_order)}), and an update routine takes (trial, pressure, stiffness)"
+        return f"it takes ({', '.join(p.name for p in in_order)}), but an update routine takes (trial, pressure, stiffness)"
     besides = [p.name for p in takes if p not in in_order[:3] and p.default is p.empty and p.kind is not p.VAR_KEYWORD]
     given = (trial.parameters or {}) if trial.law is None else load(trial.law).parameters
-    return next((f"nothing gives it the argument {name!r}" for name in besides if name not in given), "")
+    return next((f"there is no value for its argument {name!r}" for name in besides if name not in given), "")
 
 
 # -- a test that hands its routine over ----------------------------------------------------------------------------------

@@ -52,10 +52,10 @@ def compared(request: pytest.FixtureRequest, project: Project) -> Callable[..., 
         except DuhemError as fault:
             lacking = fault.what
         if lacking:  # told outside: what was raised names an option of the command, and pytest would show both
-            pytest.fail(f"{key}: {shown}: {lacking}; look at what is found and keep it with --duhem-update", pytrace=False)
+            pytest.fail(f"{key}: {shown}: {lacking}; check the results and store them with --duhem-update", pytrace=False)
         now = snapshot(law, project, parameters, claims=named, increments=entry["increments"])
         if lines := differences(entry, now, tolerance):
-            head = f"{key} is not as {shown} has it; if it is meant, keep it with --duhem-update"
+            head = f"{key} is not as {shown} has it; if this is intended, store it with --duhem-update"
             pytest.fail("\n  ".join([head, *lines]), pytrace=False)
         return now
 
