@@ -25,6 +25,7 @@ SECTIONS: Mapping[str, Mapping[str, str]] = {  # beside [parameters], whose keys
         "method": "the method of computation",
         "output": "the files to write; --out and --plot on the command line take precedence",
     },
+    "points": {"table": "a CSV file with one row per point: parameters, pressure, and factors scale or scale_a ... for the displacements"},
     "method": {
         "integrator": "implicit: error of first order in the step; extrapolated: second order; "
         "exact: each straight piece in one step, without discretisation error",
