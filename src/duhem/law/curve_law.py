@@ -21,7 +21,7 @@ from duhem.expression import symbol
 from duhem.expression.abbreviations import NONE
 from duhem.expression.spelling import spelled
 from duhem.law.domain import POSITIVE, Domain, Domains
-from duhem.law.formula_law import FORCES, PRESSURE, Criterion, StatedLaw, as_expression
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion, DeclaredLaw, as_expression
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.given_text import argument_names, called, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
@@ -32,7 +32,7 @@ ANGLE = "phi"
 
 
 @dataclass(frozen=True, repr=False)
-class ParametricCriterion(StatedLaw):
+class ParametricCriterion(DeclaredLaw):
     """K(sigma_n) = |sigma_n| K_1 in two forces, K_1 enclosed by the curve ``boundary`` (angle), angle in [0, 2 pi).
 
     ``boundary``, ``flow`` and ``constraints`` are text in the vocabulary or SymPy expressions over :meth:`symbols`;

@@ -36,8 +36,18 @@ from duhem.law.shapes import Shape, converted
 from duhem.show.printing import Shown, latex
 
 __all__ = [
-    "FORCES", "PRESSURE", "Criterion", "Definitions", "PlacedFormula", "StatedLaw", "YieldSurface", "as_expression", "criterion",
-    "definitions", "flow_of", "name_fault",
+    "FORCES",
+    "PRESSURE",
+    "Criterion",
+    "DeclaredLaw",
+    "Definitions",
+    "PlacedFormula",
+    "YieldSurface",
+    "as_expression",
+    "criterion",
+    "definitions",
+    "flow_of",
+    "name_fault",
 ]  # fmt: skip
 
 
@@ -163,7 +173,7 @@ def name_fault(name: Any, taken: Sequence[Any], whose: str, invariants: frozense
 _MOST = 4  # parameters in one line
 
 
-class StatedLaw(Verbatim, Shown):
+class DeclaredLaw(Verbatim, Shown):
     """A law of either kind: its names and their symbols; it is shown by ``law_sheet``, which is imported when that is asked."""
 
     printed_by: ClassVar[str] = "duhem.law.law_sheet"
@@ -214,7 +224,7 @@ PRESSURE = "sigma_n"
 
 
 @dataclass(frozen=True, repr=False)
-class Criterion(StatedLaw):
+class Criterion(DeclaredLaw):
     """K(sigma_n) = {g <= 0} in the space of the forces, for every pressure and every parameter of the domain.
 
     ``g``, ``constraints`` and ``flow`` may be given as text in the vocabulary or as SymPy expressions over
