@@ -233,7 +233,7 @@ def test_a_routine_that_does_not_come_back_is_an_error_and_written_as_a_test(run
         ([*of("right"), "--accuracy", "0"], "--accuracy: the accuracy is not positive"),
         ([*of("right"), "--pressure", "1"], "--pressure: sigma_n = 1.0 is positive; sigma_n <= 0 in compression"),
         ([*of("right"), "--stiffness", "1 2 3"], "--stiffness: stiffness has the shape (3,); give one number, "),
-        (["test", "plesha"], "has a flow of its own"),
+        (["test", "plesha"], "has its own flow direction"),
     ],
     ids=lambda x: x if isinstance(x, str) else "",
 )

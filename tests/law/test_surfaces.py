@@ -170,7 +170,7 @@ def test_a_step_of_associated_surfaces_is_their_projection_and_others_have_none(
     )
     found = duhem.project(reads(tension), [5.0, 2.0], None, 1.0)
     assert found.stress[0] == pytest.approx([1.0, 0.0], abs=1e-9)
-    with pytest.raises(InputError, match="flow of its own"):
+    with pytest.raises(InputError, match="its own flow direction"):
         duhem.project(reads(tension + 'potential = "abs(t)"\n'), [5.0, 2.0], None, 1.0)
 
 

@@ -1,4 +1,4 @@
-"""A run whose numbers grow beyond double precision ends in one sentence, and what was done before is kept."""
+"""A run whose numbers leave the range of double precision ends in one sentence, and what was done before is kept."""
 
 import warnings
 from dataclasses import replace
@@ -26,7 +26,7 @@ BEYOND = {  # points, pressure, stiffness
 def test_it_is_said_where_and_the_rows_before_are_kept(method, name):
     points, pressure, stiffness = BEYOND[name]
     given = {"stiffness": stiffness, "parameters": MU, "method": method}
-    with warnings.catch_warnings(), pytest.raises(InputError, match=r"double precision.*units") as caught:
+    with warnings.catch_warnings(), pytest.raises(InputError, match=r"overflow or underflow.*units") as caught:
         warnings.simplefilter("error")
         simulate("antoni2007", Path.linear(points, pressure=pressure), **given)
     part = caught.value.history
@@ -39,7 +39,7 @@ def test_it_is_said_where_and_the_rows_before_are_kept(method, name):
 
 def test_a_prescribed_stress_too():
     path = Path.linear([[0, 0], [1e100, 0], [1e200, 0]], pressure=-1e250, control="stress")
-    with pytest.raises(InputError, match=r"path, step 2.*double precision"):
+    with pytest.raises(InputError, match=r"path, step 2.*overflow or underflow"):
         simulate("antoni2007", path, stiffness=1.0, parameters=MU)
 
 
@@ -53,7 +53,7 @@ def test_the_command_says_it_and_keeps_the_table(method, tmp_path):
     )
     told = CliRunner().invoke(cli, ["simulate", str(scene), "--out", str(tmp_path / "h.csv"), "--plot", str(tmp_path / "h.png")])
     assert isinstance(told.exception, InputError)
-    assert "double precision" in str(told.exception) and "h.csv.partial" in str(told.exception)
+    assert "overflow or underflow" in str(told.exception) and "h.csv.partial" in str(told.exception)
     assert len((tmp_path / "h.csv.partial").read_text().splitlines()) == 4  # the mark, the names, two knots
 
 

@@ -167,7 +167,7 @@ WRONG = {
     "no keep": (lambda: _run(keep="first"), '"last"'),
     "keep nothing": (lambda: _run(keep=0), "whole number from 1"),
     "no threads": (lambda: _run(threads=0), "whole number from 1"),
-    "a start": (lambda: _run(start=simulate("coulomb", LINE, stiffness=1.0, parameters={"mu": 1})), "no start"),
+    "a start": (lambda: _run(start=simulate("coulomb", LINE, stiffness=1.0, parameters={"mu": 1})), "cannot be continued with start"),
     "keep of one": (lambda: simulate("coulomb", LINE, stiffness=1.0, parameters={"mu": 1}, keep=2), "many points"),
     "more forces": (lambda: simulate("coulomb", Paths.linear(np.zeros((3, 4))), stiffness=1.0), "1 columns"),
 }

@@ -107,7 +107,7 @@ def test_what_is_not_returned_is_left_out_with_the_reason() -> None:
 
 
 def test_there_is_no_routine_for_a_law_with_a_flow_of_its_own() -> None:
-    with pytest.raises(InputError, match="plesha has a flow of its own"):
+    with pytest.raises(InputError, match="plesha has its own flow direction"):
         projection("plesha")
 
 
