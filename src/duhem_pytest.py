@@ -100,14 +100,14 @@ def duhem_snapshot(request: pytest.FixtureRequest) -> Callable[..., Entry]:
     What is kept stands beside the test, in ``snapshots/<module>/<class>.<test>.json``, by the law and the values given;
     ``--duhem-update`` writes it.
     """
+    from duhem.api.increments import project
     from duhem.testing.in_pytest.snapshot_fixture import compared
-    from duhem.vouched.increments import project
 
     return compared(request, project)
 
 
 def _looked_into(scene: Scene) -> Scene:
-    from duhem.vouched.histories import looked_into
+    from duhem.api.histories import looked_into
 
     return looked_into(scene)
 

@@ -48,6 +48,8 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from duhem.api.histories import simulate
+    from duhem.api.increments import prepare, project
     from duhem.derivation import Derivation, derive
     from duhem.errors import DuhemError, InputError, MissingExtraError
     from duhem.identification import Identification, identify
@@ -63,8 +65,6 @@ if TYPE_CHECKING:
     from duhem.proof.verdict import Verdict, Witness
     from duhem.proof.verification import Verification, verify
     from duhem.screening import campaign
-    from duhem.vouched.histories import simulate
-    from duhem.vouched.increments import prepare, project
 
 _HOMES = {
     "derivation": ("Derivation", "derive"),
@@ -82,8 +82,8 @@ _HOMES = {
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),
     "screening": ("campaign",),
-    "vouched.histories": ("simulate",),
-    "vouched.increments": ("prepare", "project"),
+    "api.histories": ("simulate",),
+    "api.increments": ("prepare", "project"),
 }
 
 

@@ -25,7 +25,7 @@ from duhem.benchmark.work_precision.report import duration
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target, WorkPrecision
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.projection.closed_form import CLOSED_FORM, ClosedFormOptions
 from duhem.projection.increment import Increment
 from duhem.projection.result import Solution

@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
+from duhem.api.histories import looked_into
 from duhem.path import scene_file
 from duhem.path.scene import perform, perform_many
-from duhem.vouched.histories import looked_into
 from tests.path.scenes import TABLE, walk
 
 CHECKPOINT = 0.5  # s

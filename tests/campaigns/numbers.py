@@ -26,11 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import duhem
+from duhem.api.convexity import asked as convexity
 from duhem.benchmark.reference import Closest, NoReference, distance
 from duhem.projection.increment import at_doubles, increment
 from duhem.projection.methods import METHODS
 from duhem.projection.result import ACCURACY, Status
-from duhem.vouched.convexity import asked as convexity
 from tests.campaigns.number_families import FAMILIES, Question, mp
 
 SLIP = 1e-6

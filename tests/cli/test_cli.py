@@ -24,7 +24,7 @@ from duhem.cli.doctor import CORE, EXTRAS, PURPOSES
 from duhem.errors import MissingExtraError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import groups
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.proof import verification
 from duhem.proof.claims import CLAIMS
 from duhem.proof.decide import Budget
@@ -278,7 +278,7 @@ import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # where whoever started the tests ignores it
 from duhem.proof import verification
 from duhem.__main__ import main
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.proof.verdict import Verdict
 
 def slow(law, parameters=None, claims=None, *, effort, on_claim, on_method):

@@ -9,9 +9,9 @@ import pytest
 
 import duhem
 from duhem import Criterion
-from duhem.projection.close_look import close_look
+from duhem.projection.ball_newton import closest
+from duhem.projection.extended_precision import close_look
 from duhem.projection.increment import posed, setting
-from duhem.projection.many_digits import closest
 from duhem.projection.result import Array
 from tests.export.shared_library import OPTIMISED, compiled
 

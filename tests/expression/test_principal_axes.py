@@ -8,8 +8,8 @@ import mpmath
 import numpy as np
 import pytest
 
+from duhem.expression.error_bounds import Bounded, eigenvalue
 from duhem.expression.principal_axes import greatest, principal_axes
-from duhem.expression.rounding import Bounded, eigenvalue
 
 UNIT = 2.0**-53
 SPECTRA = {

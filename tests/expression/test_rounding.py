@@ -10,9 +10,9 @@ import pytest
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import NODES, Norm, Pos, Where, mpmath_, pairs, symbol
-from duhem.expression.pairs import Pair, paired
-from duhem.expression.rounding import bounded
+from duhem.expression import NODES, Norm, Pos, Where, double_double, mpmath_, symbol
+from duhem.expression.double_double import Pair, paired
+from duhem.expression.error_bounds import bounded
 from tests.expression.by_hand import ROWS, x, y
 
 TRUTHS = (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan)
@@ -79,10 +79,10 @@ ALGEBRA = {name: formula for name, formula in FORMULAS.items() if paired(formula
 
 def test_words_that_pairs_lack_are_named() -> None:
     assert set(ALGEBRA) >= {"difference", "hyperbola", "inverse", "kinked", "Norm", "Abs", "Max"}
-    assert not set(ALGEBRA) & {kind.__name__ for kind in pairs.LEFT_OUT}
+    assert not set(ALGEBRA) & {kind.__name__ for kind in double_double.LEFT_OUT}
     assert paired(x ** sp.Rational(1, 3), (x,)) is None
     with pytest.raises(InputError, match="pairs of doubles"):
-        pairs.TABLE[sp.Pow](x ** sp.Rational(1, 3), Pair(1.0, 0.0), Pair(1.0, 0.0))
+        double_double.TABLE[sp.Pow](x ** sp.Rational(1, 3), Pair(1.0, 0.0), Pair(1.0, 0.0))
 
 
 @pytest.mark.parametrize("name", ALGEBRA)

@@ -28,13 +28,13 @@ from duhem.expression import (
     ball_series,
     balls,
     cvxpy_,
+    double_double,
+    error_bounds,
     floats,
     fold,
     jets,
     mpmath_,
     numpy_,
-    pairs,
-    rounding,
     scalar_bounds,
     smt,
     symbol,
@@ -80,12 +80,12 @@ def test_the_tables_are_found() -> None:
         "jets",
         "mpmath_",
         "numpy_",
-        "pairs",
-        "rounding",
+        "double_double",
+        "error_bounds",
         "scalar_bounds",
         "scalar_jets",
         "smt",
-        "weights",
+        "dimensions",
     }
     assert set(TABLES) >= known
 
@@ -129,7 +129,7 @@ def test_what_is_left_out_is_refused_by_name(kind: type) -> None:
 
 
 def test_nothing_else_leaves_words_out() -> None:
-    assert [name for name, reasons in LEFT_OUT.items() if reasons] == ["pairs", "smt"]
+    assert [name for name, reasons in LEFT_OUT.items() if reasons] == ["double_double", "smt"]
 
 
 # -- values ------------------------------------------------------------------------------------------------------------
@@ -157,14 +157,14 @@ def _by_jets(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
 
 
 def _by_pairs(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
-    program = pairs.paired(formula, tuple(point))
+    program = double_double.paired(formula, tuple(point))
     assert program is not None
-    (high, _), _ = program([pairs.Pair(np.array([value]), np.array([0.0])) for value in point.values()], 1)
+    (high, _), _ = program([double_double.Pair(np.array([value]), np.array([0.0])) for value in point.values()], 1)
     return float(high[0])
 
 
 def _by_bounds(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
-    (value,), _ = rounding.bounded(formula, tuple(point))([np.array([value]) for value in point.values()], [0.0] * len(point))
+    (value,), _ = error_bounds.bounded(formula, tuple(point))([np.array([value]) for value in point.values()], [0.0] * len(point))
     return float(value)
 
 
@@ -175,7 +175,7 @@ def _by_lines(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
     exec(found.text, space)
     given: Any = np.array([list(point.values())])
     value, off = space["bounded"](given, 0, np.array(found.constants), np.array(found.off))
-    known = rounding.bounded(formula, tuple(point))([np.array([v]) for v in point.values()], [0.0] * len(point))[1]
+    known = error_bounds.bounded(formula, tuple(point))([np.array([v]) for v in point.values()], [0.0] * len(point))[1]
     assert off == pytest.approx(float(known[0]), rel=1e-12, abs=1e-300)
     return float(value)
 
@@ -203,15 +203,15 @@ VALUES: dict[str, Callable[[sp.Expr, Mapping[sp.Symbol, float]], Any]] = {
     "jets": _by_jets,
     "mpmath_": lambda formula, point: float(mpmath_.evaluate(formula, point)),
     "numpy_": numpy_.evaluate,
-    "pairs": _by_pairs,
-    "rounding": _by_bounds,
+    "double_double": _by_pairs,
+    "error_bounds": _by_bounds,
     "scalar_bounds": _by_lines,
     "scalar_jets": _by_text,
     "smt": _by_solver,
 }
 OWN: dict[tuple[str, type], tuple[sp.Expr, float]] = {
     ("ball_series", Where): (Where(x > -2, x, y), 4.0),  # on the border of a comparison a series stays open
-    ("pairs", sp.Pow): (y ** sp.Rational(-3, 2), 0.125),  # whole powers of it and its root
+    ("double_double", sp.Pow): (y ** sp.Rational(-3, 2), 0.125),  # whole powers of it and its root
     ("smt", sp.Pow): (y**-2, 0.0625),  # roots are given as equations
 }
 
@@ -220,7 +220,7 @@ CASES = [pytest.param(name, kind, id=f"{name}-{kind.__name__}") for name in VALU
 
 
 def test_every_table_that_gives_values_is_tried() -> None:
-    assert set(TABLES) == {*VALUES, "weights"}  # weights give units: tests of scaled formulas and of verify's simplification
+    assert set(TABLES) == {*VALUES, "dimensions"}  # weights give units: tests of scaled formulas and of verify's simplification
 
 
 @pytest.mark.parametrize(("name", "kind"), CASES)

@@ -12,7 +12,7 @@ from sympy.core.cache import clear_cache
 from duhem.expression import Neg, Norm, Pos, Where, symbol
 from duhem.expression.inert_number import InertNumber
 from duhem.expression.pnorm import PNorm
-from duhem.expression.verbatim import Verbatim
+from duhem.expression.unevaluated import Verbatim
 from tests.long import long_but
 
 x, y = symbol("x"), symbol("y")

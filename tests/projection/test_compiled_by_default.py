@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import duhem
-from duhem.projection import kept_code, method
+from duhem.projection import code_cache, method
 from duhem.projection.closed_form import ClosedFormOptions
 from duhem.projection.newton import NewtonOptions
 
@@ -44,7 +44,7 @@ def test_that_it_compiles_is_logged_and_that_it_loads_is_not(monkeypatch: Any, t
     text = "def judge(x):\n    return x / 2\n"
     with caplog.at_level(logging.WARNING, "duhem"):
         for expected in (1, 1, 1):
-            run = kept_code.compiled_text.__wrapped__(text, "judge")
+            run = code_cache.compiled_text.__wrapped__(text, "judge")
             assert run(3.0) == run(3.0) == 1.5
             assert len(caplog.records) == expected
     assert "to compile the check of answers" in caplog.text

@@ -14,7 +14,7 @@ import pytest
 import duhem
 from duhem import Criterion, MissingExtraError
 from duhem.expression.scalar_jets import scalar_jets
-from duhem.projection import compiled_newton, kept_code, newton
+from duhem.projection import code_cache, compiled_newton, newton
 from duhem.projection.increment import Increment, posed, setting
 from duhem.projection.newton_kernel import LEFT, SLIP
 from duhem.projection.residuals import residuals
@@ -207,7 +207,7 @@ def test_no_smooth_point_is_taken_for_an_apex() -> None:
 
 def test_without_numba_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numba", None)
-    kept_code.compiled_text.cache_clear()
+    code_cache.compiled_text.cache_clear()
     with pytest.raises(MissingExtraError, match=r"duhem\[fast\]"):
         duhem.project("superellipse", [1.0, 1.0], -1.0, 1.0, LAWS["superellipse"], method="newton", compiled=True)
 
@@ -242,15 +242,15 @@ def test_compiled_it_is_the_same_and_is_kept(tmp_path: Any) -> None:
 def test_a_folder_that_cannot_be_written_is_no_fault(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path / "file"))
-    assert kept_code._kept("text") is None
+    assert code_cache._kept("text") is None
 
 
 def test_what_stands_in_the_way_in_the_folder_is_written_anew(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
-    path = kept_code._kept("x = 1\n")
+    path = code_cache._kept("x = 1\n")
     assert path is not None and path.read_text() == "x = 1\n"
     path.write_text("import os")
-    assert kept_code._kept("x = 1\n") == path and path.read_text() == "x = 1\n"
+    assert code_cache._kept("x = 1\n") == path and path.read_text() == "x = 1\n"
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
@@ -273,13 +273,13 @@ def test_what_is_kept_belongs_to_what_was_put_where_it_is_called(tmp_path: Any, 
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
     text = "def half(x):\n    return x / 2\n\n\ndef run(x):\n    return half(x)\n"
     for inlined in ((), ("half",), ("half",)):
-        kept_code.compiled_text.__wrapped__(text, "run", inlined)
+        code_cache.compiled_text.__wrapped__(text, "run", inlined)
     assert len(list(tmp_path.glob("law_*.py"))) == 2
 
 
 WITHOUT_BLAS = """
 import sys
-from duhem.projection.kept_code import compiled_text
+from duhem.projection.code_cache import compiled_text
 run = compiled_text("def run(x):\\n    return 2.0 * x", "run")
 assert run(1.5) == 3.0 and "scipy.linalg" not in sys.modules
 from numba.np import arraymath, linalg

@@ -14,7 +14,7 @@ import pytest
 
 import duhem
 from duhem.errors import InputError, MissingExtraError
-from duhem.projection import closed_form, compiled, kept_code, quadrants
+from duhem.projection import closed_form, code_cache, compiled, quadrants
 from duhem.projection.closed_form import ClosedFormOptions
 from duhem.projection.in_blocks import BLOCK
 from duhem.projection.increment import increment
@@ -227,7 +227,7 @@ def test_memory_beyond_the_results_is_that_of_a_block() -> None:
 
 def test_compiled_kernel_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numba", None)
-    monkeypatch.setattr(compiled, "compiled_text", kept_code.compiled_text.__wrapped__)  # nothing compiled yet, and what is stays
+    monkeypatch.setattr(compiled, "compiled_text", code_cache.compiled_text.__wrapped__)  # nothing compiled yet, and what is stays
     monkeypatch.setattr(compiled, "kernel", cache(compiled.kernel.__wrapped__))
     with pytest.raises(MissingExtraError, match=r'pip install "duhem\[fast\]"'):
         duhem.project("antoni2007", [0.3, 0.2], -1.0, parameters=FIGURE_5, compiled=True)

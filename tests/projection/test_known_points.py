@@ -9,10 +9,10 @@ import pytest
 
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import increment
-from duhem.projection.known_points import Variational, beyond_tangents, tips
-from duhem.projection.level import Level, level
 from duhem.projection.metric import Metric
 from duhem.projection.projector import Projector
+from duhem.projection.scaled_yield_function import Level, level
+from duhem.projection.variational_samples import Variational, beyond_tangents, tips
 
 
 def of(law: Criterion | str, **values: float) -> Level:

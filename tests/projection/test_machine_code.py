@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from duhem.projection import kept_code, kept_files, machine_code
+from duhem.projection import code_cache, file_cache, machine_code
 from tests.long import mostly_long
 
 TEXT = """
@@ -46,7 +46,7 @@ def through_numba(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Pa
     folder = tmp_path_factory.mktemp("kept")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("DUHEM_CACHE_DIR", str(folder))
-        yield folder, called(kept_code.compiled_text.__wrapped__(TEXT, "run"))
+        yield folder, called(code_cache.compiled_text.__wrapped__(TEXT, "run"))
 
 
 def found(folder: Path) -> Path:
@@ -57,7 +57,7 @@ def found(folder: Path) -> Path:
 SECOND = """
 import sys
 import numpy as np
-from duhem.projection.kept_code import compiled_text
+from duhem.projection.code_cache import compiled_text
 out = np.empty(23)
 compiled_text({text!r}, "run")(np.linspace(0.1, 7.0, 23), (0.1, 2.0), 0.7, True, out)
 assert "numba" not in sys.modules, "numba"
@@ -88,7 +88,7 @@ def test_a_second_process_computes_the_same_without_numba(script: str, through_n
 @pytest.mark.slow
 def test_what_is_kept_is_run_where_numba_was_imported_too(through_numba: tuple[Path, bytes], monkeypatch: pytest.MonkeyPatch) -> None:
     _, before = through_numba
-    run = kept_code.compiled_text.__wrapped__(TEXT, "run")
+    run = code_cache.compiled_text.__wrapped__(TEXT, "run")
     monkeypatch.setitem(run.__dict__, "_by_numba", None)  # not to be called
     assert called(run) == before
 
@@ -99,7 +99,7 @@ def test_arguments_of_other_kinds_are_compiled_for_by_themselves(through_numba: 
     first = found(folder)
     many = np.linspace(0.1, 7.0, 46)
     many[::2] = GIVEN
-    assert called(kept_code.compiled_text.__wrapped__(TEXT, "run"), many[::2]) == before
+    assert called(code_cache.compiled_text.__wrapped__(TEXT, "run"), many[::2]) == before
     (other,) = set(folder.glob("*.o")) - {first}
     assert machine_code.kept(other, "run") is not None
     other.unlink()
@@ -133,9 +133,9 @@ def test_what_calls_or_names_something_unknown_is_not_run(of: bytes, to: bytes, 
     rest = found(through_numba[0]).read_bytes().partition(b"\n")[2]
     assert of in rest.partition(b"\n")[0]
     path = tmp_path / "changed.o"
-    kept_files.written(path, rest.replace(of, to, 1))
+    file_cache.written(path, rest.replace(of, to, 1))
     assert machine_code.kept(path, "run") is None
-    kept_files.written(path, rest)
+    file_cache.written(path, rest)
     assert machine_code.kept(path, "run") is not None
 
 

@@ -10,11 +10,11 @@ import pytest
 import duhem
 from duhem.law.formula_law import Criterion
 from duhem.projection import closed_form, newton
-from duhem.projection.close_look import as_pairs, close_look, pushed_back
+from duhem.projection.extended_precision import as_pairs, close_look, pushed_back
 from duhem.projection.increment import increment
-from duhem.projection.level import level
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Solution, Status
+from duhem.projection.scaled_yield_function import level
 from tests.campaigns.number_families import FAMILIES, Question, aspects, disk, mp
 from tests.campaigns.numbers import Count, tally
 from tests.long import mostly_long

@@ -15,8 +15,8 @@ from duhem.benchmark.extreme_cases import AXES, ExtremeCases, Tally
 from duhem.benchmark.extreme_cases.stress import Refusal
 from duhem.benchmark.work_precision import WorkPrecision
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target
-from duhem.left_out import LeftOut
 from duhem.micromodel.experiment import STEEL_ON_ALUMINIUM
+from duhem.omitted import LeftOut
 from duhem.projection import report as increment
 from duhem.proof.report import as_text
 from duhem.show.page import Page

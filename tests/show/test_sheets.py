@@ -10,7 +10,7 @@ import pytest
 
 import duhem
 from duhem import Criterion, Domain, ParametricCriterion, Verdict, Verification, Witness
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.proof.verification import ClaimResult
 from duhem.show.printing import sheet
 from duhem.testing.failures.report import Report

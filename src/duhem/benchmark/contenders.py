@@ -16,7 +16,7 @@ from duhem.expression.rays import exits
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_fixed
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.projection import conic_solvers
 from duhem.projection.increment import Increment, increment
 from duhem.projection.method import Method, Options

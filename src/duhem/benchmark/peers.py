@@ -24,10 +24,10 @@ from duhem.expression.numpy_ import compiled
 from duhem.projection.affine_faces import planes
 from duhem.projection.in_blocks import cores
 from duhem.projection.increment import Increment
-from duhem.projection.level import level_of
 from duhem.projection.method import Method, Options
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import power_of_two
+from duhem.projection.scaled_yield_function import level_of
 
 __all__ = ["JAXMAT", "PEERS", "PROXQP", "QPAX", "SLSQP", "Peer", "PeerOptions", "answered"]
 

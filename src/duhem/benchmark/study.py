@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.projection.in_blocks import cores
 from duhem.show.page import Page
 from duhem.version import distribution

@@ -60,6 +60,7 @@ def campaign(
     Exit codes: 1 if a claim is refuted, a check failed, or an increment is flagged or wrong; 4 if a row has an error. 4 takes
     precedence.
     """
+    from duhem.api.increments import project
     from duhem.errors import InputError
     from duhem.expression.spelling import spelled
     from duhem.screening import entry, file, plane
@@ -67,7 +68,6 @@ def campaign(
     from duhem.show import figure
     from duhem.show.place import check_place, check_places
     from duhem.show.printing import text
-    from duhem.vouched.increments import project
 
     if axes is not None and picture is None:
         raise InputError("--axes needs the name of a picture", where=f"--axes {axes}", remedy="add for example --plot plane.png")

@@ -60,9 +60,9 @@ def project(
     target, rows = read_numbers(trial, "--trial"), read_numbers(stiffness, "--stiffness")
     load = None if pressure is None else read_number(pressure, "--pressure")
 
+    from duhem.api.increments import project as closest
     from duhem.projection import report
     from duhem.projection.result import Status
-    from duhem.vouched.increments import project as closest
 
     d = len(fixed.forces)
     k = [rows[i : i + d] for i in range(0, d * d, d)] if len(rows) == d * d and d > 1 else rows if len(rows) > 1 else rows[0]

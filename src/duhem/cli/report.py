@@ -14,7 +14,7 @@ from duhem.derivation.printing import chapters
 from duhem.errors import DuhemError, InputError, MissingExtraError
 from duhem.law import catalogue
 from duhem.law.criterion_file import criterion_text
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.portrait.pictures import panels
 from duhem.proof import report
 from duhem.proof.verification import Verification

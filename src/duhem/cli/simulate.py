@@ -34,11 +34,11 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     killed continues from its last checkpoint, which is written every minute by default and, for many points, after each group of
     points.
     """
-    from duhem.left_out import LeftOut
+    from duhem.api.histories import looked_into
+    from duhem.omitted import LeftOut
     from duhem.path import scene_file
     from duhem.path.scene import Stopped, check_outputs, perform, perform_many
     from duhem.projection.result import NOT_SHOWN
-    from duhem.vouched.histories import looked_into
 
     try:
         chosen = scene_file.read(scene)

@@ -25,10 +25,10 @@ def snapshot(laws: Sequence[str], file: str, update: bool) -> int:
     Exit codes: 0 nothing has changed; 1 something has changed (the output says what); 2 there is no snapshot yet. Stresses and slips
     may differ by the tolerance that FILE states. --update writes the file; laws in it that you do not name stay unchanged.
     """
+    from duhem.api.increments import project
     from duhem.show.place import check_place
     from duhem.testing.snapshots import SnapshotFile, differences
     from duhem.testing.snapshots import snapshot as taken
-    from duhem.vouched.increments import project
 
     known = {name: read_law(name) for name in dict.fromkeys(laws)}
     if update:

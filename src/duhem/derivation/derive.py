@@ -22,12 +22,12 @@ from duhem.derivation.recognise import read_ball
 from duhem.derivation.support_function import SupportFunction, biconjugate, compression, fixed, sample_values, support_function, varies
 from duhem.errors import InputError
 from duhem.expression import mpmath_
+from duhem.expression.dimensions import degree
 from duhem.expression.vocabulary import Norm
-from duhem.expression.weights import degree
 from duhem.law.catalogue import load, load_formula
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.formula_law import Criterion
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 
 __all__ = ["LineSection", "derive", "interval"]
 

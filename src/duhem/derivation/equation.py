@@ -13,9 +13,9 @@ from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import Stress
 from duhem.expression.parse import exact_number
-from duhem.expression.verbatim import Verbatim
+from duhem.expression.unevaluated import Verbatim
 from duhem.law.formula_law import Criterion
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.show.notation import latex_name
 from duhem.show.page import Page
 from duhem.show.printing import Shown, latex, markdown, sheet, text

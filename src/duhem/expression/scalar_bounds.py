@@ -1,6 +1,6 @@
 """A formula with its running bound of rounding as straight lines of Python over numbers, for a compiler to make a loop of.
 
-The rows of :mod:`duhem.expression.rounding` are run once, over names in place of arrays: what they would compute is written down.
+The rows of :mod:`duhem.expression.error_bounds` are run once, over names in place of arrays: what they would compute is written down.
 So there is one table of what each word does to a bound, and text that says the same.
 """
 
@@ -17,10 +17,10 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY
+from duhem.expression.error_bounds import TABLE as ON_ARRAYS
+from duhem.expression.error_bounds import Bounded, constant, eigenvalue
 from duhem.expression.fold import Table, bound, recorded
 from duhem.expression.pnorm import recognised
-from duhem.expression.rounding import TABLE as ON_ARRAYS
-from duhem.expression.rounding import Bounded, constant, eigenvalue
 from duhem.expression.vocabulary import EigMax
 
 __all__ = ["FUNCTIONS", "TABLE", "Name", "ScalarBounds", "scalar_bounds"]

@@ -27,7 +27,7 @@ from duhem.expression.given import given_formula
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.parse import parse_expression, written_out
 from duhem.expression.spelling import spelled
-from duhem.expression.verbatim import HASH, Verbatim
+from duhem.expression.unevaluated import HASH, Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.given_text import argument_names, called, listed, moved, moved_relations, relations, text_of

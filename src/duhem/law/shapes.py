@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from duhem.expression.verbatim import Verbatim
+from duhem.expression.unevaluated import Verbatim
 
 __all__ = ["Disk", "Interval", "Quadrants", "Shape", "converted"]
 

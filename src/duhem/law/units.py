@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy as sp
 
+from duhem.expression.dimensions import Conditions, Weight, combined
 from duhem.expression.inert_number import InertNumber
-from duhem.expression.weights import Conditions, Weight, combined
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 

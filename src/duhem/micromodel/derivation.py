@@ -15,9 +15,9 @@ from duhem.derivation.equation import Names
 from duhem.errors import DuhemError
 from duhem.expression import symbol
 from duhem.law.catalogue import load_formula
-from duhem.left_out import LeftOut
 from duhem.micromodel.facets import DELTA, F_0, HEIGHT, K_N, MU, SLOPE, U, apparent, averages, height, sliding, spring_force
 from duhem.micromodel.proofs import asymmetry, load, proofs
+from duhem.omitted import LeftOut
 from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["derive"]

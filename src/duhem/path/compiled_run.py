@@ -30,11 +30,11 @@ from duhem.path.loading import Paths, Which
 from duhem.path.run import Plan, Share, columns
 from duhem.path.step_formulas import FORMULAS, booked, written
 from duhem.projection import compiled, quadrants, quarter_ellipse
+from duhem.projection.code_cache import compiled_text
 from duhem.projection.compiled import kernels
 from duhem.projection.compiled_newton import Loop
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.increment import Convexity, Increment
-from duhem.projection.kept_code import compiled_text
 from duhem.projection.newton_kernel import KINKS, LEFT, SLIP, solved
 from duhem.projection.newton_step import DATA, MATRICES, ROWS, D
 from duhem.projection.projector import Projector

@@ -18,9 +18,9 @@ from duhem.path.ledger import Ledger
 from duhem.path.rows import Stepped
 from duhem.path.run import Plan, Share
 from duhem.path.step_formulas import on_numbers
-from duhem.projection.known_points import beyond_tangents
-from duhem.projection.level import level_of
 from duhem.projection.result import Array
+from duhem.projection.scaled_yield_function import level_of
+from duhem.projection.variational_samples import beyond_tangents
 
 __all__ = ["Piece", "advance", "elementary", "piece", "why"]
 

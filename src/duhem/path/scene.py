@@ -16,7 +16,7 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Interval
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.path.batch_run import parts
 from duhem.path.history import Histories, History, columns
 from duhem.path.loading import Path, Paths
@@ -43,7 +43,7 @@ class Scene(Run):
     """A checked scene; ``fingerprint`` tells runs of different scenes apart, ``inputs`` are the files that it names and reads.
 
     It is a run, ``parameters`` of many points a number or one a point; ``checkpoint`` the seconds after which what is done is kept.
-    ``convex`` is what the scene says of K; ``convexity`` what is known of it once somebody has asked (:mod:`duhem.vouched`).
+    ``convex`` is what the scene says of K; ``convexity`` what is known of it once somebody has asked (:mod:`duhem.api`).
     """
 
     law: Criterion
@@ -72,7 +72,7 @@ class Scene(Run):
     def check_asked(self) -> None:
         """InputError where the scene requires what nobody has asked."""
         if self.convex == "require" and self.convexity is None:
-            raise InputError("it is unknown whether K is convex", where="convex", remedy="run the scene that duhem.vouched returns")
+            raise InputError("it is unknown whether K is convex", where="convex", remedy="run the scene that duhem.api returns")
 
     def batch(self) -> Batch:
         """The checked question of a run of many points."""

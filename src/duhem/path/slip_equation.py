@@ -33,8 +33,8 @@ from duhem.expression.scalar_jets import FUNCTIONS, scalar_values
 from duhem.path.elementary_steps import Move, Pair
 from duhem.path.run import Plan
 from duhem.path.step_formulas import inner, times, written
+from duhem.projection.code_cache import interpreted_text
 from duhem.projection.increment import Increment
-from duhem.projection.kept_code import interpreted_text
 from duhem.projection.plain_numbers import FAULTS, interpreted
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status

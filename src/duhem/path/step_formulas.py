@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from duhem.expression.scalar_bounds import Name
-from duhem.projection.kept_code import interpreted_text
+from duhem.projection.code_cache import interpreted_text
 
 __all__ = ["FORMULAS", "balance", "booked", "doubled", "energy", "inner", "on_numbers", "pulled", "slipped", "summed", "times", "written"]
 

@@ -13,7 +13,7 @@ from typing import Any, cast
 import numpy as np
 
 from duhem.projection import quadrants, quarter_ellipse
-from duhem.projection.kept_code import WITHIN, CompiledText, compiled_text, only_read
+from duhem.projection.code_cache import WITHIN, CompiledText, compiled_text, only_read
 from duhem.projection.quadrants import Quarters
 from duhem.projection.quarter_ellipse import CLOSE, SAFE, formulas
 from duhem.projection.result import Array

@@ -16,18 +16,16 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
+from duhem.expression.error_bounds import bounded
 from duhem.expression.jets import KINKED
-from duhem.expression.rounding import bounded
 from duhem.expression.scalar_bounds import scalar_bounds
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.expression.vocabulary import Norm
 from duhem.projection import judge_kernel, slip_kernel
+from duhem.projection.code_cache import compiled_text, only_read
 from duhem.projection.in_blocks import in_blocks, keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
-from duhem.projection.kept_code import compiled_text, only_read
-from duhem.projection.known_points import Variational
-from duhem.projection.level import Level
 from duhem.projection.metric import Metric
 from duhem.projection.module_text import module_text, over_unit, pasted
 from duhem.projection.newton_step import below, eliminated, grown, length
@@ -37,6 +35,8 @@ from duhem.projection.residuals import Judge, Told
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import unit
 from duhem.projection.scaled_formula import ScaledFormula
+from duhem.projection.scaled_yield_function import Level
+from duhem.projection.variational_samples import Variational
 
 __all__ = ["Look", "compiled_look", "plain_look", "told", "told_one_by_one"]
 

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import ScalarJets, scalar_jets
 from duhem.projection import newton_kernel, newton_step
+from duhem.projection.code_cache import CompiledText, compiled_text, only_read
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
-from duhem.projection.kept_code import CompiledText, compiled_text, only_read
 from duhem.projection.method import ClosestPoint
 from duhem.projection.module_text import module_text
 from duhem.projection.newton_kernel import INLINED, LEFT

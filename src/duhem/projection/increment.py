@@ -18,7 +18,7 @@ from duhem.errors import InputError
 from duhem.expression.given_array import check_rows, in_order, unlabelled, unmasked
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.number import exact_number
-from duhem.expression.verbatim import Verbatim
+from duhem.expression.unevaluated import Verbatim
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import refused
@@ -32,7 +32,7 @@ __all__ = ["Convexity", "Increment", "at_doubles", "check_associated", "incremen
 class Convexity:
     """Whether K is shown to be convex: ``loaded`` under every pressure sigma_n < 0, or for a law without one, ``unloaded`` at sigma_n = 0.
 
-    False where it is refuted or open.  It is found elsewhere (:mod:`duhem.vouched`): the closest point rests on no proof.
+    False where it is refuted or open.  It is found elsewhere (:mod:`duhem.api`): the closest point rests on no proof.
     """
 
     loaded: bool

@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from duhem.projection import kept_files
+from duhem.projection import file_cache
 
 __all__ = ["Kinds", "keep", "kept", "kinds", "place"]
 
@@ -79,12 +79,12 @@ def keep(path: Path, compiled: Any, arguments: Iterable[Any]) -> None:
         names = {"function": described.llvm_cpython_wrapper_name, "environment": described.env_name, "calls": _undefined(code)}
         if not all(map(_address, names["calls"])):
             return
-        kept_files.written(path, json.dumps(names).encode() + b"\n" + code)
+        file_cache.written(path, json.dumps(names).encode() + b"\n" + code)
 
 
 def kept(path: Path, name: str) -> Callable[..., Any] | None:
     """The function that is kept there, ``name`` to Python; None where there is none that can be run."""
-    content = kept_files.read(path)
+    content = file_cache.read(path)
     if content is None:
         return None
     head, _, code = content.partition(b"\n")

@@ -19,12 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.increment import Increment
-from duhem.projection.known_points import looks, points_seen, tangents
-from duhem.projection.level import Level, level_of
 from duhem.projection.metric import Metric
 from duhem.projection.result import Array, Solution
 from duhem.projection.row_by_row import dot, length, products, times, unit, widest
 from duhem.projection.scaled_formula import power_of_two
+from duhem.projection.scaled_yield_function import Level, level_of
+from duhem.projection.variational_samples import looks, points_seen, tangents
 
 __all__ = ["nearness"]
 

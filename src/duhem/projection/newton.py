@@ -21,19 +21,19 @@ from numpy.typing import NDArray
 from duhem.expression.jets import Choices
 from duhem.expression.rays import crossing
 from duhem.projection.affine_faces import faces
-from duhem.projection.close_look import close_look
-from duhem.projection.halfspaces import HalfSpaces
+from duhem.projection.ball_newton import closest
+from duhem.projection.degenerate_set import shrunk
+from duhem.projection.extended_precision import close_look
 from duhem.projection.implicit_tangent import tangent
 from duhem.projection.in_blocks import FEW_SEARCHED
 from duhem.projection.increment import Increment
-from duhem.projection.many_digits import closest
 from duhem.projection.method import ClosestPoint, Compiling, Method, Options
 from duhem.projection.metric import too_far_apart
+from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.result import Array, Pointwise, Solution
 from duhem.projection.row_by_row import times
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
 from duhem.projection.whitened_body import Body, Index, body, inner_points, lineality, whitening
-from duhem.projection.without_interior import shrunk
 
 __all__ = ["NEWTON", "NewtonOptions", "applies", "search", "solve", "tangent"]
 

@@ -19,7 +19,7 @@ from typing import Any, cast
 import numpy as np
 
 from duhem.expression.elementary import ELEMENTARY, array_function
-from duhem.projection.kept_code import interpreted_text
+from duhem.projection.code_cache import interpreted_text
 
 __all__ = ["FAULTS", "interpreted", "zeros"]
 

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
+from duhem.projection.ball_newton import put_right
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.in_blocks import BLOCK, FEW, FEW_SEARCHED, in_blocks
 from duhem.projection.increment import Increment, posed, setting
-from duhem.projection.many_digits import put_right
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.nearer_points import nearness

@@ -16,11 +16,11 @@ import numpy as np
 import sympy as sp
 
 from duhem.expression import Table, fold
+from duhem.expression.dimensions import weighing
+from duhem.expression.error_bounds import Bounded, bounded
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.expression.rounding import Bounded, bounded
 from duhem.expression.vocabulary import Neg, Norm, Pos
-from duhem.expression.weights import weighing
 from duhem.projection.result import Array
 
 __all__ = ["Datum", "ScaledFormula", "grown", "may_cancel", "of_pressure_alone", "power_of_two", "scaled"]

@@ -22,7 +22,7 @@ from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.special_places import limits_taken, singular_places, undefined_place

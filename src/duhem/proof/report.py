@@ -10,7 +10,7 @@ from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.law_sheet import number_in_short, number_in_words
 from duhem.law.law_sheet import stated as stated_law
 from duhem.law.units import units_in_words
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.proof.claims import CLAIMS
 from duhem.proof.verdict import ClaimResult, Trust, Verdict, Witness
 from duhem.proof.verification import Verification

@@ -18,10 +18,10 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.angles import algebraic_angles
+from duhem.expression.dimensions import removable
 from duhem.expression.invariance import invariant_directions, shears_of_isotropic
 from duhem.expression.parse import parse_as_written
 from duhem.expression.text import faithful
-from duhem.expression.weights import removable
 from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion, YieldSurface

@@ -21,7 +21,7 @@ from duhem.law.catalogue import load
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.proof.certificate import certificate, law_as_text
 from duhem.proof.claims import CHEAP, CLAIMS
 from duhem.proof.decide import ANY_STEPS, EFFORTS, Budget

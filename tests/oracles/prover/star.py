@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from duhem.expression.weights import degree
+from duhem.expression.dimensions import degree
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
 from duhem.proof.statement import Problem

@@ -25,7 +25,7 @@ from duhem.law.catalogue import load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_fixed
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Status

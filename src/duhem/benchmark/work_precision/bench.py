@@ -15,7 +15,7 @@ from duhem.benchmark.work_precision import throughput
 from duhem.benchmark.work_precision.result import Measurement, WorkPrecision
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 
 __all__ = ["SCENES", "bench"]
 

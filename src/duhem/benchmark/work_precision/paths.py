@@ -19,7 +19,7 @@ from duhem.benchmark.reference import distance
 from duhem.benchmark.reference_path import Drive, Driven
 from duhem.benchmark.work_precision.result import Measurement, Target, at_most, measured, memory, ratio, timed
 from duhem.errors import DuhemError
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import Path, Paths
 from duhem.path.simulate import simulate

@@ -39,7 +39,7 @@ from duhem.benchmark.work_precision.result import (
     ratio,
     timed,
 )
-from duhem.left_out import LeftOut
+from duhem.omitted import LeftOut
 from duhem.projection.closed_form import ClosedFormOptions
 from duhem.projection.increment import Increment
 from duhem.projection.projector import ACCURACY

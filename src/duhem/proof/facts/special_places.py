@@ -8,8 +8,8 @@ from typing import NamedTuple
 import sympy as sp
 
 from duhem.expression import Norm, Where, defined_at
+from duhem.expression.dimensions import degree
 from duhem.expression.text import formula
-from duhem.expression.weights import degree
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Question, Sense
 from duhem.proof.decide.question import Obligation, obligations

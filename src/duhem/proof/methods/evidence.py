@@ -15,9 +15,9 @@ from itertools import combinations, permutations
 import sympy as sp
 
 from duhem.expression.branches import seam, seams
+from duhem.expression.dimensions import degree
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
-from duhem.expression.weights import degree
 from duhem.proof.decide import Question, Sense
 from duhem.proof.decide.question import obligations
 from duhem.proof.facts.formula_subject import FormulaSubject

@@ -13,10 +13,10 @@ from mpmath import isfinite
 from numpy.typing import NDArray
 
 from duhem.expression import mpmath_
+from duhem.expression.error_bounds import bounded
 from duhem.expression.jets import Choices, JetProgram, formula
 from duhem.expression.numpy_ import Program, filled
 from duhem.expression.rays import Rays
-from duhem.expression.rounding import bounded
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 from duhem.projection.scaled_formula import scaled
@@ -87,7 +87,7 @@ class Region:
     def rounding(self, stress: Array, pressure: Array) -> Array:
         """A bound (N,) on what evaluating g in doubles may be off by, as the formula is written; 0 where none is known.
 
-        Running bounds (:mod:`duhem.expression.rounding`): N. J. Higham (2002), Accuracy and Stability, section 3.3.
+        Running bounds (:mod:`duhem.expression.error_bounds`): N. J. Higham (2002), Accuracy and Stability, section 3.3.
         """
         _, bound = self._bounded(stress, pressure)
         return np.where(np.isfinite(bound), bound, 0.0)

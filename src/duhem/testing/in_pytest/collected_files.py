@@ -24,7 +24,7 @@ from duhem.testing.in_pytest.items import UnusableTest, group
 __all__ = ["TomlTests"]
 
 LookedInto: TypeAlias = Callable[[Scene], Scene]
-"""As :func:`duhem.vouched.histories.looked_into`, which this room does not know."""
+"""As :func:`duhem.api.histories.looked_into`, which this room does not know."""
 
 
 class TomlTests(pytest.File):

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from duhem.expression.pairs import Pair, PairProgram, added, paired, product
-from duhem.expression.rounding import BoundedProgram, bounded
+from duhem.expression.double_double import Pair, PairProgram, added, paired, product
+from duhem.expression.error_bounds import BoundedProgram, bounded
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment, at_doubles
 from duhem.projection.result import Array

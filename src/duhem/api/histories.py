@@ -10,6 +10,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
+from duhem.api.convexity import asked
 from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.convex import check_convex
@@ -22,7 +23,6 @@ from duhem.path.scene import Scene
 from duhem.path.simulate import Checkpoint, driven
 from duhem.projection.increment import Convexity
 from duhem.projection.projector import Projector
-from duhem.vouched.convexity import asked
 
 __all__ = ["looked_into", "simulate"]
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from duhem.api.convexity import asked
 from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.convex import check_convex
@@ -19,7 +20,6 @@ from duhem.projection.increment import Increment, posed, setting
 from duhem.projection.method import Compiling, Method
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Status
-from duhem.vouched.convexity import asked
 
 if TYPE_CHECKING:
     from duhem.projection.one_increment import OneIncrement, PointAnswer

@@ -27,9 +27,9 @@ from duhem.errors import DuhemError, InputError
 from duhem.law.convex import check_convex
 from duhem.law.domain import Domain, by_name
 from duhem.law.formula_law import Criterion
-from duhem.projection import kept_files
+from duhem.projection import file_cache
+from duhem.projection.code_cache import kept_folder
 from duhem.projection.increment import Convexity
-from duhem.projection.kept_code import kept_folder
 
 __all__ = ["ANSWERS", "asked", "keep", "place", "recalled"]
 
@@ -154,7 +154,7 @@ def place(law: Criterion, question: str) -> Path | None:
 
 def recalled(path: Path) -> str | None:
     """The answer that is kept there; None where there is none, or not a whole one."""
-    content = kept_files.read(path)
+    content = file_cache.read(path)
     return next((answer for answer in ANSWERS if content == answer.encode()), None)
 
 
@@ -162,7 +162,7 @@ def keep(path: Path, answer: str) -> None:
     """Write the answer down; where there are many, the older half of them makes room."""
     with suppress(OSError):
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        kept_files.written(path, answer.encode())
+        file_cache.written(path, answer.encode())
         if len(os.listdir(path.parent)) > _MOST:
             for old in sorted(path.parent.iterdir(), key=lambda one: one.stat().st_mtime_ns)[: _MOST // 2]:
                 old.unlink(missing_ok=True)

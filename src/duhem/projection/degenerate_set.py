@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
-from duhem.projection.level import level_of
+from duhem.projection.outer_approximation import HalfSpaces
 from duhem.projection.result import Array, Solution
 from duhem.projection.row_by_row import times
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
+from duhem.projection.scaled_yield_function import level_of
 from duhem.projection.whitened_body import Body, Index, body, whitening
 
 __all__ = ["shrunk"]

@@ -12,14 +12,14 @@ import pytest
 from sympy import Rational
 
 import duhem
+from duhem.api import convexity
+from duhem.api.convexity import asked
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Convexity
 from duhem.projection.result import Status
 from duhem.proof import verification
 from duhem.proof.verdict import Verdict
-from duhem.vouched import convexity
-from duhem.vouched.convexity import asked
 
 _NUMBERS = count()
 G = "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*(norm(sigma_a, sigma_b) + e*sigma_a)"

@@ -14,7 +14,7 @@ import duhem
 from duhem.errors import InputError
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
-from duhem.projection import closed_form, known_points
+from duhem.projection import closed_form, variational_samples
 from duhem.projection.closed_form import CLOSED_FORM
 from duhem.projection.one_increment import OneIncrement
 from duhem.projection.result import Status
@@ -100,12 +100,12 @@ def test_a_spoilt_answer_is_left_to_the_judge() -> None:
 
 def test_pressures_that_are_alike_share_what_is_known_of_k(monkeypatch: pytest.MonkeyPatch) -> None:
     parameters, stiffness = LAWS["antoni2007"]
-    known_points.tips.cache_clear()
+    variational_samples.tips.cache_clear()
     prepared = duhem.prepare("antoni2007", stiffness, parameters)
     for pressure in np.linspace(-15.9, -1.0, 60).tolist():
         assert prepared([5.0, 3.0], pressure).status == Status.SLIP
         assert prepared([[5.0, 3.0]], pressure).status.tolist() == [Status.SLIP]
-    assert known_points.tips.cache_info().misses <= 5
+    assert variational_samples.tips.cache_info().misses <= 5
 
 
 def test_it_can_be_pickled_after_it_was_used() -> None:

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 import duhem
+from duhem.api import convexity
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Convexity
 from duhem.proof import verification
-from duhem.vouched import convexity
 
 ROUND = Criterion("round", "norm(a, b) - k", {"k": Domain(positive=True)}, forces=("a", "b"), pressure=None)
 BENT = replace(ROUND, name="bent", g="a**4 + b**4 - 3*a**2*b**2 - k", written="")
@@ -129,7 +129,7 @@ def test_a_law_that_cannot_be_told_or_a_folder_that_cannot_be_written_is_asked_a
 SECOND = """
 import sys
 import duhem
-from duhem.vouched.convexity import asked
+from duhem.api.convexity import asked
 print(asked(duhem.load("von-mises"), {"yield_stress": 0.3}, "require", unloaded=False))
 assert not [name for name in sys.modules if name.startswith("duhem.proof")], "a prover"
 """

@@ -9,10 +9,10 @@ import pytest
 from click.testing import CliRunner
 
 import duhem
+from duhem.api.histories import looked_into
 from duhem.cli import cli
 from duhem.errors import InputError
 from duhem.path import scene_file
-from duhem.vouched.histories import looked_into
 
 G = "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*(norm(sigma_a, sigma_b) + e*sigma_a)"
 OVAL = duhem.Criterion("oval", G, {"e": duhem.REAL})

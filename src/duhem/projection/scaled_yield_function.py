@@ -13,9 +13,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from duhem.expression.error_bounds import BoundedProgram, bounded
 from duhem.expression.jets import Choices, Jet, JetProgram, formula, program
 from duhem.expression.numpy_ import Program
-from duhem.expression.rounding import BoundedProgram, bounded
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.row_by_row import widest

@@ -15,14 +15,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.projection.close_look import CloseLook, close_look
+from duhem.projection.extended_precision import CloseLook, close_look
 from duhem.projection.increment import Increment
-from duhem.projection.level import Level, level_of
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import beside
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import length, times, widest
 from duhem.projection.scaled_formula import power_of_two
+from duhem.projection.scaled_yield_function import Level, level_of
 
 __all__ = ["LEAST_SLIP", "SLIP_SHARE", "ClosestInDigits", "closest", "closest_beside", "departures", "put_right"]
 

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from duhem.projection.in_blocks import BLOCK, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import LOW
-from duhem.projection.known_points import Variational
-from duhem.projection.level import Level, Placed
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import any_of, columns_times, dot, widest
 from duhem.projection.scaled_formula import power_of_two
+from duhem.projection.scaled_yield_function import Level, Placed
+from duhem.projection.variational_samples import Variational
 
 __all__ = ["FirstLook"]
 
