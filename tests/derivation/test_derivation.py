@@ -263,7 +263,7 @@ def test_own_flow_is_stated_instead_of_normality() -> None:
         d = derived(name)
         assert "normality" not in d and "dissipation_potential" not in d and "step_objective" not in d
         assert d["flow"].rhs[0] == d.names.multiplier * load(name).flow[0]
-        assert any("flow of its own" in reason for _, reason in d.left_out)
+        assert any("its own flow direction" in reason for _, reason in d.left_out)
 
 
 @pytest.mark.slow

@@ -332,7 +332,7 @@ def test_every_curve_is_told_from_the_others_without_colour(name: str) -> None:
 
 def test_help_names_the_figures_there_are(run: Run) -> None:
     _, text, _ = run("--help")
-    listed = re.search(r"NAMES of the source paper: ([^;]*);", " ".join(text.split()))
+    listed = re.search(r"NAMES are ([^.]*)\.", " ".join(text.split()))
     assert listed and re.split(r", | and ", listed[1]) == list(FIGURES)
 
 

@@ -285,7 +285,7 @@ def test_bad_options_are_named(options: dict[str, Any], message: str) -> None:
 
 
 def test_a_tolerance_needs_a_solver_whose_word_for_it_is_known() -> None:
-    with pytest.raises(InputError, match="spells its tolerance"):
+    with pytest.raises(InputError, match="does not know the tolerance option of"):
         rungs("NOSUCH", 1e-6)
 
 

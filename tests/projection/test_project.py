@@ -87,12 +87,12 @@ def test_a_formula_that_a_zero_coefficient_breaks() -> None:
 
 @pytest.mark.parametrize("name", ["radial-flow", "rotated-flow"])
 def test_a_flow_of_its_own_is_refused(name: str) -> None:
-    with pytest.raises(InputError, match=r"flow of its own.*associated laws only.*integrate its flow rule"):
+    with pytest.raises(InputError, match=r"its own flow direction.*associated laws only.*integrate its flow rule"):
         duhem.project(name, [1, 1], -1)
 
 
 def test_a_law_without_pressure() -> None:
-    with pytest.raises(InputError, match="von-mises has no pressure; leave it out"):
+    with pytest.raises(InputError, match="von-mises has no pressure; remove it"):
         duhem.project("von-mises", [1, 0, 0], -1, parameters={"yield_stress": 1})
 
 

@@ -72,4 +72,4 @@ def report(study: Study, facts: Sequence[str], parts: Sequence[Sequence[str]], p
     """Law and ``facts``, the parts, then what was left out and whether the run was stopped."""
     head = [*page.hanging(f"{study.law}: {study.subject}"), *(line for fact in facts for line in page.hanging(fact, rest=""))]
     stopped = ["Interrupted: this is what was done."] if study.interrupted else []
-    return page.report([head, *parts, page.items("Left out", study.left_out), stopped])
+    return page.report([head, *parts, page.items("Omitted", study.left_out), stopped])

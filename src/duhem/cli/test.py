@@ -322,7 +322,7 @@ def _text(name: str, tested: _Tested, again: str) -> str:
         lines.append("decades: " + ", ".join(f"{what} 1e{low} to 1e{high}" for what, (low, high) in report.decades.items()))
     lines.append(f"{report.examples} examples in {seconds:.1f} s, {report.examples / max(seconds, 1e-9):.0f} a second")
     if tested.every > 1:
-        lines.append(f"what asks the routine again was asked of one increment in {tested.every}; --every 1 asks it of all")
+        lines.append(f"checks that call the routine again used one increment in {tested.every}; --every 1 uses all of them")
     return "\n".join([*lines, f"again: {again}"])
 
 
