@@ -181,7 +181,7 @@ def test_a_law_says_which_verdicts_are_no_failure(
         (["--expect", "smoothnes=refuted"], "did you mean 'smoothness'?"),
         (["--expect", "smoothness=refused"], "unknown verdict 'refused'; did you mean 'refuted'?"),
         (["--expect", "smoothness=proved", "--expect", "smoothness=refuted"], "smoothness is expected to be proved too"),
-        (["--expect", "smoothness=refuted", "--claims", "origin"], "you selected these claims:: origin"),
+        (["--expect", "smoothness=refuted", "--claims", "origin"], "the selected claims are: origin"),
     ],
 )
 def test_what_cannot_be_expected_is_told(run: Run, expected: list[str], said: str) -> None:

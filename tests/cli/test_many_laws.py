@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from duhem.screening.campaign import Answered, VerdictLine, as_text
+from duhem.screening.campaign import VerdictLine, as_text
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -41,7 +41,7 @@ def test_several_laws_have_a_line_each(run: Run, monkeypatch: pytest.MonkeyPatch
         assert (code, out) == (2, "") and said in err
 
 
-def test_the_exit_code_of_several_laws(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_exit_code_of_several_laws(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     class Pool:
         def __init__(self, campaign: Any, workers: int) -> None:
             self.campaign = campaign
@@ -54,8 +54,8 @@ def test_the_exit_code_of_several_laws(run: Run, monkeypatch: pytest.MonkeyPatch
 
         def texts(self, rows: Any) -> Iterator[str]:
             for number in reversed(rows[0]):
-                answers = [Answered("origin", verdicts[number - 1], "by hand", None, None, 0, 0.0)]
-                yield as_text([VerdictLine(number, self.campaign.row(number).name.shown, "{}", *answer, None) for answer in answers])
+                line = (self.campaign.row(number).name.shown, "{}", "origin", verdicts[number - 1], "by hand", None, None, 0, 0.0, None)
+                yield as_text([VerdictLine(number, *line)])
 
     monkeypatch.setattr("duhem.screening.pool.Pool", Pool)
     for verdicts, strict, code in (
@@ -70,3 +70,13 @@ def test_the_exit_code_of_several_laws(run: Run, monkeypatch: pytest.MonkeyPatch
         said = [verdict.replace("_", " ") for verdict in verdicts]
         assert found == code and out.splitlines() == [f"{law}: {word} origin" for law, word in zip(("coulomb", "box"), said, strict=True)]
         assert err == ("duhem: box: origin is proved, where refuted is expected\n" if "--expect" in strict and code else "")
+    monkeypatch.chdir(tmp_path)
+    law = 'duhem.Criterion(name="mine", g="norm(sigma_a, sigma_b) - 1", pressure=None, expect={"origin": "refuted"})'
+    (tmp_path / "own_laws.py").write_text(f"import duhem\n\nmine = {law}\n")
+    for verdicts, option, said in (
+        (["refuted", "proved"], [], ""),
+        (["proved", "proved"], [], "duhem: own_laws:mine: origin is proved, where refuted is expected\n"),
+        (["proved", "proved"], ["--expect", "origin=proved"], ""),
+    ):
+        code, out, err = run("verify", "own_laws:mine", "box", "--claims", "origin", *option)
+        assert (code, err) == (int(bool(said)), said) and out == f"own_laws:mine: {verdicts[0]} origin\nbox: {verdicts[1]} origin\n"

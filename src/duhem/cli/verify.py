@@ -101,8 +101,7 @@ def verify(
         remedy = "give several laws, and remove --format, --report and --certificate"
         raise InputError("--workers applies only to several laws with one line of output each", where=f"--workers {workers}", remedy=remedy)
     fixed = [_fixed(law, settings, several=len(laws) > 1) for law in laws]
-    for law in fixed:
-        _check_expected(law.name, law.expect)
+    due = [_due(law.name, law.expect, expected) for law in fixed]
     check_places([report, certificate], laws)
     if certificate is not None and len(laws) > 1:
         raise InputError(
@@ -136,7 +135,6 @@ def verify(
         done.append(found)
         if interrupted:
             break
-    due = [(found, {**found.criterion.expect, **expected}) for found in done]
     if form == "json":  # one object, or a list of them where several laws are asked for
         objects = ",\n".join(json.dumps(found.to_dict(), indent=2, ensure_ascii=False) for found in done)
         say(f"[\n{objects}\n]" if len(laws) > 1 else objects)
@@ -144,7 +142,7 @@ def verify(
         from duhem.proof.report import as_suite
         from duhem.show.junit import as_xml
 
-        say(as_xml(as_suite(found, strict=strict, expected=own) for found, own in due))
+        say(as_xml(as_suite(found, strict=strict, expected=own) for found, own in zip(done, due, strict=False)))
     if interrupted:
         return INTERRUPTED
     if certificate is not None:
@@ -159,7 +157,7 @@ def verify(
         wrote("the page", report)
         if lacking := without():
             click.echo(f"duhem: {report} is {lacking}", err=True)
-    came = ((found.criterion.name, {r.claim: r.verdict.value for r in found.results}, own) for found, own in due)
+    came = ((found.criterion.name, {r.claim: r.verdict.value for r in found.results}, own) for found, own in zip(done, due, strict=True))
     return _code_of(came, strict=strict)
 
 
@@ -175,25 +173,29 @@ def _fixed(law: str, settings: Sequence[str], *, several: bool) -> Law:
 
 def _read_expected(given: Sequence[str], asked: Iterable[str]) -> dict[str, str]:
     """The verdicts by claim, each of a claim that is ``asked``."""
-    from duhem.proof.verdict import Verdict
-
     expected: dict[str, str] = {}
     for one in given:
         where = f"--expect {one}"
         claim, verdict = read_pair(one, where, "CLAIM=VERDICT", "--expect smoothness=refuted")
-        check_names("claim", [claim], asked, "you selected these claims:", where)
-        check_names("verdict", [verdict], map(str, Verdict), "verdicts are", where)
+        _check_expected({claim: verdict}, asked, "the selected claims are", where)
         if expected.setdefault(claim, verdict) != verdict:
             raise InputError(f"{claim} is expected to be {expected[claim]} too", where=where, remedy="expect one verdict of each claim")
     return expected
 
 
-def _check_expected(law: str, expected: Mapping[str, str]) -> None:
-    """InputError for what a law expects of a claim, or for a verdict, that is none."""
-    from duhem.proof.kernel.certificate import CLAIMS, VERDICTS
+def _due(law: str, own: Mapping[str, str], expected: Mapping[str, str]) -> Mapping[str, str]:
+    """The verdicts that are no failure: those of ``--expect``, then a law's ``own``.  InputError for a claim or a verdict that is none."""
+    from duhem.proof.claims import CLAIMS
 
-    check_names("claim", expected, CLAIMS, "claims are", where=f"expect of {law}")
-    check_names("verdict", expected.values(), VERDICTS, "verdicts are", where=f"expect of {law}")
+    _check_expected(own, CLAIMS, "claims are", f"expect of {law}")
+    return {**own, **expected}
+
+
+def _check_expected(expected: Mapping[str, str], claims: Iterable[str], choice: str, where: str) -> None:
+    from duhem.proof.verdict import Verdict
+
+    check_names("claim", expected, claims, choice, where)
+    check_names("verdict", expected.values(), map(str, Verdict), "verdicts are", where)
 
 
 def _code_of(found: Iterable[tuple[str, Mapping[str, str | None], Mapping[str, str]]], *, strict: bool) -> int:
@@ -234,13 +236,14 @@ def _verify_each(
 ) -> int:
     """Say a line a law, in their order, each as soon as those before it are said; the exit code of all of them."""
     from duhem.expression.number import exact_text
+    from duhem.law.criterion_file import expected_verdicts
     from duhem.proof.verification import wanted_claims
     from duhem.screening.campaign import Campaign, Claimed
     from duhem.screening.pool import Pool
     from duhem.screening.rows import Given
 
     names = [_law_name(law) for law in laws]
-    due = [_expected_of(name) for name in names]
+    due = [_due(name.shown, name.law().expect if name.path is None else expected_verdicts(name.path), expected) for name in names]
     values = tuple((name, exact_text(value)) for name, value in read_settings(settings).items())
     for law in laws if values else ():
         try:
@@ -260,8 +263,7 @@ def _verify_each(
     except KeyboardInterrupt:
         click.echo(f"duhem: interrupted after {len(verdicts)} of {len(laws)} laws", err=True)
         return INTERRUPTED
-    found = ((law, verdict, {**own, **expected}) for law, verdict, own in zip(laws, verdicts, due, strict=True))
-    code = _code_of(found, strict=strict)
+    code = _code_of(zip(laws, verdicts, due, strict=True), strict=strict)
     return FAILED if any(None in each.values() for each in verdicts) else code
 
 
@@ -275,15 +277,6 @@ def _law_name(law: str) -> LawName:
     if not file.is_file():
         raise InputError(f"there is no file {law[:60]!r}", remedy="check its name")
     return LawName(law, os.path.abspath(file))
-
-
-def _expected_of(law: LawName) -> Mapping[str, str]:
-    """The verdicts that the law's own file, or its author in Python, expects."""
-    from duhem.law.criterion_file import expected_verdicts
-
-    found = law.value.expect if law.value is not None else {} if law.path is None else expected_verdicts(law.path)
-    _check_expected(law.shown, found)
-    return found
 
 
 def _in_order(texts: Iterable[str]) -> Iterator[tuple[VerdictLine, ...]]:
