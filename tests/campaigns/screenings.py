@@ -37,7 +37,7 @@ from statistics import median
 
 import duhem
 from duhem.screening import file
-from duhem.screening.campaign import Answered, asked
+from duhem.screening.campaign import Answer, asked
 from tests.campaigns.polynomials import PLANE, plane_ray
 
 NAMES = ["a{}{}{}".format(*powers) for powers in PLANE]
@@ -58,8 +58,8 @@ class AtOnce:
     def told(self) -> str:
         return "at once"
 
-    def answers(self, law: object) -> Iterator[Answered]:
-        yield Answered("at once", "proved", "none", None, None, 0, 0.0)
+    def answers(self, law: object) -> Iterator[Answer]:
+        yield "at once", "proved", "none", None, None, 0, 0.0
 
 
 # -- rows and truth ----------------------------------------------------------------------------------------------------

@@ -5,8 +5,6 @@ import subprocess
 import time
 from dataclasses import dataclass
 
-from duhem.screening.campaign import Answered
-
 NAMES = ("alive", "well")
 
 
@@ -47,4 +45,4 @@ class Poison:
             case self.fault:
                 raise ZeroDivisionError("by mu")
         for name in reversed(self.names):
-            yield Answered(name, verdict, "by hand", None, None, 1, 0.5)
+            yield name, verdict, "by hand", None, None, 1, 0.5

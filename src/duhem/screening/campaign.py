@@ -12,10 +12,11 @@ import json
 import os
 import traceback
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
+from operator import itemgetter
 from typing import ClassVar, NamedTuple, Protocol, TypeAlias
 
 from duhem.errors import DuhemError, words_of
@@ -25,7 +26,6 @@ from duhem.version import __version__
 
 __all__ = [
     "Answer",
-    "Answered",
     "Campaign",
     "Claimed",
     "Inquiry",
@@ -41,20 +41,8 @@ _MOST = 1_000  # characters of an error
 _A_LIBRARY = 100_000_000  # bytes: what is mapped at once of a large one, or for a thread
 
 
-class Answered(NamedTuple):
-    """One line of a row: of which claim, and what came of it; ``witness`` is JSON text, ``steps`` what it cost, counted."""
-
-    claim: str
-    verdict: str | None
-    method: str | None
-    trust: str | None
-    witness: str | None
-    steps: int
-    seconds: float
-
-
 Answer: TypeAlias = tuple[str, str | None, str | None, str | None, str | None, int, float]
-"""The fields of :class:`Answered` in turn, as rooms give them that do not know this one."""
+"""The fields of a :class:`VerdictLine` from ``claim`` to ``seconds``."""
 
 
 class Inquiry(Protocol):
@@ -97,13 +85,13 @@ class Claimed:
     def told(self) -> str:
         return f"claims {','.join(self.claims)} {self.effort}"
 
-    def answers(self, law: Law) -> Iterator[Answered]:
+    def answers(self, law: Law) -> Iterator[Answer]:
         from duhem.proof.verification import claim_results
 
         for r in claim_results(law, self.claims, self.effort):
             witness = None if r.witness is None else json.dumps(r.witness.to_dict())
             trust = None if r.trust is None else r.trust.value
-            yield Answered(r.claim, r.verdict.value, r.method, trust, witness, r.steps, round(r.seconds, 6))
+            yield r.claim, r.verdict.value, r.method, trust, witness, r.steps, round(r.seconds, 6)
 
 
 @dataclass(frozen=True)
@@ -164,7 +152,7 @@ def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
     """The lines of a row, sorted by claim; an error of any kind but lack of memory is in them, one that ends a program too."""
     row = campaign.row(number)
     try:
-        return _lines(row, [Answered(*each) for each in campaign.inquiry.answers(row.law())], None)
+        return _lines(row, campaign.inquiry.answers(row.law()), None)
     except DuhemError as fault:
         return ended(campaign, row, str(fault))
     except MemoryError:
@@ -208,17 +196,14 @@ def _all_but_taken() -> bool:
 
 def ended(campaign: Campaign, row: Row, error: str) -> tuple[VerdictLine, ...]:
     """The lines of a row without verdicts, and why."""
-    answers = [Answered(name, None, None, None, None, 0, 0.0) for name in campaign.inquiry.names]
+    answers: Iterator[Answer] = ((name, None, None, None, None, 0, 0.0) for name in campaign.inquiry.names)
     return _lines(row, answers, error if len(error) <= _MOST else f"{error[:_MOST]} ...")
 
 
-def _lines(row: Row, answers: Sequence[Answered], error: str | None) -> tuple[VerdictLine, ...]:
+def _lines(row: Row, answers: Iterable[Answer], error: str | None) -> tuple[VerdictLine, ...]:
     why = None if error is None else _writable(error)
     law, values = _writable(row.name.shown), json.dumps(dict(row.values))
-    return tuple(
-        VerdictLine(row.number, law, values, r.claim, r.verdict, r.method, r.trust, r.witness, r.steps, r.seconds, why)
-        for r in sorted(answers, key=lambda reply: reply.claim)
-    )
+    return tuple(VerdictLine(row.number, law, values, *answer, why) for answer in sorted(answers, key=itemgetter(0)))
 
 
 def _writable(text: str) -> str:

@@ -19,7 +19,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_fixed
 from duhem.projection.increment import increment
 from duhem.projection.result import Array, Projection, Status
-from duhem.screening.campaign import Answered
+from duhem.screening.campaign import Answer
 
 __all__ = ["Increments", "Project", "Trials"]
 
@@ -87,7 +87,7 @@ class Increments:
         drawn = f"{self.count} of seed {self.seed} at {self.pressure!r}" if self.trials is None else self.trials.told()
         return f"increments {drawn}, stiffness {self.stiffness!r}, {self.method}, convex {self.convex}"
 
-    def answers(self, law: Law) -> Iterator[Answered]:
+    def answers(self, law: Law) -> Iterator[Answer]:
         began = monotonic()
         formula = load_formula(law)
         check_fixed(formula, "give it in set, grid, draw or table")
@@ -96,7 +96,7 @@ class Increments:
         flagged = np.flatnonzero(~np.isin(done.status, (Status.STICK, Status.SLIP)))
         witness = json.dumps(_witness(done, flagged, trial, pressure), allow_nan=False)
         verdict = "flagged" if flagged.size else "ok"
-        yield Answered("increments", verdict, done.method, None, witness, len(trial), round(monotonic() - began, 6))
+        yield "increments", verdict, done.method, None, witness, len(trial), round(monotonic() - began, 6)
 
     def _drawn(self, law: Criterion) -> tuple[Array, Array | None]:
         chance, d = np.random.default_rng(self.seed), len(law.forces)
