@@ -288,7 +288,7 @@ def test_seams_of_a_maximum_are_drawn_where_its_pieces_meet_alone() -> None:
 def test_numbers_that_nobody_gave_are_said_to_be_taken() -> None:
     assert "mu_a = 1/3, mu_b = 2/3 (chosen for the picture)" in stated(given("box"))
     assert "(chosen for the picture: mu_b)" in stated(given("box", mu_a=0.5))
-    assert "taken" not in stated(given("box", mu_a=0.5, mu_b=0.5))
+    assert "chosen" not in stated(given("box", mu_a=0.5, mu_b=0.5))
 
 
 def test_a_witness_is_drawn_where_it_is() -> None:
@@ -297,6 +297,15 @@ def test_a_witness_is_drawn_where_it_is() -> None:
     drawn = {role: tuple(place) for role, place in shown.points.items()}
     stress = {role: tuple(float(Fraction(at[x])) for x in found.criterion.forces) for role, at in found["convexity"].witness.points.items()}
     assert drawn == stress and np.array_equal(shown.way, [stress["p"], stress["q"]])
+
+
+def test_a_flat_dent_is_drawn_deeper_than_it_is() -> None:
+    found = duhem.verify("quartic", claims="convexity")
+    shown = violation(found.criterion, found["convexity"])
+    a, b, c, d = shown.section.window
+    depth = min(np.hypot(*(line.points - shown.points["midpoint"]).T).min() for line in shown.section.lines)
+    assert 0.05 * (b - a) < depth < 0.01 * (d - c)
+    assert all(a < x < b and c < y < d for x, y in shown.points.values())
 
 
 @pytest.mark.slow
@@ -309,7 +318,7 @@ def test_sections_beside_a_witness_are_at_its_numbers() -> None:
     )
     witness = duhem.verify(law, {"c": 1}, claims="convexity")["convexity"].witness
     said = plot(law, parameters={"c": 1}, witness=True)[0].figure.get_suptitle()
-    assert f"mu = {witness.parameters['mu']}, c = 1" in said and "taken" not in said
+    assert f"mu = {witness.parameters['mu']}, c = 1" in said and "chosen" not in said
 
 
 def test_a_witness_at_other_numbers_than_its_sheet_says_them() -> None:

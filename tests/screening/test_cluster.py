@@ -113,7 +113,7 @@ def test_no_scheduler_is_said():
     pytest.importorskip("distributed")
     patience, cluster._PATIENCE = cluster._PATIENCE, "1s"
     try:
-        with pytest.raises(InputError, match="no scheduler answers"):
+        with pytest.raises(InputError, match="the scheduler does not answer"):
             cluster.Cluster(Campaign((MU,), Poison()), "tcp://127.0.0.1:9")
     finally:
         cluster._PATIENCE = patience
