@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import sys
 from collections.abc import Iterator
@@ -10,6 +9,7 @@ from collections.abc import Iterator
 import click
 
 from duhem.cli.output import FAILED, HELD, say
+from duhem.projection.in_blocks import cores
 from duhem.show.page import PAGE
 from duhem.version import __version__, distribution
 
@@ -84,7 +84,7 @@ def _machine() -> Iterator[str]:
     facts = {
         "python": f"{platform.python_version()} ({platform.python_implementation()}, {platform.architecture()[0]})",
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
-        "processors": f"{len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else os.cpu_count()} usable",
+        "processors": f"{cores()} usable",
         "encoding": f"{sys.stdout.encoding or 'unknown'}, file system {sys.getfilesystemencoding()}",
     }
     for name, fact in facts.items():

@@ -249,8 +249,7 @@ def _differentiability() -> Erratum:
     def rate(sense: int) -> sp.Rational:
         """g along sense * t_a from the origin at sigma_n = 0, where it is homogeneous: the one-sided derivative."""
         values = {names["sigma_a"]: sp.Integer(sense), names["sigma_b"]: sp.S.Zero, names["sigma_n"]: sp.S.Zero}
-        at = law.g.xreplace(values | {names[n]: d.value for n, d in law.parameters.items()})
-        return sp.nsimplify(at.doit())
+        return sp.nsimplify(law.g.xreplace(values | law.settled()).doit())
 
     return Erratum(
         "section 2.6, before Eq. (35)",

@@ -67,10 +67,9 @@ def frame(axes: Axes, found: View, unit: str, title: str = "", size: float = 0.0
         axes.text(x, y, f"${symbol}$", fontsize="small", color="0.35", ha="center", va="center", bbox=paper, zorder=0.6)
     axes.set_xlim(a, b)
     axes.set_ylim(c, d)
-    if not (found.slender or found.plane.pressed):  # along the pressure there are no normals, whose angles would have to be right
-        axes.set_aspect("equal", adjustable="box")
     wide, high = max(abs(a), abs(b)), max(abs(c), abs(d))
     if not (found.slender or found.plane.pressed):  # along the pressure there are no normals, whose angles would have to be right
+        axes.set_aspect("equal", adjustable="box")
         wide = high = max(wide, high, size)  # one scale, one unit
     figure.measure(axes.xaxis, found.plane.x_symbol, unit or UNIT, wide)
     figure.measure(axes.yaxis, found.plane.y_symbol, unit or UNIT, high)

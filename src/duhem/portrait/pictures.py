@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
-from duhem.law.atlas.entry import AtlasEntry
 from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
 from duhem.portrait.drawing import fill, paint_section, paint_step, paint_violation
@@ -26,6 +25,7 @@ from duhem.show import figure
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from duhem.law.atlas.entry import AtlasEntry
     from duhem.show.document import Drawing
 
 __all__ = ["atlas_sheet", "cut", "panels", "plot", "stated"]

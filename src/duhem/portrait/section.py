@@ -542,8 +542,7 @@ def _of_curve(law: ParametricCriterion, plane: Plane, window: Window | None) -> 
         (a, c), (b, d) = points.min(axis=0), points.max(axis=0)
         free = MARGIN * max(b - a, d - c)
         window = (float(a - free), float(b + free), float(c - free), float(d + free))
-    size = max(window[1] - window[0], window[3] - window[2])
-    shown = points[np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-9 * size])]
+    shown = points[np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-9 * _width(window)])]
     found = View(plane, window, (Line(shown, tuple(_jumps(shown))),))
     found = replace(found, normals=tuple(_normals(found)))
     return found if law.flow is None else replace(found, slips=curve.slips(found.normals))

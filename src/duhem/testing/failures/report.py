@@ -86,7 +86,7 @@ class Report(Shown):
         counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"
         counts += f", {len(self.left_out)} skipped" if self.left_out else ""
         unsaid = f", {self.undefined} not judged because g has no value there" if self.undefined else ""
-        unsaid += f", {self.unmeasured} not judged because squares of the stresses overflow" if self.unmeasured else ""
+        unsaid += f", {self.unmeasured} not judged because squares of the stresses overflow or underflow" if self.unmeasured else ""
         return f"{self.law}: {counts}; {self.flags()}{unsaid}"
 
     def flags(self) -> str:
