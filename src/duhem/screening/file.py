@@ -12,7 +12,7 @@ memory = 4                                    # limit of memory for a row in GB,
 laws = ["coulomb", "laws/*.toml"]             # several laws without changes; duhem searches in the folder of the campaign
 [[rows]]
 law = "limacon"
-grid = { mu = [0.3], e = [0.1, 0.5, 0.6] }    # every combination of these values of these values
+grid = { mu = [0.3], e = [0.1, 0.5, 0.6] }    # every combination of these values
 [[rows]]
 law = "limacon"
 set = { mu = 0.3 }                            # the same values in every row
