@@ -34,7 +34,7 @@ from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, pr
 
 __all__ = ["over", "shown"]
 
-_HALF, _ONE, _TWO = number(Fraction(1, 2)), number(1), number(2)
+_HALF, _ONE = number(Fraction(1, 2)), number(1)
 _RISING = (  # words that rise, and have the sign of what they are of
     "tanh", "atan",
 )  # fmt: skip
