@@ -74,11 +74,9 @@ def leaning(
         sigma, flow = jet.boundary[0], jet.flow[0]
         tau = (flint.arb(0), flint.arb(0)) if u is None else curve.point(u)
         lean = dot(flow, _minus(tau, sigma))
-        if (
-            certain_sign(lean) != 1
-            or not (deviation is not None or subject.simple_at(values))
-            or (u is None and not subject.turns_at(values, 0))
-        ):
+        if certain_sign(lean) != 1 or (deviation is None and not subject.simple_at(values)):
+            return None
+        if u is None and not subject.turns_at(values, 0):
             return None
         shown = _coordinates(subject, "sigma", sigma) | ({} if u is None else _coordinates(subject, "tau", tau))
         shown[f"{what} . (tau - sigma)"] = decimal_pair(lean)
