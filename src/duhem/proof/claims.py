@@ -121,7 +121,7 @@ class Claim:
                     found = found if found is not None and self._counts(found, subject, confirms) else None
             if found is not None:
                 return found
-        spent = "no method finished within its budget of steps; try --effort thorough, fix a parameter with --set, or narrow a domain"
+        spent = "no method decided it within its budget of steps; try --effort thorough, fix a parameter with --set, or narrow a domain"
         return Evidence(Verdict.UNDECIDED, "none", spent)
 
     def provers_first(self) -> Claim:

@@ -1,7 +1,7 @@
 """What duhem can say about a claim, as frozen values.
 
 ``proved``: there is a proof that covers the whole declared domain.  ``refuted``: there is an exact counterexample, the witness.
-``tested``: samples showed no violation; this is not a proof.  ``undecided``: no method finished within its budget.
+``tested``: samples showed no violation; this is not a proof.  ``undecided``: no method decided it within its budget.
 ``not_applicable``: the claim has no meaning for this law, or (for duality) duhem found no closed form that could be proved.
 """
 
