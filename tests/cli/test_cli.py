@@ -202,7 +202,7 @@ def test_what_cannot_be_expected_is_told(run: Run, expected: list[str], said: st
 )
 def test_all_is_said_to_be_settled_by_proof_only_where_it_is(verdicts: tuple[Verdict, ...], settled: bool) -> None:
     said = [part.reason for part in not_needed(duhem.load("coulomb"), verdicts)]
-    assert ("every examined claim has a proof, so no samples were taken" in said) is settled
+    assert ("every examined claim has a proof, so no verdict rests on samples" in said) is settled
 
 
 def test_the_conclusion_names_the_trust_of_what_the_kernel_has_not_checked() -> None:

@@ -66,7 +66,7 @@ def not_needed(law: Law, verdicts: Iterable[Verdict]) -> Iterator[LeftOut]:
         yield LeftOut("seams", "the law has one force, so the boundary has no seam (a line where the formula of g changes)")
     found = set(verdicts)
     if Verdict.PROVED in found and found <= {Verdict.PROVED, Verdict.NOT_APPLICABLE}:
-        yield LeftOut("numerical search", "every examined claim has a proof, so no samples were taken")
+        yield LeftOut("numerical search", "every examined claim has a proof, so no verdict rests on samples")
 
 
 def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[str, ...], bool]:
