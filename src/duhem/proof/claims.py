@@ -157,7 +157,7 @@ the indicator function of K, which is the pseudo-potential Phi*, has its minimum
 34).  Together with normality, this implies that the dissipation is never negative.
 
 Proof: duhem evaluates g at zero force and decides its sign for all parameters.  If g is 0/0 there, duhem uses the closure of K,
-provided that K is star-shaped about 0.  Otherwise the claim stays undecided, and a remark says where g has no value.
+provided that K is star-shaped about 0.  Otherwise the claim stays undecided, and its argument says where g has no value.
 
 If the law has a boundary curve T, then K consists of the points around which the curve winds.  duhem counts the turns of T
 around 0, or proves T x T' > 0, or proves T . d > 0, so that T turns as often as the flow d.""",
