@@ -47,6 +47,7 @@ from duhem.projection.newton_step import (
     crossed,
     directed,
     eliminated,
+    gram,
     grown,
     length,
     level,
@@ -62,7 +63,7 @@ __all__ = ["INLINED", "LEFT", "SLIP", "STICK", "added", "apex", "copied", "overt
 KINKS = PAIRS = 0  # how many kinks the law has, and how many eigenvalues that may be double
 
 INLINED = (
-    "begun", "below", "bent", "bordered", "centred", "directed", "length", "newton", "optimal", "pressed", "resized", "searched",
+    "begun", "below", "bent", "bordered", "centred", "directed", "gram", "length", "newton", "optimal", "pressed", "resized", "searched",
     "shared", "snapped", "solved", "state_of", "times", "turn", "whitened",
 )  # fmt: skip
 """Functions that every slip goes through, each called in few places."""
@@ -522,14 +523,7 @@ def entered(v: Any, m: Any, a: Any, held: Any, count: int, offset: float, slope:
     own, shares, across = 0.0, np.empty(D + 1), np.empty(D)
     for _ in range(2 * D + 2):
         over, square = -offset, 0.0
-        for j in range(count):  # the new normal by those that press, and what is across them
-            a[j, count] = 0.0
-            for i in range(D):
-                a[j, count] += m[NORMALS, j, i] * v[WHITE, i]
-            for k in range(count):
-                a[j, k] = 0.0
-                for i in range(D):
-                    a[j, k] += m[NORMALS, j, i] * m[NORMALS, k, i]
+        gram(v, m, a, WHITE, count)  # the new normal by those that press, and what is across them
         if count > 0 and not eliminated(a, count):
             return 0
         for j in range(count):

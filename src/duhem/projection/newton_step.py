@@ -14,8 +14,8 @@ from numpy import sqrt
 
 __all__ = [
     "BEND", "BEST", "CENTRE", "FIRST", "LENGTHS", "LEVELS", "MATRICES", "NAMED", "NATURAL", "NORMALS", "PAIR", "RAW", "RAWBEND", "REST",
-    "ROWS", "SLOPES", "STEP", "WHITE", "D", "S", "T", "U", "X", "askew", "begun", "below", "bent", "directed", "eliminated", "grown",
-    "length", "shared", "times", "turn", "whitened",
+    "ROWS", "SLOPES", "STEP", "WHITE", "D", "S", "T", "U", "X", "askew", "begun", "below", "bent", "directed", "eliminated", "gram",
+    "grown", "length", "shared", "times", "turn", "whitened",
 ]  # fmt: skip
 
 D = DATA = 0  # how many forces the law has, and how many data
@@ -134,14 +134,7 @@ def bordered(v: Any, m: Any, a: Any, count: int) -> bool:
 
 def shared(v: Any, m: Any, a: Any, count: int) -> bool:
     """The multipliers that leave the least rest; False where the normals depend on each other."""
-    for j in range(count):
-        a[j, count] = 0.0
-        for i in range(D):
-            a[j, count] += m[NORMALS, j, i] * v[REST, i]
-        for k in range(count):
-            a[j, k] = 0.0
-            for i in range(D):
-                a[j, k] += m[NORMALS, j, i] * m[NORMALS, k, i]
+    gram(v, m, a, REST, count)
     if count == 1:
         v[LENGTHS, 0] = a[0, 1]  # of a unit normal
         return isfinite(a[0, 1])
@@ -150,6 +143,18 @@ def shared(v: Any, m: Any, a: Any, count: int) -> bool:
     for j in range(count):
         v[LENGTHS, j] = a[j, count]
     return True
+
+
+def gram(v: Any, m: Any, a: Any, row: int, count: int) -> None:
+    """The products of the first ``count`` normals with each other; those with a row of ``v`` in the last column."""
+    for j in range(count):
+        a[j, count] = 0.0
+        for i in range(D):
+            a[j, count] += m[NORMALS, j, i] * v[row, i]
+        for k in range(count):
+            a[j, k] = 0.0
+            for i in range(D):
+                a[j, k] += m[NORMALS, j, i] * m[NORMALS, k, i]
 
 
 def eliminated(a: Any, size: int) -> bool:
