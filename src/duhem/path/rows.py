@@ -243,7 +243,7 @@ def _judged(block: Share, method: str) -> ClosestPoint | None:
 class OneRow:
     """One row of the one point of a block, on plain numbers: vectors are lists or tuples of them.
 
-    Its methods say what those of :class:`duhem.path.rows.ManyRows` say, or None where plain numbers have no answer.
+    Its methods say what those of :class:`ManyRows` say, or None where plain numbers have no answer.
     """
 
     def __init__(self, block: Share, at: ClosestPoint) -> None:
