@@ -16,7 +16,7 @@ from duhem.version import __version__
 
 __all__ = ["c_file", "exported", "header", "identifier"]
 
-# -- the head: the law, its arguments, what was proved of it, and what the file leaves out ------------------------------
+# -- the head: the law, its arguments, what was proved of it, and the limits of the routine ----------------------------
 
 _LONGEST = 40  # Fortran's names have 63 characters, endings included
 
@@ -55,7 +55,7 @@ def header(verification: Verification, law: Criterion, parameters: Sequence[str]
         *_said(f"{verification.certificate()['sha256']} (of the law as fixed here: duhem verify LAW --certificate FILE)", "sha256"),
         "",
         *_said("Limits:"),
-        *(line for text in _LEFT_OUT for line in _said(text, "")),
+        *(line for text in _LIMITS for line in _said(text, "")),
     ]
     return [line.rstrip() for line in lines]
 
@@ -70,8 +70,8 @@ _STATUS = (
     "0  stick: stress = trial",
     "1  slip",
     "2  not solved: the routine found no point that fulfils the optimality conditions.  It starts at zero stress, or at another point "
-    "inside K if zero stress is not inside.  It cannot solve an increment that ends at the tip of a round cone.  duhem.project has a "
-    "more general search",
+    "inside K if zero stress is not inside.  At the tip of a round cone it may fail, more often if the cone is thin or has more than "
+    "three forces.  duhem.project has a more general search",
     "3  invalid input: a number that is not finite, a stiffness that is not symmetric positive definite, a pressure above 0, "
     "or a parameter or pressure outside its range",
     "4  solved, but the stress lies outside a range that the law declares for it",
@@ -80,7 +80,7 @@ _STATUS = (
     "With status 2 and 3 all results are nan.  With status 5 only the tangent is nan; with status 4 it may be nan.  Where the stress has "
     "no derivative, the routine returns one of several possible tangents.",
 )
-_LEFT_OUT = (
+_LIMITS = (
     "The routine checks the optimality conditions in double precision only.  duhem.project also checks every answer in more digits.",
     "The routine does not search for points that Newton's method does not find.  They have the status 2.",
     "The routine does not compute d stress/d pressure.",
