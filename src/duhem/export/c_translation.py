@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from duhem.expression.elementary import ELEMENTARY
 
-__all__ = ["CHOICE", "OPERATORS", "PREFIX", "TYPES", "Array", "Expression", "NotTranslated", "c_functions", "named"]
+__all__ = ["Array", "NotTranslated", "c_functions"]
 
 # -- expressions --------------------------------------------------------------------------------------------------------
 

@@ -58,7 +58,7 @@ from duhem.projection.newton_step import (
     whitened,
 )  # fmt: skip  # isort: skip
 
-__all__ = ["INLINED", "LEFT", "SLIP", "STICK", "added", "apex", "copied", "overtopped", "solve", "spread"]
+__all__ = ["INLINED", "LEFT", "SLIP", "STICK", "apex", "solve"]
 
 KINKS = PAIRS = 0  # how many kinks the law has, and how many eigenvalues that may be double
 
