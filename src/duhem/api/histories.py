@@ -74,11 +74,11 @@ def simulate(
     duhem finds a closer point of K.  The exact method and a stress path need no closest point; for them duhem looks for a proof only
     with ``require``.
 
-    ``start`` is a part of the same run, from which the run continues.  ``on_step(done, all)`` reports progress.  ``checkpoint`` is a
-    pair of seconds and a function: the function is called with the history so far, not more often than that and in at most a tenth of
-    the time. Raises InputError for invalid input and for a pressure outside the range that the law declares; :class:`LeftPrecision` if
-    numbers overflow or underflow, and :class:`LeftDomain` if the stress at the end of a step lies outside a declared range, both
-    InputErrors; and :class:`Interrupted`, a KeyboardInterrupt.  The last three contain the history so far.
+    ``start`` is a part of the same run, from which the run continues.  ``on_step(done, all)`` reports progress.  ``checkpoint``, of one
+    path, is a pair of seconds and a function: the function is called with the history so far, not more often than that and in at most a
+    tenth of the time.  Raises InputError for invalid input and for a pressure outside the range that the law declares;
+    :class:`LeftPrecision` if numbers overflow or underflow, and :class:`LeftDomain` if the stress at the end of a step lies outside a
+    declared range, both InputErrors; and :class:`Interrupted`, a KeyboardInterrupt.  The last three contain the history so far.
 
     Many points: ``path`` is :class:`Paths`, each of ``parameters`` is a number or one number per point (N,), ``stress`` is (d,) or (N,
     d), and the result is :class:`Histories`.  Each point has the same numbers as in a path of its own.  If a point cannot continue, its
