@@ -455,11 +455,11 @@ def _positive_root(g: sp.Expr, force: sp.Symbol, sign: int) -> sp.Expr | None:
     return roots[0] if len(roots) == 1 else None
 
 
-def _one_dimensional_equations(names: Names) -> Iterator[Equation]:
+def _one_dimensional_equations(names: Names, sections: Sequence[LineSection | None]) -> Iterator[Equation]:
     """Eq. (1) for each force alone: the interval of the sticking state and the elastic, perfectly plastic branch."""
     law, alone = names.law, len(names.forces) == 1
-    for i, force in enumerate(names.forces):
-        if (found := interval(law, force)) is None:
+    for i, (force, found) in enumerate(zip(names.forces, sections, strict=True)):
+        if found is None:
             continue
         low, high = found.low, found.high
         tail, nth = law.forces[i].removeprefix("sigma_"), "" if alone else f".{i + 1}"
@@ -513,7 +513,8 @@ def _equations(law: Criterion, names: Names, left_out: list[LeftOut]) -> Iterato
     else:
         yield from _potential_equations(names, support)
     yield from _increment_equations(names, found)
-    yield from _one_dimensional_equations(names)
-    for force in names.forces:
-        if interval(law, force) is None:
+    sections = [interval(law, force) for force in names.forces]
+    yield from _one_dimensional_equations(names, sections)
+    for force, section in zip(names.forces, sections, strict=True):
+        if section is None:
             left_out.append(LeftOut(f"reduction to {force} alone", "K on that line is unbounded or has no closed form"))
