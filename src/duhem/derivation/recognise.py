@@ -18,7 +18,7 @@ import sympy as sp
 
 from duhem.derivation.gauge import Gauge, Holder, Polytope, Quadratic, Separable, Side
 from duhem.expression.branches import TooManyBranchesError, branches
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import KINKS, Norm
 
 __all__ = [
     "Ball", "Facets", "Form", "Leaf", "Node", "Tree", "UnreadError", "assemble", "factor_list", "factored", "independent", "read_ball",
@@ -177,7 +177,7 @@ def _signed_sums(leaves: Sequence[Leaf]) -> Iterator[Row]:
 
 
 _MOST_OPERATIONS = 200  # in the matrix of a quadratic form
-_KINKED = (sp.Abs, Pos, Neg, sp.Max, sp.Min, Norm, Where)
+_KINKED = (*KINKS, Norm)
 
 
 @dataclass(frozen=True)

@@ -87,7 +87,7 @@ def branches(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...]:
     def kink(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
         return _capped((b for parts in _joint(values, wheres) for b in _split(node, parts, wheres)), most)
 
-    table: dict[type, Callable[..., tuple[Branch, ...]]] = {node: kink for node in (sp.Abs, Pos, Neg, sp.Max, sp.Min, Where)}
+    table: dict[type, Callable[..., tuple[Branch, ...]]] = dict.fromkeys(KINKS, kink)
 
     class _Table(dict[type, Callable[..., tuple[Branch, ...]]]):
         def get(self, key: Any, default: Any = None) -> Any:
