@@ -174,7 +174,10 @@ _MOST = 4  # parameters in one line
 
 
 class DeclaredLaw(Verbatim, Shown):
-    """A law of either kind: its names and their symbols; it is shown by ``law_sheet``, which is imported when that is asked."""
+    """What a law declares, whether a formula or a curve bounds its K: names with their symbols, and the law it is a part of.
+
+    ``law_sheet`` shows a law of either kind, and is imported when one is first shown.
+    """
 
     printed_by: ClassVar[str] = "duhem.law.law_sheet"
 
