@@ -188,7 +188,7 @@ _WEIGHTS = np.array([1.0, -6.0, 8.0])  # over 3
 
 
 def filled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Program:
-    """``expr`` as a function of ``symbols``, like :func:`duhem.expression.numpy_.compiled`.
+    """``expr`` as a function of ``symbols``, like :func:`compiled`.
 
     It has limits if the formula divides by one of them or takes an angle of them.
     """

@@ -89,7 +89,7 @@ def _in_domain(name: str, domain: Domain) -> str:
 @sheet.register(Criterion)
 @sheet.register(ParametricCriterion)
 def as_sheet(law: Law) -> Sheet:
-    """The fields of :func:`duhem.law.law_sheet.stated`, the boundary as a formula."""
+    """The fields of :func:`stated`, the boundary as a formula."""
     (title, boundary), *rest = stated(law)
     fields: tuple[tuple[str, str | Typeset], ...] = ((title, Typeset(boundary, as_latex(law))), *rest)
     return Sheet(f"{law.name}: {law.summary}" if law.summary else law.name, fields)
