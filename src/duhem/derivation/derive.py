@@ -29,7 +29,7 @@ from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.formula_law import Criterion
 from duhem.omitted import LeftOut
 
-__all__ = ["LineSection", "derive", "interval"]
+__all__ = ["derive"]
 
 STATE, DISSIPATION = "State and state laws", "Clausius-Duhem inequality"
 CRITERION, FLOW, POTENTIAL = "Criterion", "Evolution law", "Dissipation potential"

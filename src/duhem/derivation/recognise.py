@@ -20,10 +20,7 @@ from duhem.derivation.gauge import Gauge, Holder, Polytope, Quadratic, Separable
 from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.expression.vocabulary import KINKS, Norm
 
-__all__ = [
-    "Ball", "Facets", "Form", "Leaf", "Node", "Tree", "UnreadError", "assemble", "factor_list", "factored", "independent", "read_ball",
-    "scaled",
-]  # fmt: skip
+__all__ = ["Ball", "factor_list", "factored", "read_ball"]
 
 
 def factor_list(poly: sp.Expr) -> tuple[sp.Rational, list[tuple[sp.Expr, int]]]:

@@ -26,8 +26,8 @@ from duhem.expression.mpmath_ import reach
 from duhem.law.formula_law import Criterion
 
 __all__ = [
-    "BITS", "ROUGH", "Biconjugate", "SupportFunction", "biconjugate", "compression", "defects", "finite", "fixed", "gauges_agree",
-    "rate_symbols", "sample_values", "support_function", "varies",
+    "BITS", "ROUGH", "Biconjugate", "SupportFunction", "biconjugate", "compression", "defects", "finite", "fixed", "rate_symbols",
+    "sample_values", "support_function", "varies",
 ]  # fmt: skip
 
 
@@ -91,8 +91,8 @@ def fixed(law: Criterion, parameters: Mapping[str, Any] | None = None) -> Criter
 def support_function(law: Criterion, parameters: Mapping[str, Any] | None = None) -> SupportFunction | None:
     """Closed form of sup { sigma . d : g(sigma, sigma_n) <= 0 }, or None where the calculus has none.
 
-    What the rules give is returned only after :func:`duhem.derivation.support_function.defects` finds nothing against it: the
-    maximiser lies in K and attains the potential, and no point of K exceeds it, at random exact parameters.
+    What the rules give is returned only after :func:`defects` finds nothing against it: the maximiser lies in K and attains the
+    potential, and no point of K exceeds it, at random exact parameters.
     """
     law = fixed(law, parameters)
     rates = rate_symbols(law)

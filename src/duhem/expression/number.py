@@ -12,7 +12,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 
-__all__ = ["DECIMAL", "exact_number", "exact_text", "fraction", "nearest_double", "ratio", "rational"]
+__all__ = ["DECIMAL", "MOST_DIGITS", "exact_number", "exact_text", "fraction", "nearest_double", "ratio", "rational"]
 
 # A decimal without sign.  At most MOST_DIGITS digits and a scale of at most 10^+-MOST_DIGITS: beyond doubles, yet cheap.
 DECIMAL = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"

@@ -22,11 +22,11 @@ from duhem.errors import InputError
 from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut
 from duhem.expression.build import AS_WRITTEN, EVALUATED, Building, settled, unacceptable
 from duhem.expression.fold import fold
-from duhem.expression.number import DECIMAL, exact_number, ratio
+from duhem.expression.number import DECIMAL, exact_number
 from duhem.expression.spelling import spelled
 from duhem.expression.vocabulary import NODES, WORDS
 
-__all__ = ["exact_number", "parse_as_written", "parse_expression", "parse_relation", "ratio", "reread"]
+__all__ = ["exact_number", "parse_as_written", "parse_expression", "parse_relation", "reread", "written_out"]
 
 MOST_CHARACTERS = 20_000
 MOST_TOKENS = 4_000

@@ -23,7 +23,7 @@ from duhem.law.parameter_domain import check_domain
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import Verification, verify
 
-__all__ = ["bootstrapped", "covariance", "estimated", "fisher_information", "leverage", "outlying", "scatter_level"]
+__all__ = ["estimated"]
 
 Array = NDArray[np.float64]
 

@@ -29,7 +29,7 @@ from duhem.law.given_text import Relations
 from duhem.law.parameter_domain import check_domain
 from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
 
-__all__ = ["SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
+__all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
 
 Declared = tuple[str, str, str]  # a name, and the section and key that declare it
 Reading = Callable[..., tuple[sp.Expr, str]]  # of a place: the formula there, and its text
