@@ -66,6 +66,18 @@ def test_every_place_named_exists(text: str) -> None:
     assert [name for name in named if not any((folder / name).exists() for folder in (ROOT, ROOT / "src" / "duhem"))] == []
 
 
+def test_every_dotted_name_exists() -> None:
+    """`room.module`, `module.name`: what stands before the dot is a folder or file, and has what stands after it."""
+    folder = ROOT / "src" / "duhem"
+    named = [tuple(name.split(".")) for name in re.findall(r"`([a-z_]+(?:\.\w+)+)`", ARCHITECTURE)]
+    ours = [(holder, name) for *_, holder, name in named if holder != "duhem" and [*folder.rglob(holder), *folder.rglob(f"{holder}.py")]]
+    assert len(ours) >= 10
+    for holder, name in ours:
+        within = any((room / f"{name}.py").exists() or (room / name).is_dir() for room in folder.rglob(holder))
+        texts = (file.read_text("utf-8") for file in folder.rglob(f"{holder}.py"))
+        assert within or any(re.search(rf"^(?:def|class) {name}\b|^{name}\b.*=", text, re.M) for text in texts), f"{holder}.{name}"
+
+
 def test_every_table_named_is_in_the_file_named_with_it() -> None:
     """`TABLE` … `file`: a row of the page names a table before or after the file that holds it."""
     page = CONTRIBUTING.split("## Where do I change what")[1].split("\n## ")[0]
