@@ -39,8 +39,8 @@ _expect_option = click.option(
     metavar="CLAIM=VERDICT",
     multiple=True,
     shell_complete=complete_expected,
-    help="A verdict that is no failure, such as smoothness=refuted for corners; any other on this claim is one. Goes before what the"
-    " law's own file expects. Repeatable.",
+    help="The verdict that you expect of a claim, such as smoothness=refuted for a law with corners: it counts as no failure, and any"
+    " other verdict on this claim as one. Takes precedence over expect in the law. Repeatable.",
 )
 
 _ORDER = ("refuted", "undecided", "tested", "proved", "not_applicable")  # what deserves a look comes first
