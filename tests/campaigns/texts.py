@@ -108,7 +108,7 @@ def by_product(text: str, known: Mapping[str, sp.Symbol]) -> Any:
     try:
         return parse_expression(text, known)
     except InputError as fault:
-        if "comparison stands only" not in fault.what:
+        if "comparison may only" not in fault.what:
             return None
     try:
         return parse_relation(text, known)

@@ -207,7 +207,7 @@ WRONG = {
     "expected": (f"{CHECKS}expect = {{ tangant = 'x' }}", "c:9:1: unknown check 'tangant'"),
     "reason": (f"{CHECKS}expect = {{ tangent = 1 }}", "c:9:1: .* does not map checks to reasons"),
     "no pairs": (f"{CHECKS}expect = ['tangent']", "c:9:1: .* does not map checks to reasons"),
-    "claims": (f"{ROWS}", "a routine is given, and claims are asked"),
+    "claims": (f"{ROWS}", 'a routine is given, but ask = "claims"'),
     "axis": (STRESS.replace("aspect", "aspct"), "c:7:1: unknown name 'aspct of K'; they are: load"),
     "axes": (STRESS.replace('["aspect of K", "seam distance"]', '"load"'), "c:7:1: axes is no list of different names"),
     "method": (f"{STRESS}methods = ['newtn']", "c:8:1: unknown name 'newtn'"),
@@ -225,7 +225,7 @@ def test_a_mistake_in_the_file_is_told_with_its_place(tmp_path, case):
 def test_what_is_to_be_asked_must_be_given(folder):
     with pytest.raises(InputError, match='ask = "checks" needs a routine; name it with --routine module:callable'):
         file.reads(CHECKS)
-    with pytest.raises(InputError, match="stress is asked, and nothing is given"):
+    with pytest.raises(InputError, match='ask = "stress" needs an argument that is missing'):
         file.reads(STRESS)
     with pytest.raises(InputError, match=r"ask=duhem.testing.RoutineChecks\(routine\)"):
         duhem.campaign(["coulomb"], routine=routines.right)

@@ -243,7 +243,7 @@ def _by_jaxmat(question: Increment, options: PeerOptions) -> Solution:
     hardening).  In doubles, and with the tolerance that jaxmat has; what is compiled is compiled anew for each number of points.
     """
     if options.tolerance is not None:
-        raise InputError("jaxmat is compiled once a process, with its own tolerance", where="tolerance", remedy="leave it out")
+        raise InputError("jaxmat is compiled once a process, with its own tolerance", where="tolerance", remedy="remove it")
     surface, moduli = _surface(question), _moduli(question.stiffness)
     assert surface is not None and moduli is not None  # as applies has it
     import jax

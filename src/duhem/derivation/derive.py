@@ -486,7 +486,7 @@ def derive(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, s
     chosen = load(law)
     if isinstance(chosen, ParametricCriterion) and chosen.derivation:
         if parameters:
-            raise InputError("this derivation is for all parameters", where="parameters", remedy="leave them out")
+            raise InputError("this derivation is for all parameters", where="parameters", remedy="remove them")
         own: Derivation = chosen.derive()
         return own
     stated = fixed(load_formula(chosen), parameters)

@@ -218,7 +218,7 @@ class Abbreviations:
         name, end = spelled(token[0]), token.end()
         called = text[end:].lstrip().startswith("(")
         if name in self.to_come:
-            raise InputError(f"{name!r} is used before it is defined", remedy="a definition uses what stands above it")
+            raise InputError(f"{name!r} is used before it is defined", remedy="a definition may use only the names above it")
         if name in self.formulas:
             if called:
                 raise InputError(f"{name!r} is not a function of the language", remedy=f"write {name}*(...)")

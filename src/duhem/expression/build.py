@@ -126,7 +126,7 @@ def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
     if word == "sqrt":
         return power(args[0], sp.S.Half)
     if word == "atan2" and any(a.has(Atan2) for a in args):
-        raise InputError("atan2 stands within atan2", remedy="write the inner angle otherwise")
+        raise InputError("atan2 occurs inside atan2", remedy="write the inner angle otherwise")
     if word in ("log", "log10") and _is_zero(args[0]):
         raise InputError(f"{word}(0) is not finite", remedy=f"give {word} a positive argument")
     if word == "exp" and args[0].is_number and approximate(args[0]) > 700:

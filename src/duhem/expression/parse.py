@@ -322,7 +322,7 @@ class _Reader:
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
                 return self.called(name, args, depth)
             case ast.Compare() | ast.BoolOp():
-                raise InputError("a comparison stands only as the first argument of where", remedy="write where(condition, a, b)")
+                raise InputError("a comparison may only be the first argument of where", remedy="write where(condition, a, b)")
             case _:
                 raise InputError("this is not part of the language", remedy=_ARITHMETIC)
 

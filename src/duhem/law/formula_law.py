@@ -341,7 +341,7 @@ class Criterion(DeclaredLaw):
     def _components(self, stress: Stress) -> tuple[str, ...]:
         if tuple(self.forces) not in (FORCES, stress.components):
             what = f"forces and a stress {stress.name!r} are both declared"
-            raise InputError(what, where=self.name, remedy="leave them out: they are its components")
+            raise InputError(what, where=self.name, remedy="remove them: they are its components")
         return stress.components
 
     def _check_names(self) -> None:

@@ -278,7 +278,7 @@ def _room(n: int, d: int) -> Solution:
 def _checked(into: Solution, n: int, d: int) -> Solution:
     """``into`` where it fits the question."""
     if not isinstance(into, Solution):
-        raise InputError(f"into is {into!r}", where="into", remedy="give a Solution, or leave it out")
+        raise InputError(f"into is {into!r}", where="into", remedy="give a Solution, or remove it")
     expected = {field.name: getattr(_room(0, d), field.name) for field in fields(Solution)}
     for name, like in expected.items():
         given = getattr(into, name)

@@ -101,7 +101,7 @@ def rungs(solver: str, tolerance: float | None) -> Rungs:
     if not (math.isfinite(tolerance) and tolerance > 0):
         raise InputError(f"the tolerance {tolerance} is not a positive number", where="tolerance", remedy="give one such as 1e-9")
     if dialect is None:
-        raise InputError(f"duhem does not know the tolerance option of {solver}", where="tolerance", remedy="leave it out")
+        raise InputError(f"duhem does not know the tolerance option of {solver}", where="tolerance", remedy="remove it")
     return (dialect.rung(tolerance),)
 
 

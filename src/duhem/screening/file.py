@@ -318,14 +318,14 @@ class _CampaignReader(SectionReader):
                 raise self.error(f"[{section}] is not asked for", section, remedy=f'write ask = "{section}" in [campaign]')
         routine = means.get("routine")
         if routine is not None and ask != "checks":
-            raise self.error(f"a routine is given, and {ask} are asked", "campaign", "ask", remedy='write ask = "checks"')
+            raise self.error(f'a routine is given, but ask = "{ask}"', "campaign", "ask", remedy='write ask = "checks"')
         if ask == "claims":
             from duhem.proof.decide import EFFORTS
 
             return Claimed(self.claims(head), self.one_of(EFFORTS, head.get("effort", "normal"), "campaign", "effort")), []
         for key in ("claims", "effort"):
             if key in head:
-                raise self.error(f"{key} is for claims, and {ask} are asked", "campaign", key, remedy="leave it out")
+                raise self.error(f'{key} is for claims, but ask = "{ask}"', "campaign", key, remedy="remove it")
         if ask == "increments":
             return self.increments(folder, means.get("project"))
         if ask == "stress":
@@ -338,7 +338,7 @@ class _CampaignReader(SectionReader):
     def made(self, section: str, make: Callable[..., Inquiry] | None, remedy: str, *given: Any) -> Inquiry:
         """What another room makes of the options in a section; what it refuses is told with its place."""
         if make is None:
-            raise self.error(f"{section} is asked, and nothing is given that asks it", "campaign", "ask", remedy=remedy)
+            raise self.error(f'ask = "{section}" needs an argument that is missing', "campaign", "ask", remedy=remedy)
         options = self.table(section, required=False)
         self.keys(section, options, _SECTIONS[section])
         try:
@@ -371,9 +371,7 @@ class _CampaignReader(SectionReader):
         from duhem.projection.methods import METHODS
 
         if project is None:
-            raise self.error(
-                "increments are asked, and nothing is given to solve them", "campaign", "ask", remedy="give project=duhem.project"
-            )
+            raise self.error('ask = "increments" needs an argument that is missing', "campaign", "ask", remedy="give project=duhem.project")
         given = self.table("increments", required=False)
         self.keys("increments", given, _SECTIONS["increments"])
         if ("n" in given) == ("table" in given):
