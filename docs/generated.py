@@ -41,7 +41,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def atlas() -> str:
     """Every published law by group: its verdicts as `duhem atlas` prints them, and what is said of it."""
-    from duhem.cli.atlas import word
+    from duhem.cli.verbs.atlas import word
     from duhem.law.atlas.entry import ASKED, entries, groups
 
     parts = []

@@ -1,5 +1,5 @@
-"""What the layout promises: a law, a word, a decider, a rule of the kernel, a method of projection and a check are each one new file or one
-row a table.
+"""What the layout promises: a law, a word, a decider, a rule of the kernel, a method of projection, a check and a verb are each one new
+file or one row a table.
 
 Each is added to a copy of the checkout in which nothing else is edited, and must be taken up everywhere.
 """
@@ -333,3 +333,62 @@ def test_a_check_is_run_of_every_routine_and_told(tmp_path: Path) -> None:
     tree.write("routines.py", ROUTINES)
     right, _, wrong = tree.run("-c", RUN).partition("\n")
     assert right == "True " and wrong.startswith("False ") and "the stress is no longer than the trial stress" in wrong
+
+
+# -- a verb of the command line: one file ------------------------------------------------------------------------------
+
+VERB = '''\
+"""``duhem hello``: a law's name."""
+
+from __future__ import annotations
+
+import click
+
+from duhem.cli.arguments import law_argument, read_law
+from duhem.cli.output import say
+
+__all__ = ["hello"]
+
+
+@click.command()
+@law_argument
+def hello(law: str) -> None:
+    """Print the name of LAW."""
+    say(read_law(law).name)
+'''
+TEST_OF_VERB = '''\
+"""The name of a law is printed, and what is no law is an error."""
+
+import pytest
+
+from duhem.cli import cli
+from duhem.errors import InputError
+
+
+def test_it_prints_the_name(capsys):
+    cli.main(["hello", "orthotropic"], standalone_mode=False)
+    assert capsys.readouterr().out == "orthotropic\\n"
+
+
+def test_what_is_no_law_is_an_error():
+    with pytest.raises(InputError, match="no-such-law"):
+        cli.main(["hello", "no-such-law"], standalone_mode=False)
+'''
+
+
+def test_a_verb_is_run_listed_completed_and_tested(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    tree = Tree.copied(tmp_path)
+    before = tree.run("-m", "duhem", "--help")
+    tree.write("src/duhem/cli/verbs/hello.py", VERB)
+    tree.write("tests/cli/test_hello.py", TEST_OF_VERB)
+    assert tree.run("-m", "duhem", "hello", "coulomb") == "coulomb\n"
+    assert "Usage: duhem hello [OPTIONS] LAW\n\n  Print the name of LAW." in tree.run("-m", "duhem", "hello", "--help")
+    said = tree.run("-m", "duhem", "--help")
+    row = "  hello     Print the name of LAW.\n"
+    assert row in said and said.replace(row, "") == before
+    passed = re.search(r"(\d+) passed", tree.run("-m", "pytest", "-p", "no:cacheprovider", "-q", "tests/cli/test_hello.py"))
+    assert passed and passed[1] == "2"
+    for words, offered in (("duhem he", "plain,hello\n"), ("duhem hello ortho", "plain,orthotropic\n")):
+        for name, value in {"_DUHEM_COMPLETE": "bash_complete", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))}.items():
+            monkeypatch.setenv(name, value)
+        assert tree.run("-m", "duhem").startswith(offered)

@@ -20,7 +20,7 @@ from click.shell_completion import ShellComplete
 
 import duhem
 from duhem.cli import cli, output
-from duhem.cli.doctor import CORE, EXTRAS, PURPOSES
+from duhem.cli.verbs.doctor import CORE, EXTRAS, PURPOSES
 from duhem.errors import MissingExtraError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import groups
@@ -457,7 +457,7 @@ def test_doctor_gives_the_remedy_for_a_gap(run: Run, monkeypatch: pytest.MonkeyP
     assert code == 0
     assert 'pip install "duhem[plot]"' in out
     assert 'pip install "duhem"' not in out
-    monkeypatch.setattr(sys.modules["duhem.cli.doctor"], "CORE", ("matplotlib",))
+    monkeypatch.setattr("duhem.cli.verbs.doctor.CORE", ("matplotlib",))
     code, out, _ = run("doctor")
     assert code == 4
     assert 'pip install "duhem"' in out

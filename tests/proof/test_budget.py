@@ -12,7 +12,7 @@ import sympy as sp
 
 import duhem.proof
 from duhem import InputError, verify
-from duhem.cli.verify import verify as command
+from duhem.cli.verbs.verify import verify as command
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense, decide
 from duhem.proof.facts import subject as subject_module

@@ -15,7 +15,7 @@ import pytest
 
 import duhem_pytest
 from duhem.api import histories, increments
-from duhem.cli.test import test as command
+from duhem.cli.verbs.test import test as command
 from duhem.testing.in_pytest import collected_files, marked_routines, snapshot_fixture  # what a run imports and would forget at its end
 from duhem.testing.in_pytest.marked_routines import PROFILES
 

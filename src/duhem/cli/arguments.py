@@ -30,6 +30,7 @@ __all__ = [
     "complete_law",
     "convex_option",
     "format_option",
+    "group_option",
     "law_argument",
     "laws_argument",
     "modules_beside_the_user",
@@ -90,6 +91,7 @@ def _complete_setting(context: click.Context, _: click.Parameter, incomplete: st
 
 law_argument = click.argument("law", shell_complete=complete_law)
 laws_argument = click.argument("laws", nargs=-1, required=True, metavar="LAW...", shell_complete=complete_law)
+group_option = click.option("--group", metavar="GROUP", help="Show only this group of the atlas, for example metals.")
 settings_option = click.option(
     "--set",
     "settings",

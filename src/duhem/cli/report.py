@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from duhem.cli.arguments import read_law
-from duhem.cli.doctor import CORE, versions
+from duhem.cli.verbs.doctor import CORE, versions
 from duhem.derivation import derive
 from duhem.derivation.printing import chapters
 from duhem.errors import DuhemError, InputError, MissingExtraError

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import format_option
-from duhem.cli.list_laws import group_option
+from duhem.cli.arguments import format_option, group_option
 from duhem.cli.output import Progress, endless_page, say
 
 if TYPE_CHECKING:

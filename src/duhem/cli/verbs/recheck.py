@@ -10,7 +10,6 @@ import click
 from duhem.cli.arguments import complete_law, read_fixed_law, settings_option
 from duhem.cli.output import HELD, REFUTED, UNDECIDED, page, say
 from duhem.errors import InputError
-from duhem.proof import recheck as rechecking
 
 __all__ = ["recheck"]
 
@@ -31,6 +30,8 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
     """
     if not certificate.strip():
         raise InputError("no file is named", where="CERTIFICATE", remedy="make one with: duhem verify LAW --certificate FILE")
+    from duhem.proof import recheck as rechecking
+
     done = rechecking.recheck(Path(certificate))
     if law is not None:
         from duhem.proof.certificate import law_as_text

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import click
 
+from duhem.cli.arguments import group_option
 from duhem.cli.output import endless_page, say
 
-__all__ = ["group_option", "list_laws"]
-
-group_option = click.option("--group", metavar="GROUP", help="Show only this group of the atlas, for example metals.")
+__all__ = ["list"]
 
 
-@click.command("list")
+@click.command()
 @group_option
-def list_laws(group: str | None) -> None:
+def list(group: str | None) -> None:
     """List the built-in laws and the groups of the atlas.
 
     The atlas is the collection of published laws; --group lists the laws of one group.
