@@ -3,10 +3,11 @@
 Phi(d) = sup { sigma . d : g(sigma) <= 0 } is the Legendre-Fenchel conjugate of the indicator of K (Rockafellar 1970,
 Theorem 13.2).  Where K is read as centre + radius {gauge <= 1}, Phi(d) = centre . d + radius gauge°(d), with gauge°
 the polar gauge.  Units: those of the stresses; rates d are dimensionless or in one unit; sigma_n <= 0 in compression.
+:func:`biconjugate` goes the way back, from the potential to the gauge of K.  How K is read from g is in :mod:`duhem.derivation.recognise`.
 
-What is claimed is tried by evaluation at random exact parameters (:func:`defects`).  Three facts make a support function: its maximiser
-lies in K, attains the potential, and no point of K exceeds it.  The first two are evaluated with 40 digits; the third on points of the
-boundary of K found from g alone, along rays, without any use of how K was read.
+Nothing here is a proof.  What is claimed is tried by evaluation at random exact parameters (:func:`defects`).  Three facts make a support
+function: its maximiser lies in K, attains the potential, and no point of K exceeds it.  The first two are evaluated with 40 digits; the
+third on points of the boundary of K found from g alone, along rays, without any use of how K was read.
 """
 
 from __future__ import annotations

@@ -1,4 +1,10 @@
-"""The four-quadrant ellipse: which quarter each point belongs to, in blocks, with only the slipping points worked on."""
+"""Closest points on the four-quadrant ellipse: four quarter ellipses, each with two of the four coefficients.
+
+:class:`Quarters` has the constants of the quarters, computed exactly from coefficients and stiffness.  :func:`project` fills in stress,
+slip and multiplier for a block of trial stresses: it finds which points slip and which quarter holds each result.  :func:`plain_closest`
+does so for one point on plain numbers.  The formulas of one quarter stand in :mod:`duhem.projection.quarter_ellipse`.  :func:`clamped` is
+for one force, or for one axis where a coefficient is zero.
+"""
 
 from __future__ import annotations
 

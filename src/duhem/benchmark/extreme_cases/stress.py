@@ -1,7 +1,8 @@
-"""Every method on every extreme case, judged against many digits: finite, feasible, how many digits, flagged or not.
+"""Every method on every extreme case, judged against a reference in many digits.
 
-Input that must not be answered has to be refused, with the argument and the index named.  What a campaign asks of each of its rows is a
-line a case: its error against the reference, its status.
+:func:`stress` notes of each answer whether it is finite, whether it lies in K, how many digits are right, and whether the method flagged
+it; bad input must be refused, with the argument and the index named.  :class:`StressCases` asks the same of each row of a campaign: a line
+for each case has a verdict (ok, wrong, flagged, ...) and these counts.  The module ``cases`` makes the cases, ``report`` prints the result.
 """
 
 from __future__ import annotations

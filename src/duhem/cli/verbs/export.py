@@ -1,4 +1,4 @@
-"""``duhem export``: a law's increment as source for other programs."""
+"""``duhem export``: a law's increment as C or Fortran source, with the verdicts on the law in its head."""
 
 from __future__ import annotations
 

@@ -1,9 +1,12 @@
-"""A formula by its degrees in the forces: what is of degree k becomes r^k times itself at r times the forces, r > 0.
+"""Answers from the degrees of a formula in the forces: what is of degree k becomes r^k times itself at r times the forces, r > 0.
+
+:func:`by_degree` splits a formula into its parts G_k.  The other functions answer yes or no, each for one argument below; they leave
+the signs of the sums to the domain.  False, or NotWritten, means only that this argument does not apply.
 
 With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Euler).  Where g = 0 it is the sum of (k - m) G_k as well,
 for every m; one of these sums that is positive everywhere shows that g rises outward on its zeros.  The power of a flow that is the
-gradient of a potential is such a sum too, and so is its limit where gradients meet.  Of one degree alone g keeps its sign along each
-ray: K is a cone, and sigma . n = 0 for every normal n at sigma.
+gradient of a potential is such a sum too, and so is its limit where gradients meet.  Where all of g is of one degree, g keeps its sign
+along each ray: K is a cone, and sigma . n = 0 for every normal n at sigma.
 
 A flow of the law's own whose power is a constant times g and something >= 0 has power >= 0 wherever g = 0.  Where a tip of g is 0, as at
 the apex of a cone, g has a cone of normals, and the formula of a flow like the gradient of a potential no value; see
