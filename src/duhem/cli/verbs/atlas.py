@@ -22,13 +22,13 @@ _OPEN = ("tested", "undecided")
 @group_option
 @format_option("text", "markdown", "json")
 @click.option(
-    "--plot", "file", metavar="FILE", help="Instead of printing, draw a section of each law on one sheet (.png, .svg, .pdf, ...)."
+    "--plot", "file", metavar="FILE", help="Draw a section of each law, all on one sheet (.png, .svg, .pdf, ...), and print no list."
 )
 def atlas(group: str | None, form: str, file: str | None) -> None:
     """List published laws, their claims in the literature, and verdicts.
 
-    A verdict covers the whole domain in the file of the law. "open" means that no method decided the claim. You can use each name as
-    LAW in every command.
+    A verdict covers the whole domain that the file of the law declares. "open" means that no method decided the claim. You can use
+    each name as LAW in every command.
     """
     from duhem.law.atlas.entry import entries
 

@@ -27,7 +27,11 @@ __all__ = ["project"]
 @law_argument
 @settings_option
 @click.option(
-    "--trial", metavar="A B ...", required=True, help="Trial stress k (u - u_in): the stress without further slip, one number per force."
+    "--trial",
+    metavar="A B ...",
+    required=True,
+    help="Trial stress, one number per force: the stress without further slip, k (u - u_in), with the displacement u and the slip u_in"
+    " so far.",
 )
 @click.option("--pressure", metavar="N", help="Pressure (normal stress) sigma_n <= 0 in compression.")
 @click.option(
@@ -42,8 +46,9 @@ def project(
 ) -> int:
     """Compute one slip increment of LAW.
 
-    The new stress is the closest point of K, the set of admissible stresses, to the trial stress. The output shows the stress, the
-    slip, the multiplier, and the residuals of the optimality conditions, which duhem recomputes from the formula of the law.
+    K is the set of admissible stresses. The new stress is the point of K that is closest to the trial stress. The output shows the
+    stress, the slip, the multiplier, and the residuals of the optimality conditions, which duhem recomputes from the formula of the
+    law.
 
     The status is stick or slip if the answer is sound. Every other status ends with exit code 4: inaccurate or failed (the residuals
     are too large, or a closer point of K was found), stationary (K is not known to be convex, so a closer point may exist), outside

@@ -32,10 +32,10 @@ def stress(
 ) -> int:
     """Test every method for LAW on stiff and extreme increments.
 
-    The default law is antoni2007. The difficulty grows by factors of ten. duhem compares each answer with a reference in fifty digits:
-    is it finite, is it in K, how many digits are accurate, and does the method flag it? An answer with fewer than 6 accurate digits and
-    no flag is counted as silently wrong. Each method must also reject input that is not finite. Every parameter needs a value (--set);
-    the default values of antoni2007 are those of Figure 5 of the paper.
+    The default law is antoni2007. From case to case, the difficulty grows by powers of ten. duhem compares each answer with a
+    reference in fifty digits. It tells which answers are finite and in K, how many digits of them are accurate, and which of them the
+    method flags. An answer with fewer than 6 accurate digits and no flag is counted as silently wrong. Each method must also reject
+    input that is not finite. Every parameter needs a value (--set); the default values of antoni2007 are those of Figure 5 of the paper.
 
     Exit codes: 0 measured, whatever the results are; 2 usage or file error; 4 no method gave an answer; 130 interrupted, after printing
     the results so far.
