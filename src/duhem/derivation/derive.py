@@ -490,6 +490,10 @@ def derive(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, s
         own: Derivation = chosen.derive()
         return own
     stated = fixed(load_formula(chosen), parameters)
+    if stated.energy is not None or stated.viscous:
+        what = "an energy" if stated.energy is not None else "a potential of rates"
+        what = f"{stated.name} has {what} of its own, and what is derived here is a rate-independent law with the quadratic energy"
+        raise InputError(what, where="law", remedy="ask duhem verify, which examines its state laws and its dissipation")
     names = Names.of(stated, stiffness)
     left_out: list[LeftOut] = []
     return Derivation(stated.name, tuple(_equations(stated, names, left_out)), tuple(left_out), names)

@@ -28,11 +28,13 @@ from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, Plac
 from duhem.law.given_text import Relations
 from duhem.law.parameter_domain import check_domain
 from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
+from duhem.law.state import Variable, Variables, misfits
 
 __all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
 
 Declared = tuple[str, str, str]  # a name, and the section and key that declare it
 Reading = Callable[..., tuple[sp.Expr, str]]  # of a place: the formula there, and its text
+Slots = Sequence[tuple[str, str | None]]  # what each entry of a flow is the rate of, and the force of that
 
 
 @dataclass(frozen=True)
@@ -130,7 +132,11 @@ _CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", 
 _MOST = {
     ("criterion", "forces"): 100, ("criterion", "constraints"): 200, ("parameters",): 200, ("define",): 500, ("surface",): 200,
 }  # fmt: skip
+_SECTIONS = (
+    "criterion", "define", "domain", "parameters", "variables", "energy", "flow", "surface", "boundary", "dissipation", "atlas",
+)  # fmt: skip
 _PARAMETER = ("positive", "min", "max", "value")
+_VARIABLE = ("force", "observable", "temperature")
 _ATLAS = ("equation", "claims", "verdicts", "note")  # what is said of the law: nothing of it is part of the law
 
 
@@ -159,7 +165,7 @@ class _CriterionReader(SectionReader):
     """From the document of a criterion file to the law; stops at the first fault."""
 
     def law(self) -> Law:
-        self.keys("", self.document, ("criterion", "define", "domain", "parameters", "flow", "surface", "boundary", "atlas"))
+        self.keys("", self.document, _SECTIONS)
         self.keys("atlas", self.table("atlas", required=False), _ATLAS)
         self.keys("criterion", self.table("criterion"), _CRITERION)
         self.check_sizes()
@@ -168,21 +174,28 @@ class _CriterionReader(SectionReader):
         forces = self.names() if stress is None else list(stress.components)
         pressure = self.pressure()
         given = self.table("parameters", required=False)
+        variables = self.variables(forces)
         domains = {spelled(p): self.domain(p, entry) for p, entry in given.items()}
         declared = [(f, "criterion", "forces") for f in forces] + ([(pressure, "criterion", "pressure")] if pressure else [])
-        declared += [(spelled(p), "parameters", p) for p in given]
+        declared += [(name, "variables", name) for name in variables] + [(spelled(p), "parameters", p) for p in given]
+        domains = {name: own.domain for name, own in variables.items()} | domains
         self.check_names(declared, Abbreviations(stress=stress).words())
         known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
         known |= {p: domain.symbol(p) for p, domain in domains.items()}
         if "boundary" in self.document:
             self.alone("[boundary]", "criterion", "g", "potential", "stress")
-            self.alone("[boundary]", "", "flow", "surface", "domain")
+            self.alone("[boundary]", "", "flow", "surface", "domain", "energy", "variables")
             return self.curve(forces, pressure, domains, declared)
         define = self.definitions(known, stress)
         axes, read = [known[f] for f in forces], partial(self.stated, known=known, short=define.short)
-        surfaces = self.surfaces(axes, read)
-        whole = YieldSurface(sp.nan) if surfaces else self.whole(axes, read)
-        head = self.head(forces, pressure, domains, define)
+        viscous = "potential" in self.table("dissipation", required=False)
+        if viscous:
+            self.alone("the potential of [dissipation]", "criterion", "g", "potential")
+            self.alone("the potential of [dissipation]", "", "flow", "surface")
+        slots = variables.slots(forces)
+        surfaces = self.surfaces(axes, read, slots)
+        whole = YieldSurface(sp.nan) if surfaces else self.rate_potential(axes, read) if viscous else self.whole(axes, read, slots)
+        head = self.head(forces, pressure, domains, define) | self.state(variables, read, slots) | {"viscous": viscous}
         bounds = {key: getattr(whole, key) for key in ("g", "flow", "potential", "written", "written_flow")}
         domain = self.ranges(forces, pressure)
         try:
@@ -264,6 +277,41 @@ class _CriterionReader(SectionReader):
             raise self.error(what, "criterion", "expect", remedy='write expect = { smoothness = "refuted" }')
         return given
 
+    def variables(self, forces: Sequence[str]) -> Variables:
+        """The variables of the state, each with its force and the range of its admissible values."""
+        found = {}
+        for key, entry in self.table("variables", required=False).items():
+            if not isinstance(entry, dict):
+                raise self.error(f"{key} is not a table", "variables", key, remedy=f'write {key} = {{ force = "sigma" }}')
+            self.keys("variables", entry, (*_VARIABLE, *_PARAMETER), inside=key)
+            for kind in ("observable", "temperature"):
+                if entry.get(kind, True) is not True:
+                    raise self.error(f"{kind} of {key} is not true", "variables", key, remedy=f"leave it out, or write {kind} = true")
+            if not isinstance(entry.get("force", ""), str):
+                raise self.error(f"force of {key} is no name", "variables", key, remedy='write force = "sigma"')
+            domain = self.domain(key, {name: value for name, value in entry.items() if name in _PARAMETER}, "variables")
+            force = spelled(entry["force"]) if "force" in entry else None
+            found[spelled(key)] = Variable(force, "observable" in entry, "temperature" in entry, domain)
+        for name, what, remedy in misfits(found, forces, "energy" in self.document):
+            raise self.error(what, "variables", name, remedy=remedy)
+        return Variables(found)
+
+    def state(self, variables: Variables, read: Reading, slots: Slots) -> dict[str, Any]:
+        """The energy, and the rates of internal variables that have no force or need no multiplier."""
+        self.keys("energy", self.table("energy", required=False), ("psi",))
+        given = self.table("dissipation", required=False)
+        self.keys("dissipation", given, ("potential", "rates"))
+        if not isinstance(given.get("rates", {}), dict):
+            raise self.error("rates is not a table", "dissipation", "rates", remedy='write rates = { alpha = "..." }')
+        energy = read("energy", "psi") if "energy" in self.document else (None, "")
+        rates = {spelled(name): read("dissipation", "rates", name) for name in given.get("rates", {})}
+        flow = "flow" in self.document
+        unforced = {name: read("flow", "direction", i) for i, (name, force) in enumerate(slots) if force is None and flow}
+        said = {"unforced": unforced, "rates": rates}
+        expressions = {key: {name: expr for name, (expr, _) in found.items()} for key, found in said.items()}
+        texts = {f"written_{key}": {name: text for name, (_, text) in found.items()} for key, found in said.items()}
+        return {"variables": variables, "energy": energy[0], "written_energy": energy[1], **expressions, **texts}
+
     def definitions(self, known: Mapping[str, sp.Symbol], stress: Stress | None) -> Definitions:
         placed = {}
         for name in self.table("define", required=False):
@@ -305,25 +353,25 @@ class _CriterionReader(SectionReader):
                 raise self.error(wrong[0], "domain", key, remedy=wrong[1])
         return found
 
-    def domain(self, name: str, entry: Any) -> Domain:
+    def domain(self, name: str, entry: Any, section: str = "parameters") -> Domain:
         if not isinstance(entry, dict):
             number = isinstance(entry, (int, Decimal)) and not isinstance(entry, bool)
             remedy = f"write {name} = {{ value = {entry} }}" if number else f"write {name} = {{ positive = true }}"
-            raise self.error(f"the domain of {name} is not a table", "parameters", name, remedy=remedy)
-        self.keys("parameters", entry, _PARAMETER, inside=name)
+            raise self.error(f"the domain of {name} is not a table", section, name, remedy=remedy)
+        self.keys(section, entry, _PARAMETER, inside=name)
         if ("value" in entry and len(entry) > 1) or ("positive" in entry and "min" in entry):
             mixed = " and ".join(entry)
             remedy = "use positive = true, or min and max, or value, or {} for every real number"
-            raise self.error(f"the domain of {name} mixes {mixed}", "parameters", name, remedy=remedy)
+            raise self.error(f"the domain of {name} mixes {mixed}", section, name, remedy=remedy)
         if entry.get("positive", True) is not True:
-            raise self.error(f"positive of {name} is not true", "parameters", name, remedy="remove it, or write positive = true")
+            raise self.error(f"positive of {name} is not true", section, name, remedy="remove it, or write positive = true")
         try:
             if "value" in entry:
                 return Domain.fixed(entry["value"])
             high = Domain.between(None, entry.get("max")).high
             return Domain(POSITIVE.low, high, positive=True) if "positive" in entry else Domain.between(entry.get("min"), high)
         except InputError as fault:
-            raise self.error(f"{name}: {fault.what}", "parameters", name, remedy=fault.remedy) from None
+            raise self.error(f"{name}: {fault.what}", section, name, remedy=fault.remedy) from None
 
     def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions) -> Relations:
         given = self.document["criterion"].get("constraints", [])
@@ -337,16 +385,24 @@ class _CriterionReader(SectionReader):
 
     # -- what bounds K, and the slip there ----------------------------------------------------------------------
 
-    def whole(self, forces: Sequence[sp.Symbol], read: Reading) -> YieldSurface:
+    def rate_potential(self, forces: Sequence[sp.Symbol], read: Reading) -> YieldSurface:
+        """The potential of [dissipation], whose gradient by the forces the rates are."""
+        potential, written = read("dissipation", "potential")
+        if not potential.free_symbols & set(forces):
+            remedy = f"use at least one of {', '.join(map(str, forces))}"
+            raise self.error("the potential does not depend on any force", "dissipation", "potential", remedy=remedy)
+        return YieldSurface(potential, written=written)
+
+    def whole(self, forces: Sequence[sp.Symbol], read: Reading, slots: Slots) -> YieldSurface:
         """The one surface of a law without [[surface]]: g and potential in [criterion], or [flow]."""
         flow = ("flow", "direction") if "flow" in self.document else ()
         if flow:
             self.keys("flow", self.table("flow"), ("direction",))
             if "direction" not in self.table("flow"):
                 raise self.error("[flow] has no direction", "flow", remedy=f"write direction = {_example(forces)}")
-        return self.surface(("criterion",), flow, "[flow]", forces, read)
+        return self.surface(("criterion",), flow, "[flow]", forces, read, slots)
 
-    def surfaces(self, forces: Sequence[sp.Symbol], read: Reading) -> tuple[YieldSurface, ...]:
+    def surfaces(self, forces: Sequence[sp.Symbol], read: Reading, slots: Slots) -> tuple[YieldSurface, ...]:
         """Those of [[surface]], in order; none where there is no such section."""
         given = self.document.get("surface", [])
         if not (isinstance(given, list) and all(isinstance(entry, dict) for entry in given)):
@@ -357,10 +413,10 @@ class _CriterionReader(SectionReader):
         for i, entry in enumerate(given):
             self.keys("surface", entry, ("g", "flow", "potential"), at=("surface", i))
         flows = [("surface", i, "flow") if "flow" in entry else () for i, entry in enumerate(given)]
-        return tuple(self.surface(("surface", i), flow, "flow", forces, read) for i, flow in enumerate(flows))
+        return tuple(self.surface(("surface", i), flow, "flow", forces, read, slots) for i, flow in enumerate(flows))
 
     def surface(
-        self, section: tuple[Key, ...], flow: tuple[Key, ...], flow_name: str, forces: Sequence[sp.Symbol], read: Reading
+        self, section: tuple[Key, ...], flow: tuple[Key, ...], flow_name: str, forces: Sequence[sp.Symbol], read: Reading, slots: Slots
     ) -> YieldSurface:
         """The g and potential of a section with the flow at a place, if it has one."""
         g, written = read(*section, "g")
@@ -380,11 +436,12 @@ class _CriterionReader(SectionReader):
         if not flow:
             return YieldSurface(g, written=written)
         entries = self.entries(*flow, example=_example(forces))
-        if len(entries) != len(forces):
-            remedy = f"give one expression for each of {', '.join(map(str, forces))}"
-            counts = f"{len(entries)} components for {len(forces)} forces"
+        if len(entries) != len(slots):
+            remedy = f"give one expression for each of {', '.join(name for name, _ in slots)}"
+            counts = f"{len(entries)} components for {len(slots)} {'rates' if 'variables' in self.document else 'forces'}"
             raise self.error(f"the flow direction has {counts}", *flow, remedy=remedy)
-        slip, texts = zip(*(read(*entry) for entry in entries), strict=True)
+        place = {force: entry for (_, force), entry in zip(slots, entries, strict=True)}
+        slip, texts = zip(*(read(*place[str(force)]) for force in forces), strict=True)
         return YieldSurface(g, slip, None, written, texts)
 
     def components(self, key: str, angle: sp.Symbol, read: Reading) -> list[tuple[sp.Expr, str]]:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from itertools import chain, repeat
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy as sp
 from sympy.core.relational import Relational
@@ -97,6 +97,8 @@ class ParametricCriterion(DeclaredLaw):
             what = f"{what} uses {turn} otherwise than as cos({turn}) and sin({turn})"
             raise InputError(what, where=self.name, remedy="expand multiples of the angle")
         return expr
+
+    temperature: ClassVar[None] = None
 
     def components(self) -> tuple[sp.Expr, ...]:
         """Those of the boundary, then those of a flow."""

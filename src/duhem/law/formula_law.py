@@ -26,13 +26,14 @@ from duhem.expression.build import greatest
 from duhem.expression.given import given_formula
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.parse import parse_expression, written_out
-from duhem.expression.spelling import spelled
+from duhem.expression.spelling import respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.given_text import argument_names, called, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, converted
+from duhem.law.state import NO_STATE, Variable, Variables, check_state
 from duhem.show.printing import Shown, latex
 
 __all__ = [
@@ -246,6 +247,15 @@ class Criterion(DeclaredLaw):
     Instead of g and flow a law may have several ``surfaces``: K is where all of them are <= 0, g the greatest of them.  At a
     boundary point the slip is a non-negative combination of the flows of the surfaces that are 0 there (Koiter 1953).
 
+    ``variables`` declares a state, by name: observables, internal variables and a temperature, each with its force; their domains are
+    the admissible states.  ``energy`` is psi in variables and parameters; without it psi is quadratic in u - u_in, which nobody declares.
+    Everything else may name variables, as parameters that the normality rule does not act on.  ``unforced`` has the rates, for a unit
+    of the multiplier, of internal variables without a force, which normality says nothing of.  ``rates`` has those of internal
+    variables without a multiplier, such as a static recovery, which act beside the flow.
+
+    With ``viscous`` g is no criterion but a potential Phi* of rates: the rate of each variable is d Phi*/d Y by its force (Antoni et al.
+    2007, Eqs. 27, 28), as of Norton, Perzyna and Bingham.  The claims then speak of Phi*, which is to be convex, and least and 0 at 0.
+
     ``expect`` maps claims to the verdicts that the author knows of, such as ``{"smoothness": "refuted"}`` of a law with corners: the
     exit code of ``duhem verify`` counts them as no failure, and any other verdict on these claims as one.
     """
@@ -268,6 +278,14 @@ class Criterion(DeclaredLaw):
     potential: str | None = None
     domain: Mapping[str, Domain] = Domains()
     surfaces: tuple[YieldSurface, ...] = ()
+    energy: sp.Expr | None = None
+    variables: Mapping[str, Variable] = NO_STATE
+    unforced: Mapping[str, sp.Expr] = FrozenMapping()
+    rates: Mapping[str, sp.Expr] = FrozenMapping()
+    viscous: bool = False
+    written_energy: str = field(default="", repr=False, compare=False)
+    written_unforced: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
+    written_rates: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     expect: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
     _whole: Criterion | None = field(init=False, default=None, repr=False, compare=False)
@@ -278,7 +296,8 @@ class Criterion(DeclaredLaw):
         forces = listed(self.forces, "forces", self.name) if self.stress is None else self._components(self.stress)
         put(self, "forces", tuple(map(spelled, forces)))
         put(self, "pressure", spelled(self.pressure))
-        put(self, "parameters", Domains(self.parameters))
+        put(self, "variables", Variables(respelled(self.variables, f"variables of {self.name}")))
+        put(self, "parameters", Domains({n: v.domain for n, v in self.variables.items()} | Domains(self.parameters)))
         put(self, "expect", FrozenMapping(self.expect))
         self._check_names()
         put(self, "_symbols", self._declared())
@@ -289,6 +308,16 @@ class Criterion(DeclaredLaw):
         put(self, "define", define)
         short = define.short
         self._read_bounds(known, short)
+        if self.energy is not None:
+            energy = as_expression(self.energy, known, f"energy of {self.name}", short)
+            put(self, "written_energy", text_of(self.energy, energy, self.written_energy, known, short))
+            put(self, "energy", energy)
+        for key in ("unforced", "rates"):
+            given, texts = getattr(self, key), getattr(self, f"written_{key}")
+            found = {name: as_expression(rate, known, f"rate of {name} of {self.name}", short) for name, rate in given.items()}
+            written = {name: text_of(given[name], rate, texts.get(name, ""), known, short) for name, rate in found.items()}
+            put(self, key, FrozenMapping(found))
+            put(self, f"written_{key}", FrozenMapping(written))
         constraints, texts = relations(self.constraints, self.written_constraints, known, self.name, short)
         put(self, "constraints", constraints)
         put(self, "written_constraints", texts)
@@ -302,6 +331,10 @@ class Criterion(DeclaredLaw):
                 raise InputError(what, where=self.name, remedy="write Interval(...), Disk(...) or Quadrants(...)")
             put(self, "closed_form", converted(self.closed_form, lambda x: as_expression(x, known, f"closed form of {self.name}", short)))
         self._check_content()
+        check_state(self)
+        if self.viscous and (self.surfaces or self.flow is not None):
+            what = "a law whose rates are the gradient of a potential has no flow and no surfaces"
+            raise InputError(what, where=self.name, remedy="leave them out, or viscous")
 
     def __hash__(self) -> int:
         """Found once: what is kept by law is looked up some times in each increment."""
@@ -332,6 +365,11 @@ class Criterion(DeclaredLaw):
         put(self, "surfaces", tuple(surfaces))
         for name in ("g", "flow", "potential", "written", "written_flow"):
             put(self, name, getattr(whole, name))
+
+    @property
+    def temperature(self) -> str | None:
+        """The name of the temperature among the variables, if there is one."""
+        return next((name for name, own in self.variables.items() if own.temperature), None)
 
     @property
     def associated(self) -> bool:
@@ -411,6 +449,9 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
         parameters=domains,
         constraints=constraints,
         written_constraints=texts,
+        energy=None if law.energy is None else here(law.energy, law.written_energy),
+        unforced={name: here(rate, law.written_unforced[name]) for name, rate in law.unforced.items()},
+        rates={name: here(rate, law.written_rates[name]) for name, rate in law.rates.items()},
         flow=None if law.flow is None or law.potential else tuple(map(here, law.flow, law.written_flow or repeat(""))),
         surfaces=tuple(s.moved(here) for s in law.surfaces),
         closed_form=None if law.closed_form is None else converted(law.closed_form, here),

@@ -29,12 +29,21 @@ def stated(law: Law) -> Iterator[tuple[str, str]]:
     yield _boundary(law)
     pressure = f"; pressure {law.pressure} <= 0 in compression, held fixed" if law.pressure else "; no pressure"
     yield "forces", ", ".join(law.forces) + pressure
-    yield "parameters", ", ".join(_in_domain(n, d) for n, d in law.parameters.items()) or "none"
-    if not isinstance(law, ParametricCriterion) and law.domain:
-        yield "restricted to", ", ".join(d.stated(n) for n, d in law.domain.items())
+    state = {} if isinstance(law, ParametricCriterion) else law.variables
+    yield "parameters", ", ".join(_in_domain(n, d) for n, d in law.parameters.items() if n not in state) or "none"
+    if state:
+        yield "variables", ", ".join(f"{_in_domain(n, law.parameters[n])} ({own.describe()})" for n, own in state.items())
+    if isinstance(law, Criterion):
+        if law.energy is not None:
+            yield "energy", f"psi = {formula(law.energy)}"
+        if law.domain:
+            yield "restricted to", ", ".join(d.stated(n) for n, d in law.domain.items())
     if law.constraints:
         yield "constraints", ", ".join(formula(c) for c in law.constraints)
     yield "slip", _direction(law)
+    if isinstance(law, Criterion):
+        yield from ((f"rate of {name}", f"{formula(rate)} for a unit of the multiplier") for name, rate in law.unforced.items())
+        yield from ((f"rate of {name}", f"{formula(rate)} without a multiplier") for name, rate in law.rates.items())
     if law.source:
         yield "source", law.source
 
@@ -62,6 +71,8 @@ def _decimal(exact: str) -> str | None:
 
 
 def _direction(law: Law) -> str:
+    if isinstance(law, Criterion) and law.viscous:
+        return "each rate is the derivative of Phi* by its force"
     if law.associated:
         return "normal to the boundary (associated)"
     if isinstance(law, ParametricCriterion) or not law.surfaces:
@@ -79,7 +90,7 @@ def _boundary(law: Law) -> tuple[str, str]:
     """What bounds K: the formula, or the curve at |pressure| = 1."""
     if isinstance(law, ParametricCriterion):
         return "boundary", f"|{law.pressure}| ({', '.join(formula(x) for x in law.boundary)}), {law.angle} from 0 to 2 pi"
-    return "criterion", f"{formula(law.g)} <= 0"
+    return ("potential", f"Phi* = {formula(law.g)}") if law.viscous else ("criterion", f"{formula(law.g)} <= 0")
 
 
 def _in_domain(name: str, domain: Domain) -> str:

@@ -94,7 +94,10 @@ def increment(
 
 
 def check_associated(law: Criterion) -> None:
-    """InputError for a law with a flow of its own."""
+    """InputError for a law with a flow of its own, or with rates that are the gradient of a potential."""
+    if law.viscous:
+        what = f"the rates of {law.name} are the gradient of a potential, and a closest point is no increment of them"
+        raise InputError(what, where="law", remedy="ask duhem verify about it, or project onto the criterion that its potential has in it")
     if not law.associated:
         raise InputError(
             f"{law.name} has its own flow direction, but the closest point is the slip increment of associated laws only",

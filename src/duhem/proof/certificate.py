@@ -15,6 +15,7 @@ from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion, YieldSurface
 from duhem.law.parameter_domain import simple_points
+from duhem.law.state import Variable
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import plain_choices, rationals
 from duhem.proof.kernel.certificate import SCHEMA, digest
@@ -43,13 +44,30 @@ def _curve(law: ParametricCriterion) -> dict[str, Any]:
 
 def _formula(law: Criterion) -> dict[str, Any]:
     domain = {"domain": {n: _domain(d) for n, d in law.domain.items()}} if law.domain else {}
-    return ({"surfaces": [_bound(law, s) for s in law.surfaces]} if law.surfaces else _bound(law, law)) | domain
+    return ({"surfaces": [_bound(law, s) for s in law.surfaces]} if law.surfaces else _bound(law, law)) | domain | _state(law)
+
+
+def _state(law: Criterion) -> dict[str, Any]:
+    """The variables with their forces, the energy and the rates, where a law has them."""
+    found: dict[str, Any] = {"variables": {name: _variable(own) for name, own in law.variables.items()}} if law.variables else {}
+    if law.energy is not None:
+        found["energy"] = texts(law, (law.energy,), (law.written_energy,))[0]
+    for key, rates, written in (("rates", law.rates, law.written_rates), ("unforced", law.unforced, law.written_unforced)):
+        if rates:
+            found[key] = dict(zip(rates, texts(law, tuple(rates.values()), [written[name] for name in rates]), strict=True))
+    return found
+
+
+def _variable(own: Variable) -> dict[str, Any]:
+    kinds = {kind: True for kind in ("observable", "temperature") if getattr(own, kind)}
+    return kinds | ({} if own.force is None else {"force": own.force})
 
 
 def _bound(law: Criterion, stated: Criterion | YieldSurface) -> dict[str, Any]:
     g, *flow = as_written(law, stated)
     own = flow if stated.potential is None else {"potential": stated.potential}
-    return {"g": g, "flow": None if stated.flow is None else own}
+    viscous = {"viscous": True} if stated is law and law.viscous else {}
+    return {"g": g, "flow": None if stated.flow is None else own, **viscous}
 
 
 def admitted_values(law: Law) -> Mapping[str, str] | None:

@@ -280,6 +280,7 @@ curve T with the flow d, duhem decides the sign of T . d at all angles.""",
             CHEAP,
             Finder(FormulaSubject, evidence.dissipation_of_potential),
             Finder(FormulaSubject, evidence.dissipation_by_shares),
+            ProofMethod(FormulaSubject, refuters.dissipation_of_rates, again=True),
             ProofMethod(FormulaSubject, refuters.dissipation_at_points, again=True),
             DEAR,
             Finder(FormulaSubject, evidence.dissipation_by_identities),
@@ -308,7 +309,12 @@ If the rules find no closed form, there is nothing to prove or refute, and the v
 The free energy is psi_C = (u - u_in) . k (u - u_in)/2 (Antoni et al. 2007, Eq. 30), with the displacement u, the slip u_in and
 a symmetric positive semidefinite stiffness k.  Its derivative with respect to u is the stress, and its derivative with respect
 to u_in is minus the stress (Eqs. 25, 31).  psi_C is convex in (u, u_in), because it is a sum of squares of linear functions.""",
-        methods=(CHEAP,),
+        methods=(
+            CHEAP,
+            ProofMethod(FormulaSubject, refuters.energy_at_bends, again=True),
+            Finder(FormulaSubject, evidence.convexity_by_sums),
+            DEAR,
+        ),
     ),
 )
 CLAIMS: Mapping[str, Claim] = MappingProxyType({claim.name: claim for claim in _ALL})

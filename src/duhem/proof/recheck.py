@@ -172,11 +172,21 @@ def _law(law: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "boundary", f"|{law['pressure']}| ({_list(law['boundary'])}), {law['angle']} from 0 to 2 pi"
         yield "slip", _slip(law["flow"])
     for surface in law.get("surfaces", [law] if "g" in law else []):
+        if law.get("viscous"):
+            yield "potential", f"Phi* = {_line(surface['g'])}, of which the rates are the gradient"
+            continue
         yield "criterion", f"{_line(surface['g'])} <= 0"
         yield "slip", _slip(surface["flow"])
     pressure = f"; pressure {law['pressure']} <= 0, held fixed" if law["pressure"] else "; no pressure"
     yield "forces", f"{', '.join(law['forces'])}{pressure}"
-    yield "parameters", "; ".join(_range(name, own) for name, own in law["parameters"].items()) or "none"
+    state = law.get("variables", {})
+    yield "parameters", "; ".join(_range(name, own) for name, own in law["parameters"].items() if name not in state) or "none"
+    if state:
+        yield "variables", "; ".join(f"{_range(name, law['parameters'][name])} ({_kind(own)})" for name, own in state.items())
+    if "energy" in law:
+        yield "energy", f"psi = {_line(law['energy'])}"
+    if "rates" in law:
+        yield "rates", "; ".join(f"{name}: {_line(rate)}" for name, rate in law["rates"].items())
     if law.get("domain"):
         yield "restricted to", "; ".join(_range(name, own) for name, own in law["domain"].items())
     if law["constraints"]:
@@ -187,6 +197,12 @@ def _slip(flow: Any) -> str:
     if flow is None:
         return "normal to the boundary (associated)"
     return f"gradient of {_line(flow['potential'])}" if isinstance(flow, Mapping) else f"({_list(flow)})"
+
+
+def _kind(variable: Mapping[str, Any]) -> str:
+    """What a variable of the state is."""
+    kind = next((kind for kind in ("observable", "temperature") if variable.get(kind)), "internal")
+    return kind if variable.get("force") is None else f"{kind}, force {variable['force']}"
 
 
 def _range(name: str, own: Mapping[str, Any]) -> str:

@@ -57,7 +57,8 @@ def scope(law: Law, verdict: Verdict) -> str:
 
 def not_needed(law: Law, verdicts: Iterable[Verdict]) -> Iterator[LeftOut]:
     """Parts of the examination that this law, or what was decided of it, makes needless."""
-    yield LeftOut("thermal", "the law is isothermal: it has no temperature, so thermal dissipation and entropy do not enter")
+    if law.temperature is None:
+        yield LeftOut("thermal", "the law is isothermal: it has no temperature, so thermal dissipation and entropy do not enter")
     if law.associated:
         yield LeftOut("flow check", "the law is associated: the normality rule defines its slip")
     if law.pressure is None:
@@ -75,7 +76,7 @@ def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[st
     And whether K has no boundary point but 0, so that nothing is said when nothing is found to dissipate less than 0.
     """
     found = tuple(f"{claim}: {evidence.detail}" for claim, evidence in settled.items() if evidence.method == CONTRADICTION)
-    if not isinstance(subject, FormulaSubject):
+    if not isinstance(subject, FormulaSubject) or subject.law.viscous:
         return found, False
     subject.allow(_STEPS)
     odd = extent(subject)
@@ -106,6 +107,12 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
         yield odd.what
     flows = (law.flow, *(surface.flow for surface in law.surfaces))
     used = law.g.free_symbols.union(*(c.free_symbols for flow in flows for c in flow or ()))
+    if frozen := [name for name in law.variables if law.symbols()[name] in used]:
+        yield f"The claims about K and the flow hold at every frozen value of {', '.join(frozen)}, on which g or the flow depends"
+    if unforced := [name for name, own in law.variables.items() if own.internal and own.force is None]:  # such as wear
+        yield f"Normality says nothing of the variables without a force: {', '.join(unforced)}"
+    used = used.union(law.energy.free_symbols if law.energy is not None else (), *(rate.free_symbols for rate in law.rates.values()))
+    used |= {law.symbols()[name] for name in law.variables}
     if unused := [name for name, x in law.symbols().items() if x not in used]:
         yield f"g does not depend on {', '.join(unused)}"
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
+from fractions import Fraction
 from functools import partial
 from threading import RLock
 from typing import Any, ClassVar
@@ -28,6 +29,7 @@ from duhem.proof.decide import ANY_STEPS, EFFORTS, Budget
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
+from duhem.proof.in_state import dissipating, epigraph, rate_epigraph
 from duhem.proof.kernel.certificate import OVER, stated
 from duhem.proof.kernel.claims import needs_of, objection, row_of, rules_of
 from duhem.proof.kernel.curve import StatedCurve
@@ -87,8 +89,13 @@ class Verification(Shown):
 
     @property
     def generalized_standard(self) -> bool | None:
-        """Origin, convexity and normality all proved; False if one is refuted; None if open or not asked."""
-        return self._together("origin", "convexity", "normality")
+        """Origin, convexity and normality all proved, and the state laws of a law with an energy; False if one is refuted, else None.
+
+        None too of a law with rates beside its multiplier, which are not shown to derive from a potential.
+        """
+        energy = isinstance(self.criterion, Criterion) and self.criterion.energy is not None
+        answer = self._together("origin", "convexity", "normality", *(["state_laws"] if energy else []))
+        return None if answer and isinstance(self.criterion, Criterion) and self.criterion.rates else answer
 
     @property
     def dissipative(self) -> bool | None:
@@ -205,13 +212,15 @@ def _examined(
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     with _alone():
         share = EFFORTS[effort]
-        subject = FormulaSubject(criterion, share) if isinstance(criterion, Criterion) else CurveSubject(criterion, share)
-        subject.check_defined()  # one that is undefined somewhere in its domain is an InputError
+        whole_law = FormulaSubject(criterion, share) if isinstance(criterion, Criterion) else CurveSubject(criterion, share)
+        whole_law.check_defined()  # one that is undefined somewhere in its domain is an InputError
+        about: dict[str, Subject] = {**dict.fromkeys(CLAIMS, whole_law), **dict(_in_state(criterion, share))}
     settled: dict[str, Evidence] = {}
     confirmations = Confirmations(criterion)
     needed = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.needs(name)})
     results: list[ClaimResult] = []
     for name in (name for name in CLAIMS if name in needed):
+        subject = about[name]
         start, before = time.perf_counter(), subject.spent + confirmations.spent
         with _alone():
             told = partial(_tell, on_method, subject, name)
@@ -233,7 +242,20 @@ def _examined(
             on_claim(found)
     used = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.rests_on(name)})
     asked, others = (tuple(r for r in results if (r.claim in wanted) is own and r.claim in used) for own in (True, False))
-    return subject, settled, wanted, asked, others
+    return whole_law, settled, wanted, asked, others
+
+
+def _in_state(law: Law, share: Fraction) -> Iterator[tuple[str, Subject]]:
+    """The claims that are about other forces where a law has an energy or a potential of rates, with what is examined for each."""
+    if not isinstance(law, Criterion):
+        return
+    if law.viscous:
+        potential = FormulaSubject(rate_epigraph(law), share, checked_only=True)
+        yield from ((name, potential) for name in CLAIMS)
+    if (stored := epigraph(law)) is not None:
+        yield "state_laws", FormulaSubject(stored, share, checked_only=True)
+    if (found := dissipating(law)) is not None:
+        yield "dissipation", FormulaSubject(found.law, share, state=found, checked_only=True)
 
 
 def _of_the_whole(name: str, evidence: Evidence, best: Trust | None, whole: Law, effort: str) -> ClaimResult | None:

@@ -27,6 +27,7 @@ from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.subject import Subject, Values, middle_of, plain_choices, rationals, walk
+from duhem.proof.in_state import Dissipating
 from duhem.proof.statement import Face, Problem, state
 
 __all__ = ["FormulaSubject"]
@@ -45,9 +46,17 @@ class FormulaSubject(Subject):
 
     law: Criterion
 
-    def __init__(self, law: Criterion, effort: Fraction = EFFORTS["normal"], whole: Budget | None = None) -> None:
+    def __init__(
+        self,
+        law: Criterion,
+        effort: Fraction = EFFORTS["normal"],
+        whole: Budget | None = None,
+        *,
+        state: Dissipating | None = None,
+        checked_only: bool = False,
+    ) -> None:
         super().__init__(_QUESTION_STEPS, effort, whole)
-        self.law = law
+        self.law, self.state, self.checked_only = law, state, checked_only
         self._choices = self._sought()
 
     @cached_property
@@ -76,6 +85,12 @@ class FormulaSubject(Subject):
             found += self.open_obligations(trees, () if self.doubtful else there, of)
         return tuple(found)
 
+    def power(self, flow: Sequence[sp.Expr]) -> sp.Expr:
+        """What a flow dissipates: force . flow, or more where the law has a state (in the symbols of the problem as stated)."""
+        if self.state is None:
+            return sp.Add(*(x * d for x, d in zip(self.simple.forces, flow, strict=True)))
+        return self.state.power.xreplace({**self.law.settled(), **self.problem.compressed}).xreplace(self.simple.slice)
+
     @property
     def doubted(self) -> tuple[sp.Basic, ...]:
         """The formulas as written of which something is doubtful."""
@@ -88,11 +103,15 @@ class FormulaSubject(Subject):
 
     def may_prove(self, claim: str) -> bool:
         """Whether a proof counts; one of a formula that may be undefined somewhere would be of another law."""
+        if self.checked_only or (claim == "dissipation" and self.law.rates):
+            return False  # the kernel alone knows the energy and the rates as they are written
         told = claim == "state_laws" or not (self.doubtful or (claim in _OF_THE_FLOW and self.doubtful_flow))
         return told and self.constraints_defined
 
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
         """Whether all of them lie in the ranges of the law; a corner well within, where both of its sides do."""
+        if claim == "dissipation" and not (self.law.energy is None if self.state is None else self.state.onto):
+            return False  # no state may have these forces
         margin = _MARGIN if claim == "smoothness" else Fraction(0)
         for point in points:
             for name, span in self.law.domain.items():

@@ -133,6 +133,8 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
 def _texts(law: Mapping[str, Any]) -> Iterator[str]:
     """Every formula and comparison in the law of a certificate."""
     yield from law["constraints"]
+    yield from (law[key] for key in ("energy",) if key in law)
+    yield from (text for key in ("rates", "unforced") for text in law.get(key, {}).values())
     for entry in law.get("surfaces", (law,)):
         flow = entry["flow"]
         yield from ([] if flow is None else flow.values() if isinstance(flow, Mapping) else flow)

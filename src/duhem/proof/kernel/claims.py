@@ -19,6 +19,15 @@ from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.simpler_laws import cases, in_principal_stresses, without_outer_map
+from duhem.proof.kernel.state import (
+    energy_differentiable,
+    epigraph,
+    in_state,
+    potential_least_at_zero,
+    rate_epigraph,
+    state_laws_agree,
+    stored_and_rates,
+)
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, parse
 
@@ -42,6 +51,7 @@ class RuleRow(NamedTuple):
     most_forces: int = 1_000
 
 
+_MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": potential_least_at_zero, "dissipation": stored_and_rates}
 _MOST_CASES = 4  # choices one after another
 
 
@@ -56,6 +66,8 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
     try:
         once = law.once if isinstance(law, StatedLaw) else lambda ask: ask(law)
         undecided = once(obligations.constraints) or once(reads)
+        if isinstance(law, StatedLaw) and claim in _MORE:
+            undecided = undecided or once(_MORE[claim])
     except UNREADABLE as fault:
         undecided = f"the law cannot be read: {in_words(fault)}"
     return undecided or _objection_in_cases(claim, rule, check, law, evidence)
@@ -84,7 +96,12 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
 
     What K's support function is, is said of all components.
     """
+    if isinstance(law, StatedLaw) and law.viscous and claim != "state_laws":
+        yield rate_epigraph(law, claim == "dissipation")
+        return
     yield law
+    if claim == "dissipation" and isinstance(law, StatedLaw) and (inner := law.once(in_state)) is not None:
+        yield inner
     if isinstance(law, StatedLaw):
         if (simpler := law.once(without_outer_map)) != law:
             yield simpler
@@ -112,7 +129,9 @@ def needs_of(claim: str, law: StatedLaw | StatedCurve) -> frozenset[str]:
 
 def row_of(claim: str, rule: str, law: StatedLaw | StatedCurve) -> RuleRow | None:
     """What is said of a rule; None where there is none of that name."""
-    return _rules(law).get((claim, rule))
+    row = _rules(law).get((claim, rule))
+    of_rates = row is not None and isinstance(law, StatedLaw) and law.viscous
+    return row._replace(sentence=_OF_RATES.get(claim, row.sentence)) if row is not None and of_rates else row
 
 
 def _rules(law: StatedLaw | StatedCurve) -> Mapping[tuple[str, str], RuleRow]:
@@ -177,7 +196,7 @@ def polyhedral(law: StatedLaw, _: Evidence) -> bool:
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
     shape = _shape(law, evidence)
-    if not (_inside(law, evidence) or boundary.falls_from_zero(law)):
+    if not (_inside(law, evidence) or boundary.falls_from_zero(law) or boundary.is_a_graph(law)):
         return False
     return (shape.defined and shape.convex and smooth_near_the_boundary(law.g, over(law))) or round_at_its_ends(law)
 
@@ -247,6 +266,21 @@ def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
     return "potential" in evidence and is_support_function(parse(evidence["potential"]), dict(evidence["slips"]), flat, law)
 
 
+def convex_energy(law: StatedLaw, evidence: Evidence) -> bool:
+    """The forces of the energy agree, and its epigraph is convex."""
+    stored = law.once(epigraph)
+    if stored is None or not law.once(state_laws_agree):
+        return False
+    return any(isinstance(form, StatedLaw) and convexity(form, evidence) for form in _forms("convexity", stored))
+
+
+_OF_RATES = {  # what rules show of a potential of rates, by its epigraph
+    "origin": "Phi* is 0 at zero force and never less",
+    "convexity": "Phi* is convex, as {Phi* <= z} is by the rules of composition (Grant, Boyd, Ye 2006)",
+    "smoothness": "Phi* is C^1",
+    "normality": "the rates are the gradient of Phi*, which is convex (Antoni et al. 2007, Eqs. 27, 28)",
+    "dissipation": "Y . dPhi*/dY >= Phi*(Y) - Phi*(0) >= 0, as Phi* is convex, and 0 and least at zero force",
+}
 _MOREAU = "the law is associated: its flow is the normal cone of K, and K is convex (Moreau 1970)"
 _SQUARES = "sigma = k (u - u_in) = dpsi/du = -dpsi/du_in; psi = |L^T (u - u_in)|^2/2 with k = L L^T is a sum of squares"
 _PLANE = 3  # forces: two, or three of which adding the same to all changes nothing
@@ -343,7 +377,12 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _NONE, polar_gauge, obligations.formula,
         "Phi is the support function of K by the rules of the polar gauge (Rockafellar 1970, sections 13 to 15)", True,
     ),
-    ("state_laws", "symbolic"): RuleRow(_NONE, lambda law, _: True, obligations.nothing, _SQUARES),
+    ("state_laws", "symbolic"): RuleRow(_NONE, lambda law, _: law.energy is None, obligations.nothing, _SQUARES),
+    ("state_laws", "composition"): RuleRow(
+        _NONE, convex_energy, energy_differentiable,
+        "dpsi/du = -dpsi/du_in where both have one force; psi is convex in all variables together by the rules of composition, and concave "
+        "in the temperature",
+    ),
 }  # fmt: skip
 CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {
     ("origin", "winding"): RuleRow(

@@ -66,7 +66,7 @@ def _raised(base: Term, exponent: Term, sign: Callable[[Term], Sign], domain: St
     if p is not None and p.denominator == 1:
         return p >= 0 or not sign(base) & ZERO
     known = sign(base)
-    return not known & (NEGATIVE | ZERO) or (not known & NEGATIVE and (p > 0 if p is not None else sign(exponent) == POSITIVE))
+    return not known & (NEGATIVE | ZERO) or (not known & NEGATIVE and (p > 0 if p is not None else not sign(exponent) & NEGATIVE))
 
 
 class Reader(NamedTuple):
@@ -181,8 +181,8 @@ def divides_by_zero_force(g: Term, domain: StatedDomain) -> bool:
 
 
 def rarely_zero(tip: Term, domain: StatedDomain) -> bool:
-    """Whether it is 0 on no open set: a polynomial in the forces with a coefficient that is never 0, or a norm with such a part."""
-    if tip.op == "norm":
+    """Whether it is 0 on no open set: a polynomial in the forces with a coefficient that is never 0, or |.| or a norm of such a part."""
+    if tip.op in ("abs", "norm"):
         return any(rarely_zero(part, domain) for part in tip.args)
     parts = by_forces(domain.polynomial(tip), domain)
     if any(x.op != "name" for moving in parts for x, _ in moving):

@@ -109,6 +109,13 @@ class StatedFace(NamedTuple):
     others: tuple[Term, ...] = ()
 
 
+class StatedVariable(NamedTuple):
+    """A variable of the state: ``observable``, ``internal`` or ``temperature``; it lies where the parameter of its name does."""
+
+    kind: str
+    force: str | None
+
+
 class _Stated(NamedTuple):
     forces: tuple[str, ...]
     pressure: str | None
@@ -119,6 +126,11 @@ class _Stated(NamedTuple):
     ranges: tuple[tuple[str, Bounds], ...] = ()  # of forces and the pressure, where they are bounded
     surfaces: tuple[tuple[Term, tuple[Term, ...] | None], ...] = ()
     potential: Term | None = None  # of which the flow is the gradient
+    energy: Term | None = None  # in variables and parameters
+    variables: tuple[tuple[str, StatedVariable], ...] = ()
+    rates: tuple[tuple[str, Term], ...] = ()  # of variables, without a multiplier
+    viscous: bool = False  # g is a potential of which the rates are the gradient
+    power: Term | None = None  # what dissipates, where that is more than force . flow
 
 
 class StatedLaw(_Stated):
@@ -148,8 +160,13 @@ class StatedLaw(_Stated):
         """From the ``law`` of a certificate; NotWritten for what is no law or has no parameter values."""
         pressure = given["pressure"]
         forces, parameters, constraints, fixed = declared(
-            given, () if pressure is None else (pressure,), {"domain", *({"surfaces"} if "surfaces" in given else {"g", "flow"})}
+            given,
+            () if pressure is None else (pressure,),
+            {"domain", "energy", "variables", "rates", "unforced", "viscous", *({"surfaces"} if "surfaces" in given else {"g", "flow"})},
         )
+        if given.get("viscous", True) is not True or ("viscous" in given and ("surfaces" in given or given["flow"] is not None)):
+            raise NotWritten("a potential of rates stands beside a flow")
+        state = _state(given, forces, parameters, fixed) | {"viscous": "viscous" in given}
         names = {*forces, pressure, *parameters, "pi"}
         ranges = _ranges(given.get("domain", {}), forces, pressure)
 
@@ -168,7 +185,7 @@ class StatedLaw(_Stated):
             return g, None if given_flow is None else slips
 
         if "surfaces" not in given:
-            law = cls(forces, pressure, *bound(given), parameters, constraints, ranges)
+            law = cls(forces, pressure, *bound(given), parameters, constraints, ranges, **state)
             if isinstance(given["flow"], Mapping):
                 law = law._replace(potential=without_angles(parse(given["flow"]["potential"])).put(fixed))
             return law
@@ -176,12 +193,12 @@ class StatedLaw(_Stated):
             raise NotWritten("there is no surface")
         surfaces = tuple(bound(without_more(entry, {"g", "flow"})) for entry in as_list(given["surfaces"]))
         g = Term("max", tuple(g for g, _ in surfaces)) if len(surfaces) > 1 else surfaces[0][0]
-        return cls(forces, pressure, g, None, parameters, constraints, ranges, surfaces)
+        return cls(forces, pressure, g, None, parameters, constraints, ranges, surfaces, **state)
 
     @property
     def associated(self) -> bool:
         """Whether the slip is normal to K by definition."""
-        return self.flow is None and all(flow is None for _, flow in self.surfaces)
+        return self.flow is None and self.power is None and all(flow is None for _, flow in self.surfaces)
 
     def faces(self) -> Iterator[StatedFace]:
         """What covers the boundary: all of it, or the share of each surface where one of them has a flow of its own."""
@@ -190,6 +207,46 @@ class StatedLaw(_Stated):
             return
         for i, (g, flow) in enumerate(self.surfaces):
             yield StatedFace(g, flow, tuple(other for j, (other, _) in enumerate(self.surfaces) if j != i))
+
+
+def _state(given: Mapping[str, Any], forces: Sequence[str], parameters: Mapping[str, Bounds], fixed: Mapping[Term, Term]) -> dict[str, Any]:
+    """The energy, variables and rates; NotWritten where forces and variables do not fit each other."""
+    variables = tuple((name, _variable(entry)) for name, entry in as_object(given.get("variables", {})).items())
+    kinds = {name: own.kind for name, own in variables}
+    if any(name not in parameters or own.force not in (None, *forces) for name, own in variables):
+        raise NotWritten("a variable is not declared, or its force is none")
+    if list(kinds.values()).count("temperature") > 1:
+        raise NotWritten("there are two temperatures")
+    for kind in ("observable", "internal"):
+        taken = [own.force for _, own in variables if own.kind == kind and own.force is not None]
+        if len({*taken}) < len(taken) or (kind == "internal" and "energy" in given and {*taken} != {*forces}):
+            raise NotWritten("a force belongs to no internal variable, or to two")
+    known, rates = {*forces, *parameters, "pi", given["pressure"]}, {}
+    for key in ("rates", "unforced"):
+        for name, text in as_object(given.get(key, {})).items():
+            rates[key, name] = rate = without_angles(parse(text)).put(fixed)
+            if kinds.get(name) != "internal" or rate.op in COMPARISONS or not rate.names() <= known:
+                raise NotWritten("a rate is of no internal variable, or of names that are not declared")
+    state: dict[str, Any] = {"variables": variables, "rates": tuple((name, rate) for (key, name), rate in rates.items() if key == "rates")}
+    if "energy" not in given:
+        return state
+    ours = {Term("name", name=name) for name, _ in variables}  # a fixed variable stays one: forces are derivatives by it
+    energy = without_angles(parse(given["energy"])).put({x: value for x, value in fixed.items() if x not in ours})
+    without_force = {name for name, own in variables if own.kind == "internal" and own.force is None}
+    if energy.op in COMPARISONS or not energy.names() <= {*parameters, "pi"} - without_force:
+        raise NotWritten("the energy is of other names than parameters and variables with a force")
+    return state | {"energy": energy}
+
+
+def _variable(entry: Any) -> StatedVariable:
+    given = without_more(as_object(entry), {"observable", "temperature", "force"})
+    kinds = [kind for kind in ("observable", "temperature") if kind in given]
+    force = given.get("force")
+    if len(kinds) > 1 or any(given[kind] is not True for kind in kinds) or not isinstance(force, str | None):
+        raise NotWritten("a variable is none")
+    if (force is None and "observable" in kinds) or (force is not None and "temperature" in kinds):
+        raise NotWritten("a variable is none")
+    return StatedVariable(kinds[0] if kinds else "internal", force)
 
 
 def _ranges(given: Mapping[str, Any], forces: Sequence[str], pressure: str | None) -> tuple[tuple[str, Bounds], ...]:

@@ -64,9 +64,10 @@ def flows_with_a_share_of_g(law: StatedLaw, share: Term, rest: Term) -> bool:
     domain = over(law)
     if law.flow is None or not (domain.constant(share) and domain.facts(rest).nonnegative):
         return False
-    if undecided_beside(law.flow, tips(law.g, domain), domain) is not None or chooses(law.g, domain):
+    spent = (*law.flow, *([law.power] if law.power else []))
+    if undecided_beside(spent, tips(law.g, domain), domain) is not None or chooses(law.g, domain):
         return False
-    power = sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, law.flow, strict=True)))
+    power = law.power or sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, law.flow, strict=True)))
     gap = sum_of(power, minus(product_of(share, law.g)), minus(rest))
     return all(domain.facts(part).defined for part in (law.g, share, rest)) and vanishes(in_order(gap, domain), domain)
 

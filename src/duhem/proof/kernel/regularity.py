@@ -18,7 +18,7 @@ from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.spectrum import freed_of_roots
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
-__all__ = ["smooth_but_where_zero", "smooth_near_the_boundary", "tips"]
+__all__ = ["smooth_but_where_zero", "smooth_everywhere", "smooth_near_the_boundary", "tips"]
 
 Switch = frozenset[tuple[object, object]]
 _ODD = ("sin", "sinh", "tanh", "atan")  # 0 where their argument is
@@ -39,6 +39,12 @@ def smooth_near_the_boundary(law_g: Term, domain: StatedDomain) -> bool:
     if found is None or found.kinks:
         return False
     return all(any(sign in (NEGATIVE, POSITIVE) for sign in _signs_at(tip, law_g, domain)) for tip in found.tips)
+
+
+def smooth_everywhere(term: Term, domain: StatedDomain) -> bool:
+    """Whether a term, which has a value everywhere, is C^1."""
+    found = _regularity(term, domain)
+    return found is not None and not (found.kinks or found.tips)
 
 
 def smooth_but_where_zero(term: Term, domain: StatedDomain) -> bool:
@@ -113,7 +119,7 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
     if term.op in ("abs", "pos", "neg"):
         here = frozenset({_switch(term.args[0], domain)})
         return Kinks(kinks | here, known[0].zeros | here, tips)
-    if term.op in ("exp", "cos", "cosh", "sin", "sinh", "tanh", "atan"):
+    if term.op in ("exp", "log", "cos", "cosh", "sin", "sinh", "tanh", "atan"):
         return Kinks(kinks, known[0].zeros if term.op in _ODD else frozenset(), tips)
     if term.op in ("asin", "acos"):  # of x, for x^2 < 1
         return Kinks(kinks, tips=tips | _zeros_of(Term("+", (number(1), minus(Term("*", term.args * 2)))), domain))

@@ -14,6 +14,7 @@ from itertools import combinations, permutations
 
 import sympy as sp
 
+from duhem.expression import Norm
 from duhem.expression.branches import seam, seams
 from duhem.expression.dimensions import degree
 from duhem.expression.parse import parse_expression
@@ -142,7 +143,7 @@ def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:
             flow = face.flow or _gradient(g, forces)
             if not face.flow:  # where grad g = 0 it says nothing of the normal
                 asked.append((_square(flow), Sense.POSITIVE, there))
-            asked.append((sp.factor_terms(sp.expand(_dot(forces, flow))), Sense.NONNEGATIVE, there))
+            asked.append((sp.factor_terms(sp.expand(subject.power(flow))), Sense.NONNEGATIVE, there))
     return _by_signs(subject, asked, "boundary-power", "force . flow >= 0 wherever g = 0")
 
 
@@ -210,11 +211,12 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
         return
     forces, settled = law.force_symbols(), law.settled()
     g = law.g.xreplace(settled)
-    power = _dot(forces, [d.xreplace(settled) for d in law.flow])
-    roots = {y: sp.Dummy(f"r{i}", positive=True) for i, y in enumerate(_radicands(g + power, forces))}
+    power = subject.power([d.xreplace(settled) for d in law.flow])
+    radicands = _radicands(g + power, forces)
+    roots = {y: sp.Dummy(f"r{i}", positive=True) for i, y in enumerate(radicands)}
     if len(roots) > _MOST_ROOTS or (of_power := _terms(power, forces, roots)) is None or (of_g := _terms(g, forces, roots)) is None:
         return
-    back = {r: sp.sqrt(y) for y, r in roots.items()}
+    back = {r: radicands[y] for y, r in roots.items()}
     for share in _shares(of_power, of_g)[:_MOST_SHARES]:
         coefficients = {part: sp.factor(of_power.get(part, sp.S.Zero) - share * of_g.get(part, sp.S.Zero)) for part in {**of_power, **of_g}}
         rest = sp.Add(*(c * part for part, c in coefficients.items())).xreplace(back)
@@ -223,14 +225,16 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
         yield Evidence(Verdict.PROVED, "power-share", detail, proof=proof)
 
 
-def _radicands(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> list[sp.Expr]:
-    """What stands under square roots and depends on the forces."""
-    powers = (p for p in expr.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.free_symbols & set(forces))
-    return sorted({p.base for p in powers}, key=sp.default_sort_key)
+def _radicands(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> dict[sp.Expr, sp.Expr]:
+    """What stands under square roots and depends on the forces, each with its root as it is written; |x| and a norm are roots too."""
+    roots = {p.base: sp.sqrt(p.base) for p in expr.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2}
+    roots |= {_square(x.args): x for x in expr.atoms(Norm, sp.Abs)}
+    return {y: roots[y] for y in sorted(roots, key=sp.default_sort_key) if y.free_symbols & set(forces)}
 
 
 def _terms(expr: sp.Expr, forces: tuple[sp.Symbol, ...], roots: Mapping[sp.Expr, sp.Symbol]) -> Terms | None:
     """The coefficients by powers of forces and roots r, r^2 put for what is under them; None where it is no such polynomial."""
+    expr = expr.replace(lambda x: isinstance(x, Norm | sp.Abs) and _square(x.args) in roots, lambda x: roots[_square(x.args)])
     plain = expr.replace(lambda p: p.is_Pow and p.base in roots and p.exp.is_Rational, lambda p: roots[p.base] ** (2 * p.exp))
     over, under = sp.fraction(sp.together(plain))
     if not all(part.is_polynomial(*forces, *roots.values()) for part in (over, under)):
@@ -285,6 +289,9 @@ def _in_pressure(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:
 
 def duality(subject: FormulaSubject) -> Evidence | None:
     """Phi is the support function of K: each step is a theorem, its positivity hypotheses decided over the whole domain."""
+    if subject.law.viscous:
+        reason = "no closed form found: none is looked for of the conjugate of a potential of rates"
+        return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", reason)
     if bounded := [name for name in subject.law.forces if name in subject.law.domain]:
         reason = f"no closed form found: the claims have a range of {', '.join(bounded)}, and no closed form is known for a part of K"
         return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", reason)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -26,13 +27,16 @@ from duhem.proof.witness.corners import corner, sharp_point
 from duhem.proof.witness.points import (
     EnclosedPoint,
     chord,
+    decimal_pair,
     enclosed,
     enclosed_flow,
     enclosed_normal,
     origin_outside,
     over_box,
     rounded,
+    sign_at,
     violation,
+    witness,
 )
 
 if TYPE_CHECKING:
@@ -42,7 +46,8 @@ if TYPE_CHECKING:
 __all__ = [
     "convexity_at_clear_dents", "convexity_at_deepest_dents", "convexity_at_dents", "convexity_at_far_points", "convexity_at_seams",
     "convexity_beside_edges", "convexity_between_exact_rays", "convexity_by_sampling", "convexity_by_scouting",
-    "convexity_by_thorough_scouting", "dissipation_at_points", "dissipation_by_sampling", "normality_at_chord", "normality_at_points",
+    "convexity_by_thorough_scouting", "dissipation_at_points", "dissipation_by_sampling",
+    "dissipation_of_rates", "energy_at_bends", "normality_at_chord", "normality_at_points",
     "normality_by_sampling", "origin_at_parameters", "origin_undefined", "smoothness_at_corners", "smoothness_at_sharp_points",
 ]  # fmt: skip
 
@@ -52,6 +57,10 @@ _CHORD = (
     "so grad g . (tau - sigma) > 0 there for one end tau of the chord: the normal is not in the normal cone of K"
 )
 _NORMALITY = "the flow at the boundary point between `inside` and `outside` points towards tau, a point of K: it is not in the normal cone"
+_SAGS = "psi is not convex: between the states p and q it lies above the chord from one to the other, whose ends are at the heights z"
+_HEIGHTS = "psi <= z at both ends p and q, yet psi > z at their midpoint, z included: psi is not convex in its variables together"
+_RATES = "in this state of K the sum of Y . rate over the rates without a multiplier is < 0"
+_PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "-1/2", "2", "-2", "10", "-10")))
 _DISSIPATION = "force . flow < 0 at the boundary point between `inside` and `outside`"
 
 
@@ -144,6 +153,17 @@ def convexity_at_seams(subject: FormulaSubject) -> Evidence | None:
     from duhem.proof.search.precise_chords import kink_chords
 
     return _refuted(subject, kink_chords(subject))
+
+
+def energy_at_bends(subject: FormulaSubject) -> Evidence | None:
+    """Where the second derivative of an energy along some direction is < 0: a chord of its epigraph along that."""
+    from duhem.proof.search.bends import chords_across_bends
+
+    found = _refuted(subject, chords_across_bends(subject))
+    if found is None or found.witness is None:
+        return None
+    shown = {role.replace("g(", "psi - z at ").rstrip(")"): value for role, value in found.witness.values.items()}
+    return replace(found, method="witness-state", detail=_SAGS, witness=replace(found.witness, values=shown, statement=_HEIGHTS))
 
 
 # -- corners ----------------------------------------------------------------------------------------------------------
@@ -295,12 +315,28 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
 
     def power(point: EnclosedPoint) -> sp.Expr | None:
         flow = enclosed_flow(subject, point)
-        return None if flow is None else sp.Add(*(x * d for x, d in zip(subject.simple.forces, flow, strict=True)))
+        return None if flow is None else subject.power(flow)
 
     for scout in scouts(subject, choices):
         for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5), scout.entered_again(3)):
             if witness := violation(subject, *exit, power, "force . flow", _DISSIPATION):
                 return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
+    return None
+
+
+def dissipation_of_rates(subject: FormulaSubject, choices: int = 40) -> Evidence | None:
+    """A state in K in which the rates without a multiplier dissipate less than 0."""
+    if subject.state is None or subject.state.rates == 0:
+        return None
+    rates = subject.state.rates.xreplace({**subject.law.settled(), **subject.problem.compressed})
+    for parameters in subject.choices(choices):
+        for point in itertools.product(_PLAIN, repeat=len(subject.simple.forces)):
+            values = subject.values_at(parameters, point)
+            inside, power = sign_at(subject.problem.stated, values, exact=True), sign_at(rates, values)
+            if subject.admits(values) and inside[0] in (-1, 0) and power[0] == -1:
+                shown = {"g(state)": decimal_pair(inside[1]), "sum of Y . rate": decimal_pair(power[1])}
+                found = witness(subject, {"state": values}, shown, _RATES)
+                return Evidence(Verdict.REFUTED, "witness-rates", "the rates without a multiplier dissipate less than 0", found)
     return None
 
 

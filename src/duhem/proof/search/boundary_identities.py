@@ -35,12 +35,12 @@ Identities = tuple[Mapping[str, Any], ...]
 @fact
 def outward(subject: FormulaSubject) -> Identities:
     """For every piece of g, why force . flow > 0 (>= 0 for a flow of its own) wherever it is 0 in K; none where one is missing."""
-    forms, found = _Forms.of(subject), list[Mapping[str, Any]]()
+    forms, found, state = _Forms.of(subject), list[Mapping[str, Any]](), subject.state
     for face in faces(subject.law):
-        for g, flow, where in _smooth(forms, face):
+        for g, flow, where in _smooth(forms, face if state is None else face._replace(flow=(state.power,))):
             if g is None or None in flow:
                 return ()
-            power = forms.along(forms.forces, flow or [g.diff(x) for x in forms.forces])
+            power: Any = flow[0] if state is not None else forms.along(forms.forces, flow or [g.diff(x) for x in forms.forces])
             known = forms.everywhere(-power, ">=" if face.flow is None else ">", g, where)
             if not known:
                 return ()

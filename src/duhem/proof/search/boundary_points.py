@@ -177,6 +177,8 @@ class BoundaryScout:
     @np.errstate(all="ignore")
     def _power(self) -> Any:
         """The least power of a slip of length 1 at each boundary point, as a share of the force's size."""
+        if self.subject.state is not None:  # the slip is one of all variables, and of no length 1
+            return self._over(self.boundary, self.subject.power(()))
         place, slips = self.unit_flow
         points = self.boundary[place]
         found = np.full(len(self.boundary), np.inf)

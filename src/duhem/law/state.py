@@ -1,0 +1,120 @@
+"""The state of a law: its variables, each with its force, and whether they fit the law's forces and free energy.
+
+With psi(u, alpha, T) per unit area (or volume) the forces are sigma = d psi/d u, Y = -d psi/d alpha, and s = -d psi/d T is the entropy
+(Antoni et al. 2007, Eqs. 24-26).  A slip u_in is an internal variable of an energy in u - u_in, so that its force is sigma (Eq. 31).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from duhem.errors import InputError
+from duhem.law.domain import REAL, Domain
+from duhem.law.frozen_mapping import FrozenMapping
+
+__all__ = ["NO_STATE", "Variable", "Variables", "check_state", "misfits"]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """An observable (``force`` = +d psi/d u), an internal variable (``force`` = -d psi/d alpha, or none), or the temperature."""
+
+    force: str | None = None
+    observable: bool = False
+    temperature: bool = False
+    domain: Domain = REAL
+
+    @property
+    def internal(self) -> bool:
+        """Whether it changes by the complementary laws alone."""
+        return not (self.observable or self.temperature)
+
+    def describe(self) -> str:
+        """Its kind and its force in words."""
+        kind = "temperature" if self.temperature else "observable" if self.observable else "internal"
+        return kind if self.force is None else f"{kind}, force {self.force}"
+
+
+class Variables(FrozenMapping[str, Variable]):
+    """The variables of a state by name, in order."""
+
+    __slots__ = ()
+
+    def mechanical(self) -> tuple[str, ...]:
+        """All but the temperature."""
+        return tuple(name for name, own in self.items() if not own.temperature)
+
+    def temperature(self) -> str | None:
+        """The name of the temperature, if there is one."""
+        return next((name for name, own in self.items() if own.temperature), None)
+
+    def driven(self) -> dict[str, str]:
+        """Each force with its internal variable."""
+        return {own.force: name for name, own in self.items() if own.internal and own.force is not None}
+
+    def observed(self) -> dict[str, str]:
+        """Each force with its observable."""
+        return {own.force: name for name, own in self.items() if own.observable and own.force is not None}
+
+    def slots(self, forces: Sequence[str]) -> list[tuple[str, str | None]]:
+        """What each entry of a flow is the rate of, with its force: slips that no variable is, then the internal variables in order."""
+        driven = self.driven()
+        slips = [(f"the slip of {force}" if self else force, force) for force in forces if force not in driven]
+        return [*slips, *((name, own.force) for name, own in self.items() if own.internal)]
+
+
+NO_STATE = Variables()
+
+
+def misfits(variables: Mapping[str, Variable], forces: Sequence[str], energy: bool) -> Iterator[tuple[str, str, str]]:
+    """What does not fit: the variable, or nothing where one is missing, what is wrong with it, and the remedy."""
+    for name, own in variables.items():
+        if own.observable and own.temperature:
+            yield name, f"{name} is an observable and the temperature", "leave one of them out"
+        elif own.temperature and own.force is not None:
+            yield name, f"the temperature {name} has a force", "leave force out: what belongs to it is the entropy"
+        elif own.observable and own.force is None:
+            yield name, f"the observable {name} has no force", f'add force = "{forces[0]}"'
+        elif own.force is not None and own.force not in forces:
+            yield name, f"the force {own.force!r} of {name} is not declared", f"the forces are: {', '.join(forces)}"
+    for kind in ("observable", "internal"):
+        taken: dict[str, str] = {}
+        for name, own in variables.items():
+            if own.force is not None and getattr(own, kind) and taken.setdefault(own.force, name) != name:
+                two = f"{own.force} is the force of two {kind} variables, {taken[own.force]} and {name}"
+                yield name, two, "give each a force of its own"
+    if temperatures := [name for name, own in variables.items() if own.temperature][1:]:
+        yield temperatures[0], "there are two temperatures", "declare one"
+    driven = {own.force for own in variables.values() if own.internal}
+    for force in forces if energy else ():
+        if force not in driven:
+            yield "", f"no internal variable has the force {force}", f'declare one, such as {force}_in = {{ force = "{force}" }}'
+
+
+def check_state(law: Any) -> None:
+    """InputError where variables, rates and energy of a :class:`~duhem.law.formula_law.Criterion` do not fit it."""
+    variables = law.variables
+    for _, what, remedy in misfits(variables, law.forces, law.energy is not None):
+        raise InputError(what, where=f"variables of {law.name}", remedy=remedy)
+    states = {law.symbols()[name] for name in variables}
+    for relation in law.constraints:
+        if stray := relation.free_symbols & states:
+            what = f"the constraint {relation} relates {', '.join(sorted(map(str, stray)))}"
+            raise InputError(what, where=law.name, remedy="constraints relate parameters; give a variable its range by min and max")
+    for name in (*law.rates, *law.unforced):
+        if name not in variables or not variables[name].internal:
+            internal = ", ".join(name for name, own in variables.items() if own.internal) or "none"
+            raise InputError(f"{name!r} has a rate and is no internal variable", where=law.name, remedy=f"they are: {internal}")
+    stored = set() if law.energy is None else law.energy.free_symbols
+    for name, own in variables.items():
+        if own.internal and own.force is None and law.symbols()[name] in stored:
+            what = f"the energy depends on {name}, which has no force"
+            raise InputError(
+                what, where=f"energy of {law.name}", remedy=f'give it one, such as {name} = {{ force = "Y" }}, and declare that'
+            )
+    known = {law.symbols()[name] for name in law.parameters}
+    if law.energy is not None and (stray := law.energy.free_symbols - known):
+        remedy = "an energy is a formula in variables and parameters"
+        raise InputError(f"the energy uses {sorted(map(str, stray))}", where=f"energy of {law.name}", remedy=remedy)

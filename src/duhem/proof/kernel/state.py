@@ -1,0 +1,172 @@
+"""Laws with a state: what is claimed of the energy and of the dissipation in it, as laws in other forces.
+
+psi(chi) is jointly convex in the variables but the temperature where {psi <= z} is convex in (chi, z): the claim is that of convexity, of
+its epigraph.  The forces are Y = -d psi/d alpha, and sigma = d psi/d u where an observable u has the force of an internal variable too.
+
+The dissipation sum Y . rate has these derivatives in the place of the forces that are functions of internal variables alone.  A force that
+depends on an observable stays free: what holds for all values of it holds for those that a state gives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.definedness import Reader
+from duhem.proof.kernel.domain import ZERO, StatedDomain, StatedLaw
+from duhem.proof.kernel.gradient import gradient
+from duhem.proof.kernel.identity import in_order, vanishes
+from duhem.proof.kernel.polynomial import written
+from duhem.proof.kernel.regularity import smooth_everywhere
+from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
+
+__all__ = [
+    "energy_differentiable",
+    "epigraph",
+    "in_state",
+    "potential_least_at_zero",
+    "rate_epigraph",
+    "rates_dissipate",
+    "state_laws_agree",
+    "stored_and_rates",
+]  # fmt: skip
+
+
+def epigraph(law: StatedLaw) -> StatedLaw | None:
+    """{psi(chi) <= z} in chi, without the temperature, and z; None for a law without an energy."""
+    if law.energy is None or any(c.names() & {name for name, _ in law.variables} for c in law.constraints):
+        return None  # the states that are left need not be a convex set
+    moving = tuple(name for name, own in law.variables if own.kind != "temperature")
+    height = _unused(law)
+    return _in_variables(law, moving, sum_of(law.energy, minus(Term("name", name=height))), height)
+
+
+def rate_epigraph(law: StatedLaw, power: bool) -> StatedLaw:
+    """{Phi*(Y) <= z} in the forces and z, of a potential of rates; with the power Y . d Phi*/d Y, if that is asked for."""
+    height = _unused(law)
+    names = [Term("name", name=f) for f in law.forces]
+    spent = sum_of(*map(product_of, names, gradient(law.g, law.forces))) if power else None
+    g = sum_of(law.g, minus(Term("name", name=height)))
+    return law._replace(forces=(*law.forces, height), g=g, viscous=False, power=spent, energy=None, variables=(), rates=())
+
+
+def potential_least_at_zero(law: StatedLaw) -> str:
+    """Whether a potential of rates is 0 at 0 and no less elsewhere: it is >= 0, or convex and even, or convex with no slope at 0."""
+    if not law.viscous:
+        return ""
+    names = [Term("name", name=f) for f in law.forces]
+    domain, zero = over(law), {x: number(0) for x in names}
+    known, there = domain.facts(law.g), domain.facts(law.g.put(zero))
+    if not (there.defined and there.sign == ZERO):
+        return "the potential is not shown to be 0 at zero force"
+    if known.nonnegative or domain.nonnegative(law.g):
+        return ""
+    even = vanishes(in_order(sum_of(law.g, minus(law.g.put({x: minus(x) for x in names}))), domain), domain)
+    if known.convex and (even or _flat(law, zero, domain)):
+        return ""
+    return "the potential is not shown to be least at zero force"
+
+
+def _flat(law: StatedLaw, zero: Mapping[Term, Term], domain: StatedDomain) -> bool:
+    """Whether a potential has no slope at zero force."""
+    slopes = (domain.facts(slope.put(zero)) for slope in gradient(law.g, law.forces))
+    return smooth_everywhere(law.g, domain) and all(slope.defined and slope.sign == ZERO for slope in slopes)
+
+
+def _unused(law: StatedLaw) -> str:
+    """A name that the law has no use for."""
+    taken = {*law.forces, *law.parameters, law.pressure}
+    return next(name for name in ("z", *(f"z{i}" for i in range(len(taken) + 1))) if name not in taken)
+
+
+def energy_differentiable(law: StatedLaw) -> str:
+    """Whether the energy and each force that it gives have a value in all states, and one; there is nothing to ask without an energy."""
+    if law.energy is None:
+        return ""
+    names = tuple(name for name, _ in law.variables)
+    terms = (law.energy, *gradient(law.energy, names))
+    if any(Reader(over(law)).undecided(term) is not None for term in terms):
+        return "the energy is not shown to have a value in every state"
+    if not smooth_everywhere(law.energy, over(_in_variables(law, names, law.energy))):
+        return "the energy is not shown to be differentiable"
+    return ""
+
+
+def _in_variables(law: StatedLaw, names: tuple[str, ...], g: Term, *more: str) -> StatedLaw:
+    """A law whose forces are variables in their ranges, and ``more``."""
+    ranges = tuple((name, law.parameters[name]) for name in names if law.parameters[name] != Bounds(None, None))
+    rest = {name: own for name, own in law.parameters.items() if name not in names}
+    return StatedLaw((*names, *more), None, g, None, rest, law.constraints, ranges)
+
+
+def state_laws_agree(law: StatedLaw) -> bool:
+    """Whether d psi/d u = -d psi/d u_in where u and u_in have one force, and psi is concave in the temperature."""
+    domain, slopes = over(law), _slopes(law)
+    driven = {own.force: name for name, own in law.variables if own.kind == "internal" and own.force}
+    for name, own in law.variables:
+        if own.kind == "observable":
+            both = sum_of(slopes[name], slopes[driven[own.force or ""]])
+            if not vanishes(in_order(both, domain), domain):
+                return False
+        if own.kind == "temperature":
+            (bend,) = gradient(slopes[name], (name,))
+            if not (domain.facts(minus(bend)).nonnegative or domain.nonnegative(minus(bend))):
+                return False
+    return True
+
+
+def in_state(law: StatedLaw) -> StatedLaw | None:
+    """The law with Y = -d psi/d alpha put in, and its power; None where it has no energy or flow of its own, or no force stays free."""
+    if law.energy is None or law.flow is None or energy_differentiable(law):
+        return None
+    bound = _bound(law)
+    free = tuple(f for f in law.forces if Term("name", name=f) not in bound)
+    if not free:
+        return None
+    flow = tuple(d.put(bound) for d in law.flow)
+    names = [Term("name", name=f) for f in law.forces]
+    power = sum_of(*(product_of(bound.get(x, x), d) for x, d in zip(names, flow, strict=True)))
+    slips = tuple(d for f, d in zip(law.forces, flow, strict=True) if f in free)
+    return law._replace(forces=free, g=law.g.put(bound), flow=slips, power=power, potential=None, energy=None, variables=(), rates=())
+
+
+def stored_and_rates(law: StatedLaw) -> str:
+    """What every proof of dissipation rests on: the energy gives one force to each variable, and rates without a multiplier dissipate."""
+    return energy_differentiable(law) or rates_dissipate(law)
+
+
+def rates_dissipate(law: StatedLaw) -> str:
+    """Whether sum of Y . rate >= 0 in every state, of the rates without a multiplier; "" if so."""
+    if not law.rates:
+        return ""
+    domain, bound = over(law), {} if law.energy is None else _bound(law)
+    force = {name: own.force for name, own in law.variables}
+    names = [Term("name", name=force[name] or "") for name, _ in law.rates if force[name] is not None]
+    rates = [rate.put(bound) for name, rate in law.rates if force[name] is not None]
+    power = sum_of(*(product_of(bound.get(x, x), rate) for x, rate in zip(names, rates, strict=True)))
+    if energy_differentiable(law) or any(Reader(domain).undecided(rate) is not None for _, rate in law.rates):
+        return "the rates without a multiplier are not shown to have a value"
+    if domain.facts(power).nonnegative or domain.nonnegative(power):
+        return ""
+    return "the rates without a multiplier are not shown to dissipate"
+
+
+def _bound(law: StatedLaw) -> dict[Term, Term]:
+    """The forces that depend on no observable, each with what it is in the state."""
+    slopes, domain = _slopes(law), over(law)
+    found = {
+        own.force: written(domain.polynomial(minus(slopes[name]))) for name, own in law.variables if own.kind == "internal" and own.force
+    }
+    observed = tuple(name for name, own in law.variables if own.kind == "observable")
+
+    def moves(force: str) -> bool:
+        return not all(vanishes(in_order(slope, domain), domain) for slope in gradient(found[force], observed))
+
+    return {Term("name", name=f): found[f] for f in law.forces if not moves(f)}
+
+
+def _slopes(law: StatedLaw) -> dict[str, Term]:
+    """d psi by each variable."""
+    names = tuple(name for name, _ in law.variables)
+    return dict(zip(names, gradient(law.energy or Term("number"), names), strict=True))

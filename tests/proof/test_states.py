@@ -1,0 +1,500 @@
+"""Laws with a state: what their energy and their dissipation are shown to be, or refuted by a state that can be put in by hand."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import pytest
+import sympy as sp
+
+import duhem
+from duhem import Criterion, Domain, InputError, Verdict
+from duhem.law.criterion_file import reads
+from duhem.law.state import Variable
+from duhem.proof.certificate import law_as_text
+from duhem.proof.kernel.certificate import digest
+from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.steps import within
+from duhem.proof.kernel.term import NotWritten
+
+PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
+AT_LEAST_0, ABOVE_0 = Domain.between(0, None), Domain(low=Domain.between(0, None).low, positive=True)
+BELOW_0 = Domain.between(-2, -1)
+SLIP = {"u": Variable("sigma", observable=True), "u_in": Variable("sigma")}
+QUADRATIC = "k/2*(u - u_in)**2"
+PRAGER = "norm(sigma + Y) - R"
+ALONG = "(sigma + Y)/norm(sigma + Y)"
+
+
+def law(g: str, energy: str, *, flow: Any = None, variables: Any = None, rates: Any = None, **parameters: Domain) -> Criterion:
+    """In sigma and Y, whose variables are the slip and alpha."""
+    state = SLIP | ({"alpha": Variable("Y")} if variables is None else variables)
+    domains, rates = {"R": ABOVE_0, "k": ABOVE_0, **parameters}, rates or {}
+    return Criterion("made", g, domains, ("sigma", "Y"), None, flow=flow, energy=energy, variables=state, rates=rates)
+
+
+def kinematic(**parameters: Domain) -> Criterion:
+    return law(PRAGER, f"{QUADRATIC} + C/2*alpha**2", **{"C": ABOVE_0, **parameters})
+
+
+def armstrong_frederick(rates: Any = None, **parameters: Domain) -> Criterion:
+    domains = {"C": ABOVE_0, "gamma": AT_LEAST_0, **parameters}
+    return law(PRAGER, f"{QUADRATIC} + C/2*alpha**2", flow=(ALONG, f"{ALONG} - gamma*alpha"), rates=rates, **domains)
+
+
+def isotropic(hardening: Domain) -> Criterion:
+    variables = SLIP | {"alpha": Variable("A", domain=AT_LEAST_0)}
+    energy = f"{QUADRATIC} + H/2*alpha**2"
+    parameters = {"mu": ABOVE_0, "H": hardening, "k": ABOVE_0}
+    return Criterion("isotropic", "abs(sigma) + A - mu*abs(sigma_n)", parameters, ("sigma", "A"), energy=energy, variables=variables)
+
+
+ADHESION = Criterion(
+    "adhesion",
+    "norm(a, b) - mu*abs(sigma_n)",
+    dict.fromkeys(("mu", "C", "w"), ABOVE_0),
+    ("a", "b", "B"),
+    energy="beta**2*C*((u - u_in)**2 + (v - v_in)**2)/2 - w*beta",
+    variables={
+        "u": Variable("a", observable=True),
+        "v": Variable("b", observable=True),
+        "u_in": Variable("a"),
+        "v_in": Variable("b"),
+        "beta": Variable("B", domain=Domain.between(0, 1)),
+    },
+)
+RECOVERY = "c/C*abs(Y)**(m - 1)*Y"
+RECOVERS = {"c": ABOVE_0, "m": Domain.between(1, None)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("given", "state_laws", "dissipation", "standard"),
+    [
+        pytest.param(isotropic(AT_LEAST_0), PROVED, PROVED, True, id="isotropic"),
+        pytest.param(isotropic(Domain.between(-1, 0)), REFUTED, PROVED, False, id="softening"),
+        pytest.param(kinematic(), PROVED, PROVED, True, id="Prager"),
+        pytest.param(kinematic(C=BELOW_0), REFUTED, PROVED, False, id="Prager turned"),
+        pytest.param(armstrong_frederick(), PROVED, PROVED, False, id="Armstrong and Frederick"),
+        pytest.param(armstrong_frederick(gamma=BELOW_0), PROVED, REFUTED, False, id="recall turned"),
+        pytest.param(armstrong_frederick(C=BELOW_0, gamma=Domain.between(1, 2)), REFUTED, REFUTED, False, id="energy turned"),
+        pytest.param(armstrong_frederick({"alpha": RECOVERY}, **RECOVERS), PROVED, PROVED, False, id="static recovery"),
+        pytest.param(armstrong_frederick({"alpha": f"-{RECOVERY}"}, **RECOVERS), PROVED, REFUTED, False, id="recovery turned"),
+        pytest.param(ADHESION, REFUTED, PROVED, False, id="adhesion"),
+    ],
+)
+def test_verdicts(given: Criterion, state_laws: Verdict, dissipation: Verdict, standard: bool) -> None:
+    found = duhem.verify(given)
+    assert (found["state_laws"].verdict, found["dissipation"].verdict) == (state_laws, dissipation)
+    assert found.generalized_standard is standard and found.dissipative is (dissipation is PROVED)
+    assert all(str(result.trust) == "checked" for result in found if result.verdict is PROVED)
+    for result in found:
+        if result.verdict is REFUTED and result.claim in ("state_laws", "dissipation"):
+            violated(given, result.claim, result.witness)
+    rechecked = duhem.recheck(found.certificate())
+    assert rechecked.ok
+
+
+def violated(given: Criterion, claim: str, witness: Any) -> None:
+    """The state of a witness, put in by hand with SymPy alone: the energy sags, or the power of flow or rates is negative there."""
+    table = given.symbols()
+
+    def at(point: dict[str, str]) -> dict[Any, Any]:
+        return {table.get(x, sp.Symbol(x)): sp.Rational(v) for x, v in {**witness.parameters, **point}.items()}
+
+    if claim == "state_laws":
+        p, q, middle = (witness.points[role] for role in ("p", "q", "midpoint"))
+        heights = [given.energy.subs(at({x: v for x, v in point.items() if x in table})) for point in (p, q, middle)]
+        assert all(Fraction(middle[x]) == (Fraction(p[x]) + Fraction(q[x])) / 2 for x in middle)
+        assert 2 * heights[2] > heights[0] + heights[1]
+        return
+    forces = {own.force: -given.energy.diff(table[x]) for x, own in given.variables.items() if own.internal}
+    here = at(next(iter(witness.points.values())))
+    for force, own in forces.items():
+        here.setdefault(table[force], own.subs(here))
+    flow = {f: d for f, d in zip(given.forces, given.flow, strict=True)}
+    rates = {given.variables[x].force: r for x, r in given.rates.items()}
+    powers = [sum(here[table[f]] * x.subs(here) for f, x in each.items()) for each in (flow, rates) if each]
+    assert any(power.doit() < 0 for power in powers)
+
+
+# -- what the kernel must not take ------------------------------------------------------------------------------------
+
+
+def refused(given: Criterion, claim: str, rule: str, evidence: Any = None, settled: Any = (), **changed: Any) -> str:
+    stated = StatedLaw.read(law_as_text(given) | changed)
+    with within(20_000_000):
+        return objection(claim, rule, frozenset(settled), stated, evidence or {})
+
+
+SHARE = {"share": "1", "rest": "R + gamma*C*alpha**2"}
+
+
+def test_a_share_of_g_and_its_rest() -> None:
+    assert refused(armstrong_frederick(), "dissipation", "power-share", SHARE) == ""
+    assert refused(armstrong_frederick(), "dissipation", "power-share", SHARE | {"rest": "R + 2*gamma*C*alpha**2"})
+    assert refused(armstrong_frederick(gamma=Domain()), "dissipation", "power-share", SHARE)
+    assert refused(armstrong_frederick(C=Domain()), "dissipation", "power-share", SHARE)
+
+
+@pytest.mark.parametrize(
+    "energy",
+    [
+        f"{QUADRATIC} - C/2*alpha**2",
+        f"{QUADRATIC} + C/2*alpha**2 - u_in**2",  # -dpsi/du_in is not the stress
+        f"{QUADRATIC} + C/2*alpha**2 + u",
+        "k/2*(u + u_in)**2 + C/2*alpha**2",
+        f"{QUADRATIC} + C/4*alpha**3",
+        f"{QUADRATIC} + C*u*alpha - C*u_in*alpha",
+        f"{QUADRATIC} + C*log(alpha)",
+        f"{QUADRATIC} + C*sqrt(alpha**2 - 1)",
+    ],
+)
+def test_no_other_energy_is_convex_with_forces_that_agree(energy: str) -> None:
+    assert refused(kinematic(), "state_laws", "composition", energy=energy)
+    assert refused(kinematic(), "state_laws", "symbolic", energy=energy)
+
+
+def test_a_law_with_an_energy_is_asked_about_it() -> None:
+    assert refused(kinematic(), "state_laws", "composition") == ""
+    assert refused(kinematic(), "state_laws", "symbolic")
+
+
+def test_a_fixed_variable_is_still_one() -> None:
+    """Forces are derivatives by it; put in as a number they would be 0."""
+    fixed = {**law_as_text(armstrong_frederick(gamma=BELOW_0))["parameters"], "alpha": {"value": "3"}}
+    assert refused(armstrong_frederick(), "dissipation", "power-share", SHARE, parameters=fixed)
+    assert refused(armstrong_frederick(), "dissipation", "boundary-power", parameters=fixed)
+    energy = f"{QUADRATIC} + C/2*alpha**2 - u_in**2"
+    known = {**law_as_text(kinematic())["parameters"], "u": {"value": "1"}, "u_in": {"value": "2"}}
+    assert refused(kinematic(), "state_laws", "composition", parameters=known, energy=energy)
+
+
+def test_a_potential_of_the_forces_says_nothing_in_the_state() -> None:
+    given = law_as_text(armstrong_frederick(gamma=BELOW_0))
+    flow = {"potential": "norm(sigma + Y) + gamma/2*Y**2"}
+    for rule, evidence in (("potential", {"share": "1"}), ("power-share", SHARE), ("boundary-power", {}), ("homogeneity", {})):
+        assert refused(armstrong_frederick(), "dissipation", rule, evidence, flow=flow, parameters=given["parameters"])
+
+
+def test_rates_are_asked_beside_every_proof_of_dissipation() -> None:
+    turned = armstrong_frederick({"alpha": f"-{RECOVERY}"}, **RECOVERS)
+    assert refused(turned, "dissipation", "power-share", SHARE).startswith("the rates without a multiplier")
+    settled = ("origin", "normality")
+    associated = law(PRAGER, f"{QUADRATIC} + C/2*alpha**2", rates={"alpha": "-Y"}, C=ABOVE_0)
+    assert refused(associated, "dissipation", "fenchel", settled=settled).startswith("the rates without a multiplier")
+    assert refused(kinematic(), "dissipation", "fenchel", settled=settled) == ""
+    assert refused(armstrong_frederick({"alpha": "Y/(alpha - 1)"}), "dissipation", "power-share", SHARE)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"variables": {"alpha": {"force": "Y"}, "u_in": {"force": "Y"}}},
+        {"variables": {"alpha": {"force": "Y"}}},  # nothing has the force sigma
+        {"variables": {"alpha": {"force": "Y"}, "u_in": {"force": "sigma"}, "T": {"temperature": True, "force": "Y"}}},
+        {"variables": {"alpha": {"force": "Y"}, "u_in": {"force": "sigma"}, "u": {"observable": True}}},
+        {"variables": {"alpha": {"force": "Y"}, "u_in": {"force": "tau"}}},
+        {"variables": {"alpha": {"force": "Y", "kind": "internal"}, "u_in": {"force": "sigma"}}},
+        {"variables": {"alpha": {"force": "Y"}, "u_in": {"force": "sigma"}, "w": {}}},  # w is declared nowhere
+        {"energy": "sigma**2"},
+        {"energy": "u < 1"},
+        {"rates": {"u": "1"}},
+        {"rates": {"beta": "1"}},
+        {"rates": {"alpha": "Z"}},
+    ],
+)
+def test_texts_that_are_no_state(changed: dict[str, Any]) -> None:
+    with pytest.raises((NotWritten, KeyError)):
+        StatedLaw.read(law_as_text(kinematic()) | changed)
+
+
+# -- criterion files ---------------------------------------------------------------------------------------------------
+
+FILE = """\
+[criterion]
+name = "hardening"
+forces = ["sigma", "X"]
+pressure = false
+g = "norm(sigma + X) - R"
+
+[parameters]
+R = { positive = true }
+C = { positive = true }
+gamma = { min = 0 }
+k = { positive = true }
+
+[energy]
+psi = "k/2*(u - u_in)**2 + C/2*alpha**2"
+
+[variables]
+u = { observable = true, force = "sigma" }
+w = {}
+alpha = { force = "X", min = -1, max = 1 }
+u_in = { force = "sigma" }
+
+[flow]
+direction = ["1", "(sigma + X)/norm(sigma + X) - gamma*alpha", "(sigma + X)/norm(sigma + X)"]
+
+[dissipation]
+rates = { alpha = "X/C" }
+"""
+
+
+def test_a_file_states_all_of_it() -> None:
+    read = reads(FILE)
+    assert list(read.variables) == ["u", "w", "alpha", "u_in"] and read.parameters["alpha"] == Domain.between(-1, 1)
+    assert [str(d) for d in read.flow or ()] == ["(X + sigma)/Abs(X + sigma)", "-alpha*gamma + (X + sigma)/Abs(X + sigma)"]
+    assert {x: str(r) for x, r in read.unforced.items()} == {"w": "1"} and {x: str(r) for x, r in read.rates.items()} == {"alpha": "X/C"}
+    assert law_as_text(read)["energy"] == "k/2*(u - u_in)**2 + C/2*alpha**2"
+    assert read.fix({"C": 2}).within({"gamma": Domain.between(0, 1)}).energy == read.fix({"C": 2}).energy
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ('u_in = { force = "sigma" }\n', "", "no internal variable has the force sigma"),
+        ('force = "X", min', 'force = "Z", min', "the force 'Z' of alpha is not declared"),
+        ("w = {}", 'w = { force = "X" }', "X is the force of two internal variables, w and alpha"),
+        ("w = {}", "w = { temperature = true, observable = true }", "w is an observable and the temperature"),
+        ("w = {}", 'w = { temperature = true, force = "X" }', "the temperature w has a force"),
+        ("w = {}", "w = { observable = true }", "the observable w has no force"),
+        ("w = {}", "w = { colour = 1 }", "unknown key 'colour' of w"),
+        ("w = {}", "w = 3", "w is not a table"),
+        ("w = {}", "R = {}", "'R' is declared twice"),
+        ('"1", ', "", "the flow direction has 2 components for 3 rates; give one expression for each of w, alpha, u_in"),
+        ("u_in)**2 + ", "u_in)**2 + sigma + ", "the energy uses ['sigma']"),
+        ('alpha = "X/C"', 'u = "X/C"', "'u' has a rate and is no internal variable"),
+        ('psi = "k', 'phi = "k', "unknown key 'phi'"),
+        ("pressure = false", 'pressure = false\nconstraints = ["alpha < C"]', "the constraint alpha < C relates alpha"),
+    ],
+)
+def test_what_does_not_fit_is_named(before: str, after: str, said: str) -> None:
+    assert before in FILE
+    with pytest.raises(InputError) as fault:
+        reads(FILE.replace(before, after))
+    assert said in str(fault.value)
+
+
+@pytest.mark.parametrize("kinked", ["abs(alpha)", "pos(alpha)", "max(alpha, 2*alpha)", "norm(alpha)", "where(alpha > 0, 2*alpha, alpha)"])
+def test_an_energy_with_a_kink_gives_no_one_force(kinked: str) -> None:
+    energy = f"{QUADRATIC} + C/2*alpha**2 + {kinked}"
+    for claim, rule, evidence in (
+        ("state_laws", "composition", {}),
+        ("dissipation", "power-share", SHARE),
+        ("dissipation", "boundary-power", {}),
+    ):
+        assert refused(armstrong_frederick(), claim, rule, evidence, energy=energy)
+
+
+def test_a_kink_in_the_temperature_is_not_concave() -> None:
+    variables = {**law_as_text(kinematic())["variables"], "T": {"temperature": True}}
+    parameters = {**law_as_text(kinematic())["parameters"], "T": {"positive": True}}
+    for heat, right in (("-C*T*(log(T) - 1)", True), ("-T**2", True), ("abs(T - 300)", False), ("T**2", False), ("-abs(T - 300)", False)):
+        energy = f"{QUADRATIC} + C/2*alpha**2 + {heat}"
+        said = refused(kinematic(), "state_laws", "composition", energy=energy, variables=variables, parameters=parameters)
+        assert (said == "") is right, (heat, said)
+
+
+def test_forces_that_no_state_has_refute_nothing() -> None:
+    """An associated law whose K leaves 0 out dissipates less than 0 at forces that this energy never gives together."""
+    away = law("(sigma - 2)**2 + (Y - 2)**2 - 1", f"{QUADRATIC} + C/2*alpha**2", C=ABOVE_0)
+    assert duhem.verify(away, claims=["dissipation"])["dissipation"].verdict is not REFUTED
+
+
+# -- potentials of rates -----------------------------------------------------------------------------------------------
+
+
+def viscous(potential: str, forces: tuple[str, ...] = ("a", "b"), **parameters: Domain) -> Criterion:
+    return Criterion("viscous", potential, {**dict.fromkeys(("A", "R"), ABOVE_0), **parameters}, forces, None, viscous=True)
+
+
+N = {"n": Domain.between(1, None)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "potential",
+    [
+        pytest.param("A/(n + 1)*norm(a, b)**(n + 1)", id="Norton"),
+        pytest.param("A/(n + 1)*pos((norm(a, b) - R)/A)**(n + 1)", id="Perzyna"),
+        pytest.param("pos(norm(a, b) - R)**2/(2*A)", id="Bingham"),
+        pytest.param("A*(cosh(norm(a, b)/R) - 1)", id="Garofalo"),
+        pytest.param("A*(a**2 + a*b + b**2)", id="quadratic"),
+    ],
+)
+def test_a_convex_potential_that_is_least_at_0(potential: str) -> None:
+    given = viscous(potential, **(N if "n" in potential.replace("norm", "") else {}))
+    found = duhem.verify(given, claims=["origin", "convexity", "normality", "dissipation", "state_laws"])
+    assert found.generalized_standard and found.dissipative
+    assert all(str(result.trust) == "checked" for result in found) and duhem.recheck(found.certificate()).ok
+    with pytest.raises(InputError, match="gradient of a potential"):
+        duhem.project(given, [1.0, 0.0], None, 1.0, {"A": 1, "R": 1, "n": 2})
+
+
+@pytest.mark.parametrize(
+    ("potential", "claim"),
+    [
+        ("A*(cosh(a) - 2) + b**2", "origin"),  # below 0 at 0
+        ("A*(cosh(a) + 1) + b**2", "origin"),
+        ("A*(a - 1)**2 + b**2 - A", "origin"),  # 0 at 0 and less beside it
+        ("A*a**2 - b**2", "convexity"),
+        ("A*sqrt(norm(a, b))", "convexity"),
+        ("A*a**2 + b**3", "convexity"),
+    ],
+)
+def test_no_other_potential_is_taken(potential: str, claim: str) -> None:
+    given = viscous(potential)
+    for rule in ("evaluation", "polar-form", "composition", "polyhedral", "polar-curvature", "fan"):
+        assert refused(given, claim, rule, settled=("origin",) if claim == "convexity" else ())
+    for rule in ("euler", "homogeneity", "potential", "power-share", "boundary-power"):
+        assert refused(given, "dissipation", rule, {"share": "0", "rest": "0"}, settled=("origin",))
+    assert duhem.verify(given, claims=[claim])[claim].verdict is not PROVED
+
+
+def test_a_potential_of_rates_in_a_file() -> None:
+    text = """\
+[criterion]
+name = "norton"
+pressure = false
+forces = ["s"]
+[dissipation]
+potential = "A*s**2"
+[parameters]
+A = { positive = true }
+"""
+    read = reads(text)
+    assert read.viscous and law_as_text(read)["viscous"] is True and str(read.g) == "A*s**2"
+    with pytest.raises(InputError, match="are both given"):
+        reads(text.replace('forces = ["s"]', 'forces = ["s"]\ng = "s"'))
+    with pytest.raises(InputError, match="are both given"):
+        reads(text + '[flow]\ndirection = ["1"]\n')
+
+
+# -- what an adversary found ---------------------------------------------------------------------------------------------
+
+ONE = """\
+[criterion]
+name = "one"
+forces = ["sigma"]
+pressure = false
+g = "abs(sigma) - R"
+[parameters]
+R = { positive = true }
+k = { positive = true }
+C = { positive = true }
+[energy]
+psi = "k/2*(u - u_in)**2 + (0)"
+[variables]
+u = { observable = true, force = "sigma" }
+u_in = { force = "sigma" }
+"""
+HEAT = "T = { temperature = true, min = 0, max = 2 }\n"
+
+
+@pytest.mark.parametrize(
+    "heat",
+    [
+        "30*pos(T - 1) - T**2",
+        "30*abs(T - 1) - T**2",
+        "30*max(T, 1)",
+        "abs(T - 300) - pos(T - 300)",
+        "100*(abs(T - 300) - pos(T - 300)) - T**2",
+    ],
+)
+def test_kinks_in_the_temperature_that_cancel(heat: str) -> None:
+    assert duhem.verify(reads(ONE.replace("(0)", heat) + HEAT), claims=["state_laws"])["state_laws"].verdict is not PROVED
+
+
+def test_a_variable_that_the_energy_names_has_a_force() -> None:
+    with pytest.raises(InputError, match="the energy depends on w, which has no force"):
+        reads(ONE.replace("(0)", "C/2*w**2") + "w = {}\n")
+    with pytest.raises(NotWritten):
+        StatedLaw.read(law_as_text(kinematic()) | {"energy": f"{QUADRATIC} + C/2*w**2", "variables": {**VARIABLES, "w": {}}})
+
+
+VARIABLES = {"u": {"observable": True, "force": "sigma"}, "u_in": {"force": "sigma"}, "alpha": {"force": "Y"}}
+
+
+@pytest.mark.parametrize("nothing", ["sqrt(sigma) - sqrt(sigma)", "asin(sigma) - asin(sigma)", "gamma*alpha*(1 - sigma/sigma)"])
+def test_a_rate_without_a_value_is_no_rate(nothing: str) -> None:
+    given = armstrong_frederick()
+    flow = [*law_as_text(given)["flow"]]
+    flow[1] += f" + {nothing}"
+    assert refused(given, "dissipation", "power-share", SHARE, flow=flow)
+    rates = law_as_text(given) | {"rates": {"alpha": f"Y + {nothing}"}}
+    with within(20_000_000):
+        assert objection("dissipation", "power-share", frozenset(), StatedLaw.read(rates), SHARE)
+    written = reads(FILE.replace('alpha = "X/C"', f'alpha = "X + {nothing}"'))
+    assert law_as_text(written)["rates"]["alpha"] == f"X + {nothing}"
+
+
+@pytest.mark.parametrize("energy", ["log(alpha) - log(alpha)", "C*alpha*log(alpha)", "where(alpha > 0, C, 0)"])
+def test_an_energy_without_a_value_or_with_a_jump_gives_no_dissipation(energy: str) -> None:
+    settled = ("origin", "normality")
+    assert refused(kinematic(), "dissipation", "fenchel", settled=settled, energy=f"{QUADRATIC} + C/2*alpha**2 + {energy}")
+
+
+def test_rates_of_their_own_make_no_generalized_standard_law() -> None:
+    skew = law(PRAGER, f"{QUADRATIC} + C/2*alpha**2", rates={"u_in": "sigma + 5*Y", "alpha": "Y - 5*sigma"}, C=ABOVE_0)
+    assert duhem.verify(skew).generalized_standard is None
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"variables": {**VARIABLES, "T": {"temperature": True}, "S": {"temperature": True}}, "parameters": {"T": {}, "S": {}}},
+        {"variables": {**VARIABLES, "T": {"temperature": 1}}, "parameters": {"T": {}}},
+        {"variables": {**VARIABLES, "T": {"temperature": False}}, "parameters": {"T": {}}},
+    ],
+)
+def test_the_kernel_reads_no_state_that_files_refuse(changed: dict[str, Any]) -> None:
+    given = law_as_text(kinematic())
+    with pytest.raises(NotWritten):
+        StatedLaw.read(given | changed | {"parameters": {**given["parameters"], **changed["parameters"]}})
+
+
+@pytest.mark.parametrize("energy", ["exp(1000000)*alpha**2", "2**(10**9)*alpha**2"])
+def test_numbers_beyond_all_measure_in_an_energy(energy: str) -> None:
+    found = duhem.verify(kinematic(), claims=["state_laws"]).certificate()
+    found["law"]["energy"] = energy
+    found["sha256"] = digest(found)
+    with pytest.raises(InputError, match="too large"):
+        duhem.recheck(found)
+
+
+def maxwell(**changed: Any) -> Criterion:
+    return law(PRAGER, f"{QUADRATIC} + C/2*alpha**2", flow=("sigma", "Y"), C=ABOVE_0, **changed)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        pytest.param(maxwell(rates={"u_in": "u - u_in"}), id="a rate in the elastic part"),
+        pytest.param(
+            law("abs(sigma) - R", QUADRATIC, flow=("10*k*(u - u_in) - 9*sigma", "Y"), variables=SLIP | {"w": Variable("Y")}), id="flow"
+        ),
+    ],
+)
+def test_forces_and_variables_that_go_together_refute_nothing_apart(given: Criterion) -> None:
+    assert duhem.verify(given, claims=["dissipation"])["dissipation"].verdict is not REFUTED
+
+
+def test_a_displacement_with_a_range_bounds_the_force() -> None:
+    text = ONE.replace('force = "sigma" }\nu_in', 'force = "sigma", min = 0 }\nu_in').replace(
+        'u_in = { force = "sigma" }', 'u_in = { force = "sigma", max = 0 }'
+    )
+    given = reads(text + '[flow]\ndirection = ["1"]\n')
+    assert duhem.verify(given, claims=["dissipation"])["dissipation"].verdict is not REFUTED
+
+
+@pytest.mark.parametrize(
+    "ranged", ['w = { force = "W", min = 1, max = 2 }', 'w = { force = "W", value = 2 }', 'w = { force = "W", positive = true }']
+)
+@pytest.mark.parametrize("energy", ["C/2*w**2", "C*log(w)", "abs(w)**3", "C/w"])
+def test_any_range_and_any_energy_end_in_verdicts(ranged: str, energy: str) -> None:
+    text = ONE.replace("(0)", energy).replace('["sigma"]', '["sigma", "W"]').replace("abs(sigma)", "norm(sigma, W)") + ranged + "\n"
+    found = duhem.verify(reads(text), claims=["state_laws", "dissipation"])
+    assert energy != "C*log(w)" or found["state_laws"].verdict is not PROVED  # it is concave
