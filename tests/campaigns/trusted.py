@@ -27,6 +27,7 @@ from typing import Any
 import duhem
 import duhem.proof.kernel
 from duhem.proof.kernel import certificate
+from duhem.proof.kernel.claims import BY_CONSTRUCTION
 
 __all__ = ["Trusted", "trusted"]
 
@@ -123,7 +124,8 @@ def _certificates(given: list[str]) -> Iterator[tuple[str, Mapping[str, Any]]]:
 
 
 if __name__ == "__main__":
-    found = [proof for name, document in _certificates(sys.argv[1:]) for proof in trusted(name, document)]
+    asked = (proof for name, document in _certificates(sys.argv[1:]) for proof in trusted(name, document))
+    found = [proof for proof in asked if proof.rule != BY_CONSTRUCTION]
     rules = defaultdict[tuple[str, str], list[int]](list)
     for proof in found:
         rules[proof.claim, proof.rule].append(proof.lines)

@@ -31,6 +31,8 @@ def test_several_laws_have_a_line_each(run: Run, monkeypatch: pytest.MonkeyPatch
     assert (code, err) == (4, "duhem: dent.toml: convexity is refuted, where proved is expected\n")
     (tmp_path / "dent.toml").write_text((tmp_path / "dent.toml").read_text().replace('"proved"', '"refuted"'))
     assert run("verify", "dent.toml", "ball.toml", "--claims", "convexity", "--workers", "1")[::2] == (0, "")
+    by_construction = run("verify", "coulomb", "limacon", "--claims", "state_laws,origin", "--workers", "1")[1]
+    assert by_construction == "coulomb: proved origin; by construction state_laws\nlimacon: proved origin; by construction state_laws\n"
     for arguments, said in (
         (["coulomb", "no*.toml"], "no file matches"),
         (["coulomb", "none.toml"], "there is no file"),

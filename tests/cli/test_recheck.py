@@ -42,8 +42,9 @@ def test_every_proof_of_the_law_is_confirmed(folder: Path) -> None:
     done = run("recheck", folder / "disc.json", "--law", folder / "disc.toml")
     assert done.return_value == 0
     law, table, last = done.stdout.rstrip().split("\n\n")
-    assert [line.split()[1:] for line in table.splitlines()[2:]] == [["proved", "checked", "confirmed"]] * 7
-    assert last == "confirmed: 7 of 7 proofs"
+    rows = [line.split()[1:] for line in table.splitlines()[2:]]
+    assert rows == [["proved", "checked", "confirmed"]] * 6 + [["proved", "checked", "by", "construction"]]
+    assert last == "confirmed: 6 of 6 proofs; by construction: state_laws"
     assert [" ".join(line.split()) for line in law.splitlines()] == [
         "disc",
         "criterion norm(sigma_a, sigma_b) - mu*abs(sigma_n) <= 0",
@@ -67,6 +68,7 @@ def test_the_last_line_counts_what_is_confirmed_what_has_no_rule_and_what_fails(
 
     unruled = {"trust": "prover", "rule": None, "evidence": {}}
     assert told({}, smoothness=unruled, state_laws=unruled) == (3, "confirmed: 5 of 7 proofs; without a rule here: 2")
+    assert told({}, state_laws={"rule": "symbolic"}) == (0, "confirmed: 6 of 6 proofs; by construction: state_laws")
     code, last = told({"g": "mu*abs(sigma_n) - norm(sigma_a, sigma_b)"}, smoothness=unruled)
     assert code == 1 and "without a rule here: 1; failed: " in last
     none = {"verdict": "undecided", "trust": None, "rule": None, "evidence": {}}
@@ -259,7 +261,7 @@ def test_python_says_what_the_command_prints(folder: Path) -> None:
         done = duhem.recheck(given)
         assert done.ok and done["convexity"].confirmed and done.law["g"] == "norm(sigma_a, sigma_b) - mu*abs(sigma_n)"
         assert run("recheck", file).stdout == done.to_text() + "\n"
-    assert repr(done) == "<Recheck: confirmed: 7 of 7 proofs>"
+    assert repr(done) == "<Recheck: confirmed: 6 of 6 proofs; by construction: state_laws>"
     assert json.loads(json.dumps(done.to_dict())) == done.to_dict() and done.to_dict()["claims"][0]["confirmed"]
     made = duhem.verify(folder / "disc.toml").certificate(folder / "again.json")
     assert (folder / "again.json").read_bytes() == file.read_bytes() and json.loads(json.dumps(made)) == json.loads(text)

@@ -300,7 +300,8 @@ def certified(proofs: list[tuple[str, str, str | None]], **change: Any) -> dict[
 
 PROOFS = [
     ("dissipation", "proved", "fenchel"), ("normality", "proved", "normality-rule"), ("convexity", "proved", "composition"),
-    ("origin", "proved", "evaluation"), ("smoothness", "refuted", None), ("state_laws", "proved", "symbolic"), ("duality", "proved", None),
+    ("origin", "proved", "evaluation"), ("smoothness", "refuted", None), ("state_laws", "proved", "by-construction"),
+    ("duality", "proved", None),
 ]  # fmt: skip
 
 
@@ -310,10 +311,16 @@ def test_a_certificate_is_checked_claim_by_claim() -> None:
     assert {claim for claim, row in found.items() if row.confirmed} == {"origin", "convexity", "normality", "dissipation", "state_laws"}
     assert found["smoothness"].reason == "only proofs are checked" and found["duality"].reason == NO_RULE
     assert {claim: row.outcome for claim, row in found.items()} == {
-        **dict.fromkeys(("origin", "convexity", "normality", "dissipation", "state_laws"), "confirmed"),
-        "smoothness": "no proof", "duality": "no rule",
+        **dict.fromkeys(("origin", "convexity", "normality", "dissipation"), "confirmed"),
+        "smoothness": "no proof", "duality": "no rule", "state_laws": "by construction",
     }  # fmt: skip
-    assert found["origin"] == ("origin", "proved", "checked", True, "")
+    assert found["origin"] == ("origin", "proved", "checked", True, "", False)
+
+
+def test_a_certificate_from_before_laws_had_a_state_is_confirmed() -> None:
+    """Its rule of the state laws has another name, and says the same of a law that states no energy."""
+    (now,), (before,) = (recheck(certified([("state_laws", "proved", rule)])) for rule in ("by-construction", "symbolic"))
+    assert now == before and before.confirmed and before.by_construction
 
 
 @pytest.mark.parametrize("missing", ["origin", "convexity", "normality"])

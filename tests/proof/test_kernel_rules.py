@@ -36,7 +36,7 @@ F = Fraction
         ("smoothness euler", "a**2 + b - m", True), ("dissipation homogeneity", "a**2 - b**2 - m", True),
         ("dissipation homogeneity", "a**2 - b**2 - e", False), ("dissipation homogeneity", "a**2 - b**2 - m + 0/e", False),
         ("origin polar-form", "norm(a, b) + a**2/norm(a, b) - 1", True), ("origin polar-form", "norm(a, b) - 1", False),
-        ("state_laws symbolic", "a", True), ("state_laws symbolic", "norm(a, b)/e - q", True),
+        ("state_laws by-construction", "a", True), ("state_laws by-construction", "norm(a, b)/e - q", True),
     ],
 )  # fmt: skip
 def test_a_rule_without_evidence(rule: str, g: str, right: bool) -> None:
@@ -76,7 +76,7 @@ def test_laws_on_a_line() -> None:
         assert not confirmed("smoothness", "one-dimensional", law(g), None, "convexity")
     assert confirmed("smoothness", "one-dimensional", law("abs(a - 3*m) - m", ["a"]), {"inside": {"a": "3*m"}}, "convexity")
     for d in ("a", "abc"):
-        assert confirmed("state_laws", "symbolic", law("a", list(d)))
+        assert confirmed("state_laws", "by-construction", law("a", list(d)))
 
 
 @pytest.mark.parametrize("d", [1, 2, 3, 6])

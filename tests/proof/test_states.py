@@ -154,12 +154,30 @@ def test_a_share_of_g_and_its_rest() -> None:
 )
 def test_no_other_energy_is_convex_with_forces_that_agree(energy: str) -> None:
     assert refused(kinematic(), "state_laws", "composition", energy=energy)
-    assert refused(kinematic(), "state_laws", "symbolic", energy=energy)
+    assert refused(kinematic(), "state_laws", "by-construction", energy=energy)
 
 
 def test_a_law_with_an_energy_is_asked_about_it() -> None:
     assert refused(kinematic(), "state_laws", "composition") == ""
-    assert refused(kinematic(), "state_laws", "symbolic")
+    assert refused(kinematic(), "state_laws", "by-construction")
+
+
+def test_the_default_energy_holds_by_construction_only_where_no_other_force_needs_one() -> None:
+    plain = Criterion("plain", "abs(sigma) - R", {"R": ABOVE_0}, ("sigma",), None)
+    frozen = Criterion("frozen", "abs(sigma) - R*(1 + w**2)", {"R": ABOVE_0}, ("sigma",), None, variables=SLIP | {"w": Variable()})
+    for given in (plain, frozen):
+        found = duhem.verify(given, claims=["state_laws"])["state_laws"]
+        assert (found.verdict, found.method) == (PROVED, "by-construction") and "by construction" in found.detail
+    silent = law(PRAGER, "0")
+    silent = Criterion("silent", silent.g, silent.parameters, silent.forces, None, variables=silent.variables)
+    found = duhem.verify(silent, claims=["state_laws"])["state_laws"]
+    assert found.verdict is Verdict.NOT_APPLICABLE and "nothing says how Y follows from alpha" in found.detail
+    assert refused(silent, "state_laws", "by-construction")
+
+
+def test_the_conclusion_names_the_state_laws() -> None:
+    said = duhem.verify(isotropic(Domain.fixed(-1)), claims=["origin", "state_laws"]).to_text()
+    assert "generalized standard: no (state_laws refuted)" in said
 
 
 def test_a_fixed_variable_is_still_one() -> None:

@@ -281,8 +281,8 @@ def test_where_j2_is_zero_a_formula_has_a_limit_or_none(g: str, there: bool) -> 
 @pytest.mark.parametrize(
     ("tip", "thin"),
     [
-        ("norm(a, b)", True), ("norm(e*a, e*b)", False), ("norm(m*a, e*b)", True), ("a**2 + b**2", True), ("e*a", False), ("abs(a)", False),
-        ("e*a + 1", True), ("norm(abs(a), e*b)", False), ("a - a", False), ("q*a**2 + e*b**2", False),
+        ("norm(a, b)", True), ("norm(e*a, e*b)", False), ("norm(m*a, e*b)", True), ("a**2 + b**2", True), ("e*a", False), ("abs(a)", True),
+        ("e*a + 1", True), ("norm(abs(a), e*b)", True), ("a - a", False), ("q*a**2 + e*b**2", False),
     ],
 )  # fmt: skip
 def test_a_tip_is_zero_on_no_open_set_for_any_value_of_the_parameters(tip: str, thin: bool) -> None:

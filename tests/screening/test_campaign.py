@@ -21,6 +21,7 @@ from duhem.proof.verification import claim_results
 from duhem.screening import entry, file, pool, rows
 from duhem.screening.campaign import Campaign, Claimed, as_text, asked
 from duhem.screening.rows import Grid, LawName
+from duhem.screening.summary import Counts
 from duhem.show.growing_file import beside, rows_beside
 from duhem.show.printing import text
 from tests.campaigns.screenings import AtOnce
@@ -402,3 +403,12 @@ def test_a_row_has_what_verify_says():
     assert [replace(r, seconds=0.0) for r in found] == [replace(r, seconds=0.0) for r in whole.results] and whole.rests_on
     answers = list(Claimed(claims).answers(law))
     assert {(claim, said, steps) for claim, said, *_, steps, _ in answers} == {(r.claim, r.verdict.value, r.steps) for r in whole.results}
+
+
+def test_what_holds_by_construction_is_counted_apart_and_keeps_its_verdict():
+    campaign = Campaign((Grid(LawName("coulomb"), (("mu", ("1/2", "1/3")),)),), Claimed(("origin", "state_laws")))
+    lines = [line for number in (1, 2) for line in asked(campaign, number)]
+    counts = Counts(campaign)
+    assert [*counts.passing(iter(lines))] == lines and {line.verdict for line in lines} == {"proved"}
+    assert counts.summary().verdicts == {("origin", "proved"): 2, ("state_laws", "by_construction"): 2}
+    assert "by construction" in text(counts.summary())

@@ -304,13 +304,20 @@ If the rules find no closed form, there is nothing to prove or refute, and the v
     ),
     Claim(
         name="state_laws",
-        statement="sigma = dpsi/du = -dpsi/du_in, psi convex",
+        statement="sigma = dpsi/du = -dpsi/du_in, psi convex in (u, u_in) and concave in the temperature",
         theory="""\
-The free energy is psi_C = (u - u_in) . k (u - u_in)/2 (Antoni et al. 2007, Eq. 30), with the displacement u, the slip u_in and
-a symmetric positive semidefinite stiffness k.  Its derivative with respect to u is the stress, and its derivative with respect
-to u_in is minus the stress (Eqs. 25, 31).  psi_C is convex in (u, u_in), because it is a sum of squares of linear functions.""",
+The forces are derivatives of the free energy psi: sigma = dpsi/du of an observable u, sigma = -dpsi/du_in of its slip, and Y =
+-dpsi/dalpha of any other variable alpha (Antoni et al. 2007, Eqs. 25, 26, 31).  psi must give the same stress by u and by u_in,
+and be convex in all variables together but the temperature, in which it must be concave.
+
+A law that states no energy has psi = (u - u_in) . k (u - u_in)/2 (Eq. 30) with a symmetric positive semidefinite stiffness k.
+Then the claim holds by construction, since psi is a sum of squares of linear functions, and duhem does not count it as a proof.
+
+If the law has an energy, duhem decides the claim.  Proof: the rules of composition for {psi <= z}, and sums of squares.
+Refutation: two states and their midpoint, at which psi lies above the mean, or below it along the temperature.""",
         methods=(
             CHEAP,
+            ProofMethod(FormulaSubject, evidence.state_laws_not_stated),
             ProofMethod(FormulaSubject, refuters.energy_at_bends, again=True),
             Finder(FormulaSubject, evidence.convexity_by_sums),
             DEAR,

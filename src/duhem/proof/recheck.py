@@ -63,11 +63,16 @@ class Recheck(Shown):
         return tuple(row.claim for row in self.claims if row.outcome == outcome)
 
     def counted(self) -> str:
-        """How many proofs are confirmed, how many the kernel has no rule for, and how many it objects to, in words."""
+        """How many proofs are confirmed, how many the kernel has no rule for, and how many it objects to, in words.
+
+        What holds by construction is named, and is no proof.
+        """
         confirmed, rest = len(self._with("confirmed")), {"without a rule here": len(self.without_rule), "failed": len(self.failed)}
-        if not (proofs := confirmed + sum(rest.values())):
-            return "the certificate contains no proof"
-        return f"confirmed: {confirmed} of {proofs} proofs{''.join(f'; {what}: {count}' for what, count in rest.items() if count)}"
+        proofs = confirmed + sum(rest.values())
+        said = [f"confirmed: {confirmed} of {proofs} proofs" if proofs else "the certificate contains no proof"]
+        said += [f"{what}: {count}" for what, count in rest.items() if count]
+        given = self._with("by construction")
+        return "; ".join([*said, *([f"by construction: {', '.join(given)}"] if given else [])])
 
 
 def recheck(certificate: str | os.PathLike[str] | Mapping[str, Any]) -> Recheck:

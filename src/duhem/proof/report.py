@@ -24,8 +24,8 @@ from duhem.version import __version__
 __all__ = ["as_sheet", "as_sheet_of_claim", "as_sheet_of_witness", "as_suite", "as_text", "certified", "decided", "left_aside", "stated"]
 
 _HEAD = ("claim", "verdict", "trust", "method", "scope", "time")
-_STANDARD = ("origin", "convexity", "normality")
 _FIELD = len("parameters")
+_RATES = "the rates without a multiplier are not shown to derive from a potential"
 _RESTS_ON = {
     Trust.CHECKED: "the kernel, a small program that shares no code with the provers, confirmed the proof from the formula of the law",
     Trust.SOLVER: "one step of the proof relies on an SMT result that nothing else has checked",
@@ -214,7 +214,7 @@ def _trusts(results: Iterable[ClaimResult]) -> tuple[str, ...]:
 def _conclusion(verification: Verification) -> tuple[str, str]:
     """Whether the law is generalized standard, and dissipative, and why."""
     found = {r.claim: r for r in verification.results}
-    standard = _answer("generalized standard", verification.generalized_standard, found, _STANDARD)
+    standard = _answer("generalized standard", verification.generalized_standard, found, verification.of_standard)
     if verification.vacuous and "dissipation" in found:
         return standard, "dissipative: the claim says nothing here (the only boundary point of K is zero force, see the remarks)"
     return standard, _answer("dissipative", verification.dissipative, found, ("dissipation",))
@@ -230,7 +230,7 @@ def _answer(title: str, answer: bool | None, found: Mapping[str, ClaimResult], c
         reason = f"{_and([c for c in claims if verdicts.get(c) is Verdict.REFUTED])} refuted"
     else:
         open_claims = [c for c in claims if verdicts.get(c) != Verdict.PROVED]
-        reason = "; ".join(f"{c} {_word(verdicts.get(c, 'not examined'))}" for c in open_claims)
+        reason = "; ".join(f"{c} {_word(verdicts.get(c, 'not examined'))}" for c in open_claims) or _RATES
     word = {True: "yes", False: "no", None: "not decided"}[answer]
     return f"{title}: {word} ({reason})"
 

@@ -93,9 +93,14 @@ class Verification(Shown):
 
         None too of a law with rates beside its multiplier, which are not shown to derive from a potential.
         """
-        energy = isinstance(self.criterion, Criterion) and self.criterion.energy is not None
-        answer = self._together("origin", "convexity", "normality", *(["state_laws"] if energy else []))
+        answer = self._together(*self.of_standard)
         return None if answer and isinstance(self.criterion, Criterion) and self.criterion.rates else answer
+
+    @property
+    def of_standard(self) -> tuple[str, ...]:
+        """The claims that a generalized standard law meets."""
+        energy = isinstance(self.criterion, Criterion) and self.criterion.energy is not None
+        return ("origin", "convexity", "normality", *(["state_laws"] if energy else []))
 
     @property
     def dissipative(self) -> bool | None:
@@ -251,7 +256,7 @@ def _in_state(law: Law, share: Fraction) -> Iterator[tuple[str, Subject]]:
         return
     if law.viscous:
         potential = FormulaSubject(rate_epigraph(law), share, checked_only=True)
-        yield from ((name, potential) for name in CLAIMS)
+        yield from ((name, potential) for name in CLAIMS if name != "state_laws")
     if (stored := epigraph(law)) is not None:
         yield "state_laws", FormulaSubject(stored, share, checked_only=True)
     if (found := dissipating(law)) is not None:

@@ -147,6 +147,13 @@ class VerdictLine(NamedTuple):
     seconds: float
     error: str | None
 
+    @property
+    def counts_as(self) -> str:
+        """The verdict under which it is counted: what holds by construction is no proof, and without a verdict it is none."""
+        from duhem.proof.kernel.claims import BY_CONSTRUCTION
+
+        return "by_construction" if self.method == BY_CONSTRUCTION else "none" if self.verdict is None else self.verdict
+
 
 def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
     """The lines of a row, sorted by claim; an error of any kind but lack of memory is in them, one that ends a program too."""

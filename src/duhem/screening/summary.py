@@ -26,10 +26,10 @@ _OPEN = ("undecided", "tested")
 _NAMED = 3  # rows of a kind
 _REASONS = 50  # that are counted each by itself
 _WORDS = 160  # characters of one
-_QUIET = ("proved", "not_applicable", "ok", "passed", "xfailed", "none")
+_QUIET = ("proved", "by_construction", "not_applicable", "ok", "passed", "xfailed", "none")
 _ORDER = (
     "proved", "refuted", "tested", "undecided", "ok", "flagged", "wrong", "passed", "failed", "xfailed", "xpassed",
-    "not_applicable", "none",
+    "by_construction", "not_applicable", "none",
 )  # fmt: skip
 _MOST = 12  # methods and reasons that are listed
 _CLAIMS = 20  # that are listed each by itself, whatever was found
@@ -102,8 +102,7 @@ class Counts:
 
     def _take(self, line: VerdictLine) -> None:
         self._seconds += line.seconds
-        verdict = "none" if line.verdict is None else line.verdict
-        self._verdicts[line.claim, verdict] += 1
+        self._verdicts[line.claim, line.counts_as] += 1
         if line.method is not None:
             count, total, most = self._methods.get((line.claim, line.method), (0, 0.0, 0.0))
             self._methods[line.claim, line.method] = count + 1, total + line.seconds, max(most, line.seconds)

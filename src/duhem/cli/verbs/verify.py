@@ -43,7 +43,7 @@ _expect_option = click.option(
     " other verdict on this claim as one. Takes precedence over expect in the law. Repeatable.",
 )
 
-_ORDER = ("refuted", "undecided", "tested", "proved", "not_applicable")  # what deserves a look comes first
+_ORDER = ("refuted", "undecided", "tested", "proved", "by_construction", "not_applicable")  # what deserves a look comes first
 
 
 @click.command()
@@ -297,5 +297,5 @@ def _one_line(law: str, lines: Sequence[VerdictLine]) -> str:
     if lines[0].error is not None:
         return f"{law}: no verdict: {lines[0].error}"
     by_claim = sorted(lines, key=lambda line: list(CLAIMS).index(line.claim))
-    groups = {verdict: ", ".join(line.claim for line in by_claim if line.verdict == verdict) for verdict in _ORDER}
+    groups = {verdict: ", ".join(line.claim for line in by_claim if line.counts_as == verdict) for verdict in _ORDER}
     return f"{law}: " + "; ".join(f"{verdict.replace('_', ' ')} {claims}" for verdict, claims in groups.items() if claims)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from hashlib import sha256
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.claims import BY_CONSTRUCTION, objection
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import Bounds, StatedLaw, as_object, exact, inhabited, without_more
 from duhem.proof.kernel.obligations import numbers
@@ -17,6 +17,7 @@ from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 __all__ = ["CLAIMS", "EVIDENCE", "NO_RULE", "OVER", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "digest", "recheck", "stated"]
 
 SCHEMA = "duhem certificate 2"
+_RENAMED = {"symbolic": BY_CONSTRUCTION}  # as certificates call it that were written before laws had a state
 NO_RULE = "the certificate names no rule for it"
 OVER = "over"  # the word of evidence for wider domains of parameters
 CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws")
@@ -28,19 +29,25 @@ EVIDENCE = (
 
 
 class Rechecked(NamedTuple):
-    """One claim of a certificate: what it says and whether the kernel ``confirmed`` it; ``reason`` where it did not."""
+    """One claim of a certificate: what it says and whether the kernel ``confirmed`` it; ``reason`` where it did not.
+
+    ``by_construction``: it holds of every law of the kind, and counts as no proof.
+    """
 
     claim: str
     verdict: str
     trust: str | None
     confirmed: bool
     reason: str
+    by_construction: bool = False
 
     @property
     def outcome(self) -> str:
-        """``confirmed``, ``failed`` or ``no rule`` for what the certificate calls proved, ``no proof`` for the rest."""
+        """``confirmed``, ``by construction``, ``failed`` or ``no rule`` for what is called proved, ``no proof`` for the rest."""
         if self.verdict != "proved":
             return "no proof"
+        if self.by_construction:
+            return "by construction"
         return "confirmed" if self.confirmed else "no rule" if self.reason == NO_RULE else "failed"
 
 
@@ -122,11 +129,12 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
     settled, rows = set[str](), list[Rechecked]()
     for row in sorted(said, key=lambda row: CLAIMS.index(row.claim)):
         reason = "only proofs are checked"
+        rule = _RENAMED.get(row.rule or "", row.rule)
         if row.verdict == "proved":
-            reason = NO_RULE if row.rule is None else _objection(row, row.rule, frozenset(settled), document["law"])
+            reason = NO_RULE if rule is None else _objection(row, rule, frozenset(settled), document["law"])
         if not reason:
             settled.add(row.claim)
-        rows.append(Rechecked(row.claim, row.verdict, row.trust, not reason, reason))
+        rows.append(Rechecked(row.claim, row.verdict, row.trust, not reason, reason, not reason and rule == BY_CONSTRUCTION))
     return tuple(rows)
 
 

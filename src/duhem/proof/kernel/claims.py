@@ -22,6 +22,7 @@ from duhem.proof.kernel.simpler_laws import cases, in_principal_stresses, withou
 from duhem.proof.kernel.state import (
     energy_differentiable,
     epigraph,
+    has_default_energy,
     in_state,
     potential_least_at_zero,
     rate_epigraph,
@@ -31,7 +32,7 @@ from duhem.proof.kernel.state import (
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, parse
 
-__all__ = ["CURVE_RULES", "RULES", "RuleRow", "needs_of", "objection", "row_of", "rules_of"]
+__all__ = ["BY_CONSTRUCTION", "CURVE_RULES", "RULES", "RuleRow", "needs_of", "objection", "row_of", "rules_of"]
 
 Evidence = Mapping[str, Any]
 
@@ -282,7 +283,11 @@ _OF_RATES = {  # what rules show of a potential of rates, by its epigraph
     "dissipation": "Y . dPhi*/dY >= Phi*(Y) - Phi*(0) >= 0, as Phi* is convex, and 0 and least at zero force",
 }
 _MOREAU = "the law is associated: its flow is the normal cone of K, and K is convex (Moreau 1970)"
-_SQUARES = "sigma = k (u - u_in) = dpsi/du = -dpsi/du_in; psi = |L^T (u - u_in)|^2/2 with k = L L^T is a sum of squares"
+BY_CONSTRUCTION = "by-construction"  # the rule of what holds of every law of its kind, so that it counts as no proof
+_SQUARES = (
+    "the law states no energy, and with the default one it holds by construction: sigma = k (u - u_in) = dpsi/du = -dpsi/du_in; "
+    "psi = |L^T (u - u_in)|^2/2 with k = L L^T is a sum of squares"
+)
 _PLANE = 3  # forces: two, or three of which adding the same to all changes nothing
 _NONE: frozenset[str] = frozenset()
 _ORIGIN = frozenset({"origin"})
@@ -377,7 +382,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _NONE, polar_gauge, obligations.formula,
         "Phi is the support function of K by the rules of the polar gauge (Rockafellar 1970, sections 13 to 15)", True,
     ),
-    ("state_laws", "symbolic"): RuleRow(_NONE, lambda law, _: law.energy is None, obligations.nothing, _SQUARES),
+    ("state_laws", BY_CONSTRUCTION): RuleRow(_NONE, lambda law, _: has_default_energy(law), obligations.nothing, _SQUARES),
     ("state_laws", "composition"): RuleRow(
         _NONE, convex_energy, energy_differentiable,
         "dpsi/du = -dpsi/du_in where both have one force; psi is convex in all variables together by the rules of composition, and concave "
@@ -410,5 +415,5 @@ CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {
         _NONE, lambda curve, _: curve.powered(), obligations.nothing,
         "T . d >= 0 at every angle, so force . flow >= 0",
     ),
-    ("state_laws", "symbolic"): RuleRow(_NONE, lambda law, _: True, obligations.nothing, _SQUARES),
+    ("state_laws", BY_CONSTRUCTION): RuleRow(_NONE, lambda law, _: True, obligations.nothing, _SQUARES),
 }  # fmt: skip

@@ -24,6 +24,7 @@ from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 __all__ = [
     "energy_differentiable",
     "epigraph",
+    "has_default_energy",
     "in_state",
     "potential_least_at_zero",
     "rate_epigraph",
@@ -31,6 +32,12 @@ __all__ = [
     "state_laws_agree",
     "stored_and_rates",
 ]  # fmt: skip
+
+
+def has_default_energy(law: StatedLaw) -> bool:
+    """Whether psi is |L^T (u - u_in)|^2/2: the law states no other, and no variable but the u_in of a declared u has a force."""
+    observed = {own.force for _, own in law.variables if own.kind == "observable"}
+    return law.energy is None and all(own.force in observed for _, own in law.variables if own.force is not None)
 
 
 def epigraph(law: StatedLaw) -> StatedLaw | None:

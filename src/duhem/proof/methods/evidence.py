@@ -28,7 +28,7 @@ from duhem.proof.verdict import Evidence, Proof, Verdict
 __all__ = [
     "convexity_by_branches", "convexity_by_sums", "convexity_on_boundary", "dissipation_by_identities", "dissipation_by_shares",
     "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "smoothness_by_identities",
-    "smoothness_by_sums", "smoothness_on_boundary",
+    "smoothness_by_sums", "smoothness_on_boundary", "state_laws_not_stated",
 ]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
@@ -310,3 +310,14 @@ def duality(subject: FormulaSubject) -> Evidence | None:
     told = {"potential": formula(found.potential), "slips": slips, "flat": [formula(form) for form in found.domain]}
     proof = Proof("polar-gauge", {key: value for key, value in told.items() if value})
     return Evidence(Verdict.PROVED, "polar-gauge", f"Phi(d) = {formula(found.potential)}; " + "; ".join(found.steps), proof=proof)
+
+
+def state_laws_not_stated(subject: FormulaSubject) -> Evidence | None:
+    """Without an energy the default one gives sigma of a slip; what gives the force of any other variable nobody says."""
+    law = subject.law
+    observed = {own.force for own in law.variables.values() if own.observable}
+    unsaid = [f"{own.force} follows from {name}" for name, own in law.variables.items() if own.force not in (None, *observed)]
+    if law.energy is not None or not unsaid:
+        return None
+    detail = f"the law states no energy, so nothing says how {', '.join(unsaid)}; write psi in [energy], or declare no force of it"
+    return Evidence(Verdict.NOT_APPLICABLE, "none", detail)
