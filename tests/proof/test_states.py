@@ -322,6 +322,71 @@ def test_forces_that_no_state_has_refute_nothing() -> None:
     assert duhem.verify(away, claims=["dissipation"])["dissipation"].verdict is not REFUTED
 
 
+@pytest.mark.parametrize(
+    ("given", "turned"),
+    [
+        pytest.param({"rates": {"alpha": "-Y"}}, "Y", id="associated"),
+        pytest.param({"rates": {"u_in": "-sigma*(1 + alpha**2)"}}, "sigma", id="in a force that an observable gives"),
+        pytest.param({"rates": {"u_in": "u_in - u"}}, "sigma", id="in displacements"),
+    ],
+)
+def test_rates_of_associated_laws_are_refuted_by_a_state(given: Any, turned: str) -> None:
+    """A state with all its variables, whose forces are in K and whose rates cost energy; the rates turned dissipate."""
+    energy = f"{QUADRATIC} + C/2*alpha**2"
+    made = law(PRAGER, energy, C=ABOVE_0, **given)
+    found = duhem.verify(made, claims=["dissipation"])["dissipation"]
+    assert found.verdict is REFUTED and found.witness is not None
+    (state,) = (dict(point) for point in found.witness.points.values())
+    table = made.symbols()
+    here = {table[x]: sp.Rational(v) for x, v in {**found.witness.parameters, **state}.items()}
+    forces = {f: -made.energy.diff(table[x]).subs(here) for f, x in (("sigma", "u_in"), ("Y", "alpha"))}
+    assert {f: str(v) for f, v in forces.items()} == {f: state[f] for f in forces} and made.g.subs(here) <= 0
+    assert sum(forces[made.variables[x].force or ""] * rate.subs(here) for x, rate in made.rates.items()) < 0
+    other = law(PRAGER, energy, rates={x: f"-({r})" for x, r in given["rates"].items()}, C=ABOVE_0)
+    assert duhem.verify(other, claims=["dissipation"])["dissipation"].verdict is not REFUTED
+
+
+def test_rates_without_an_energy_are_refuted_by_any_forces() -> None:
+    own = {"name": "own", "g": "norm(sigma, Y) - R", "parameters": {"R": ABOVE_0}, "forces": ("sigma", "Y"), "pressure": None}
+    spends = Criterion(**own, variables={"alpha": Variable("Y")}, rates={"alpha": "-Y"})
+    assert duhem.verify(spends, claims=["dissipation"])["dissipation"].verdict is REFUTED
+    tied = Criterion(**own, variables={"alpha": Variable("Y")}, rates={"alpha": "-Y + 100*alpha"})  # Y may be a function of alpha
+    assert duhem.verify(tied, claims=["dissipation"])["dissipation"].verdict is not REFUTED
+
+
+@pytest.mark.parametrize(("heat", "convex"), [("C*T**2", True), ("C*T*log(T)", True), ("-C*T*(log(T) - 1)", False), ("-C*T**2", False)])
+@pytest.mark.parametrize("bounds", ["min = 300, max = 301", "positive = true"])
+def test_an_energy_that_is_not_concave_in_the_temperature(heat: str, convex: bool, bounds: str) -> None:
+    given = reads(ONE.replace("(0)", heat) + f"T = {{ temperature = true, {bounds} }}\n")
+    found = duhem.verify(given, claims=["state_laws"])["state_laws"]
+    assert found.verdict is (REFUTED if convex else PROVED)
+    if found.witness is not None:
+        p, q, middle = ({x: sp.Rational(v) for x, v in found.witness.points[role].items()} for role in ("p", "q", "midpoint"))
+        assert {x for x in p if p[x] != q[x]} <= {"T", "z"} and 2 * middle["T"] == p["T"] + q["T"]
+        table = given.symbols()
+        values = {table[x]: sp.Rational(v) for x, v in found.witness.parameters.items()}
+        psi = [given.energy.subs(values | {table[x]: v for x, v in point.items() if x in table}) for point in (p, q, middle)]
+        assert float(psi[2] - (psi[0] + psi[1]) / 2) < 0
+
+
+@pytest.mark.parametrize(
+    "energy", ["exp(alpha**9)", "-exp(exp(exp(alpha)))", "C/(alpha - 1)", "1e300*alpha**2 - 1e300*alpha**4", "alpha**301"]
+)
+def test_energies_beyond_doubles_end_in_verdicts(energy: str) -> None:
+    found = duhem.verify(law(PRAGER, f"{QUADRATIC} + {energy}", C=ABOVE_0), claims=["state_laws"], effort="quick")["state_laws"]
+    assert found.verdict in (REFUTED, Verdict.UNDECIDED)
+
+
+@pytest.mark.parametrize(("low", "high"), [("1", "2"), ("1/1000", "1/500"), ("-3", "-3/2")])
+def test_ranges_without_0_are_searched(low: str, high: str) -> None:
+    variables = SLIP | {"alpha": Variable("Y", domain=Domain.between(Fraction(low), Fraction(high)))}
+    made = law(PRAGER, f"{QUADRATIC} - C/2*alpha**2", variables=variables, C=ABOVE_0)
+    found = duhem.verify(made, claims=["state_laws"])["state_laws"]
+    assert found.verdict is REFUTED
+    violated(made, "state_laws", found.witness)
+    assert all(Fraction(low) <= Fraction(point["alpha"]) <= Fraction(high) for point in found.witness.points.values())
+
+
 # -- potentials of rates -----------------------------------------------------------------------------------------------
 
 

@@ -6,31 +6,39 @@ finders of evidence look at.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.branches import gradient
-from duhem.law.domain import Domain
+from duhem.law.domain import Domain, Domains
 from duhem.law.formula_law import Criterion
 from duhem.law.state import Variables
+from duhem.proof.statement import parsed_as_written
 
-__all__ = ["Dissipating", "dissipating", "epigraph", "rate_epigraph"]
+__all__ = ["Dissipating", "Spent", "dissipating", "epigraph", "forces_in", "rate_epigraph", "spent_in_states"]
 
 
-def epigraph(law: Criterion) -> Criterion | None:
-    """{psi(chi) <= z} in the variables but the temperature, and z, which is convex where psi is; None without an energy."""
-    if law.energy is None:
+def epigraph(law: Criterion, *, of_heat: bool = False) -> Criterion | None:
+    """{psi(chi) <= z} in the variables but the temperature, and z, which is convex where psi is; None without an energy.
+
+    ``of_heat`` it is {-psi <= z} in the temperature and z, convex where psi is concave in that; None without a temperature.
+    """
+    if law.energy is None or (of_heat and law.temperature is None):
         return None
     taken, height = law.symbols(), _unused(law)
-    plain = [name for name in _variables(law).mechanical() if 0 in law.parameters[name] and law.parameters[name].value is None]
-    rest = {name: own for name, own in law.parameters.items() if name not in plain}  # what leaves 0 out stays as it is: a part of the claim
-    ranges = {name: law.parameters[name] for name in plain if law.parameters[name] != Domain()}
-    g = law.energy.xreplace({taken[name]: sp.Symbol(name, real=True) for name in plain}) - sp.Symbol(height, real=True)
-    return Criterion(law.name, g, rest, (*plain, height), None, law.constraints, domain=ranges)
+    moving = [law.temperature] if of_heat else _variables(law).mechanical()
+    plain = [name for name in moving if name is not None and law.parameters[name].value is None]
+    rest = {name: own for name, own in law.parameters.items() if name not in plain}
+    psi = law.energy.xreplace({taken[name]: sp.Symbol(name, real=True) for name in plain})
+    g = (-psi if of_heat else psi) - sp.Symbol(height, real=True)
+    found = Criterion(law.name, g, rest, (*plain, height), None, law.constraints)
+    # The ranges of a law's forces have 0 in them, those of variables need not.
+    object.__setattr__(found, "domain", Domains({name: law.parameters[name] for name in plain if law.parameters[name] != Domain()}))
+    return found
 
 
 def rate_epigraph(law: Criterion) -> Criterion:
@@ -49,14 +57,11 @@ def _unused(law: Criterion) -> str:
 class Dissipating(NamedTuple):
     """A law in the forces that stay free, and its ``power`` = sum of Y . rate; the other forces are functions of the state.
 
-    ``rates`` is the same of the rates without a multiplier.
-
     ``onto``: every value of the free forces is one of some state, so that a power < 0 at free forces is one of the law.
     """
 
     law: Criterion
     power: sp.Expr
-    rates: sp.Expr
     onto: bool
 
 
@@ -64,19 +69,17 @@ def dissipating(law: Criterion) -> Dissipating | None:
     """The law with Y = -d psi/d alpha put in; None for a law without an energy or a flow of its own, or where no force stays free."""
     if law.viscous:
         power = sp.Add(*(x * d for x, d in zip(law.force_symbols(), gradient(law.g, law.force_symbols()), strict=True)))
-        return Dissipating(rate_epigraph(law), power, sp.S.Zero, law.energy is None and not law.rates)
+        return Dissipating(rate_epigraph(law), power, law.energy is None and not law.rates)
     if law.energy is None or law.flow is None or law.surfaces:
         return None
     try:
-        return _with_forces_put_in(law, law.energy, law.flow)
+        return _with_forces_put_in(law, law.flow)
     except InputError:  # an energy without derivatives in words, or a K without a force of its own
         return None
 
 
-def _with_forces_put_in(law: Criterion, energy: sp.Expr, slip: tuple[sp.Expr, ...]) -> Dissipating | None:
-    table, variables = law.symbols(), _variables(law)
-    driven = variables.driven()
-    found = dict(zip(driven, (-d for d in gradient(energy, [table[name] for name in driven.values()])), strict=True))
+def _with_forces_put_in(law: Criterion, slip: tuple[sp.Expr, ...]) -> Dissipating | None:
+    table, variables, found = law.symbols(), _variables(law), forces_in(law)
     observed = [table[name] for name in variables.observed().values()]
     free = tuple(f for f in law.forces if any(sp.expand(sp.diff(found[f], u)) != 0 for u in observed))
     bound = {table[f]: sp.expand(found[f]) for f in law.forces if f not in free}
@@ -85,11 +88,9 @@ def _with_forces_put_in(law: Criterion, energy: sp.Expr, slip: tuple[sp.Expr, ..
     g, flow = law.g.xreplace(bound), tuple(d.xreplace(bound) for d in slip)
     power = sp.Add(*(bound.get(table[f], table[f]) * d for f, d in zip(law.forces, flow, strict=True)))
     slips = tuple(d for f, d in zip(law.forces, flow, strict=True) if f in free)
-    force = {name: table[own.force] for name, own in variables.items() if own.force is not None}
-    rates = sp.Add(*((force[name] * rate).xreplace(bound) for name, rate in law.rates.items() if name in force))
     plain = replace(law, energy=None, written_energy="", variables={}, unforced={}, rates={})
     inner = replace(plain, g=g, written="", forces=free, flow=slips, written_flow=(), potential=None)
-    return Dissipating(inner, power, rates, _onto(law, found, free, sp.Tuple(g, power, rates)))
+    return Dissipating(inner, power, _onto(law, found, free, sp.Tuple(g, power)))
 
 
 def _onto(law: Criterion, found: Mapping[str, sp.Expr], free: tuple[str, ...], said: sp.Basic) -> bool:
@@ -101,6 +102,59 @@ def _onto(law: Criterion, found: Mapping[str, sp.Expr], free: tuple[str, ...], s
     matrix = sp.Matrix([[sp.diff(found[f], table[name]) for name in names] for f in free])
     fixed = not matrix.free_symbols & {table[name] for name in law.variables}
     return bool(fixed and sp.factor(matrix.det()).is_nonzero is True)
+
+
+def forces_in(law: Criterion) -> dict[str, sp.Expr]:
+    """The force that the energy gives by each internal variable; InputError where it has no derivatives in words."""
+    driven, table = _variables(law).driven(), law.symbols()
+    assert law.energy is not None
+    return dict(zip(driven, (-d for d in gradient(law.energy, [table[name] for name in driven.values()])), strict=True))
+
+
+class Spent(NamedTuple):
+    """A ``power`` that is to be >= 0 where ``bound`` <= 0 (= 0 if ``on_it``); None is no bound.  Both are trees as they are written.
+
+    They are over parameters, pressure and what is ``chosen``: variables and, without an energy, forces, each in its range.
+    """
+
+    power: sp.Expr
+    bound: sp.Expr | None
+    on_it: bool
+    chosen: Mapping[sp.Symbol, Domain]
+
+
+def spent_in_states(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> Iterator[Spent]:
+    """What rates dissipate in states of the law, the forces being those of its energy; of a law whose forces nobody gives, nothing.
+
+    Rates without a multiplier act in all of K, beside those of a potential if there is one; a flow of the law's own acts on g = 0.
+    """
+    table, slots = law.symbols(), {name: own.force for name, own in law.variables.items() if own.force is not None}
+    own_flow = law.flow if law.energy is not None and not law.surfaces and law.potential is None else None
+    if not law.rates and own_flow is None and not (law.viscous and law.energy is not None):
+        return
+    chosen = {table[name]: law.parameters[name] for name in law.variables if law.parameters[name].value is None}
+    known: dict[str, Any] = {name: x.xreplace(pressure) for name, x in table.items()}
+    try:
+        if law.energy is not None:
+            known |= forces_in(law)
+        elif sp.Tuple(law.g, *law.rates.values()).free_symbols & {table[name] for name in slots}:
+            return  # such a variable and its force go together, nobody says how
+        else:
+            chosen |= {table[f]: law.domain.get(f, Domain()) for f in law.forces}
+        potential = gradient(law.g, law.force_symbols()) if law.viscous else ()
+    except InputError:
+        return
+    g = parsed_as_written(law, law.g, law.written, known)
+    rates = {name: parsed_as_written(law, rate, law.written_rates[name], known) for name, rate in law.rates.items()}
+    powers = [known[slots[name]] * rate for name, rate in rates.items() if name in slots]
+    at = {table[name]: value for name, value in known.items()}
+    powers += [known[f] * d.xreplace(at) for f, d in zip(law.forces, potential, strict=bool(potential))]
+    if powers:
+        yield Spent(sp.Add(*powers, evaluate=False), None if law.viscous else g, False, chosen)
+    if own_flow is not None:
+        texts = law.written_flow or ("",) * len(own_flow)
+        slips = (parsed_as_written(law, d, text, known) for d, text in zip(own_flow, texts, strict=True))
+        yield Spent(sp.Add(*(known[f] * d for f, d in zip(law.forces, slips, strict=True)), evaluate=False), g, True, chosen)
 
 
 def _variables(law: Criterion) -> Variables:

@@ -27,7 +27,7 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion, YieldSurface
 from duhem.proof.decide.question import evaluated, obligations
 
-__all__ = ["Face", "Problem", "as_written", "faces", "state", "texts", "with_algebraic_angles"]
+__all__ = ["Face", "Problem", "as_written", "faces", "parsed_as_written", "state", "texts", "with_algebraic_angles"]
 
 
 class Face(NamedTuple):
@@ -193,13 +193,14 @@ def texts(law: Law, expressions: Sequence[sp.Basic], written: Sequence[str]) -> 
 def _trees(law: Criterion, stated: Criterion | YieldSurface, values: Mapping[str, sp.Expr]) -> list[sp.Expr]:
     """Of g, of each component of the flow, and of the potential it comes from."""
     formulas = zip(as_written(law, stated), (stated.g, *(stated.flow or ())), strict=True)
-    found = [_tree(law, text, expr, values) for text, expr in formulas]
+    found = [parsed_as_written(law, expr, text, values) for text, expr in formulas]
     return [*found, *([] if stated.potential is None else [parse_as_written(stated.potential, values)])]
 
 
-def _tree(law: Criterion, text: str, expr: sp.Expr, values: Mapping[str, sp.Expr]) -> sp.Expr:
-    """The tree of a formula as written, over the values of its names."""
+def parsed_as_written(law: Criterion, expr: sp.Expr, text: str, values: Mapping[str, sp.Expr]) -> sp.Expr:
+    """The tree of a formula of the law as written, over the values of its names; of ``expr``, where it was given without a text."""
     try:
+        (text,) = texts(law, (expr,), (text,))
         return with_algebraic_angles(parse_as_written(text, values))
     except InputError:  # a formula made by other means may be longer than a text may be
         return expr.xreplace({law.symbols()[name]: value for name, value in values.items()})

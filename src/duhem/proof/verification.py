@@ -255,12 +255,12 @@ def _in_state(law: Law, share: Fraction) -> Iterator[tuple[str, Subject]]:
     if not isinstance(law, Criterion):
         return
     if law.viscous:
-        potential = FormulaSubject(rate_epigraph(law), share, checked_only=True)
+        potential = FormulaSubject(rate_epigraph(law), share, of=law, checked_only=True)
         yield from ((name, potential) for name in CLAIMS if name != "state_laws")
     if (stored := epigraph(law)) is not None:
-        yield "state_laws", FormulaSubject(stored, share, checked_only=True)
+        yield "state_laws", FormulaSubject(stored, share, of=law, checked_only=True)
     if (found := dissipating(law)) is not None:
-        yield "dissipation", FormulaSubject(found.law, share, state=found, checked_only=True)
+        yield "dissipation", FormulaSubject(found.law, share, of=law, state=found, checked_only=True)
 
 
 def _of_the_whole(name: str, evidence: Evidence, best: Trust | None, whole: Law, effort: str) -> ClaimResult | None:

@@ -52,11 +52,13 @@ class FormulaSubject(Subject):
         effort: Fraction = EFFORTS["normal"],
         whole: Budget | None = None,
         *,
+        of: Criterion | None = None,
         state: Dissipating | None = None,
         checked_only: bool = False,
     ) -> None:
+        """``law`` says in other forces what is claimed ``of`` a law with a state."""
         super().__init__(_QUESTION_STEPS, effort, whole)
-        self.law, self.state, self.checked_only = law, state, checked_only
+        self.law, self.of, self.state, self.checked_only = law, of or law, state, checked_only
         self._choices = self._sought()
 
     @cached_property
@@ -110,11 +112,15 @@ class FormulaSubject(Subject):
 
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
         """Whether all of them lie in the ranges of the law; a corner well within, where both of its sides do."""
-        if claim == "dissipation" and not (self.law.energy is None if self.state is None else self.state.onto):
+        points = list(points)
+        onto = self.law.energy is None if self.state is None else self.state.onto
+        if claim == "dissipation" and not (onto or all(self.of.variables.keys() <= point.keys() for point in points)):
             return False  # no state may have these forces
         margin = _MARGIN if claim == "smoothness" else Fraction(0)
         for point in points:
             for name, span in self.law.domain.items():
+                if name not in point:
+                    return False
                 at, beside = Fraction(point[name]), margin * (name in self.law.forces)
                 if not all(rational(at + step) in span for step in {-beside, beside}):
                     return False

@@ -17,11 +17,13 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from duhem.expression.number import rational
+from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.facts.special_places import undefined_at_zero
-from duhem.proof.facts.subject import Point, Values
+from duhem.proof.facts.subject import Point, Values, rationals
+from duhem.proof.in_state import Spent, epigraph, forces_in, spent_in_states
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
 from duhem.proof.witness.points import (
@@ -36,7 +38,6 @@ from duhem.proof.witness.points import (
     rounded,
     sign_at,
     violation,
-    witness,
 )
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ __all__ = [
     "convexity_at_clear_dents", "convexity_at_deepest_dents", "convexity_at_dents", "convexity_at_far_points", "convexity_at_seams",
     "convexity_beside_edges", "convexity_between_exact_rays", "convexity_by_sampling", "convexity_by_scouting",
     "convexity_by_thorough_scouting", "dissipation_at_points", "dissipation_by_sampling",
-    "dissipation_of_rates", "energy_at_bends", "normality_at_chord", "normality_at_points",
+    "dissipation_in_states", "energy_along_temperature", "energy_at_bends", "normality_at_chord", "normality_at_points",
     "normality_by_sampling", "origin_at_parameters", "origin_undefined", "smoothness_at_corners", "smoothness_at_sharp_points",
 ]  # fmt: skip
 
@@ -58,9 +59,12 @@ _CHORD = (
 )
 _NORMALITY = "the flow at the boundary point between `inside` and `outside` points towards tau, a point of K: it is not in the normal cone"
 _SAGS = "psi is not convex: between the states p and q it lies above the chord from one to the other, whose ends are at the heights z"
+_HEATED = "psi is not concave in the temperature: between the states p and q it lies below the chord from one to the other"
 _HEIGHTS = "psi <= z at both ends p and q, yet psi > z at their midpoint, z included: psi is not convex in its variables together"
-_RATES = "in this state of K the sum of Y . rate over the rates without a multiplier is < 0"
-_PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "-1/2", "2", "-2", "10", "-10")))
+_HEATS = "-psi <= z at both ends p and q, yet -psi > z at their midpoint, z included: psi is not concave in the temperature"
+_RATES = "in this state, which lies in K, the sum of Y . rate over the rates that act there without a multiplier is < 0"
+_FLOW_OF_STATE = "in this state g = 0, and the sum of Y . rate for a unit of the multiplier is < 0"
+_STEPS = 8_000_000
 _DISSIPATION = "force . flow < 0 at the boundary point between `inside` and `outside`"
 
 
@@ -159,11 +163,33 @@ def energy_at_bends(subject: FormulaSubject) -> Evidence | None:
     """Where the second derivative of an energy along some direction is < 0: a chord of its epigraph along that."""
     from duhem.proof.search.bends import chords_across_bends
 
-    found = _refuted(subject, chords_across_bends(subject))
-    if found is None or found.witness is None:
+    return _of_energy(subject, _refuted(subject, chords_across_bends(subject)), "psi", _SAGS, _HEIGHTS)
+
+
+def energy_along_temperature(subject: FormulaSubject) -> Evidence | None:
+    """Where the second derivative of an energy by the temperature is > 0: a chord of the epigraph of -psi along that."""
+    if (heated := epigraph(subject.of, of_heat=True)) is None:
         return None
-    shown = {role.replace("g(", "psi - z at ").rstrip(")"): value for role, value in found.witness.values.items()}
-    return replace(found, method="witness-state", detail=_SAGS, witness=replace(found.witness, values=shown, statement=_HEIGHTS))
+    from duhem.proof.search.bends import chords_across_bends
+
+    along = FormulaSubject(heated, subject.effort, checked_only=True)
+    along.allow(_STEPS)
+    return _of_energy(subject, _refuted(along, chords_across_bends(along)), "-psi", _HEATED, _HEATS)
+
+
+def _of_energy(subject: FormulaSubject, found: Evidence | None, name: str, detail: str, statement: str) -> Evidence | None:
+    """The chord as what it says of the energy, every variable among its points."""
+    if found is None or (old := found.witness) is None:
+        return None
+    states = {x: v for x, v in old.parameters.items() if x in subject.of.variables}
+    shown = {role.replace("g(", f"{name} - z at ").rstrip(")"): value for role, value in old.values.items()}
+    new = Witness(
+        {x: v for x, v in old.parameters.items() if x not in states},
+        {role: {**states, **point} for role, point in old.points.items()},
+        shown,
+        statement,
+    )
+    return replace(found, method="witness-state", detail=detail, witness=new)
 
 
 # -- corners ----------------------------------------------------------------------------------------------------------
@@ -320,24 +346,70 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
     for scout in scouts(subject, choices):
         for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5), scout.entered_again(3)):
             if witness := violation(subject, *exit, power, "force . flow", _DISSIPATION):
-                return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
+                detail = "force . flow is negative on the boundary"
+                return Evidence(Verdict.REFUTED, "witness-power", detail, _with_variables(subject, witness))
     return None
 
 
-def dissipation_of_rates(subject: FormulaSubject, choices: int = 40) -> Evidence | None:
-    """A state in K in which the rates without a multiplier dissipate less than 0."""
-    if subject.state is None or subject.state.rates == 0:
+def _with_variables(subject: FormulaSubject, found: Witness) -> Witness:
+    """The displacements, if they are fractions, that give the forces at each point, and with them every variable and force."""
+    law, table = subject.of, subject.of.symbols()
+    seen = {own.force: name for name, own in law.variables.items() if own.observable and own.force in subject.law.forces}
+    if subject.state is None or not subject.state.onto or law.energy is None:
+        return found
+    fixed = {table[name]: sp.Rational(v) for name, v in found.parameters.items() if name not in seen.values()}
+    forces, points = {f: x.xreplace(fixed) for f, x in forces_in(law).items()}, {}
+    for role, point in found.points.items():
+        answer = sp.solve([forces[f] - sp.Rational(point[f]) for f in seen], [table[name] for name in seen.values()], dict=True)
+        here = fixed | (answer[0] if answer else {})
+        given = {**{name: here.get(table[name]) for name in law.variables}, **{f: x.xreplace(here) for f, x in forces.items()}}
+        if not all(value is not None and value.is_Rational for value in given.values()):
+            return found
+        points[role] = {**{name: str(value) for name, value in given.items()}, **point}
+    return replace(found, parameters={x: v for x, v in found.parameters.items() if x not in law.variables}, points=points)
+
+
+def dissipation_in_states(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
+    """A state in which the forces that its energy gives dissipate less than 0: rates without a multiplier in K, or the flow on g = 0."""
+    law = subject.of
+    for spent in spent_in_states(law, subject.problem.compressed):
+        from duhem.proof.search.plain_states import states_of_negative
+
+        for parameters in subject.choices(choices):
+            others = subject.values_at(parameters, (Fraction(0),) * len(subject.simple.forces))
+            fixed = {x: rational(v) for x, v in others.items() if x not in spent.chosen}
+            power, bound = (None if e is None else e.xreplace(fixed) for e in (spent.power, spent.bound))
+            for state in states_of_negative(power, bound, spent.on_it, spent.chosen):
+                values = others | dict(zip(spent.chosen, state, strict=True))
+                if found := _spent_less(subject, spent, values):
+                    return Evidence(Verdict.REFUTED, "witness-state", "in an admissible state less than 0 is dissipated", found)
+    return None
+
+
+def _spent_less(subject: FormulaSubject, spent: Spent, values: Values) -> Witness | None:
+    """The state as a witness, if everything is certain there."""
+    height = None if spent.bound is None else sign_at(spent.bound, values, exact=True)
+    sign, power = sign_at(spent.power, values)
+    if sign != -1 or not subject.admits(values) or (height is not None and height[0] not in ((0,) if spent.on_it else (-1, 0))):
         return None
-    rates = subject.state.rates.xreplace({**subject.law.settled(), **subject.problem.compressed})
-    for parameters in subject.choices(choices):
-        for point in itertools.product(_PLAIN, repeat=len(subject.simple.forces)):
-            values = subject.values_at(parameters, point)
-            inside, power = sign_at(subject.problem.stated, values, exact=True), sign_at(rates, values)
-            if subject.admits(values) and inside[0] in (-1, 0) and power[0] == -1:
-                shown = {"g(state)": decimal_pair(inside[1]), "sum of Y . rate": decimal_pair(power[1])}
-                found = witness(subject, {"state": values}, shown, _RATES)
-                return Evidence(Verdict.REFUTED, "witness-rates", "the rates without a multiplier dissipate less than 0", found)
-    return None
+    shown = ({} if height is None else {"g": decimal_pair(height[1])}) | {"sum of Y . rate": decimal_pair(power)}
+    return _at_states(subject.of, {"state": values}, shown, _FLOW_OF_STATE if spent.on_it else _RATES)
+
+
+def _at_states(law: Criterion, states: Mapping[str, Values], shown: Mapping[str, tuple[str, str]], statement: str) -> Witness:
+    """States by role with all their variables, the pressure, and the forces that the energy gives where these are fractions."""
+    table, first = law.symbols(), next(iter(states.values()))
+    points = {}
+    for role, values in states.items():
+        exact = rationals(values)
+        given = {} if law.energy is None else {f: force.xreplace(exact) for f, force in forces_in(law).items()}
+        named = {name: values[x] for name, x in table.items() if name not in law.parameters and x in values}
+        pressed = {str(law.pressure): -v for x, v in values.items() if x.name == f"abs({law.pressure})"}
+        variables = {name: values[table[name]] for name in law.variables}
+        points[role] = {n: str(v) for n, v in {**variables, **named, **pressed}.items()}
+        points[role] |= {f: str(v) for f, v in given.items() if v.is_Rational}
+    parameters = {name: str(first[table[name]]) for name in law.parameters if name not in law.variables and table[name] in first}
+    return Witness(parameters, points, shown, statement)
 
 
 # -- what was tried in vain: it proves nothing and says so -------------------------------------------------------------
