@@ -133,7 +133,8 @@ _MOST = {
     ("criterion", "forces"): 100, ("criterion", "constraints"): 200, ("parameters",): 200, ("define",): 500, ("surface",): 200,
 }  # fmt: skip
 _SECTIONS = (
-    "criterion", "define", "domain", "parameters", "variables", "energy", "flow", "surface", "boundary", "dissipation", "atlas",
+    "criterion", "define", "domain", "parameters", "variables", "energy", "flow", "surface", "boundary", "dissipation", "heat",
+    "atlas",
 )  # fmt: skip
 _PARAMETER = ("positive", "min", "max", "value")
 _VARIABLE = ("force", "observable", "temperature")
@@ -174,17 +175,18 @@ class _CriterionReader(SectionReader):
         forces = self.names() if stress is None else list(stress.components)
         pressure = self.pressure()
         given = self.table("parameters", required=False)
-        variables = self.variables(forces)
+        variables, bodies = self.variables(forces), self.bodies()
         domains = {spelled(p): self.domain(p, entry) for p, entry in given.items()}
         declared = [(f, "criterion", "forces") for f in forces] + ([(pressure, "criterion", "pressure")] if pressure else [])
-        declared += [(name, "variables", name) for name in variables] + [(spelled(p), "parameters", p) for p in given]
-        domains = {name: own.domain for name, own in variables.items()} | domains
+        declared += [(name, "variables", name) for name in variables] + [(spelled(name), "heat", "bodies") for name in bodies]
+        declared += [(spelled(p), "parameters", p) for p in given]
+        domains = {name: own.domain for name, own in variables.items()} | dict.fromkeys(map(spelled, bodies), POSITIVE) | domains
         self.check_names(declared, Abbreviations(stress=stress).words())
         known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
         known |= {p: domain.symbol(p) for p, domain in domains.items()}
         if "boundary" in self.document:
             self.alone("[boundary]", "criterion", "g", "potential", "stress")
-            self.alone("[boundary]", "", "flow", "surface", "domain", "energy", "variables")
+            self.alone("[boundary]", "", "flow", "surface", "domain", "energy", "variables", "heat")
             return self.curve(forces, pressure, domains, declared)
         define = self.definitions(known, stress)
         axes, read = [known[f] for f in forces], partial(self.stated, known=known, short=define.short)
@@ -296,6 +298,14 @@ class _CriterionReader(SectionReader):
             raise self.error(what, "variables", name, remedy=remedy)
         return Variables(found)
 
+    def bodies(self) -> Mapping[str, Any]:
+        """The temperatures of bodies that exchange heat, each with its conductance."""
+        self.keys("heat", self.table("heat", required=False), ("bodies",))
+        given = self.table("heat", required=False).get("bodies", {})
+        if not isinstance(given, dict) or ("heat" in self.document and not given):
+            raise self.error("[heat] has no table of bodies", "heat", "bodies", remedy='write bodies = { T1 = "h1", T2 = "h2" }')
+        return given
+
     def state(self, variables: Variables, read: Reading, slots: Slots) -> dict[str, Any]:
         """The energy, and the rates of internal variables that have no force or need no multiplier."""
         self.keys("energy", self.table("energy", required=False), ("psi",))
@@ -307,7 +317,7 @@ class _CriterionReader(SectionReader):
         rates = {spelled(name): read("dissipation", "rates", name) for name in given.get("rates", {})}
         flow = "flow" in self.document
         unforced = {name: read("flow", "direction", i) for i, (name, force) in enumerate(slots) if force is None and flow}
-        said = {"unforced": unforced, "rates": rates}
+        said = {"unforced": unforced, "rates": rates, "heat": {spelled(name): read("heat", "bodies", name) for name in self.bodies()}}
         expressions = {key: {name: expr for name, (expr, _) in found.items()} for key, found in said.items()}
         texts = {f"written_{key}": {name: text for name, (_, text) in found.items()} for key, found in said.items()}
         return {"variables": variables, "energy": energy[0], "written_energy": energy[1], **expressions, **texts}

@@ -253,6 +253,9 @@ class Criterion(DeclaredLaw):
     of the multiplier, of internal variables without a force, which normality says nothing of.  ``rates`` has those of internal
     variables without a multiplier, such as a static recovery, which act beside the flow.
 
+    ``heat`` maps the temperature T_k > 0 of each body, which is declared by that, to the conductance h_k: q_k . n_k = h_k (T_k - T) flows
+    from it into the interface, whose temperature T is > 0 there.
+
     With ``viscous`` g is no criterion but a potential Phi* of rates: the rate of each variable is d Phi*/d Y by its force (Antoni et al.
     2007, Eqs. 27, 28), as of Norton, Perzyna and Bingham.  The claims then speak of Phi*, which is to be convex, and least and 0 at 0.
 
@@ -282,10 +285,12 @@ class Criterion(DeclaredLaw):
     variables: Mapping[str, Variable] = NO_STATE
     unforced: Mapping[str, sp.Expr] = FrozenMapping()
     rates: Mapping[str, sp.Expr] = FrozenMapping()
+    heat: Mapping[str, sp.Expr] = FrozenMapping()
     viscous: bool = False
     written_energy: str = field(default="", repr=False, compare=False)
     written_unforced: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     written_rates: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
+    written_heat: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     expect: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
     _whole: Criterion | None = field(init=False, default=None, repr=False, compare=False)
@@ -297,7 +302,8 @@ class Criterion(DeclaredLaw):
         put(self, "forces", tuple(map(spelled, forces)))
         put(self, "pressure", spelled(self.pressure))
         put(self, "variables", Variables(respelled(self.variables, f"variables of {self.name}")))
-        put(self, "parameters", Domains({n: v.domain for n, v in self.variables.items()} | Domains(self.parameters)))
+        more = {n: v.domain for n, v in self.variables.items()} | dict.fromkeys(self.heat, POSITIVE)
+        put(self, "parameters", Domains(more | Domains(self.parameters)))
         put(self, "expect", FrozenMapping(self.expect))
         self._check_names()
         put(self, "_symbols", self._declared())
@@ -312,9 +318,9 @@ class Criterion(DeclaredLaw):
             energy = as_expression(self.energy, known, f"energy of {self.name}", short)
             put(self, "written_energy", text_of(self.energy, energy, self.written_energy, known, short))
             put(self, "energy", energy)
-        for key in ("unforced", "rates"):
+        for key, what in (("unforced", "rate of"), ("rates", "rate of"), ("heat", "conductance to")):
             given, texts = getattr(self, key), getattr(self, f"written_{key}")
-            found = {name: as_expression(rate, known, f"rate of {name} of {self.name}", short) for name, rate in given.items()}
+            found = {name: as_expression(rate, known, f"{what} {name} of {self.name}", short) for name, rate in given.items()}
             written = {name: text_of(given[name], rate, texts.get(name, ""), known, short) for name, rate in found.items()}
             put(self, key, FrozenMapping(found))
             put(self, f"written_{key}", FrozenMapping(written))
@@ -452,6 +458,7 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
         energy=None if law.energy is None else here(law.energy, law.written_energy),
         unforced={name: here(rate, law.written_unforced[name]) for name, rate in law.unforced.items()},
         rates={name: here(rate, law.written_rates[name]) for name, rate in law.rates.items()},
+        heat={name: here(conductance, law.written_heat[name]) for name, conductance in law.heat.items()},
         flow=None if law.flow is None or law.potential else tuple(map(here, law.flow, law.written_flow or repeat(""))),
         surfaces=tuple(s.moved(here) for s in law.surfaces),
         closed_form=None if law.closed_form is None else converted(law.closed_form, here),

@@ -44,6 +44,7 @@ def stated(law: Law) -> Iterator[tuple[str, str]]:
     if isinstance(law, Criterion):
         yield from ((f"rate of {name}", f"{formula(rate)} for a unit of the multiplier") for name, rate in law.unforced.items())
         yield from ((f"rate of {name}", f"{formula(rate)} without a multiplier") for name, rate in law.rates.items())
+        yield from ((f"heat at {name}", f"({formula(h)}) ({name} - {law.temperature}) into the interface") for name, h in law.heat.items())
     if law.source:
         yield "source", law.source
 

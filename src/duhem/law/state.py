@@ -14,7 +14,7 @@ from duhem.errors import InputError
 from duhem.law.domain import REAL, Domain
 from duhem.law.frozen_mapping import FrozenMapping
 
-__all__ = ["NO_STATE", "Variable", "Variables", "check_state", "misfits"]
+__all__ = ["NO_STATE", "Variable", "Variables", "check_heat", "check_state", "misfits"]
 
 
 @dataclass(frozen=True)
@@ -107,6 +107,7 @@ def check_state(law: Any) -> None:
         if name not in variables or not variables[name].internal:
             internal = ", ".join(name for name, own in variables.items() if own.internal) or "none"
             raise InputError(f"{name!r} has a rate and is no internal variable", where=law.name, remedy=f"they are: {internal}")
+    check_heat(law)
     stored = set() if law.energy is None else law.energy.free_symbols
     for name, own in variables.items():
         if own.internal and own.force is None and law.symbols()[name] in stored:
@@ -118,3 +119,22 @@ def check_state(law: Any) -> None:
     if law.energy is not None and (stray := law.energy.free_symbols - known):
         remedy = "an energy is a formula in variables and parameters"
         raise InputError(f"the energy uses {sorted(map(str, stray))}", where=f"energy of {law.name}", remedy=remedy)
+
+
+def check_heat(law: Any) -> None:
+    """InputError where heat flows without a temperature, from a body whose own may be <= 0, or as forces tell."""
+    if not law.heat:
+        return
+    where, temperature = f"heat of {law.name}", law.temperature
+    if temperature is None:
+        raise InputError("heat flows into a law without a temperature", where=where, remedy="declare T = { temperature = true }")
+    if (high := law.parameters[temperature].high) is not None and high <= 0:
+        raise InputError(f"the temperature {temperature} is never > 0", where=where, remedy="give it a range above 0, in kelvin")
+    for name, conductance in law.heat.items():
+        own = law.parameters[name]
+        if name in law.variables or not (own.positive or (own.low is not None and own.low > 0)):
+            remedy = "declare it nowhere else: a body declares its temperature, which is > 0"
+            raise InputError(f"the temperature {name} of a body is declared otherwise", where=where, remedy=remedy)
+        if stray := {x for x in conductance.free_symbols if x.name in law.forces}:
+            remedy = "a conductance is a formula in variables, temperatures, parameters and the pressure"
+            raise InputError(f"the conductance to {name} uses {sorted(map(str, stray))}", where=where, remedy=remedy)

@@ -52,9 +52,10 @@ def _state(law: Criterion) -> dict[str, Any]:
     found: dict[str, Any] = {"variables": {name: _variable(own) for name, own in law.variables.items()}} if law.variables else {}
     if law.energy is not None:
         found["energy"] = texts(law, (law.energy,), (law.written_energy,))[0]
-    for key, rates, written in (("rates", law.rates, law.written_rates), ("unforced", law.unforced, law.written_unforced)):
-        if rates:
-            found[key] = dict(zip(rates, texts(law, tuple(rates.values()), [written[name] for name in rates]), strict=True))
+    for key in ("rates", "unforced", "heat"):
+        named, written = getattr(law, key), getattr(law, f"written_{key}")
+        if named:
+            found[key] = dict(zip(named, texts(law, tuple(named.values()), [written[name] for name in named]), strict=True))
     return found
 
 

@@ -1,4 +1,4 @@
-"""The seven claims, in the order in which they rest on each other: what each states, what it rests on, and the methods that may try it.
+"""The claims, in the order in which they rest on each other: what each states, what it rests on, and the methods that may try it.
 
 Methods are tried in order, the cheapest sound one first; the kernel's rules, which decide what is proved, are among them twice.
 """
@@ -11,13 +11,15 @@ from functools import partial
 from types import MappingProxyType
 from typing import Any, Generic, Protocol, TypeVar
 
+from duhem.law.curve_law import Law
+from duhem.law.formula_law import Criterion
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.methods import curves, evidence, refuters
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
-__all__ = ["CHEAP", "CLAIMS", "DEAR", "Claim", "Consequence", "Finder", "Kernel", "ProofMethod", "Rules", "words"]
+__all__ = ["CHEAP", "CLAIMS", "DEAR", "Claim", "Consequence", "Finder", "Kernel", "ProofMethod", "Rules", "asked_of", "words"]
 
 S = TypeVar("S", bound=Subject)
 Settled = Mapping[str, Evidence]  # claims decided before, by name
@@ -324,5 +326,30 @@ Refutation: two states and their midpoint, at which psi lies above the mean, or 
             DEAR,
         ),
     ),
+    Claim(
+        name="thermal",
+        statement="D_th >= 0: heat flows from the warmer to the colder, for all temperatures > 0",
+        theory="""\
+The thermal dissipation of an interface at the temperature T between bodies at T_k is D_th = sum of (q_k . n_k/T_k) (T_k - T)
+(Antoni et al. 2007, Eqs. 22, 23).  Only a law with [heat] makes this claim: there q_k . n_k = h_k (T_k - T) with a conductance
+h_k, so that D_th is the sum of h_k (T_k - T)^2/T_k.  It is >= 0 for all T > 0 and T_k > 0 if every h_k is.
+
+The heat that the interface takes up is T ds/dt = D_intr + sum of q_k . n_k with the entropy s = -dpsi/dT.  This equation gives
+the rate of T: by construction the heat of the bodies is what D_intr and the thermoelastic term leave.
+
+Refutation: temperatures, and a state, at which D_th < 0.""",
+        methods=(
+            CHEAP,
+            ProofMethod(Subject, evidence.without_heat),
+            ProofMethod(FormulaSubject, refuters.heat_uphill, again=True),
+            DEAR,
+        ),
+    ),
 )
 CLAIMS: Mapping[str, Claim] = MappingProxyType({claim.name: claim for claim in _ALL})
+
+
+def asked_of(law: Law | None) -> tuple[str, ...]:
+    """The claims that are decided where none is named: the thermal one of a law with heat alone, so not of a law that is not known yet."""
+    heated = isinstance(law, Criterion) and bool(law.heat)
+    return tuple(name for name in CLAIMS if heated or name != "thermal")

@@ -14,12 +14,12 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.branches import gradient
-from duhem.law.domain import Domain, Domains
+from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.formula_law import Criterion
 from duhem.law.state import Variables
 from duhem.proof.statement import parsed_as_written
 
-__all__ = ["Dissipating", "Spent", "dissipating", "epigraph", "forces_in", "rate_epigraph", "spent_in_states"]
+__all__ = ["Dissipating", "Spent", "dissipating", "epigraph", "forces_in", "heat_in_states", "rate_epigraph", "spent_in_states"]
 
 
 def epigraph(law: Criterion, *, of_heat: bool = False) -> Criterion | None:
@@ -155,6 +155,19 @@ def spent_in_states(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> It
         texts = law.written_flow or ("",) * len(own_flow)
         slips = (parsed_as_written(law, d, text, known) for d, text in zip(own_flow, texts, strict=True))
         yield Spent(sp.Add(*(known[f] * d for f, d in zip(law.forces, slips, strict=True)), evaluate=False), g, True, chosen)
+
+
+def heat_in_states(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> Spent:
+    """The thermal dissipation, sum of h_k (T_k - T)^2/T_k, for all temperatures > 0."""
+    table, own = law.symbols(), law.parameters[str(law.temperature)]
+    known = {name: x.xreplace(pressure) for name, x in table.items()}
+    ranges = {name: law.parameters[name] for name in (*law.variables, *law.heat)}
+    if own.low is None or own.low <= 0:
+        ranges[str(law.temperature)] = Domain(POSITIVE.low, own.high, positive=True)
+    t = table[str(law.temperature)]
+    parts = ((known[name], parsed_as_written(law, h, law.written_heat[name], known)) for name, h in law.heat.items())
+    spent = sp.Add(*(h * (body - t) ** 2 / body for body, h in parts), evaluate=False)
+    return Spent(spent, None, False, {table[name]: own for name, own in ranges.items() if own.value is None})
 
 
 def _variables(law: Criterion) -> Variables:

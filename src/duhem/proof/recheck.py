@@ -192,6 +192,8 @@ def _law(law: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "energy", f"psi = {_line(law['energy'])}"
     if "rates" in law:
         yield "rates", "; ".join(f"{name}: {_line(rate)}" for name, rate in law["rates"].items())
+    if "heat" in law:
+        yield "heat", "; ".join(f"from {name}: conductance {_line(h)}" for name, h in law["heat"].items())
     if law.get("domain"):
         yield "restricted to", "; ".join(_range(name, own) for name, own in law["domain"].items())
     if law["constraints"]:

@@ -59,6 +59,8 @@ def not_needed(law: Law, verdicts: Iterable[Verdict]) -> Iterator[LeftOut]:
     """Parts of the examination that this law, or what was decided of it, makes needless."""
     if law.temperature is None:
         yield LeftOut("thermal", "the law is isothermal: it has no temperature, so thermal dissipation and entropy do not enter")
+    elif isinstance(law, Criterion) and not law.heat:
+        yield LeftOut("thermal", "the law has no [heat]: no body exchanges heat with it, so there is no thermal dissipation")
     if law.associated:
         yield LeftOut("flow check", "the law is associated: the normality rule defines its slip")
     if law.pressure is None:
@@ -112,7 +114,7 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
     if unforced := [name for name, own in law.variables.items() if own.internal and own.force is None]:  # such as wear
         yield f"Normality says nothing of the variables without a force: {', '.join(unforced)}"
     used = used.union(law.energy.free_symbols if law.energy is not None else (), *(rate.free_symbols for rate in law.rates.values()))
-    used |= {law.symbols()[name] for name in law.variables}
+    used = used.union({law.symbols()[name] for name in (*law.variables, *law.heat)}, *(h.free_symbols for h in law.heat.values()))
     if unused := [name for name, x in law.symbols().items() if x not in used]:
         yield f"g does not depend on {', '.join(unused)}"
 

@@ -24,7 +24,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.omitted import LeftOut
 from duhem.proof.certificate import certificate, law_as_text
-from duhem.proof.claims import CHEAP, CLAIMS
+from duhem.proof.claims import CHEAP, CLAIMS, asked_of
 from duhem.proof.decide import ANY_STEPS, EFFORTS, Budget
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -166,7 +166,7 @@ def verify(
     subject, settled, wanted, results, rests_on = _examined(criterion, claims, effort, on_claim, on_method, criterion.whole)
     parts = (
         *not_needed(criterion, [evidence.verdict for evidence in settled.values()]),
-        *(LeftOut(f"claim {name}", "not selected") for name in CLAIMS if name not in wanted),
+        *(LeftOut(f"claim {name}", "not selected") for name in asked_of(criterion) if name not in wanted),
     )
     with _alone():
         said, empty = remarks(subject, settled)
@@ -212,7 +212,7 @@ def _examined(
     ``whole`` is the law over wider domains: what is proved of that is proved of this part.
     """
     check_domain(criterion)
-    wanted = wanted_claims(claims)
+    wanted = wanted_claims(claims, criterion)
     if not isinstance(effort, str) or effort not in EFFORTS:
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     with _alone():
@@ -256,7 +256,7 @@ def _in_state(law: Law, share: Fraction) -> Iterator[tuple[str, Subject]]:
         return
     if law.viscous:
         potential = FormulaSubject(rate_epigraph(law), share, of=law, checked_only=True)
-        yield from ((name, potential) for name in CLAIMS if name != "state_laws")
+        yield from ((name, potential) for name in CLAIMS if name not in ("state_laws", "thermal"))
     if (stored := epigraph(law)) is not None:
         yield "state_laws", FormulaSubject(stored, share, of=law, checked_only=True)
     if (found := dissipating(law)) is not None:
@@ -284,12 +284,12 @@ def _alone() -> Iterator[None]:
         yield
 
 
-def wanted_claims(claims: Iterable[str] | None) -> tuple[str, ...]:
-    """The claims named, all of them for None; InputError for what is none."""
+def wanted_claims(claims: Iterable[str] | None, law: Law | None = None) -> tuple[str, ...]:
+    """The claims named, for None all that are asked of a law; InputError for what is none."""
     every = f"the claims are: {', '.join(CLAIMS)}"
     if not isinstance(claims, Iterable | None):
         raise InputError(f"{claims!r} names no claims", where="claims", remedy=every)
-    names = tuple(CLAIMS) if claims is None else (claims,) if isinstance(claims, str) else tuple(claims)
+    names = asked_of(law) if claims is None else (claims,) if isinstance(claims, str) else tuple(claims)
     for name in names:
         if not isinstance(name, str) or name not in CLAIMS:
             near = get_close_matches(str(name), CLAIMS, n=1)

@@ -349,9 +349,9 @@ class _CampaignReader(SectionReader):
             raise self.error(fault.what, section, fault.where, remedy=fault.remedy) from None
 
     def claims(self, head: Mapping[str, Any]) -> tuple[str, ...]:
-        from duhem.proof.claims import CLAIMS
+        from duhem.proof.claims import CLAIMS, asked_of
 
-        asked = head.get("claims", list(CLAIMS))
+        asked = head.get("claims", list(asked_of(None)))
         if not isinstance(asked, list) or not asked:
             raise self.error("claims is not a list of claims", "campaign", "claims", remedy=f"the claims are: {', '.join(CLAIMS)}")
         for i, name in enumerate(asked):

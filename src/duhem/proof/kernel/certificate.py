@@ -20,7 +20,7 @@ SCHEMA = "duhem certificate 2"
 _RENAMED = {"symbolic": BY_CONSTRUCTION}  # as certificates call it that were written before laws had a state
 NO_RULE = "the certificate names no rule for it"
 OVER = "over"  # the word of evidence for wider domains of parameters
-CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws")
+CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws", "thermal")
 VERDICTS = ("proved", "refuted", "tested", "undecided", "not_applicable")
 TRUSTS = ("checked", "solver", "prover")  # of a proof; the last two name no rule
 EVIDENCE = (
@@ -142,7 +142,7 @@ def _texts(law: Mapping[str, Any]) -> Iterator[str]:
     """Every formula and comparison in the law of a certificate."""
     yield from law["constraints"]
     yield from (law[key] for key in ("energy",) if key in law)
-    yield from (text for key in ("rates", "unforced") for text in law.get(key, {}).values())
+    yield from (text for key in ("rates", "unforced", "heat") for text in law.get(key, {}).values())
     for entry in law.get("surfaces", (law,)):
         flow = entry["flow"]
         yield from ([] if flow is None else flow.values() if isinstance(flow, Mapping) else flow)

@@ -12,6 +12,7 @@ from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import divides_by_zero_force
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.heat import heat_flows_downhill
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge
@@ -97,7 +98,7 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
 
     What K's support function is, is said of all components.
     """
-    if isinstance(law, StatedLaw) and law.viscous and claim != "state_laws":
+    if isinstance(law, StatedLaw) and law.viscous and claim not in ("state_laws", "thermal"):
         yield rate_epigraph(law, claim == "dissipation")
         return
     yield law
@@ -106,7 +107,7 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
     if isinstance(law, StatedLaw):
         if (simpler := law.once(without_outer_map)) != law:
             yield simpler
-        if claim not in ("duality", "state_laws") and (principal := simpler.once(in_principal_stresses)) is not None:
+        if claim not in ("duality", "state_laws", "thermal") and (principal := simpler.once(in_principal_stresses)) is not None:
             yield principal
 
 
@@ -387,6 +388,11 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _NONE, convex_energy, energy_differentiable,
         "dpsi/du = -dpsi/du_in where both have one force; psi is convex in all variables together by the rules of composition, and concave "
         "in the temperature",
+    ),
+    ("thermal", "conductances"): RuleRow(
+        _NONE, lambda law, _: heat_flows_downhill(law), obligations.nothing,
+        "q_k . n_k = h_k (T_k - T) with h_k >= 0, so D_th is the sum of h_k (T_k - T)^2/T_k >= 0; that T changes by what D_intr and the "
+        "thermoelastic term leave of this heat holds by construction (Antoni et al. 2007, Eq. 22)",
     ),
 }  # fmt: skip
 CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {

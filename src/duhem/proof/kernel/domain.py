@@ -38,6 +38,7 @@ Answer = TypeVar("Answer")
 Declared = tuple[tuple[str, ...], dict[str, Bounds], tuple[Term, ...], dict[Term, Term]]
 
 
+_OF_STATE = ("energy", "heat", "rates", "unforced", "variables", "viscous")
 _LAW = frozenset({"name", "forces", "pressure", "parameters", "constraints"})
 
 
@@ -129,6 +130,7 @@ class _Stated(NamedTuple):
     energy: Term | None = None  # in variables and parameters
     variables: tuple[tuple[str, StatedVariable], ...] = ()
     rates: tuple[tuple[str, Term], ...] = ()  # of variables, without a multiplier
+    heat: tuple[tuple[str, Term], ...] = ()  # temperatures of bodies, with the conductance to each
     viscous: bool = False  # g is a potential of which the rates are the gradient
     power: Term | None = None  # what dissipates, where that is more than force . flow
 
@@ -162,7 +164,7 @@ class StatedLaw(_Stated):
         forces, parameters, constraints, fixed = declared(
             given,
             () if pressure is None else (pressure,),
-            {"domain", "energy", "variables", "rates", "unforced", "viscous", *({"surfaces"} if "surfaces" in given else {"g", "flow"})},
+            {"domain", *_OF_STATE, *({"surfaces"} if "surfaces" in given else {"g", "flow"})},
         )
         if given.get("viscous", True) is not True or ("viscous" in given and ("surfaces" in given or given["flow"] is not None)):
             raise NotWritten("a potential of rates stands beside a flow")
@@ -228,6 +230,7 @@ def _state(given: Mapping[str, Any], forces: Sequence[str], parameters: Mapping[
             if kinds.get(name) != "internal" or rate.op in COMPARISONS or not rate.names() <= known:
                 raise NotWritten("a rate is of no internal variable, or of names that are not declared")
     state: dict[str, Any] = {"variables": variables, "rates": tuple((name, rate) for (key, name), rate in rates.items() if key == "rates")}
+    state["heat"] = _heat(given, parameters, fixed, kinds)
     if "energy" not in given:
         return state
     ours = {Term("name", name=name) for name, _ in variables}  # a fixed variable stays one: forces are derivatives by it
@@ -236,6 +239,22 @@ def _state(given: Mapping[str, Any], forces: Sequence[str], parameters: Mapping[
     if energy.op in COMPARISONS or not energy.names() <= {*parameters, "pi"} - without_force:
         raise NotWritten("the energy is of other names than parameters and variables with a force")
     return state | {"energy": energy}
+
+
+def _heat(
+    given: Mapping[str, Any], parameters: Mapping[str, Bounds], fixed: Mapping[Term, Term], kinds: Mapping[str, str]
+) -> tuple[tuple[str, Term], ...]:
+    """The conductance to each body; NotWritten where a temperature may be <= 0 only, or one of a body <= 0, or there is none."""
+    bodies = as_object(given.get("heat", {}))
+    own = [parameters[name] for name, kind in kinds.items() if kind == "temperature"]
+    if bodies and not (own and own[0].sign() & POSITIVE):
+        raise NotWritten("there is heat and no temperature")
+    if any(name in kinds or name not in parameters or parameters[name].sign() != POSITIVE for name in bodies):
+        raise NotWritten("a body has no temperature > 0")
+    found = tuple((name, without_angles(parse(text)).put(fixed)) for name, text in bodies.items())
+    if any(h.op in COMPARISONS or not h.names() <= {*parameters, given["pressure"], "pi"} for _, h in found):
+        raise NotWritten("a conductance is of names that are not declared")
+    return found
 
 
 def _variable(entry: Any) -> StatedVariable:

@@ -22,6 +22,7 @@ from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
 from duhem.proof.decide.question import obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.subject import Subject
 from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums, directions, inward, outward, parallel, steep
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
@@ -29,6 +30,7 @@ __all__ = [
     "convexity_by_branches", "convexity_by_sums", "convexity_on_boundary", "dissipation_by_identities", "dissipation_by_shares",
     "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "smoothness_by_identities",
     "smoothness_by_sums", "smoothness_on_boundary", "state_laws_not_stated",
+    "without_heat",
 ]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
@@ -321,3 +323,10 @@ def state_laws_not_stated(subject: FormulaSubject) -> Evidence | None:
         return None
     detail = f"the law states no energy, so nothing says how {', '.join(unsaid)}; write psi in [energy], or declare no force of it"
     return Evidence(Verdict.NOT_APPLICABLE, "none", detail)
+
+
+def without_heat(subject: Subject) -> Evidence | None:
+    """Nothing is claimed of heat where none flows."""
+    if isinstance(subject, FormulaSubject) and subject.of.heat:
+        return None
+    return Evidence(Verdict.NOT_APPLICABLE, "none", "the law has no [heat]: no body exchanges heat with it")

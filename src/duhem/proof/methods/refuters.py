@@ -17,13 +17,14 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from duhem.expression.number import rational
+from duhem.law.domain import POSITIVE
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.facts.special_places import undefined_at_zero
 from duhem.proof.facts.subject import Point, Values, rationals
-from duhem.proof.in_state import Spent, epigraph, forces_in, spent_in_states
+from duhem.proof.in_state import Spent, epigraph, forces_in, heat_in_states, spent_in_states
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
 from duhem.proof.witness.points import (
@@ -48,7 +49,7 @@ __all__ = [
     "convexity_at_clear_dents", "convexity_at_deepest_dents", "convexity_at_dents", "convexity_at_far_points", "convexity_at_seams",
     "convexity_beside_edges", "convexity_between_exact_rays", "convexity_by_sampling", "convexity_by_scouting",
     "convexity_by_thorough_scouting", "dissipation_at_points", "dissipation_by_sampling",
-    "dissipation_in_states", "energy_along_temperature", "energy_at_bends", "normality_at_chord", "normality_at_points",
+    "dissipation_in_states", "energy_along_temperature", "energy_at_bends", "heat_uphill", "normality_at_chord", "normality_at_points",
     "normality_by_sampling", "origin_at_parameters", "origin_undefined", "smoothness_at_corners", "smoothness_at_sharp_points",
 ]  # fmt: skip
 
@@ -63,6 +64,8 @@ _HEATED = "psi is not concave in the temperature: between the states p and q it 
 _HEIGHTS = "psi <= z at both ends p and q, yet psi > z at their midpoint, z included: psi is not convex in its variables together"
 _HEATS = "-psi <= z at both ends p and q, yet -psi > z at their midpoint, z included: psi is not concave in the temperature"
 _RATES = "in this state, which lies in K, the sum of Y . rate over the rates that act there without a multiplier is < 0"
+_UPHILL = "the sum of h_k (T_k - T)^2/T_k over the bodies is < 0 at these temperatures, which are > 0"
+_MOST_STATES = 20_000
 _FLOW_OF_STATE = "in this state g = 0, and the sum of Y . rate for a unit of the multiplier is < 0"
 _STEPS = 8_000_000
 _DISSIPATION = "force . flow < 0 at the boundary point between `inside` and `outside`"
@@ -371,29 +374,46 @@ def _with_variables(subject: FormulaSubject, found: Witness) -> Witness:
 
 def dissipation_in_states(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
     """A state in which the forces that its energy gives dissipate less than 0: rates without a multiplier in K, or the flow on g = 0."""
-    law = subject.of
-    for spent in spent_in_states(law, subject.problem.compressed):
-        from duhem.proof.search.plain_states import states_of_negative
-
-        for parameters in subject.choices(choices):
-            others = subject.values_at(parameters, (Fraction(0),) * len(subject.simple.forces))
-            fixed = {x: rational(v) for x, v in others.items() if x not in spent.chosen}
-            power, bound = (None if e is None else e.xreplace(fixed) for e in (spent.power, spent.bound))
-            for state in states_of_negative(power, bound, spent.on_it, spent.chosen):
-                values = others | dict(zip(spent.chosen, state, strict=True))
-                if found := _spent_less(subject, spent, values):
-                    return Evidence(Verdict.REFUTED, "witness-state", "in an admissible state less than 0 is dissipated", found)
+    for spent in spent_in_states(subject.of, subject.problem.compressed):
+        if found := _spent_less(subject, spent, "sum of Y . rate", _FLOW_OF_STATE if spent.on_it else _RATES, choices):
+            return Evidence(Verdict.REFUTED, "witness-state", "in an admissible state less than 0 is dissipated", found)
     return None
 
 
-def _spent_less(subject: FormulaSubject, spent: Spent, values: Values) -> Witness | None:
+def heat_uphill(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
+    """Temperatures at which the heat of the bodies dissipates less than 0."""
+    found = _spent_less(subject, heat_in_states(subject.of, subject.problem.compressed), "D_th", _UPHILL, choices)
+    return None if found is None else Evidence(Verdict.REFUTED, "witness-state", "heat flows from the colder to the warmer", found)
+
+
+def _spent_less(subject: FormulaSubject, spent: Spent, name: str, statement: str, choices: int) -> Witness | None:
+    """A state in which that is certainly < 0; what it does not depend on is as the parameters are chosen."""
+    from duhem.proof.search.plain_states import plain_states, states_of_negative
+
+    formulas = [e for e in (spent.power, spent.bound) if e is not None]
+    sliced = {x: subject.of.parameters.get(x.name, POSITIVE) for x in subject.simple.slice}  # a slice is one of g alone
+    spans = {**spent.chosen, **{x: span for x, span in sliced.items() if span.value is None}}
+    moving = {x: span for x, span in spans.items() if any(x in e.free_symbols for e in formulas)}
+    states = plain_states(list(moving.values()), _MOST_STATES)
+    for parameters in subject.choices(choices):
+        others = subject.values_at(parameters, (Fraction(0),) * len(subject.simple.forces))
+        others |= {x: Fraction(0) for x in spent.chosen if x not in others}  # forces without an energy
+        fixed = {x: rational(v) for x, v in others.items() if x not in moving}
+        power, *bound = (e.xreplace(fixed) for e in formulas)
+        for state in states_of_negative(power, bound[0] if bound else None, spent.on_it, list(moving), states):
+            if found := _spent_at(subject, spent, others | dict(zip(moving, state, strict=True)), name, statement):
+                return found
+    return None
+
+
+def _spent_at(subject: FormulaSubject, spent: Spent, values: Values, name: str, statement: str) -> Witness | None:
     """The state as a witness, if everything is certain there."""
     height = None if spent.bound is None else sign_at(spent.bound, values, exact=True)
     sign, power = sign_at(spent.power, values)
     if sign != -1 or not subject.admits(values) or (height is not None and height[0] not in ((0,) if spent.on_it else (-1, 0))):
         return None
-    shown = ({} if height is None else {"g": decimal_pair(height[1])}) | {"sum of Y . rate": decimal_pair(power)}
-    return _at_states(subject.of, {"state": values}, shown, _FLOW_OF_STATE if spent.on_it else _RATES)
+    shown = ({} if height is None else {"g": decimal_pair(height[1])}) | {name: decimal_pair(power)}
+    return _at_states(subject.of, {"state": values}, shown, statement)
 
 
 def _at_states(law: Criterion, states: Mapping[str, Values], shown: Mapping[str, tuple[str, str]], statement: str) -> Witness:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import product
 from math import prod
@@ -44,13 +44,9 @@ def _inside(span: Domain, values: int) -> list[Fraction]:
 
 
 def states_of_negative(
-    quantity: sp.Expr, bound: sp.Expr | None, on_it: bool, spans: Mapping[sp.Symbol, Domain], most: int = 20_000
+    quantity: sp.Expr, bound: sp.Expr | None, on_it: bool, names: Sequence[sp.Symbol], states: Sequence[State]
 ) -> Iterator[State]:
-    """States at which in floats the quantity is negative, and the bound <= 0, or 0 with ``on_it``: the clearest, and those near 0."""
-    names = list(spans)
-    states = plain_states(list(spans.values()), most)
-    if not states:
-        return
+    """Those at which in floats the quantity is negative, and the bound <= 0, or 0 with ``on_it``: the first ones and the clearest."""
     columns = np.array([[float(x) for x in state] for state in states], dtype=float).reshape(len(states), len(names)).T
     with np.errstate(all="ignore"):
         spent, height = (np.broadcast_to(compiled(sp.S.Zero if e is None else e, names)(*columns), len(states)) for e in (quantity, bound))

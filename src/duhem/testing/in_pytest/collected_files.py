@@ -16,7 +16,7 @@ from duhem.law.placed_toml import parsed, text_of
 from duhem.path.batch_run import parts
 from duhem.path.scene import Scene
 from duhem.path.scene_file import MOST_BYTES, reads
-from duhem.proof.claims import CLAIMS
+from duhem.proof.claims import CLAIMS, asked_of
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import ClaimResult, Verification, verify
 from duhem.testing.in_pytest.items import UnusableTest, group
@@ -54,7 +54,7 @@ class TomlTests(pytest.File):
     def _claims(self) -> tuple[str, ...]:
         asked = self.config.getoption("--duhem-claims")
         if asked is None:
-            return tuple(CLAIMS)
+            return asked_of(self.law)
         names = tuple(dict.fromkeys(name.strip() for name in asked.split(",") if name.strip()))
         for name in names:
             if name not in CLAIMS:
