@@ -9,7 +9,7 @@ import sympy as sp
 
 import duhem
 from duhem import Criterion, Domain, InputError, Verdict
-from duhem.law.criterion_file import reads
+from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.claims import objection
@@ -144,6 +144,14 @@ def test_a_law_in_python_declares_bodies_by_their_conductances() -> None:
     for wrong in ({"heat": {"T1": "h"}}, {"heat": {"T": "h"}, "variables": {"T": Variable(temperature=True)}}):
         with pytest.raises(InputError):
             Criterion(**own, **wrong)
+
+
+def test_a_law_with_heat_is_written_as_a_file_that_says_it() -> None:
+    law = with_conductance("h1*sqrt(T)")
+    again = reads(criterion_text(law))
+    assert again == law and dict(again.heat) == dict(law.heat) and list(again.parameters) == list(law.parameters)
+    with pytest.raises(InputError, match="no file says where T1 lies"):
+        criterion_text(law.fix({"T1": 300}))
 
 
 def test_only_a_law_with_heat_makes_the_claim() -> None:

@@ -10,7 +10,7 @@ import sympy as sp
 
 import duhem
 from duhem import Criterion, Domain, InputError, Verdict
-from duhem.law.criterion_file import reads
+from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import digest
@@ -286,6 +286,11 @@ def test_a_file_states_all_of_it() -> None:
         ("u_in)**2 + ", "u_in)**2 + sigma + ", "the energy uses ['sigma']"),
         ('alpha = "X/C"', 'u = "X/C"', "'u' has a rate and is no internal variable"),
         ('psi = "k', 'phi = "k', "unknown key 'phi'"),
+        (
+            'rates = { alpha = "X/C" }',
+            'forces_of_rates = { sigma = "tanh(u_in_rate)" }',
+            "forces as functions of the rates are not examined",
+        ),
         ("pressure = false", 'pressure = false\nconstraints = ["alpha < C"]', "the constraint alpha < C relates alpha"),
     ],
 )
@@ -437,8 +442,7 @@ def test_no_other_potential_is_taken(potential: str, claim: str) -> None:
     assert duhem.verify(given, claims=[claim])[claim].verdict is not PROVED
 
 
-def test_a_potential_of_rates_in_a_file() -> None:
-    text = """\
+NORTON = """\
 [criterion]
 name = "norton"
 pressure = false
@@ -448,6 +452,19 @@ potential = "A*s**2"
 [parameters]
 A = { positive = true }
 """
+
+
+@pytest.mark.parametrize("given", [FILE, FILE.replace("w = {}", "T = { temperature = true, min = 1 }").replace('"1", ', ""), NORTON])
+def test_a_law_with_a_state_is_written_as_a_file_that_says_it(given: str) -> None:
+    read = reads(given)
+    written = criterion_text(read)
+    again = reads(written)
+    assert again == read and again.variables == read.variables and criterion_text(again) == written
+    assert (again.energy, dict(again.rates), dict(again.unforced), again.viscous) == (read.energy, read.rates, read.unforced, read.viscous)
+
+
+def test_a_potential_of_rates_in_a_file() -> None:
+    text = NORTON
     read = reads(text)
     assert read.viscous and law_as_text(read)["viscous"] is True and str(read.g) == "A*s**2"
     with pytest.raises(InputError, match="are both given"):

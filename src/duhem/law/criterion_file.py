@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import partial
@@ -310,6 +310,9 @@ class _CriterionReader(SectionReader):
         """The energy, and the rates of internal variables that have no force or need no multiplier."""
         self.keys("energy", self.table("energy", required=False), ("psi",))
         given = self.table("dissipation", required=False)
+        if "forces_of_rates" in given:
+            what, remedy = "forces as functions of the rates are not examined", "write the potential of which the rates are the gradient"
+            raise self.error(what, "dissipation", "forces_of_rates", remedy=f"{remedy}, if there is one")
         self.keys("dissipation", given, ("potential", "rates"))
         if not isinstance(given.get("rates", {}), dict):
             raise self.error("rates is not a table", "dissipation", "rates", remedy='write rates = { alpha = "..." }')
@@ -479,7 +482,7 @@ def _example(forces: Sequence[sp.Symbol]) -> str:
 
 
 def criterion_text(law: Law) -> str:
-    """The law in TOML: formula, surfaces or boundary curve, parameters with exact values or domains, constraints, flow.
+    """The law in TOML: formula, surfaces or boundary curve, parameters with exact values or domains, constraints, flow, state.
 
     InputError for a value or an end of a domain that is no finite decimal.
     """
@@ -487,11 +490,13 @@ def criterion_text(law: Law) -> str:
     lines += [f"{key} = {_quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
     lines += [f"forces = [{', '.join(map(_quoted, law.forces))}]"]
     lines += [f"pressure = {_quoted(law.pressure) if law.pressure else 'false'}"]
-    if isinstance(law, Criterion) and not law.surfaces:
+    if isinstance(law, Criterion) and not (law.surfaces or law.viscous):
         lines += [f"g = {_quoted(_text(law, law.g))}", *_potential(law)]
     if law.constraints:
         lines += [f"constraints = [{', '.join(_quoted(_text(law, c)) for c in law.constraints)}]"]
-    lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in law.parameters.items())]
+    of_state = () if isinstance(law, ParametricCriterion) else (*law.variables, *law.heat)
+    own = {name: domain for name, domain in law.parameters.items() if name not in of_state}
+    lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in own.items())]
     if isinstance(law, ParametricCriterion):
         lines += ["", "[boundary]", f"angle = {_quoted(law.angle)}", f"T = {_list(law, law.boundary)}"]
         lines += [f"direction = {_list(law, law.flow)}"] if law.flow is not None else []
@@ -499,11 +504,39 @@ def criterion_text(law: Law) -> str:
     if law.domain:
         lines += ["", "[domain]", *(f"{name} = {_domain(own, f'{law.name}: {name}')}" for name, own in law.domain.items())]
     if law.flow is not None and law.potential is None:
-        lines += ["", "[flow]", f"direction = {_list(law, law.flow)}"]
+        of_force = dict(zip(law.forces, law.flow, strict=True))
+        slots = Variables(law.variables).slots(law.forces)
+        slips = [law.unforced.get(name, sp.S.Zero) if force is None else of_force[force] for name, force in slots]
+        lines += ["", "[flow]", f"direction = {_list(law, slips)}"]
+    lines += _state(law)
     for surface in law.surfaces:
         lines += ["", "[[surface]]", f"g = {_quoted(_text(law, surface.g))}", *_potential(surface)]
         lines += [f"flow = {_list(law, surface.flow)}"] if surface.flow is not None and surface.potential is None else []
     return "\n".join(lines) + "\n"
+
+
+def _state(law: Criterion) -> Iterator[str]:
+    """The sections of a state, where the law has one."""
+    if law.variables:
+        yield from ("", "[variables]")
+    for name, own in law.variables.items():
+        kinds = [f"{kind} = true" for kind in ("observable", "temperature") if getattr(own, kind)]
+        force = [] if own.force is None else [f"force = {_quoted(own.force)}"]
+        ends = _domain(law.parameters[name], f"{law.name}: {name}").strip("{ }")
+        yield f"{name} = {{ {', '.join([*kinds, *force, *([ends] if ends else [])])} }}"
+    if law.energy is not None:
+        yield from ("", "[energy]", f"psi = {_quoted(_text(law, law.energy))}")
+    if law.viscous or law.rates:
+        yield from ("", "[dissipation]", *([f"potential = {_quoted(_text(law, law.g))}"] if law.viscous else []))
+        yield from ([f"rates = {_named(law, law.rates)}"] if law.rates else [])
+    if law.heat:
+        if fixed := [name for name in law.heat if law.parameters[name] != POSITIVE]:
+            raise InputError(f"no file says where {fixed[0]} lies", where=law.name, remedy="fix it with --set where the file is used")
+        yield from ("", "[heat]", f"bodies = {_named(law, law.heat)}")
+
+
+def _named(law: Law, formulas: Mapping[str, sp.Expr]) -> str:
+    return f"{{ {', '.join(f'{name} = {_quoted(_text(law, x))}' for name, x in formulas.items())} }}"
 
 
 def _potential(stated: Criterion | YieldSurface) -> list[str]:
