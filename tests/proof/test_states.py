@@ -359,6 +359,21 @@ def test_rates_without_an_energy_are_refuted_by_any_forces() -> None:
     assert duhem.verify(tied, claims=["dissipation"])["dissipation"].verdict is not REFUTED
 
 
+@pytest.mark.parametrize(("nothing", "verdict"), [("0*sqrt(alpha - 100)", False), ("log(alpha)*0", False), ("alpha*0", True)])
+def test_an_energy_without_a_value_refutes_nothing_there(nothing: str, verdict: bool) -> None:
+    """As it is written it has none where alpha < 0, and there alone the rates cost energy."""
+    text = ONE.replace("(0)", f"C/2*alpha**2 + {nothing}").replace('["sigma"]', '["sigma", "A"]')
+    text += 'alpha = { force = "A", max = 50 }\n[dissipation]\nrates = { alpha = "where(alpha < 0, -A, A)" }\n'
+    found = duhem.verify(reads(text), claims=["dissipation"], effort="quick")["dissipation"]
+    assert (found.verdict is REFUTED) is verdict
+
+
+def test_a_potential_without_a_value_is_not_refuted_there() -> None:
+    bent = viscous("a**2 + b**2 + where(a < 0, -10, 1)*(log(a) - log(a) + 0*a) - 4*neg(a)**2 + sqrt(a)*0")
+    found = duhem.verify(bent, claims=["convexity"], effort="quick")["convexity"]
+    assert found.witness is None or all(sp.Rational(point["a"]) >= 0 for point in found.witness.points.values())
+
+
 @pytest.mark.parametrize(("heat", "convex"), [("C*T**2", True), ("C*T*log(T)", True), ("-C*T*(log(T) - 1)", False), ("-C*T**2", False)])
 @pytest.mark.parametrize("bounds", ["min = 300, max = 301", "positive = true"])
 def test_an_energy_that_is_not_concave_in_the_temperature(heat: str, convex: bool, bounds: str) -> None:

@@ -13,7 +13,9 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression import Norm
 from duhem.expression.branches import gradient
+from duhem.expression.vocabulary import KINKS
 from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.formula_law import Criterion
 from duhem.law.state import Variables
@@ -34,7 +36,7 @@ def epigraph(law: Criterion, *, of_heat: bool = False) -> Criterion | None:
     plain = [name for name in moving if name is not None and law.parameters[name].value is None]
     rest = {name: own for name, own in law.parameters.items() if name not in plain}
     psi = law.energy.xreplace({taken[name]: sp.Symbol(name, real=True) for name in plain})
-    g = (-psi if of_heat else psi) - sp.Symbol(height, real=True)
+    g = _above(-psi if of_heat else psi, law.written_energy and f"{'-' * of_heat}({law.written_energy})", height)
     found = Criterion(law.name, g, rest, (*plain, height), None, law.constraints)
     # The ranges of a law's forces have 0 in them, those of variables need not.
     object.__setattr__(found, "domain", Domains({name: law.parameters[name] for name in plain if law.parameters[name] != Domain()}))
@@ -44,8 +46,13 @@ def epigraph(law: Criterion, *, of_heat: bool = False) -> Criterion | None:
 def rate_epigraph(law: Criterion) -> Criterion:
     """{Phi*(Y) <= z} in the forces and z, of a potential of rates; convex where that is."""
     height = _unused(law)
-    g = law.g - sp.Symbol(height, real=True)
+    g = _above(law.g, law.written and f"({law.written})", height)
     return Criterion(law.name, g, law.parameters, (*law.forces, height), law.pressure, law.constraints, domain=law.domain)
+
+
+def _above(expr: sp.Expr, written: str, height: str) -> Any:
+    """What is <= 0 above the graph: as it is written, where it has a text, so that a part without a value is not lost."""
+    return f"{written} - {height}" if written else expr - sp.Symbol(height, real=True)
 
 
 def _unused(law: Criterion) -> str:
@@ -114,12 +121,14 @@ def forces_in(law: Criterion) -> dict[str, sp.Expr]:
 class Spent(NamedTuple):
     """A ``power`` that is to be >= 0 where ``bound`` <= 0 (= 0 if ``on_it``); None is no bound.  Both are trees as they are written.
 
+    The ``energy``, which gives the forces in them, must have a value; None is none.
     They are over parameters, pressure and what is ``chosen``: variables and, without an energy, forces, each in its range.
     """
 
     power: sp.Expr
     bound: sp.Expr | None
     on_it: bool
+    energy: sp.Expr | None
     chosen: Mapping[sp.Symbol, Domain]
 
 
@@ -132,6 +141,8 @@ def spent_in_states(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> It
     own_flow = law.flow if law.energy is not None and not law.surfaces and law.potential is None else None
     if not law.rates and own_flow is None and not (law.viscous and law.energy is not None):
         return
+    if law.energy is not None and law.energy.has(*KINKS, Norm):
+        return  # at a kink it gives no one force
     chosen = {table[name]: law.parameters[name] for name in law.variables if law.parameters[name].value is None}
     known: dict[str, Any] = {name: x.xreplace(pressure) for name, x in table.items()}
     try:
@@ -145,16 +156,17 @@ def spent_in_states(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> It
     except InputError:
         return
     g = parsed_as_written(law, law.g, law.written, known)
+    energy = None if law.energy is None else parsed_as_written(law, law.energy, law.written_energy, known)
     rates = {name: parsed_as_written(law, rate, law.written_rates[name], known) for name, rate in law.rates.items()}
     powers = [known[slots[name]] * rate for name, rate in rates.items() if name in slots]
     at = {table[name]: value for name, value in known.items()}
     powers += [known[f] * d.xreplace(at) for f, d in zip(law.forces, potential, strict=bool(potential))]
     if powers:
-        yield Spent(sp.Add(*powers, evaluate=False), None if law.viscous else g, False, chosen)
+        yield Spent(sp.Add(*powers, evaluate=False), None if law.viscous else g, False, energy, chosen)
     if own_flow is not None:
         texts = law.written_flow or ("",) * len(own_flow)
         slips = (parsed_as_written(law, d, text, known) for d, text in zip(own_flow, texts, strict=True))
-        yield Spent(sp.Add(*(known[f] * d for f, d in zip(law.forces, slips, strict=True)), evaluate=False), g, True, chosen)
+        yield Spent(sp.Add(*(known[f] * d for f, d in zip(law.forces, slips, strict=True)), evaluate=False), g, True, energy, chosen)
 
 
 def heat_in_states(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> Spent:
@@ -167,7 +179,7 @@ def heat_in_states(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> Spe
     t = table[str(law.temperature)]
     parts = ((known[name], parsed_as_written(law, h, law.written_heat[name], known)) for name, h in law.heat.items())
     spent = sp.Add(*(h * (body - t) ** 2 / body for body, h in parts), evaluate=False)
-    return Spent(spent, None, False, {table[name]: own for name, own in ranges.items() if own.value is None})
+    return Spent(spent, None, False, None, {table[name]: own for name, own in ranges.items() if own.value is None})
 
 
 def _variables(law: Criterion) -> Variables:

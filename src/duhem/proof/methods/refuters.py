@@ -410,6 +410,9 @@ def _spent_at(subject: FormulaSubject, spent: Spent, values: Values, name: str, 
     """The state as a witness, if everything is certain there."""
     height = None if spent.bound is None else sign_at(spent.bound, values, exact=True)
     sign, power = sign_at(spent.power, values)
+    stored = None if spent.energy is None else sign_at(spent.energy, values)[1]
+    if stored is not None and not stored.is_finite():
+        return None
     if sign != -1 or not subject.admits(values) or (height is not None and height[0] not in ((0,) if spent.on_it else (-1, 0))):
         return None
     shown = ({} if height is None else {"g": decimal_pair(height[1])}) | {name: decimal_pair(power)}
