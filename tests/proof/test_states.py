@@ -351,6 +351,21 @@ def test_rates_of_associated_laws_are_refuted_by_a_state(given: Any, turned: str
     assert duhem.verify(other, claims=["dissipation"])["dissipation"].verdict is not REFUTED
 
 
+@pytest.mark.parametrize(("flow", "verdict"), [("Y - gamma*alpha", PROVED), ("Y + gamma*alpha", REFUTED), ("-Y", REFUTED)])
+@pytest.mark.parametrize("observed", [True, False])
+def test_a_criterion_of_forces_that_no_observable_moves(flow: str, verdict: Verdict, observed: bool) -> None:
+    """Y = -C alpha everywhere: Y (Y - gamma alpha) = C^2 alpha^2 + gamma C alpha^2."""
+    own = {"gamma": AT_LEAST_0, "R": ABOVE_0, "C": ABOVE_0, "k": ABOVE_0}
+    energy = f"C/2*alpha**2{f' + {QUADRATIC}' * observed}"
+    variables = {"alpha": Variable("Y")} | (SLIP if observed else {})
+    forces, slips = (("Y", "sigma"), (flow, "0")) if observed else (("Y",), (flow,))
+    given = Criterion("bound", "abs(Y) - R", own, forces, None, flow=slips, energy=energy, variables=variables)
+    found = duhem.verify(given, claims=["dissipation"])["dissipation"]
+    assert found.verdict is verdict and (verdict is REFUTED or str(found.trust) == "checked")
+    if found.witness is not None:
+        violated(given, "dissipation", found.witness)
+
+
 def test_rates_without_an_energy_are_refuted_by_any_forces() -> None:
     own = {"name": "own", "g": "norm(sigma, Y) - R", "parameters": {"R": ABOVE_0}, "forces": ("sigma", "Y"), "pressure": None}
     spends = Criterion(**own, variables={"alpha": Variable("Y")}, rates={"alpha": "-Y"})

@@ -110,11 +110,15 @@ class FormulaSubject(Subject):
         told = claim == "state_laws" or not (self.doubtful or (claim in _OF_THE_FLOW and self.doubtful_flow))
         return told and self.constraints_defined
 
+    @property
+    def onto(self) -> bool:
+        """Whether all values of the forces are those of some state of the law."""
+        return self.law.energy is None if self.state is None else self.state.onto
+
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
         """Whether all of them lie in the ranges of the law; a corner well within, where both of its sides do."""
         points = list(points)
-        onto = self.law.energy is None if self.state is None else self.state.onto
-        if claim == "dissipation" and not (onto or all(self.of.variables.keys() <= point.keys() for point in points)):
+        if claim == "dissipation" and not (self.onto or all(self.of.variables.keys() <= point.keys() for point in points)):
             return False  # no state may have these forces
         margin = _MARGIN if claim == "smoothness" else Fraction(0)
         for point in points:

@@ -124,13 +124,14 @@ def state_laws_agree(law: StatedLaw) -> bool:
 
 
 def in_state(law: StatedLaw) -> StatedLaw | None:
-    """The law with Y = -d psi/d alpha put in, and its power; None where it has no energy or flow of its own, or no force stays free."""
+    """The law with Y = -d psi/d alpha put in, and its power; None where it has no energy or flow of its own.
+
+    Where no force stays free, all of them are kept, of which nothing depends then.
+    """
     if law.energy is None or law.flow is None or energy_differentiable(law):
         return None
     bound = _bound(law)
-    free = tuple(f for f in law.forces if Term("name", name=f) not in bound)
-    if not free:
-        return None
+    free = tuple(f for f in law.forces if Term("name", name=f) not in bound) or law.forces
     flow = tuple(d.put(bound) for d in law.flow)
     names = [Term("name", name=f) for f in law.forces]
     power = sum_of(*(product_of(bound.get(x, x), d) for x, d in zip(names, flow, strict=True)))

@@ -453,8 +453,11 @@ def normality_by_sampling(subject: FormulaSubject) -> Evidence | None:
 
 
 def dissipation_by_sampling(subject: FormulaSubject) -> Evidence | None:
-    """At how many boundary points, of how many parameter choices, the slip was looked at in vain; None where none were found."""
-    return _flow(subject, "the power is negative", lambda scout: scout.seem_to_dissipate_less_than_0())
+    """At how many boundary points, of how many parameter choices, the slip was looked at in vain; None where none were found.
+
+    None too where no state may have the forces that would be looked at.
+    """
+    return None if not subject.onto else _flow(subject, "the power is negative", lambda scout: scout.seem_to_dissipate_less_than_0())
 
 
 def _flow(subject: FormulaSubject, what: str, seem: Callable[[BoundaryScout], int]) -> Evidence | None:
