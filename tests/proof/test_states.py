@@ -389,6 +389,19 @@ def test_a_potential_without_a_value_is_not_refuted_there() -> None:
     assert found.witness is None or all(sp.Rational(point["a"]) >= 0 for point in found.witness.points.values())
 
 
+@pytest.mark.parametrize(
+    "energy", [f"{QUADRATIC} + C*u", "k/2*(u + u_in)**2", f"{QUADRATIC} + C/2*u_in**2", "k/2*(u - alpha)**2 + C/2*u_in**2", "C/2*u**2"]
+)
+def test_an_energy_that_gives_two_forces_for_one(energy: str) -> None:
+    """A term of u alone, a sign turned, a slip that is stored, a force declared for the wrong variable: all of them convex."""
+    given = law(PRAGER, f"{energy} + C/2*alpha**2", C=ABOVE_0)
+    found = duhem.verify(given, claims=["state_laws"])["state_laws"]
+    assert found.verdict is REFUTED and found.witness is not None and "dpsi/du + dpsi/du_in" in found.witness.values
+    table, (state,) = given.symbols(), found.witness.points.values()
+    here = {table[x]: sp.Rational(v) for x, v in {**found.witness.parameters, **state}.items()}
+    assert (given.energy.diff(table["u"]) + given.energy.diff(table["u_in"])).subs(here) != 0
+
+
 @pytest.mark.parametrize(("heat", "convex"), [("C*T**2", True), ("C*T*log(T)", True), ("-C*T*(log(T) - 1)", False), ("-C*T**2", False)])
 @pytest.mark.parametrize("bounds", ["min = 300, max = 301", "positive = true"])
 def test_an_energy_that_is_not_concave_in_the_temperature(heat: str, convex: bool, bounds: str) -> None:

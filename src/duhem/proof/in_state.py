@@ -21,7 +21,17 @@ from duhem.law.formula_law import Criterion
 from duhem.law.state import Variables
 from duhem.proof.statement import parsed_as_written
 
-__all__ = ["Dissipating", "Spent", "dissipating", "epigraph", "forces_in", "heat_in_states", "rate_epigraph", "spent_in_states"]
+__all__ = [
+    "Dissipating",
+    "Spent",
+    "dissipating",
+    "epigraph",
+    "forces_in",
+    "heat_in_states",
+    "rate_epigraph",
+    "spent_in_states",
+    "two_forces",
+]
 
 
 def epigraph(law: Criterion, *, of_heat: bool = False) -> Criterion | None:
@@ -116,6 +126,19 @@ def forces_in(law: Criterion) -> dict[str, sp.Expr]:
     driven, table = _variables(law).driven(), law.symbols()
     assert law.energy is not None
     return dict(zip(driven, (-d for d in gradient(law.energy, [table[name] for name in driven.values()])), strict=True))
+
+
+def two_forces(law: Criterion) -> dict[str, sp.Expr]:
+    """What must be 0 for the energy to give one force by an observable and by the slip of the same; nothing where it has kinks."""
+    variables, table = _variables(law), law.symbols()
+    driven, observed = variables.driven(), variables.observed()
+    pairs = [(u, driven[force]) for force, u in observed.items() if force in driven]
+    if law.energy is None or law.energy.has(*KINKS, Norm):
+        return {}
+    try:
+        return {f"dpsi/d{u} + dpsi/d{w}": sp.Add(*gradient(law.energy, (table[u], table[w]))) for u, w in pairs}
+    except InputError:
+        return {}
 
 
 class Spent(NamedTuple):

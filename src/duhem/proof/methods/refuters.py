@@ -24,7 +24,8 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.facts.special_places import undefined_at_zero
 from duhem.proof.facts.subject import Point, Values, rationals
-from duhem.proof.in_state import Spent, epigraph, forces_in, heat_in_states, spent_in_states
+from duhem.proof.in_state import Spent, epigraph, forces_in, heat_in_states, spent_in_states, two_forces
+from duhem.proof.statement import parsed_as_written
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
 from duhem.proof.witness.points import (
@@ -49,7 +50,8 @@ __all__ = [
     "convexity_at_clear_dents", "convexity_at_deepest_dents", "convexity_at_dents", "convexity_at_far_points", "convexity_at_seams",
     "convexity_beside_edges", "convexity_between_exact_rays", "convexity_by_sampling", "convexity_by_scouting",
     "convexity_by_thorough_scouting", "dissipation_at_points", "dissipation_by_sampling",
-    "dissipation_in_states", "energy_along_temperature", "energy_at_bends", "heat_uphill", "normality_at_chord", "normality_at_points",
+    "dissipation_in_states", "energy_along_temperature", "energy_at_bends", "energy_of_two_forces", "heat_uphill", "normality_at_chord",
+    "normality_at_points",
     "normality_by_sampling", "origin_at_parameters", "origin_undefined", "smoothness_at_corners", "smoothness_at_sharp_points",
 ]  # fmt: skip
 
@@ -64,6 +66,8 @@ _HEATED = "psi is not concave in the temperature: between the states p and q it 
 _HEIGHTS = "psi <= z at both ends p and q, yet psi > z at their midpoint, z included: psi is not convex in its variables together"
 _HEATS = "-psi <= z at both ends p and q, yet -psi > z at their midpoint, z included: psi is not concave in the temperature"
 _RATES = "in this state, which lies in K, the sum of Y . rate over the rates that act there without a multiplier is < 0"
+_TWO_FORCES = "the sum of both derivatives must be 0, for the force is +dpsi/du of the observable and -dpsi/du_in of its slip"
+_MOST_ENERGIES = 200
 _UPHILL = "the sum of h_k (T_k - T)^2/T_k over the bodies is < 0 at these temperatures, which are > 0"
 _MOST_STATES = 20_000
 _FLOW_OF_STATE = "in this state g = 0, and the sum of Y . rate for a unit of the multiplier is < 0"
@@ -167,6 +171,32 @@ def energy_at_bends(subject: FormulaSubject) -> Evidence | None:
     from duhem.proof.search.bends import chords_across_bends
 
     return _of_energy(subject, _refuted(subject, chords_across_bends(subject)), "psi", _SAGS, _HEIGHTS)
+
+
+def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
+    """A state at which the derivatives of an energy by an observable and by its slip are two forces."""
+    law, gaps = subject.of, two_forces(subject.of)
+    if not any(gap != 0 for gap in gaps.values()):
+        return None
+    from duhem.proof.search.plain_states import plain_states
+
+    table = law.symbols()
+    moving = [name for name in law.variables if law.parameters[name].value is None]
+    stored = parsed_as_written(law, law.energy, law.written_energy, table)
+    states = plain_states([law.parameters[name] for name in moving], _MOST_ENERGIES)[:_MOST_ENERGIES]
+    for parameters in subject.choices(choices):
+        others = {x.name: v for x, v in subject.values_at(parameters, (Fraction(0),) * len(subject.simple.forces)).items()}
+        for state in states:
+            here = others | dict(zip(moving, state, strict=True))
+            values = {x: here[name] for name, x in table.items() if name in here}
+            if not subject.admits(values) or not sign_at(stored, values)[1].is_finite():
+                continue
+            for name, gap in gaps.items():
+                sign, enclosure = sign_at(gap, values)
+                if sign in (1, -1):
+                    found = _at_states(law, {"state": values}, {name: decimal_pair(enclosure)}, _TWO_FORCES)
+                    return Evidence(Verdict.REFUTED, "witness-state", "the energy gives two forces where the law has one", found)
+    return None
 
 
 def energy_along_temperature(subject: FormulaSubject) -> Evidence | None:
