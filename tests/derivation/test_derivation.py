@@ -20,7 +20,7 @@ from duhem.expression.parse import parse_expression
 from duhem.law.catalogue import load, names
 from duhem.law.domain import POSITIVE
 from duhem.law.formula_law import Criterion
-from tests.derivation.derived import EVERY_RUN, LAWS, derived
+from tests.derivation.derived import DPS, EVERY_RUN, LAWS, at, derived, holds
 from tests.long import long_but, mostly_long
 
 WITH_POTENTIAL = (
@@ -29,30 +29,12 @@ WITH_POTENTIAL = (
 )  # fmt: skip
 OWN_FLOW = ("radial-flow", "rotated-flow")
 R = sp.Rational
-DPS = 40
 
 
 @pytest.fixture(autouse=True)
 def _digits() -> Iterator[None]:
     with mpmath.workdps(DPS):
         yield
-
-
-def at(expr: sp.Basic, point: dict[sp.Symbol, Any]) -> Any:
-    """An expression, possibly by branches, at a point."""
-    if isinstance(expr, sp.Piecewise):
-        return next(at(e, point) for e, c in expr.args if holds(c, point))
-    if isinstance(expr, sp.Mul) and expr.has(sp.Piecewise):
-        return mpmath.fprod(at(a, point) for a in expr.args)
-    return mpmath_.evaluate(expr, point, DPS)
-
-
-def holds(condition: sp.Basic, point: dict[sp.Symbol, Any]) -> bool:
-    if isinstance(condition, sp.And):
-        return all(holds(c, point) for c in condition.args)
-    if condition in (sp.true, sp.false):
-        return bool(condition)
-    return bool(mpmath_.evaluate(type(condition)(condition.lhs - condition.rhs, 0, evaluate=False), point, DPS) == 1)
 
 
 def parameters(law: Criterion, seed: int) -> dict[sp.Symbol, sp.Rational]:

@@ -16,10 +16,11 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.derivation.equation import Belongs, Derivation, Equation, Names
+from duhem.derivation.equation import Belongs, Derivation, Equation, Names, columns, dot, equal, put
 from duhem.derivation.pieces import MOST, Pieces, Seams, pieces, seams
 from duhem.derivation.recognise import read_ball
 from duhem.derivation.support_function import SupportFunction, biconjugate, compression, fixed, sample_values, support_function, varies
+from duhem.derivation.thermodynamics import DISSIPATION, STATE, heat_equations, in_state, on_boundary, state_equations
 from duhem.errors import InputError
 from duhem.expression import mpmath_
 from duhem.expression.dimensions import degree
@@ -31,7 +32,6 @@ from duhem.omitted import LeftOut
 
 __all__ = ["derive"]
 
-STATE, DISSIPATION = "State and state laws", "Clausius-Duhem inequality"
 CRITERION, FLOW, POTENTIAL = "Criterion", "Evolution law", "Dissipation potential"
 STEP, LINE = "Incremental problem", "Reduction to one direction"
 
@@ -87,28 +87,22 @@ _SECTIONS: Mapping[str, Sequence[tuple[str, str, str]]] = {  # by section: numbe
     ),
 }
 _SAID = {name: (number, section, said) for section, rows in _SECTIONS.items() for number, name, said in rows}
-_POWER = sp.Symbol("D", real=True)  # the dissipation
+_IN_STATE = {  # sentences of a law with a state, where its forces are more than a stress and its rates more than a slip
+    "admissible_set": "the admissible forces",
+    "evolution_inclusion": "the rates that the multiplier gives are a subgradient of the indicator, an element of the normal cone of K",
+    "normal": "outward normal n = dg/dY",
+    "normality": "normality rule where g is differentiable, n of (D4)",
+    "stress_of_slip": "the forces that attain the supremum: the evolution law (28) solved for them, at nonzero rates",
+    "fenchel_equality": "D = Y . rates = I_K(Y) + Phi_C(rates) on the evolution law (Fenchel), and I_K = 0 on K",
+}
 
 
-def _stated(name: str, relation: sp.Basic, more: str = "") -> Equation:
+def _stated(name: str, relation: sp.Basic, more: str = "", names: Names | None = None) -> Equation:
     """The equation of that name with its number, section and sentence, and what ``more`` there is to say."""
     number, section, sentence = _SAID[name]
+    if names is not None and names.state is not None:
+        sentence = _IN_STATE.get(name, sentence)
     return Equation(number, name, relation, sentence + more, section)
-
-
-def _equal(left: object, right: object) -> sp.Basic:
-    """left = right, kept as written."""
-    return sp.Eq(left, right, evaluate=False)
-
-
-def _columns(left: Iterable[Any], right: Iterable[Any]) -> sp.Basic:
-    """left = right of column vectors, given by their entries."""
-    return _equal(*(sp.ImmutableMatrix(sp.Matrix(list(entries))) for entries in (left, right)))
-
-
-def _dot(one: Iterable[Any], other: Iterable[Any]) -> sp.Expr:
-    """The sum of products, entry by entry."""
-    return sp.Add(*(a * b for a, b in zip(one, other, strict=True)))
 
 
 def _energy(names: Names, strain: Iterable[sp.Expr]) -> sp.Expr:
@@ -130,23 +124,23 @@ def _state_equations(names: Names) -> Iterator[Equation]:
     forces = [sp.factor_terms(-psi.diff(x)) for x in p]
     if any(sp.expand(a - b) != 0 for a, b in zip(stress, forces, strict=True)):
         raise ArithmeticError("dpsi/du and -dpsi/du_in differ")
-    yield _stated("decomposition", _columns(u, map(add, names.elastic, p)))
-    yield _stated("state_variables", _equal(sp.Symbol("chi"), sp.Tuple(*u, *p)))
-    yield _stated("free_energy", _equal(sp.Symbol("psi_C", real=True), psi))
+    yield _stated("decomposition", columns(u, map(add, names.elastic, p)))
+    yield _stated("state_variables", equal(sp.Symbol("chi"), sp.Tuple(*u, *p)))
+    yield _stated("free_energy", equal(sp.Symbol("psi_C", real=True), psi))
     minors = [sp.StrictGreaterThan(names.stiffness[:i, :i].det(), 0, evaluate=False) for i in range(1, len(u) + 1)]
     yield _stated("free_energy_convex", sp.And(*minors, evaluate=False))
-    yield _stated("state_law", _columns(names.forces, stress))
+    yield _stated("state_law", columns(names.forces, stress))
     yield _stated(
-        "state_law_elastic", _columns(names.forces, [sp.factor_terms(_energy(names, names.elastic).diff(e)) for e in names.elastic])
+        "state_law_elastic", columns(names.forces, [sp.factor_terms(_energy(names, names.elastic).diff(e)) for e in names.elastic])
     )
-    yield _stated("thermodynamic_forces", _columns(names.forces, forces))
-    change, power = _dot([sp.factor_terms(psi.diff(x)) for x in (*u, *p)], (*v, *d)), _dot(names.forces, v)
-    yield _stated("clausius_duhem", sp.GreaterThan(_POWER, 0, evaluate=False))
-    yield _stated("intrinsic_dissipation", _equal(_POWER, power - change))
-    reduced = _dot(names.forces, d)
+    yield _stated("thermodynamic_forces", columns(names.forces, forces))
+    change, power = dot([sp.factor_terms(psi.diff(x)) for x in (*u, *p)], (*v, *d)), dot(names.forces, v)
+    yield _stated("clausius_duhem", sp.GreaterThan(names.power, 0, evaluate=False))
+    yield _stated("intrinsic_dissipation", equal(names.power, power - change))
+    reduced = dot(names.forces, d)
     if sp.expand((power - change - reduced).xreplace(dict(zip(names.forces, stress, strict=True)))) != 0:
         raise ArithmeticError("the Clausius-Duhem inequality does not reduce to the power of the stress on the slip rate")
-    yield _stated("reduced_dissipation", _equal(_POWER, reduced))
+    yield _stated("reduced_dissipation", equal(names.power, reduced))
 
 
 # -- laws of several surfaces -----------------------------------------------------------------------------------------
@@ -168,7 +162,7 @@ def _complementary(surfaces: Iterable[sp.Expr], multipliers: Iterable[sp.Symbol]
     three = [
         relation
         for m, g in zip(multipliers, surfaces, strict=True)
-        for relation in (sp.GreaterThan(m, 0, evaluate=False), sp.LessThan(g, 0, evaluate=False), _equal(m * g, sp.S.Zero))
+        for relation in (sp.GreaterThan(m, 0, evaluate=False), sp.LessThan(g, 0, evaluate=False), equal(m * g, sp.S.Zero))
     ]
     return sp.And(*three, evaluate=False)
 
@@ -178,20 +172,20 @@ def _flow_of_surfaces(names: Names) -> Iterator[Equation]:
     if (flows := _slips(names.law)) is None:
         return
     note = "Koiter's rule: each surface that is 0 slips along its own flow, or along its normal if it states none"
-    rates = [_dot(names.multipliers, parts) for parts in zip(*flows, strict=True)]
-    yield Equation("D4", "flow", _columns(names.rates, rates), note, FLOW)
+    given = [dot(names.multipliers, parts) for parts in zip(*flows, strict=True)]
+    yield Equation("D4", "flow", _rates(names, given), note, FLOW)
     both = _complementary([s.g for s in names.law.surfaces], names.multipliers)
     yield Equation("36'", "complementarity", both, "a surface slips only where it is 0, and never backwards", FLOW)
-    power = _dot(names.multipliers, [sp.factor_terms(_dot(names.forces, flow)) for flow in flows])
-    yield Equation("D6", "dissipation", _equal(_POWER, power), "D = sum of lambda_i sigma . flow_i", FLOW)
+    power = dot(names.multipliers, [sp.factor_terms(dot(names.forces, flow)) for flow in flows])
+    yield from _dissipated(names, power, "D = sum of lambda_i sigma . flow_i")
 
 
 def _step_of_surfaces(names: Names) -> Iterator[Equation]:
     """The same over an increment: a fixed point with one multiplier a surface, not a projection."""
     if (flows := _slips(names.law)) is None:
         return
-    moved = names.stiffness * sp.Matrix([_dot(names.steps, parts) for parts in zip(*flows, strict=True)])
-    ends = _columns(names.forces, map(sub, names.trial, moved))
+    moved = names.stiffness * sp.Matrix([dot(names.steps, parts) for parts in zip(*flows, strict=True)])
+    ends = columns(names.forces, map(sub, names.trial, moved))
     yield Equation("D14", "step_stress", ends, "own flows: a fixed point, not a projection", STEP)
     both, note = _complementary([s.g for s in names.law.surfaces], names.steps), "a surface slips in the step only if the step ends on it"
     yield Equation("D16", "step_complementarity", both, note, STEP)
@@ -205,36 +199,70 @@ def _rooted(expr: sp.Expr) -> sp.Expr:
     return expr.replace(Norm, lambda *args: sp.sqrt(sp.Add(*[a**2 for a in args])))
 
 
+def _definitions(law: Criterion) -> Iterator[Equation]:
+    for i, (name, value) in enumerate(law.defined().items(), 1):
+        note = f"as defined: {name} = {' '.join(law.define[name].split())}"
+        yield Equation(f"D0.{i}", f"definition_{name}", equal(sp.Symbol(name, real=True), value), note, CRITERION)
+
+
 def _evolution_equations(names: Names, found: Pieces | None) -> Iterator[Equation]:
     """Equations 28 and 32 to 36."""
     law, forces = names.law, names.forces
     inside = sp.LessThan(law.g, 0, evaluate=False)
-    for i, (name, value) in enumerate(law.defined().items(), 1):
-        note = f"as defined: {name} = {' '.join(law.define[name].split())}"
-        yield Equation(f"D0.{i}", f"definition_{name}", _equal(sp.Symbol(name, real=True), value), note, CRITERION)
-    yield _stated("criterion", _equal(sp.Symbol("g"), law.g))
+    yield _stated("criterion", equal(sp.Symbol("g"), law.g))
     if found is not None and len(found.values) > 1:
-        yield _stated("criterion_branches", _equal(sp.Symbol("g"), found.joined([_rooted(v) for v in found.values])))
+        yield _stated("criterion_branches", equal(sp.Symbol("g"), found.joined([_rooted(v) for v in found.values])))
     admissible = sp.ConditionSet(sp.Tuple(*forces), inside, sp.S.UniversalSet)
-    yield _stated("admissible_set", _equal(sp.Symbol("K"), admissible), " at frozen pressure" if law.pressure else "")
+    frozen = ["pressure"] * bool(law.pressure) + [name for name in law.variables if law.symbols()[name] in law.g.free_symbols]
+    more = f" at frozen {', '.join(frozen)}" if frozen else ""
+    yield _stated("admissible_set", equal(sp.Symbol("K"), admissible), more, names)
     indicator = sp.Function("I_K")(*forces)
     if law.associated:
-        yield _stated("dual_potential", _equal(sp.Function("Phi_C_star")(*forces), indicator))
-    yield _stated("indicator", _equal(indicator, sp.Piecewise((sp.S.Zero, inside), (sp.oo, True), evaluate=False)))
+        yield _stated("dual_potential", equal(sp.Function("Phi_C_star")(*forces), indicator))
+    yield _stated("indicator", equal(indicator, sp.Piecewise((sp.S.Zero, inside), (sp.oo, True), evaluate=False)))
     if not law.associated:
         yield from _own_flow(names) if law.flow is not None else _flow_of_surfaces(names)
         return
-    yield _stated("evolution_inclusion", Belongs(sp.Tuple(*names.rates), sp.Function("N_K")(*forces)))
-    yield _stated("normal_cone", sp.LessThan(_dot(names.rates, map(sub, names.other, forces)), 0, evaluate=False))
+    plastic = names.plastic
+    yield _stated("evolution_inclusion", Belongs(sp.Tuple(*plastic), sp.Function("N_K")(*forces)), names=names)
+    yield _stated("normal_cone", sp.LessThan(dot(plastic, map(sub, names.other, forces)), 0, evaluate=False))
     if found is None:
         return
     met = seams(law, found)
     normal = [found.joined([g[i] for g in found.gradients]) for i in range(len(forces))]
-    yield _stated("normal", _columns(names.normal, normal), _smoothness(names, found, met))
-    yield _stated("normality", _columns(names.rates, [names.multiplier * n for n in names.normal]))
+    yield _stated("normal", columns(names.normal, normal), _smoothness(names, found, met), names)
+    given = [names.multiplier * n for n in names.normal]
+    yield _stated("normality", _rates(names, given, names.multiplier), names=names)
     yield _complementarity(names)
     yield from _corners(names, found, met)
-    yield _dissipation(names, found)
+    yield from _dissipation(names, found)
+
+
+def _rates(names: Names, given: Iterable[sp.Expr], unit: sp.Expr = sp.S.Zero) -> sp.Basic:
+    """The rates of the internal variables: what is ``given`` and what needs no multiplier; without a force, ``unit`` times their own."""
+    law, rate = names.law, names.state.rate if names.state is not None else {}
+    idle = [x for x, own in law.variables.items() if own.internal and own.force is None and (unit != 0 or x not in law.unforced)]
+    rest = [unit * law.unforced.get(name, sp.S.Zero) + law.rates.get(name, sp.S.Zero) for name in idle]
+    return columns([*names.rates, *(rate[name] for name in idle)], [*map(_plus, given, names.beside), *rest])
+
+
+def _plus(expr: sp.Expr, more: sp.Expr) -> sp.Expr:
+    """The sum, in every branch where the first has branches."""
+    if more == 0 or not isinstance(expr, sp.Piecewise):
+        return expr + more
+    return sp.Piecewise(*((value + more, condition) for value, condition in expr.args), evaluate=False)
+
+
+def _dissipated(names: Names, power: sp.Expr, note: str, boundary: sp.Expr | None = None) -> Iterator[Equation]:
+    """The dissipation, and the same with the forces put in as functions of the state; ``boundary`` is the power on g = 0."""
+    beside = dot(names.forces, names.beside)
+    more = "; then what the rates without a multiplier dissipate" if beside != 0 else ""
+    yield Equation("D6", "dissipation", equal(names.power, _plus(power, beside)), note + more, FLOW)
+    forces = {} if names.state is None else in_state(names.law)
+    known = _plus(power if boundary is None else boundary, beside)
+    if forces and (known.has(*forces) or boundary is not None):
+        note = f"{'on g = 0, ' if boundary is not None else ''}the same with the forces put in as functions of the state (26)"
+        yield Equation("D6'", "dissipation_in_state", equal(names.power, put(known, forces)), note, FLOW)
 
 
 def _complementarity(names: Names) -> Equation:
@@ -280,16 +308,16 @@ def _corners(names: Names, found: Pieces, met: Seams) -> Iterator[Equation]:
         sides = [f"{names.shown(s)} {'>=' if sign > 0 else '<='} 0" for s, sign in plain.items() if s != corner.switch]
         where = ", ".join([f"{names.shown(corner.switch)} = 0", *sides])
         note = f"normal cone of a convex K at boundary points with {where}; lambda_1, lambda_2 >= 0"
-        yield Equation(f"D5.{count}", f"corner_{count}", _columns(names.rates, spanned), note, FLOW)
+        yield Equation(f"D5.{count}", f"corner_{count}", columns(names.rates, map(add, spanned, names.beside)), note, FLOW)
 
 
-def _dissipation(names: Names, found: Pieces) -> Equation:
-    powers = [_dot(names.forces, g) for g in found.gradients]
+def _dissipation(names: Names, found: Pieces) -> Iterator[Equation]:
+    powers = [dot(names.forces, g) for g in found.gradients]
     reduced = [_euler(names.law, value, power) for value, power in zip(found.values, powers, strict=True)]
-    known, note = [r for r in reduced if r is not None], "D = lambda sigma . dg/dsigma"
+    known, note = [r for r in reduced if r is not None], f"D = lambda {'sigma . dg/dsigma' if names.state is None else 'Y . dg/dY'}"
     if len(known) == len(reduced):
         powers, note = known, f"{note} on g = 0, by Euler's identity for homogeneous functions"
-    return Equation("D6", "dissipation", _equal(_POWER, names.multiplier * found.joined(powers)), note, FLOW)
+    yield from _dissipated(names, names.multiplier * found.joined(powers), note)
 
 
 def _euler(law: Criterion, value: sp.Expr, power: sp.Expr) -> sp.Expr | None:
@@ -323,57 +351,78 @@ def _own_flow(names: Names) -> Iterator[Equation]:
     flow = names.law.flow
     assert flow is not None
     note = "slip direction declared by the law itself: not associated, normality is a claim to test"
-    yield Equation("D4", "flow", _columns(names.rates, names.multiplier * sp.ImmutableMatrix(flow)), note, FLOW)
+    yield Equation("D4", "flow", _rates(names, [names.multiplier * part for part in flow], names.multiplier), note, FLOW)
     yield _complementarity(names)
-    power = sp.factor_terms(sp.expand(_dot(names.forces, flow)))
-    yield Equation("D6", "dissipation", _equal(_POWER, names.multiplier * power), "D = lambda sigma . flow", FLOW)
+    power = sp.factor_terms(sp.expand(dot(names.forces, flow)))
+    reduced = None if names.law.energy is None else on_boundary(names.law.g, power, names.forces)
+    boundary = None if reduced is None else names.multiplier * reduced
+    yield from _dissipated(names, names.multiplier * power, f"D = lambda {'sigma' if names.state is None else 'Y'} . flow", boundary)
+
+
+def _viscous_equations(names: Names, found: Pieces | None) -> Iterator[Equation]:
+    """Equation 27: the rates as the gradient of a potential, and what they dissipate."""
+    potential = sp.Function("Phi_C_star")(*names.forces)
+    yield Equation("27'", "dual_potential", equal(potential, names.law.g), "dual potential of rates, as declared", POTENTIAL)
+    if found is None:
+        return
+    given = [found.joined([g[i] for g in found.gradients]) for i in range(len(names.forces))]
+    note = "rates = d Phi*/dY where Phi* is differentiable; elsewhere they are a subgradient (28)"
+    yield Equation("27", "evolution", _rates(names, given), note, FLOW)
+    degrees = [_degree(value, names.forces) for value in found.values]
+    powers = [dot(names.forces, g) if m is None else m * v for m, v, g in zip(degrees, found.values, found.gradients, strict=True)]
+    note = "D = Y . dPhi*/dY, which is m Phi* where Phi* is homogeneous of degree m (Euler)"
+    yield from _dissipated(names, found.joined(powers), note)
 
 
 def _potential_equations(names: Names, support: SupportFunction) -> Iterator[Equation]:
     """The Legendre-Fenchel conjugate of the indicator, its flow rule turned round, and the conjugate of that."""
-    phi = sp.Function("Phi_C")(*support.rates)
+    own = dict(zip(support.rates, names.plastic, strict=True))
+    phi, value = sp.Function("Phi_C")(*names.plastic), support.potential.xreplace(own)
     for count, form in enumerate(support.domain, start=1):
-        yield Equation(
-            f"D7.{count}", f"potential_domain_{count}", _equal(form, sp.S.Zero), "the potential is infinite elsewhere", POTENTIAL
-        )
+        zero, note = equal(form.xreplace(own), sp.S.Zero), "the potential is infinite elsewhere"
+        yield Equation(f"D7.{count}", f"potential_domain_{count}", zero, note, POTENTIAL)
     said = "; then ".join(support.steps) + _needs(names, support.requires)
-    yield Equation("D8", "dissipation_potential", _equal(phi, support.potential), said, POTENTIAL)
+    yield Equation("D8", "dissipation_potential", equal(phi, value), said, POTENTIAL)
     if support.maximiser is not None:
-        yield _stated("stress_of_slip", _columns(names.forces, support.maximiser))
-    yield _stated("fenchel_equality", _equal(_POWER, support.potential))
+        attained = columns(names.forces, [part.xreplace(own) for part in support.maximiser])
+        free = "; K is unbounded along the directions of (D7), and any multiple of those may be added" if support.domain else ""
+        yield _stated("stress_of_slip", attained, free if names.state is not None else "", names)
+    beside = dot(names.forces, names.beside)
+    more = "; then what the rates without a multiplier dissipate" if beside != 0 else ""
+    yield _stated("fenchel_equality", equal(names.power, value + beside), more, names)
     gauge = sp.Function("gamma_K")(*names.forces)
-    yield _stated("gauge", _equal(gauge, support.gauge))
+    yield _stated("gauge", equal(gauge, support.gauge))
     back = biconjugate(names.law, support)
     if back is not None and back.agrees:
-        yield _stated("biconjugate", _equal(gauge, back.gauge), back.how)
+        yield _stated("biconjugate", equal(gauge, back.gauge), back.how)
     frozen = names.law.pressure and names.law.symbols()[names.law.pressure]
-    if frozen and support.radius.subs(frozen, 0) == 0:
+    if frozen and not support.domain and support.radius.subs(frozen, 0) == 0:
         note = f"at {frozen} = 0 K is this one point, and the normal cone is the whole space"
-        yield Equation("D12", "tip", _columns(names.forces, [c.subs(frozen, 0) for c in support.centre]), note, POTENTIAL)
+        yield Equation("D12", "tip", columns(names.forces, [c.subs(frozen, 0) for c in support.centre]), note, POTENTIAL)
 
 
 def _increment_equations(names: Names, found: Pieces | None) -> Iterator[Equation]:
     """The closest-point step in the metric of k^-1 with its optimality conditions; every line from the Lagrangian."""
     law, forces = names.law, names.forces
-    yield _stated("trial_stress", _columns(names.trial, names.stiffness * sp.Matrix(list(map(sub, names.total, names.inelastic)))))
+    yield _stated("trial_stress", columns(names.trial, names.stiffness * sp.Matrix(list(map(sub, names.total, names.inelastic)))))
     compliance, gap = names.stiffness.inv(), sp.Matrix(list(map(sub, names.trial, forces)))
     slip = compliance * gap
     if not law.associated and law.flow is None:
         yield from _step_of_surfaces(names)
     elif law.flow is not None:
         moved = map(sub, names.trial, names.step * names.stiffness * sp.Matrix(law.flow))
-        yield Equation("D14", "step_stress", _columns(forces, moved), "own flow: a fixed point, not a projection", STEP)
+        yield Equation("D14", "step_stress", columns(forces, moved), "own flow: a fixed point, not a projection", STEP)
     else:
         distance = (gap.T * compliance * gap)[0] / 2
-        yield _stated("step_objective", _equal(sp.Function("J")(*forces), distance))
+        yield _stated("step_objective", equal(sp.Function("J")(*forces), distance))
         if found is not None:
             slopes = [
                 found.joined([sp.factor_terms(distance.diff(f)) + (names.step * value).diff(f) for value in found.values]) for f in forces
             ]
-            yield _stated("step_stationarity", _columns(slopes, [sp.S.Zero] * len(forces)))
+            yield _stated("step_stationarity", columns(slopes, [sp.S.Zero] * len(forces)))
     if law.associated or law.flow is not None:
         yield _stated("step_complementarity", _complementary([law.g], [names.step]))
-    yield _stated("step_slip", _columns(names.slip_step, slip))
+    yield _stated("step_slip", columns(names.slip_step, slip))
     yield _energy_identity(names)
 
 
@@ -382,11 +431,11 @@ def _energy_identity(names: Names) -> Equation:
     ends, steps = names.elastic, names.elastic_step
     lost = _energy(names, steps)
     stored = _energy(names, ends) - _energy(names, map(sub, ends, steps))
-    work, slipped = _dot(names.forces, map(add, steps, names.slip_step)), _dot(names.forces, names.slip_step)
+    work, slipped = dot(names.forces, map(add, steps, names.slip_step)), dot(names.forces, names.slip_step)
     stress = dict(zip(names.forces, names.stiffness * sp.Matrix(list(ends)), strict=True))
     if sp.expand((work - slipped).xreplace(stress) - stored - lost) != 0:
         raise ArithmeticError("the discrete energy identity does not hold")
-    return _stated("step_energy", _equal(work, sp.Symbol("Delta_psi_C", real=True) + slipped + lost))
+    return _stated("step_energy", equal(work, sp.Symbol("Delta_psi_C", real=True) + slipped + lost))
 
 
 @dataclass(frozen=True)
@@ -472,16 +521,18 @@ def _one_dimensional_equations(names: Names, sections: Sequence[LineSection | No
         ends = (high, sp.GreaterThan(elastic, high, evaluate=False)), (low, sp.LessThan(elastic, low, evaluate=False))
         note = "first loading from rest along this direction: elastic between the ends, slipping at either"
         branches = sp.Piecewise((elastic, stick), *ends, evaluate=False)
-        yield Equation(f"1{nth}", f"one_dimensional_{tail}", _equal(force, branches), note, LINE)
+        yield Equation(f"1{nth}", f"one_dimensional_{tail}", equal(force, branches), note, LINE)
 
 
 def derive(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, stiffness: str = "orthotropic") -> Derivation:
     """Derive what follows symbolically from the formula of a law (Antoni et al. 2007, section 2, Eqs. 1 and 21-36).
 
+    Of a law with a state: its forces, the inequality of Clausius and Duhem, the evolution, what it dissipates, and its heat equation.
     ``law`` is a criterion, or a name or path for :func:`duhem.load`.  ``parameters`` fixes some of its parameters.  ``stiffness`` is
-    ``orthotropic`` (one k per force), ``isotropic`` (one k) or ``full`` (any symmetric positive definite matrix), in stress per length.
-    sigma_n <= 0 in compression.  Parts without a closed form are omitted and listed with the reason. A law that is given by a boundary
-    curve has the derivation that it names, for all parameters, or none. Raises InputError for an unknown law, parameter or stiffness.
+    ``orthotropic`` (one k per force), ``isotropic`` (one k) or ``full`` (any symmetric positive definite matrix), in stress per length; the
+    energy of a law with a state has its own.  sigma_n <= 0 in compression.  Parts without a closed form are omitted and listed with the
+    reason. A law that is given by a boundary curve has the derivation that it names, for all parameters, or none. Raises InputError for an
+    unknown law, parameter or stiffness.
     """
     chosen = load(law)
     if isinstance(chosen, ParametricCriterion) and chosen.derivation:
@@ -490,24 +541,48 @@ def derive(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, s
         own: Derivation = chosen.derive()
         return own
     stated = fixed(load_formula(chosen), parameters)
-    if stated.energy is not None or stated.viscous:
-        what = "an energy" if stated.energy is not None else "a potential of rates"
-        what = f"{stated.name} has {what} of its own, and what is derived here is a rate-independent law with the quadratic energy"
-        raise InputError(what, where="law", remedy="ask duhem verify, which examines its state laws and its dissipation")
     names = Names.of(stated, stiffness)
     left_out: list[LeftOut] = []
     return Derivation(stated.name, tuple(_equations(stated, names, left_out)), tuple(left_out), names)
 
 
 def _equations(law: Criterion, names: Names, left_out: list[LeftOut]) -> Iterator[Equation]:
-    thermal = "thermal block: T_C, s_C, heat fluxes and D_th of Eq. (23)"
-    left_out.append(LeftOut(thermal, "isothermal law, no equation contains a temperature"))
-    left_out.append(LeftOut("further internal variables chi_3 ... chi_n of Eq. (24)", "the law has none"))
-    yield from _state_equations(names)
+    if names.state is None:
+        thermal = "thermal block: T_C, s_C, heat fluxes and D_th of Eq. (23)"
+        left_out.append(LeftOut(thermal, "isothermal law, no equation contains a temperature"))
+        left_out.append(LeftOut("further internal variables chi_3 ... chi_n of Eq. (24)", "the law has none"))
+        yield from _state_equations(names)
+    else:
+        yield from state_equations(names, left_out)
     found = pieces(law)
     if found is None:
         left_out.append(LeftOut("normal and criterion by branches", f"the formula has more than {MOST} branches"))
-    yield from _evolution_equations(names, found)
+    yield from _definitions(law)
+    if law.unforced and (law.viscous or not (law.associated or law.flow)):
+        left_out.append(
+            LeftOut(f"rate of {', '.join(law.unforced)}", "it is for a unit of one multiplier, and the law has none or several")
+        )
+    if law.viscous:
+        left_out.append(LeftOut("criterion, multiplier and normality, Eqs. (32) to (36)", "the rates are the gradient of a potential"))
+        left_out.append(LeftOut("dissipation potential", "the conjugate of the dual potential has a closed form for a criterion only"))
+        yield from _viscous_equations(names, found)
+    else:
+        yield from _evolution_equations(names, found)
+        yield from _conjugate_equations(law, names, left_out)
+    if names.state is not None:
+        yield from heat_equations(names, left_out)
+        left_out.append(LeftOut("incremental problem and reduction to one direction (1)", "they are derived for laws without a state"))
+        return
+    yield from _increment_equations(names, found)
+    sections = [interval(law, force) for force in names.forces]
+    yield from _one_dimensional_equations(names, sections)
+    for force, section in zip(names.forces, sections, strict=True):
+        if section is None:
+            left_out.append(LeftOut(f"reduction to {force} alone", "K on that line is unbounded or has no closed form"))
+
+
+def _conjugate_equations(law: Criterion, names: Names, left_out: list[LeftOut]) -> Iterator[Equation]:
+    """The dissipation potential, or why there is none."""
     if not law.associated:
         left_out.append(LeftOut("dissipation potential", "the law has its own flow direction, which does not derive from a potential of K"))
         if law.flow is None and _slips(law) is None:
@@ -516,9 +591,3 @@ def _equations(law: Criterion, names: Names, left_out: list[LeftOut]) -> Iterato
         left_out.append(LeftOut("dissipation potential", "K has no support function in closed form by the polar rules"))
     else:
         yield from _potential_equations(names, support)
-    yield from _increment_equations(names, found)
-    sections = [interval(law, force) for force in names.forces]
-    yield from _one_dimensional_equations(names, sections)
-    for force, section in zip(names.forces, sections, strict=True):
-        if section is None:
-            left_out.append(LeftOut(f"reduction to {force} alone", "K on that line is unbounded or has no closed form"))

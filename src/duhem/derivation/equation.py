@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import sympy as sp
+from sympy.core.relational import Relational
+from sympy.functions.elementary.piecewise import ExprCondPair
 
 from duhem.derivation.support_function import compression, rate_symbols
 from duhem.errors import InputError
@@ -15,14 +17,67 @@ from duhem.expression.abbreviations import Stress
 from duhem.expression.parse import exact_number
 from duhem.expression.unevaluated import Verbatim
 from duhem.law.formula_law import Criterion
+from duhem.law.state import Variables
 from duhem.omitted import LeftOut
 from duhem.show.notation import latex_name
 from duhem.show.page import Page
 from duhem.show.printing import Shown, latex, markdown, sheet, text
 
-__all__ = ["STIFFNESSES", "Belongs", "Derivation", "Equation", "Names"]
+__all__ = ["STIFFNESSES", "Belongs", "Derivation", "Equation", "Names", "columns", "dot", "equal", "put"]
 
 STIFFNESSES = ("orthotropic", "full", "isotropic")
+_NONE, _POWER = sp.ImmutableMatrix(), sp.Symbol("D", real=True)
+
+
+def equal(left: object, right: object) -> sp.Basic:
+    """left = right, kept as written."""
+    return sp.Eq(left, right, evaluate=False)
+
+
+def columns(left: Iterable[Any], right: Iterable[Any]) -> sp.Basic:
+    """left = right of column vectors, given by their entries."""
+    return equal(*(sp.ImmutableMatrix(sp.Matrix(list(entries))) for entries in (left, right)))
+
+
+def dot(one: Iterable[Any], other: Iterable[Any]) -> sp.Expr:
+    """The sum of products, entry by entry."""
+    return sp.Add(*(a * b for a, b in zip(one, other, strict=True)))
+
+
+def put(expr: Any, swap: Mapping[Any, sp.Expr]) -> Any:
+    """Symbols replaced, with every relation kept as written: SymPy would turn some into true."""
+    if isinstance(expr, Relational | sp.And | sp.Piecewise):
+        return type(expr)(*(put(a, swap) for a in expr.args), evaluate=False)
+    if isinstance(expr, ExprCondPair):
+        return ExprCondPair(*(put(a, swap) for a in expr.args))
+    if isinstance(expr, sp.MatrixBase):
+        return expr.applyfunc(lambda entry: put(entry, swap))
+    if expr.args and expr.has(sp.Piecewise):
+        return expr.func(*(put(a, swap) for a in expr.args))
+    return expr.xreplace(swap)
+
+
+@dataclass(frozen=True)
+class State(Verbatim):
+    """The symbols of a state: the ``rate`` of each variable by its name, and what the inequality of Clausius and Duhem speaks of.
+
+    ``beside``: the rates without a multiplier, by force; ``variables``: chi; ``energy``, ``energy_rate``, ``entropy``, ``entropy_rate``:
+    psi_C and s_C with their rates; ``total``, ``thermal``: D and D_th of Antoni et al. (2007), Eqs. 22, 23, where D = D_intr + D_th;
+    ``capacity``: c_C = -T d2 psi_C/dT2; ``bodies``: of each body its temperature T_k and the heat q_k . n_k that flows from it into the
+    interface.
+    """
+
+    rate: dict[str, sp.Symbol]
+    beside: tuple[sp.Expr, ...]
+    variables: sp.Symbol
+    energy: sp.Symbol
+    energy_rate: sp.Symbol
+    entropy: sp.Symbol
+    entropy_rate: sp.Symbol
+    total: sp.Symbol
+    thermal: sp.Symbol
+    capacity: sp.Symbol
+    bodies: tuple[tuple[sp.Symbol, sp.Expr], ...]
 
 
 @dataclass(frozen=True)
@@ -32,27 +87,40 @@ class Names(Verbatim):
     ``total``, ``elastic``, ``inelastic``: displacements u, u_e, u_in; ``speed``, ``rates``: their rates du/dt and
     du_in/dt; ``normal``: outward normal; ``trial``: trial stress of a step; ``elastic_step``, ``slip_step``: increments of
     u_e and u_in over a step; ``other``: any admissible stress; ``multiplier``, ``step``: the
-    multiplier's rate and its increment over a step; ``multipliers``, ``steps``: one of each for every surface of the law.
+    multiplier's rate and its increment over a step; ``multipliers``, ``steps``: one of each for every surface of the law;
+    ``power``: the intrinsic dissipation.  A law with a ``state`` has displacements and their rates there, and no names for a step.
     """
 
     law: Criterion
     forces: tuple[sp.Symbol, ...]
-    total: tuple[sp.Symbol, ...]
-    elastic: tuple[sp.Symbol, ...]
-    inelastic: tuple[sp.Symbol, ...]
-    speed: tuple[sp.Symbol, ...]
     rates: tuple[sp.Symbol, ...]
     normal: tuple[sp.Symbol, ...]
-    trial: tuple[sp.Symbol, ...]
-    elastic_step: tuple[sp.Symbol, ...]
-    slip_step: tuple[sp.Symbol, ...]
     other: tuple[sp.Symbol, ...]
     multiplier: sp.Symbol
-    step: sp.Symbol
     multipliers: tuple[sp.Symbol, ...]
-    steps: tuple[sp.Symbol, ...]
-    stiffness: sp.ImmutableMatrix
     latex: dict[sp.Symbol, str] = field(repr=False)
+    total: tuple[sp.Symbol, ...] = ()
+    elastic: tuple[sp.Symbol, ...] = ()
+    inelastic: tuple[sp.Symbol, ...] = ()
+    speed: tuple[sp.Symbol, ...] = ()
+    trial: tuple[sp.Symbol, ...] = ()
+    elastic_step: tuple[sp.Symbol, ...] = ()
+    slip_step: tuple[sp.Symbol, ...] = ()
+    step: sp.Symbol = sp.S.Zero
+    steps: tuple[sp.Symbol, ...] = ()
+    stiffness: sp.ImmutableMatrix = _NONE
+    power: sp.Symbol = _POWER
+    state: State | None = None
+
+    @property
+    def beside(self) -> tuple[sp.Expr, ...]:
+        """The rates without a multiplier, by force."""
+        return (sp.S.Zero,) * len(self.forces) if self.state is None else self.state.beside
+
+    @property
+    def plastic(self) -> tuple[sp.Expr, ...]:
+        """The rates less those without a multiplier, by force."""
+        return tuple(rate - other for rate, other in zip(self.rates, self.beside, strict=True))
 
     def shown(self, expr: sp.Expr) -> sp.Expr:
         """The expression in |pressure|, which is how the theory is written."""
@@ -81,26 +149,61 @@ class Names(Verbatim):
 
         surfaces = range(1, len(law.surfaces) + 1)
         latex |= {r: rf"\dot u^{{\mathrm{{in}}}}_{{{_latex_tail(t)}}}" for r, t in zip(rates, tails, strict=True)}
+        common: dict[str, Any] = {
+            "law": law,
+            "forces": law.force_symbols(),
+            "normal": each("n", "n_{?}"),
+            "other": each("tau", r"\tau_{?}"),
+            "multiplier": fresh("lambda_dot", r"\dot\lambda", nonnegative=True),
+            "multipliers": tuple(fresh(f"lambda_dot_{i}", rf"\dot\lambda_{{{i}}}", nonnegative=True) for i in surfaces),
+            "latex": latex,
+        }
+        if law.variables or law.viscous:
+            if stiffness != "orthotropic":
+                what = f"the stiffness {stiffness!r} is given for a law with a state"
+                raise InputError(what, where=law.name, remedy="remove it: the energy of the law says what its stiffness is")
+            return cls(**common, **_in_state(law, rates, fresh))
         return cls(
-            law=law,
-            forces=law.force_symbols(),
+            **common,
             total=each("u", "u_{?}"),
             elastic=each("ue", r"u^{\mathrm{e}}_{?}"),
             inelastic=each("uin", r"u^{\mathrm{in}}_{?}"),
             speed=each("v", r"\dot u_{?}"),
             rates=rates,
-            normal=each("n", "n_{?}"),
             elastic_step=each("Delta_ue", r"\Delta u^{\mathrm{e}}_{?}"),
             slip_step=each("Delta_uin", r"\Delta u^{\mathrm{in}}_{?}"),
             trial=each("trial", r"\sigma^{\mathrm{tr}}_{?}"),
-            other=each("tau", r"\tau_{?}"),
-            multiplier=fresh("lambda_dot", r"\dot\lambda", nonnegative=True),
             step=fresh("Delta_lambda", r"\Delta\lambda", nonnegative=True),
-            multipliers=tuple(fresh(f"lambda_dot_{i}", rf"\dot\lambda_{{{i}}}", nonnegative=True) for i in surfaces),
             steps=tuple(fresh(f"Delta_lambda_{i}", rf"\Delta\lambda_{{{i}}}", nonnegative=True) for i in surfaces),
             stiffness=_stiffness(stiffness, tails, fresh, law.stress),
-            latex=latex,
         )
+
+
+def _in_state(law: Criterion, rates: Sequence[sp.Symbol], fresh: Callable[..., sp.Symbol]) -> dict[str, Any]:
+    """The rates of the variables, of those with a force in the order of the forces too, and the names of thermodynamics."""
+    variables, thermal = law.variables, law.temperature is not None
+    assert isinstance(variables, Variables)  # since the law was made
+    rate = {name: fresh(f"{name}_rate", rf"\dot{{{latex_name(name)}}}") for name in variables}
+    driven = variables.driven()
+    bodies: list[tuple[sp.Symbol, sp.Expr]] = []
+    for k in (1, 2) if thermal else ():  # PLACE OF [heat]: with it, its bodies T_k, and h_k (T_k - T) for q_k . n_k
+        bodies.append((fresh(f"T_{k}", f"T_{{{k}}}", positive=True), fresh(f"q_{k}", rf"(\mathbf q_{{{k}}} \cdot \mathbf n_{{{k}}})")))
+    total = fresh("D", r"\mathcal{D}")
+    state = State(
+        rate=rate,
+        beside=tuple(law.rates.get(driven.get(force, ""), sp.S.Zero) for force in law.forces),
+        variables=fresh("chi", r"\chi"),
+        energy=fresh("psi_C", r"\psi_C"),
+        energy_rate=fresh("psi_C_rate", r"\dot\psi_C"),
+        entropy=fresh("s_C", "s_C"),
+        entropy_rate=fresh("s_C_rate", r"\dot s_C"),
+        total=total,
+        thermal=fresh("D_th", r"\mathcal{D}_{\mathrm{th}}"),
+        capacity=fresh("c_C", "c_C"),
+        bodies=tuple(bodies),
+    )
+    own = tuple(rate[driven[force]] if force in driven else slip for force, slip in zip(law.forces, rates, strict=True))
+    return {"rates": own, "power": fresh("D_intr", r"\mathcal{D}_{\mathrm{intr}}") if thermal else total, "state": state}
 
 
 def _stiffness(kind: str, tails: Sequence[str], fresh: object, stress: Stress | None) -> sp.ImmutableMatrix:

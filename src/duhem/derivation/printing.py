@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
-from sympy.core.relational import Relational
-from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.printing.str import StrPrinter
 
-from duhem.derivation.equation import Derivation, Equation, Names
+from duhem.derivation.equation import Derivation, Equation, Names, put
 from duhem.derivation.support_function import compression
 from duhem.derivation.typeset import Rows, Typesetter, by_name, positive_first
 from duhem.expression.vocabulary import Where
@@ -29,22 +27,9 @@ __all__ = [
 ]  # fmt: skip
 
 
-def _shown(expr: sp.Basic, names: Names) -> sp.Basic:
+def _shown(expr: sp.Basic, names: Names) -> Any:
     """The relation in |pressure|, which is how the theory is written."""
-    return _swapped(expr, compression(names.law)[0])
-
-
-def _swapped(expr: Any, swap: Mapping[Any, sp.Expr]) -> Any:
-    """Symbols replaced, with every relation kept as written: SymPy would turn some into true."""
-    if isinstance(expr, Relational | sp.And | sp.Piecewise):
-        return type(expr)(*(_swapped(a, swap) for a in expr.args), evaluate=False)
-    if isinstance(expr, ExprCondPair):
-        return ExprCondPair(*(_swapped(a, swap) for a in expr.args))
-    if isinstance(expr, sp.MatrixBase):
-        return expr.applyfunc(lambda entry: _swapped(entry, swap))
-    if expr.args and expr.has(sp.Piecewise):
-        return expr.func(*(_swapped(a, swap) for a in expr.args))
-    return expr.xreplace(swap)
+    return put(expr, compression(names.law)[0])
 
 
 _INDENT = " " * 10  # of what stands under a numbered formula

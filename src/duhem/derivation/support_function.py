@@ -80,13 +80,23 @@ def fixed(law: Criterion, parameters: Mapping[str, Any] | None = None) -> Criter
     values = law.settled()
     if not values:
         return law
+    stored = {x: value for x, value in values.items() if x.name not in law.variables}  # an energy has a derivative there too
 
     def put(expr: sp.Expr) -> sp.Expr:
         return expr.xreplace(values)
 
     surfaces = tuple(surface.map(put) for surface in law.surfaces)
     flow = None if law.flow is None else tuple(map(put, law.flow))
-    return replace(law, g=sp.nan if surfaces else put(law.g), flow=flow, potential=None, surfaces=surfaces)
+    return replace(
+        law,
+        g=sp.nan if surfaces else put(law.g),
+        flow=flow,
+        potential=None,
+        surfaces=surfaces,
+        energy=None if law.energy is None else law.energy.xreplace(stored),
+        unforced={name: put(rate) for name, rate in law.unforced.items()},
+        rates={name: put(rate) for name, rate in law.rates.items()},
+    )
 
 
 def support_function(law: Criterion, parameters: Mapping[str, Any] | None = None) -> SupportFunction | None:
