@@ -100,6 +100,13 @@ def test_state_laws_are_slopes_of_the_free_energy(name: str, kind: str) -> None:
     assert all(abs(at(a, point) - at(b, point | elastic)) < 1e-35 for a, b in both)
 
 
+def test_one_direction_has_the_reversible_slip_of_equation_19() -> None:
+    d = derived("antoni2007-1d")
+    assert d["elastic_slip"].number == "19" and list(d["elastic_slip"].lhs) == [*d.names.elastic]
+    stress = d["state_law_elastic"].rhs[0].subs(d.names.elastic[0], d["elastic_slip"].rhs[0])
+    assert stress == d.names.forces[0] and "elastic_slip" not in derived("coulomb")
+
+
 @pytest.mark.slow
 def test_stiffness_kinds_differ_as_they_say() -> None:
     assert {len(derived("antoni2007", kind).names.stiffness.free_symbols) for kind in ("isotropic", "orthotropic", "full")} == {1, 2, 3}

@@ -43,6 +43,7 @@ _SECTIONS: Mapping[str, Sequence[tuple[str, str, str]]] = {  # by section: numbe
         ("D1", "free_energy_convex", "psi_C is strictly convex in u - u_in: leading minors of its Hessian, the stiffness (Sylvester)"),
         ("25", "state_law", "sigma = d psi_C/d u"),
         ("31", "state_law_elastic", "the same in the elastic part: sigma = k u_e"),
+        ("19", "elastic_slip", "the same solved for the elastic part, the reversible slip before the macroscopic one"),
         (
             "26",
             "thermodynamic_forces",
@@ -133,6 +134,8 @@ def _state_equations(names: Names) -> Iterator[Equation]:
     yield _stated(
         "state_law_elastic", columns(names.forces, [sp.factor_terms(_energy(names, names.elastic).diff(e)) for e in names.elastic])
     )
+    if len(u) == 1:
+        yield _stated("elastic_slip", columns(names.elastic, [names.forces[0] / names.stiffness[0]]))
     yield _stated("thermodynamic_forces", columns(names.forces, forces))
     change, power = dot([sp.factor_terms(psi.diff(x)) for x in (*u, *p)], (*v, *d)), dot(names.forces, v)
     yield _stated("clausius_duhem", sp.GreaterThan(names.power, 0, evaluate=False))

@@ -22,6 +22,7 @@ from sympy.core.function import AppliedUndef
 from sympy.core.relational import Relational
 from sympy.printing.latex import LatexPrinter
 
+from duhem.expression import symbol
 from duhem.expression.vocabulary import Norm
 
 __all__ = ["Rows", "Typesetter", "by_name", "positive_first", "width"]
@@ -246,7 +247,8 @@ class _NamingPrinter(LatexPrinter):
         return positive_first(super()._as_ordered_terms(expr, order))
 
     def _hprint_Function(self, func: str) -> str:
-        return _FUNCTIONS.get(func) or str(super()._hprint_Function(func))
+        named = self._settings["symbol_names"].get(symbol(func))  # a quantity, and what it is a function of
+        return _FUNCTIONS.get(func) or named or str(super()._hprint_Function(func))
 
     def _print_Belongs(self, expr: Any) -> str:
         return rf"{self._print(expr.args[0])} \in {self._print(expr.args[1])}"

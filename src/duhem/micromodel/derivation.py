@@ -1,6 +1,6 @@
 """The wedge micro-model as a derivation: from Coulomb's law on the sides to asymmetric coefficients, nothing stored.
 
-Source: Antoni, Ligier, Saffré, Pastor (2007), section 2.2, Eqs. (3)-(18).
+Source: Antoni, Ligier, Saffré, Pastor (2007), section 2.2, Eqs. (2)-(20).
 """
 
 from __future__ import annotations
@@ -11,11 +11,29 @@ from dataclasses import replace
 import sympy as sp
 
 from duhem.derivation import Derivation, Equation
-from duhem.derivation.equation import Names
+from duhem.derivation.equation import Names, columns, equal
 from duhem.errors import DuhemError
 from duhem.expression import symbol
 from duhem.law.catalogue import load_formula
-from duhem.micromodel.facets import DELTA, F_0, HEIGHT, K_N, MU, SLOPE, U, apparent, averages, height, sliding, spring_force
+from duhem.micromodel.facets import (
+    DELTA,
+    F_0,
+    HEIGHT,
+    K_F,
+    K_N,
+    MU,
+    PERIOD,
+    SLOPE,
+    SPANS,
+    U,
+    apparent,
+    averages,
+    height,
+    mean,
+    side_forces,
+    sliding,
+    spring_force,
+)  # fmt: skip
 from duhem.micromodel.proofs import asymmetry, load, proofs
 from duhem.omitted import LeftOut
 from duhem.proof.verdict import Evidence, Verdict
@@ -25,6 +43,10 @@ __all__ = ["derive"]
 _H = sp.Function("H")
 _PERIOD = symbol("L", positive=True)
 _PLUS, _MINUS = symbol("mu_a_plus"), symbol("mu_a_minus")
+_LOCAL = {side: symbol(f"mu_ta_{side}") for side in SPANS}
+_K_T, _PRESSING, _ALONG = symbol("k_t", positive=True), symbol("N", positive=True), symbol("S")
+_BENT, _STRESS = symbol("ue_ta"), symbol("sigma_ta")
+_BENT_B, _STRESS_B = symbol("ue_tb"), symbol("sigma_tb")
 _LATEX = {
     SLOPE["alpha"]: r"(\tan\alpha)",
     SLOPE["beta"]: r"(\tan\beta)",
@@ -32,6 +54,12 @@ _LATEX = {
     MU["beta"]: r"\mu_\beta",
     HEIGHT: "h",
     K_N: "k_n",
+    K_F: "k_f",
+    _K_T: "k_t",
+    _BENT: r"u^{\mathrm{e}}_{t_a}",
+    _BENT_B: r"u^{\mathrm{e}}_{t_b}",
+    _STRESS: r"\sigma_{t_a}",
+    _STRESS_B: r"\sigma_{t_b}",
     DELTA: r"\delta",
     F_0: "F_0",
     U: "u_{t_a}",
@@ -41,11 +69,12 @@ _LATEX = {
     symbol("mean_L", positive=True): r"\overline{L}",
     _PLUS: r"\mu_a^{+}",
     _MINUS: r"\mu_a^{-}",
-}
+} | {symbol(f"{name}_{side}"): rf"{written}^{{\{side}}}" for side in SPANS for name, written in (
+    ("F_n", "F_n"), ("F_ta", "F_{t_a}"), ("mu_ta", r"\mu_{t_a}"))}  # fmt: skip
 
 
 def derive() -> Derivation:
-    """Numbered equations from the facet law to Eq. (18), each computed; DuhemError if a proof fails.
+    """Numbered equations from the facet law to Eq. (20), each computed; DuhemError if a proof fails.
 
     The result is the one-dimensional law (1) with the coefficients mu_a_plus, mu_a_minus.
     """
@@ -54,7 +83,7 @@ def derive() -> Derivation:
         raise DuhemError(f"the micro-model's {', '.join(open_)} could not be proved")
     names = Names.of(load_formula("antoni2007-1d"))
     left_out = (
-        LeftOut("flexural stiffness of the springs", "taken as infinite: the springs only contract and release"),
+        LeftOut("bending of springs while they slide", "they only contract and release then; they bend before, Eqs. (19) and (20)"),
         LeftOut("oblique slip", "the law wedge has its boundary curve; here slip is along t_a"),
     )
     return Derivation("the wedge micro-model", tuple(_equations(found)), left_out, replace(names, latex=names.latex | _LATEX))
@@ -62,14 +91,18 @@ def derive() -> Derivation:
 
 def _equations(found: Mapping[str, Evidence]) -> Iterator[Equation]:
     yield from _sides()
-    yield from _averages()
+    yield from _averages(found)
     yield from _asymmetry(found)
+    yield from _stiffness()
 
 
 def _sides() -> Iterator[Equation]:
     section = "One side of a wedge"
     x, t = symbol("x"), symbol("t")
     normal, tangential = symbol("F_n", negative=True), symbol("F_t")
+    forces = columns((tangential, normal), side_forces(_PRESSING, _ALONG, t))
+    note = "force of a spring on a side of slope t, along t_a and n, from N that presses the side and S along its tangent"
+    yield Equation("2", "side_forces", forces, note, section)
     coulomb = sp.Eq(tangential + t * normal, -x * (normal - t * tangential), evaluate=False)
     yield Equation("3", "coulomb", coulomb, "Coulomb's law on a side of slope t with local coefficient x, slip along +t_a", section)
     h = apparent(x, t, +1)
@@ -77,15 +110,26 @@ def _sides() -> Iterator[Equation]:
     _same(apparent(x, t, -1), h.subs(x, -x))
     note = "slip along -t_a reverses the sign of the local coefficient"
     yield Equation("D1", "apparent_coefficient_reversed", sp.Eq(_H(-x, t), apparent(x, t, -1), evaluate=False), note, section)
+    local = columns(_LOCAL.values(), (_H(MU["alpha"], SLOPE["alpha"]), _H(MU["beta"], -SLOPE["beta"])))
+    yield Equation("5", "apparent_coefficients", local, "apparent coefficients of the two sides, slip along +t_a", section)
     for number, side in (("4", "alpha"), ("16", "beta")):
         relation = sp.StrictGreaterThan(sliding(side), 0, evaluate=False)
         yield Equation(number, f"sliding_{side}", relation, f"springs slide up Gamma_{side}", section)
 
 
-def _averages() -> Iterator[Equation]:
+def _integral(stem: str) -> sp.Expr:
+    """The mean over a period of the force of that name, as a function of u_ta on either side; not evaluated."""
+    spans = {side: tuple(end.xreplace({PERIOD: _PERIOD}) for end in map(sp.sympify, span)) for side, span in SPANS.items()}
+    return sp.Add(*(sp.Integral(sp.Function(f"{stem}_{side}")(U), span) for side, span in spans.items())) / _PERIOD
+
+
+def _averages(found: Mapping[str, Evidence]) -> Iterator[Equation]:
     section = "Averages over a period"
-    period = sp.Eq(_PERIOD, HEIGHT * (1 / SLOPE["alpha"] + 1 / SLOPE["beta"]), evaluate=False)
+    period = sp.Eq(_PERIOD, PERIOD, evaluate=False)
     yield Equation("D2", "period", period, "horizontal length of one wedge", section)
+    mean_normal, mean_tangential = sp.Symbol("mean_F_n"), sp.Symbol("mean_F_t")
+    relation = equal(mean_normal, _integral("F_n"))
+    yield Equation("7", "mean_normal_integral", relation, "mean normal force, per unit of area of the nominal plane", section)
     u_n, force = symbol("u_n"), symbol("F_n", negative=True)
     for side in ("alpha", "beta"):
         relation = sp.Eq(u_n, height(side), evaluate=False)
@@ -93,22 +137,51 @@ def _averages() -> Iterator[Equation]:
     relation = sp.Eq(force, spring_force("alpha").subs(height("alpha"), u_n), evaluate=False)
     note = "force of a spring on the wedge, F_0 = -k_n (delta - h); the paper prints -(F_0 + k_n u_n), from which (10) does not follow"
     yield Equation("9", "spring_force", relation, note, section)
-    plus, minus = averages(+1), averages(-1)
-    mean_normal, mean_tangential = sp.Symbol("mean_F_n"), sp.Symbol("mean_F_t")
-    yield Equation("10", "mean_normal_force", sp.Eq(mean_normal, sp.expand(plus.normal)), "integral (7) over both sides", section)
+    yield Equation("10", "mean_normal_force", sp.Eq(mean_normal, sp.expand(averages(+1).normal)), "integral (7) over both sides", section)
+    relation = equal(mean_tangential, _integral("F_ta"))
+    yield Equation("11", "mean_tangential_integral", relation, "mean tangential force, with (3) and (5) on either side", section)
     relation = sp.Eq(mean_tangential, -_PLUS * mean_normal, evaluate=False)
     yield Equation("12", "mean_tangential_force", relation, "integral (11) is proportional to (7), slip along +t_a", section)
     ta, tb, ma, mb = SLOPE["alpha"], SLOPE["beta"], MU["alpha"], MU["beta"]
     upward = (_H(ma, ta) * tb + _H(mb, -tb) * ta) / (ta + tb)
     downward = (_H(mb, tb) * ta + _H(ma, -ta) * tb) / (ta + tb)
-    for number, name, written, mean, way, form in (
-        ("13", "mu_a_plus", _PLUS, plus, "+t_a", upward),
-        ("15", "mu_a_minus", _MINUS, minus, "-t_a", downward),
-    ):
-        _same(form.replace(_H, lambda x, t: (x + t) / (1 - x * t)), mean.coefficient)
-        note = f"apparent coefficient for slip along {way}"
-        yield Equation(number, f"{name}_by_sides", sp.Eq(written, form, evaluate=False), f"{note}, in terms of (6)", section)
-        yield Equation(f"{number}'", name, sp.Eq(written, mean.coefficient, evaluate=False), f"{note}, ratio of (11) to (7)", section)
+    yield from _coefficient("13", _PLUS, +1, upward, section)
+    yield _exchange(found["reversal (14)"], section)
+    yield from _coefficient("15", _MINUS, -1, downward, section)
+
+
+def _coefficient(number: str, written: sp.Symbol, direction: int, form: sp.Expr, section: str) -> Iterator[Equation]:
+    """By sides, and as the ratio of the averages."""
+    ratio, note = averages(direction).coefficient, f"apparent coefficient for slip along {'+' if direction > 0 else '-'}t_a"
+    _same(form.replace(_H, lambda x, t: (x + t) / (1 - x * t)), ratio)
+    yield Equation(number, f"{written}_by_sides", sp.Eq(written, form, evaluate=False), f"{note}, in terms of (6)", section)
+    yield Equation(f"{number}'", f"{written}", sp.Eq(written, ratio, evaluate=False), f"{note}, ratio of (11) to (7)", section)
+
+
+def _exchange(proof: Evidence, section: str) -> Equation:
+    here = (*SLOPE.values(), *MU.values())
+    minus, plus = (sp.Function(str(written)) for written in (_MINUS, _PLUS))
+    relation = equal(minus(*here), plus(*(here[i] for i in (1, 0, 3, 2))))
+    note = f"slip along -t_a is slip along +t_a with alpha and beta exchanged, proved ({proof.method})"
+    return Equation("14", "exchange", relation, note, section)
+
+
+def _stiffness() -> Iterator[Equation]:
+    """Before they slide the springs stick and bend: the mean (11) of what they pull with is the tangential stress."""
+    section = "Stiffness of the interface"
+    pull, bent = K_F * _BENT, (_BENT, _BENT_B)
+    relation = columns((symbol(f"F_ta_{side}") for side in SPANS), [pull, pull])
+    note = "what springs that stick on the sides pull with as they bend by ue; k_f: flexural stiffness per unit of area, large but finite"
+    yield Equation("D8", "bending", relation, note, section)
+    stiffness = sp.cancel(mean(dict.fromkeys(SPANS, pull)) / _BENT)
+    note = "stiffness of the interface: mean (11) of (D8) for a unit of ue; height and slopes of the wedges cancel"
+    yield Equation("D9", "stiffness", equal(_K_T, stiffness), note, section)
+    note = "reversible slip along t_a under the tangential stress, before the springs slide"
+    yield Equation("19", "elastic_slip", equal(_BENT, _STRESS / _K_T), note, section)
+    relation = columns(bent, [stress / _K_T for stress in (_STRESS, _STRESS_B)])
+    yield Equation(
+        "20", "elastic_slip_in_the_plane", relation, "the same in the plane, the springs bending alike in all directions", section
+    )
 
 
 def _asymmetry(found: Mapping[str, Evidence]) -> Iterator[Equation]:

@@ -21,25 +21,38 @@ __all__ = [
     "DELTA",
     "F_0",
     "HEIGHT",
+    "K_F",
     "K_N",
     "MU",
+    "PERIOD",
     "SLOPE",
+    "SPANS",
     "Averages",
     "U",
     "apparent",
     "averages",
     "exact_coefficients",
     "height",
+    "mean",
+    "side_forces",
     "sliding",
     "spring_force",
 ]
 
 SLOPE = {side: symbol(f"tan_{side}", positive=True) for side in ("alpha", "beta")}
 MU = {side: symbol(f"mu_{side}", nonnegative=True) for side in ("alpha", "beta")}
-HEIGHT, K_N, DELTA = symbol("h", positive=True), symbol("k_n", positive=True), symbol("delta", positive=True)
+HEIGHT, K_N, K_F, DELTA = (symbol(name, positive=True) for name in ("h", "k_n", "k_f", "delta"))
 F_0 = symbol("F_0", nonpositive=True)
 U = symbol("u_ta", nonnegative=True)
+PERIOD = HEIGHT * (1 / SLOPE["alpha"] + 1 / SLOPE["beta"])
+SPANS = {"alpha": (U, 0, HEIGHT / SLOPE["alpha"]), "beta": (U, HEIGHT / SLOPE["alpha"], PERIOD)}  # of u_ta on either side
 _SIDES = (*SLOPE.values(), *MU.values())
+
+
+def side_forces(pressing: sp.Expr, along: sp.Expr, slope: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """(F_t, F_n) of a force that presses a side and pulls along its tangent (Eq. 2)."""
+    size = sp.sqrt(1 + slope**2)
+    return (along + slope * pressing) / size, (slope * along - pressing) / size
 
 
 def apparent(mu: sp.Expr, slope: sp.Expr, direction: int) -> sp.Expr:
@@ -87,19 +100,18 @@ class Averages:
     coefficient: sp.Expr
 
 
+def mean(force: Mapping[str, sp.Expr]) -> sp.Expr:
+    """The mean over a period of a force on either side: u_ta in [0, h/tan alpha] on Gamma_alpha, up to L on Gamma_beta (Eqs. 7, 11)."""
+    return sp.factor(sp.cancel(sp.Add(*(sp.integrate(force[side], span) for side, span in SPANS.items())) / PERIOD))
+
+
 @cache
 def averages(direction: int) -> Averages:
-    """The integrals over u_ta in [0, h/tan alpha] on Gamma_alpha and up to the period L on Gamma_beta."""
-    top = HEIGHT / SLOPE["alpha"]
-    period = HEIGHT * (1 / SLOPE["alpha"] + 1 / SLOPE["beta"])
-    spans = {"alpha": (U, 0, top), "beta": (U, top, period)}
+    """The mean forces of springs that slide in the one or the other direction."""
     slopes = {"alpha": SLOPE["alpha"], "beta": -SLOPE["beta"]}
-    normal = tangential = sp.S.Zero
-    for side, span in spans.items():
-        ratio = apparent(MU[side], slopes[side], direction)
-        normal += sp.integrate(spring_force(side), span)
-        tangential += sp.integrate(-ratio * spring_force(side), span)
-    normal, tangential = sp.factor(sp.cancel(normal / period)), sp.factor(sp.cancel(tangential / period))
+    forces = {side: spring_force(side) for side in SPANS}
+    normal = mean(forces)
+    tangential = mean({side: -apparent(MU[side], slopes[side], direction) * force for side, force in forces.items()})
     return Averages(normal, tangential, _signed(sp.cancel(-direction * tangential / normal)))
 
 
