@@ -62,7 +62,7 @@ ISOTROPIC = law(
 PLANE = {"u": Variable("a", observable=True), "v": Variable("b", observable=True), "u_in": Variable("a"), "v_in": Variable("b")}
 ADHESION = law(
     "adhesion", "norm(a, b) - mu*exp(-q*T)", f"beta**2*C*((u - u_in)**2 + (v - v_in)**2)/2 - w*beta - {HEAT}",
-    PLANE | {"beta": Variable("B", domain=Domain.between(0, 1))} | WARM,
+    PLANE | {"beta": Variable("B", domain=Domain.between(0, 1))} | WARM, heat={"T1": "h1", "T2": "h2*(1 + q*T)*T1"}, words=("h1 h2",),
 )  # fmt: skip
 SHEARED = "k/2*((u - u_in)**2 + (v - v_in)**2) + j*(u - u_in)*(v - v_in)/7"
 BINGHAM = law(
@@ -139,9 +139,19 @@ def forces(own: Criterion, point: Point) -> Point:
 def moving(own: Criterion, d: Derivation, seed: int) -> Point:
     """Any rates of the variables, heat from the bodies and their temperatures."""
     random = Random(seed)
-    free = [*d.names.state.rate.values(), *(q for _, q in d.names.state.bodies)]
+    bodies = () if own.heat else d.names.state.bodies
+    free = [*d.names.state.rate.values(), *(q for _, q in bodies)]
     rates: Point = {x: sp.Rational(random.randint(-40, 40), random.randint(3, 9)) for x in free}
-    return rates | {body: sp.Rational(random.randint(10, 40), 7) for body, _ in d.names.state.bodies}
+    return rates | {body: sp.Rational(random.randint(10, 40), 7) for body, _ in bodies}
+
+
+def given(own: Criterion, there: Point) -> list[tuple[Any, Any]]:
+    """Of each body its temperature and the heat that it gives: any, or by its conductance."""
+    warm = own.symbols()[own.temperature]
+    if not own.heat:
+        return [(number(there[body]), number(there[q])) for body, q in derived(own).names.state.bodies]
+    bodies = [(number(there[own.symbols()[name]]), at(h, there)) for name, h in own.heat.items()]
+    return [(body, h * (body - number(there[warm]))) for body, h in bodies]
 
 
 def along(own: Criterion, d: Derivation, point: Point, rates: Point, function: Callable[[Point], Any]) -> Any:
@@ -209,7 +219,7 @@ def test_nothing_is_there_that_the_law_does_not_declare(own: Criterion) -> None:
     state, n = d.names.state, d.names
     named = {*table.values(), *state.rate.values(), *n.rates, *n.normal, *n.other, n.multiplier, *n.multipliers, n.power}
     named |= {state.variables, state.energy, state.energy_rate, state.entropy, state.entropy_rate, state.total, state.thermal}
-    named |= {state.capacity, *(x for body in state.bodies for x in body), *sp.symbols("g K"), *(
+    named |= {state.capacity, *(x for pair in state.bodies for part in pair for x in part.free_symbols), *sp.symbols("g K"), *(
         sp.symbols("lambda_1 lambda_2", nonnegative=True))}  # fmt: skip
     for equation in d:
         assert equation.relation.free_symbols <= named, equation
@@ -355,13 +365,14 @@ def check_heat(own: Criterion, d: Derivation) -> None:
         assert near(there[state.capacity], -number(point[warm]) * slope(own, point, own.temperature, own.temperature, STEP / 10))
         rates[rate] = there[rate] = at(d["heat_equation"].rhs, there) / there[state.capacity]
         entropy = along(own, d, point, rates, lambda at: -slope(own, at, own.temperature, step=STEP))
-        flowing = mpmath.fsum(number(rates[q]) for _, q in state.bodies)
+        bodies = given(own, there)
+        flowing = mpmath.fsum(q for _, q in bodies)
         assert near(number(point[warm]) * entropy, there[d.names.power] + flowing)
         assert near(number(point[warm]) * entropy, at(d["heat_balance"].rhs, there))
         energy = along(own, d, point, rates, lambda at: psi(own, at) - number(at[warm]) * slope(own, at, own.temperature))
         power = [there[table[own.variables[x].force]] * number(rates[state.rate[x]]) for x in names(own, "observable")]
         assert near(energy, mpmath.fsum(power) + flowing)
-        produced = entropy - mpmath.fsum(number(rates[q]) / number(rates[body]) for body, q in state.bodies)
+        produced = entropy - mpmath.fsum(q / body for body, q in bodies)
         thermal = at(d["thermal_dissipation"].rhs, there)
         assert near(number(point[warm]) * produced, there[d.names.power] + thermal)
         assert near(at(d["dissipation_split"].rhs, there | {state.thermal: thermal}), number(point[warm]) * produced)
@@ -371,6 +382,17 @@ def check_heat(own: Criterion, d: Derivation) -> None:
 @pytest.mark.parametrize("own", [own for own in LAWS if own.temperature], ids=lambda own: own.name)
 def test_both_principles_hold_with_the_heat_equation(own: Criterion) -> None:
     check_heat(own, derived(own))
+
+
+@pytest.mark.slow
+def test_the_heat_of_bodies_by_their_conductances() -> None:
+    s, d = ADHESION.symbols(), derived(ADHESION)
+    first, second = s["h1"] * (s["T1"] - s["T"]), s["h2"] * s["T1"] * (1 + s["q"] * s["T"]) * (s["T2"] - s["T"])
+    thermal = first * (s["T1"] - s["T"]) / s["T1"] + second * (s["T2"] - s["T"]) / s["T2"]
+    assert d["thermal_dissipation"].rhs == thermal and d["heat_balance"].rhs == d.names.power + first + second
+    cold = duhem.derive(ADHESION, {"T1": 300})
+    assert sp.expand(cold["heat_balance"].rhs - (d.names.power + first + second).subs(s["T1"], 300)) == 0
+    assert not cold["thermal_dissipation"].rhs.has(s["T1"])
 
 
 @pytest.mark.slow

@@ -77,7 +77,7 @@ class State(Verbatim):
     total: sp.Symbol
     thermal: sp.Symbol
     capacity: sp.Symbol
-    bodies: tuple[tuple[sp.Symbol, sp.Expr], ...]
+    bodies: tuple[tuple[sp.Expr, sp.Expr], ...]
 
 
 @dataclass(frozen=True)
@@ -185,8 +185,12 @@ def _in_state(law: Criterion, rates: Sequence[sp.Symbol], fresh: Callable[..., s
     assert isinstance(variables, Variables)  # since the law was made
     rate = {name: fresh(f"{name}_rate", rf"\dot{{{latex_name(name)}}}") for name in variables}
     driven = variables.driven()
-    bodies: list[tuple[sp.Symbol, sp.Expr]] = []
-    for k in (1, 2) if thermal else ():  # PLACE OF [heat]: with it, its bodies T_k, and h_k (T_k - T) for q_k . n_k
+    table = law.symbols()
+    bodies: list[tuple[sp.Expr, sp.Expr]] = []
+    for name, conductance in law.heat.items():
+        body = table[name] if law.parameters[name].value is None else law.parameters[name].value
+        bodies.append((body, conductance * (body - table[str(law.temperature)])))
+    for k in (1, 2) if thermal and not law.heat else ():
         bodies.append((fresh(f"T_{k}", f"T_{{{k}}}", positive=True), fresh(f"q_{k}", rf"(\mathbf q_{{{k}}} \cdot \mathbf n_{{{k}}})")))
     total = fresh("D", r"\mathcal{D}")
     state = State(

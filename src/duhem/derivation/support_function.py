@@ -96,6 +96,7 @@ def fixed(law: Criterion, parameters: Mapping[str, Any] | None = None) -> Criter
         energy=None if law.energy is None else law.energy.xreplace(stored),
         unforced={name: put(rate) for name, rate in law.unforced.items()},
         rates={name: put(rate) for name, rate in law.rates.items()},
+        heat={name: put(conductance) for name, conductance in law.heat.items()},
     )
 
 
