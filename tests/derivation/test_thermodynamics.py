@@ -318,6 +318,30 @@ def test_where_the_dissipation_has_its_closed_form() -> None:
 
 
 @pytest.mark.slow
+def test_recall_in_three_dimensions_has_its_closed_form() -> None:
+    """Chaboche's law with one back stress and a radius of its own: D = lambda (R + gamma C alpha . alpha), whatever the stress is."""
+    axes = ("11", "22", "33", "23", "13", "12")
+    shifted = [f"(s{i} + X{i})" for i in axes]
+    args = [f"{x} - ({' + '.join(shifted[:3])})/3" for x in shifted[:3]] + [f"sqrt(2)*{x}" for x in shifted[3:]]
+    size = f"norm({', '.join(args)})"
+    flow = [f"({x})/{size}" for x in args[:3]] + [f"2*{x}/{size}" for x in shifted[3:]]
+    elastic = [f"(e{i} - p{i})" for i in axes]
+    stored = f"la/2*({' + '.join(elastic[:3])})**2 + G*({' + '.join(f'{x}**2' for x in elastic)})"
+    hardened = f"C/2*({' + '.join(f'a{i}**2' for i in axes)}) + Q*(r + exp(-b*r)/b)"
+    variables = {f"e{i}": Variable(f"s{i}", observable=True) for i in axes} | {f"p{i}": Variable(f"s{i}") for i in axes}
+    variables |= {f"a{i}": Variable(f"X{i}") for i in axes} | {"r": Variable("A", domain=AT_LEAST_0)}
+    recalled = [f"{x} - gamma*a{i}" for x, i in zip(flow, axes, strict=True)]
+    forces = (*(f"s{i}" for i in axes), *(f"X{i}" for i in axes), "A")
+    parameters = dict.fromkeys(("R", "C", "G", "la", "Q", "b", "gamma"), POSITIVE)
+    own = Criterion("chaboche", f"{size} + A - R", parameters, forces, None, energy=f"{stored} + {hardened}", variables=variables,
+                    flow=(*flow, *recalled, "1"))  # fmt: skip
+    d, s = duhem.derive(own), own.symbols()
+    wanted = s["R"] + s["gamma"] * s["C"] * sp.Add(*(s[f"a{i}"] ** 2 for i in axes))
+    assert sp.expand(d["dissipation_in_state"].rhs - d.names.multiplier * wanted) == 0
+    assert d["thermodynamic_forces"].rhs[-1] == -s["Q"] * (1 - sp.exp(-s["b"] * s["r"]))
+
+
+@pytest.mark.slow
 def test_the_support_function_is_found_where_it_was_without_a_state() -> None:
     potential, state = derived(KINEMATIC)["dissipation_potential"], derived(KINEMATIC).names.state
     assert potential.rhs.has(state.rate["u_in"], state.rate["alpha"]) and "dissipation_potential" not in derived(ISOTROPIC)

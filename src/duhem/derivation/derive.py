@@ -357,7 +357,7 @@ def _own_flow(names: Names) -> Iterator[Equation]:
     yield Equation("D4", "flow", _rates(names, [names.multiplier * part for part in flow], names.multiplier), note, FLOW)
     yield _complementarity(names)
     power = sp.factor_terms(sp.expand(dot(names.forces, flow)))
-    reduced = None if names.law.energy is None else on_boundary(names.law.g, power, names.forces)
+    reduced = None if names.law.energy is None else on_boundary(names.law.g, dot(names.forces, flow), names.forces)
     boundary = None if reduced is None else names.multiplier * reduced
     yield from _dissipated(names, names.multiplier * power, f"D = lambda {'sigma' if names.state is None else 'Y'} . flow", boundary)
 

@@ -131,9 +131,8 @@ def _inequality(names: Names, intrinsic: sp.Expr, reduced: sp.Expr, energy_rate:
         yield Equation("23", "intrinsic_dissipation", equal(names.power, intrinsic), note, DISSIPATION)
     if thermal is not None:
         conducted = sp.Add(*(q / body * (body - law.symbols()[thermal]) for body, q in state.bodies))
-        note = "q_k . n_k is the heat that body k, at T_k, gives to the interface, per unit of area and time; D_th >= 0 asks for its sign"
-        if law.heat:
-            note = "(q_k . n_k/T_k) (T_k - T) of each body, which gives the heat q_k . n_k = h_k (T_k - T) to the interface"
+        note = "sum of (q_k . n_k/T_k) (T_k - T), where body k, at T_k, gives the heat q_k . n_k to the interface"
+        note += ": h_k (T_k - T)" if law.heat else ", which the law leaves open"
         yield Equation("23'", "thermal_dissipation", equal(state.thermal, conducted), note, DISSIPATION)
     note = "what (23) leaves once (25) and (26) hold: the power of the forces on the rates of the internal variables"
     yield Equation("D2", "reduced_dissipation", equal(names.power, reduced), note, DISSIPATION)
