@@ -10,7 +10,7 @@ from duhem.proof.kernel.constant_value import BITS
 from duhem.proof.kernel.domain import without_angles
 from duhem.proof.kernel.forms import affine, determinant, multiple, quadratic
 from duhem.proof.kernel.homogeneity import grows_along_rays, potential_flows_outward
-from duhem.proof.kernel.identity import multiplied_out, value, vanishes
+from duhem.proof.kernel.identity import multiplied_out, signs_as_sizes, value, vanishes
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from tests.proof.small_laws import domain, poly
@@ -52,6 +52,34 @@ def test_what_vanishes(text: str) -> None:
 )
 def test_what_does_not_vanish(text: str) -> None:
     assert not vanishes(parse(text), domain())
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [
+        ("a*sign(a)", "abs(a)"),
+        ("sign(a + b)*a + m*sign(a + b)*a + b*sign(a + b)*(1 + m) + a", "(1 + m)*abs(a + b) + a"),
+        ("(b - a/3)*sign(a - 3*b)", "-abs(a - 3*b)/3"),
+    ],
+)
+def test_a_sign_times_its_argument_is_a_size(text: str, same: str) -> None:
+    assert vanishes(signs_as_sizes(parse(f"{text} - ({same})"), domain()), domain())
+
+
+@pytest.mark.parametrize(
+    ("text", "other"),
+    [
+        ("sign(a)**2", "1"),  # 0 at a = 0
+        ("a*sign(a)**2", "a"),  # true, and not what is shown
+        ("1/sign(a)", "sign(a)"),
+        ("sign(a)/a", "1/abs(a)"),  # two poles are no identity of sizes
+        ("a*sign(b)", "abs(a)"),
+        ("(a + b)*sign(a) ", "abs(a) + b"),
+        ("a*sign(a) + sign(a)", "abs(a)"),
+    ],
+)
+def test_a_sign_beside_another_factor_stays(text: str, other: str) -> None:
+    assert not vanishes(signs_as_sizes(parse(f"{text} - ({other})"), domain()), domain())
 
 
 def test_values() -> None:

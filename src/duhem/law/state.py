@@ -77,7 +77,7 @@ def misfits(variables: Mapping[str, Variable], forces: Sequence[str], energy: bo
             yield name, f"the temperature {name} has a force", "leave force out: what belongs to it is the entropy"
         elif own.observable and own.force is None:
             yield name, f"the observable {name} has no force", f'add force = "{forces[0]}"'
-        elif own.force is not None and own.force not in forces:
+        elif own.force is not None and own.force not in forces and not (own.observable and energy):  # then it is what the energy gives
             yield name, f"the force {own.force!r} of {name} is not declared", f"the forces are: {', '.join(forces)}"
     for kind in ("observable", "internal"):
         taken: dict[str, str] = {}

@@ -215,7 +215,7 @@ def _state(given: Mapping[str, Any], forces: Sequence[str], parameters: Mapping[
     """The energy, variables and rates; NotWritten where forces and variables do not fit each other."""
     variables = tuple((name, _variable(entry)) for name, entry in as_object(given.get("variables", {})).items())
     kinds = {name: own.kind for name, own in variables}
-    if any(name not in parameters or own.force not in (None, *forces) for name, own in variables):
+    if any(name not in parameters or (own.kind == "internal" and own.force not in (None, *forces)) for name, own in variables):
         raise NotWritten("a variable is not declared, or its force is none")
     if list(kinds.values()).count("temperature") > 1:
         raise NotWritten("there are two temperatures")

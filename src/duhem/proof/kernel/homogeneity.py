@@ -20,7 +20,7 @@ from fractions import Fraction
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import undecided_beside
 from duhem.proof.kernel.domain import POSITIVE, StatedDomain, StatedLaw
-from duhem.proof.kernel.identity import in_order, value, vanishes
+from duhem.proof.kernel.identity import in_order, signs_as_sizes, value, vanishes
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.regularity import tips
@@ -69,7 +69,7 @@ def flows_with_a_share_of_g(law: StatedLaw, share: Term, rest: Term) -> bool:
         return False
     power = law.power or sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, law.flow, strict=True)))
     gap = sum_of(power, minus(product_of(share, law.g)), minus(rest))
-    return all(domain.facts(part).defined for part in (law.g, share, rest)) and vanishes(in_order(gap, domain), domain)
+    return all(domain.facts(part).defined for part in (law.g, share, rest)) and vanishes(in_order(signs_as_sizes(gap, domain), domain), domain)
 
 
 def by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:

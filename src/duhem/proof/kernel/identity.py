@@ -9,10 +9,10 @@ from contextlib import suppress
 from fractions import Fraction
 
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.polynomial import Polynomial, negated, number_in, written
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, number_in, times, total, written
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sign_of, sum_of
 
-__all__ = ["alike", "in_order", "multiplied_out", "multiplied_through", "value", "vanishes"]
+__all__ = ["alike", "in_order", "multiplied_out", "multiplied_through", "signs_as_sizes", "value", "vanishes"]
 
 _MOST_STEPS, _HIGHEST = 60, 64
 _SORTED = ("norm", "max", "min")
@@ -31,6 +31,22 @@ def value(term: Term, domain: StatedDomain) -> Fraction | None:
 def vanishes(term: Term, domain: StatedDomain) -> bool:
     """Whether a term is 0 wherever it is defined; False where these rules do not show it."""
     return not multiplied_through(domain.polynomial(term), domain)
+
+
+def signs_as_sizes(term: Term, domain: StatedDomain) -> Term:
+    """The same, multiplied out, with c |y| for c y sign(y), where a sign stands with such a multiple of its argument alone."""
+    poly = domain.polynomial(term)
+    for sign, y in {x: y for m in poly for x, _ in m if (y := sign_of(x)) is not None}.items():
+        own = domain.polynomial(y)
+        linear = next((m for m in own if len(m) == 1 and m[0][1] == 1), None)
+        if linear is None or any(n < 0 for m in poly for x, n in m if x in (sign, linear[0][0])):
+            continue
+        rest, *beside = in_powers(poly, sign)
+        coefficients = in_powers(beside[0], linear[0][0])
+        c = times(coefficients[1], {(): 1 / own[linear]}) if len(coefficients) > 1 else {}
+        if len(beside) == 1 and beside[0] == times(c, own):
+            poly = total(rest, times(c, domain.polynomial(Term("abs", (y,)))))
+    return written(poly)
 
 
 def multiplied_through(poly: Polynomial, domain: StatedDomain, signed: bool = False) -> Polynomial:

@@ -112,8 +112,8 @@ def state_laws_agree(law: StatedLaw) -> bool:
     domain, slopes = over(law), _slopes(law)
     driven = {own.force: name for name, own in law.variables if own.kind == "internal" and own.force}
     for name, own in law.variables:
-        if own.kind == "observable":
-            both = sum_of(slopes[name], slopes[driven[own.force or ""]])
+        if own.kind == "observable" and own.force in driven:
+            both = sum_of(slopes[name], slopes[driven[own.force]])
             if not vanishes(in_order(both, domain), domain):
                 return False
         if own.kind == "temperature":

@@ -15,7 +15,7 @@ from duhem.proof.kernel.steps import pay
 
 __all__ = [
     "COMPARISONS", "UNREADABLE", "WORDS", "NotWritten", "Term", "bounded", "factors", "in_words", "minus", "number", "parse",
-    "product_of", "sum_of",
+    "product_of", "sign_of", "sum_of",
 ]  # fmt: skip
 
 _OF_ONE = (
@@ -285,6 +285,12 @@ def _meaning(word: str, args: list[Term]) -> Term:
         below = Term("where", (Term("<", (x, number(0))), number(-1), number(0)))
         return bounded(Term("where", (Term(">", (x, number(0))), number(1), below)))
     return _choice(x, args[1], args[2]) if word == "where" else Term(word, tuple(args))
+
+
+def sign_of(term: Term) -> Term | None:
+    """x where the term is what ``sign(x)`` is read as."""
+    found = term.args[0].args[0] if term.op == "where" and term.args[0].op == ">" else None
+    return found if found is not None and term == _meaning("sign", [found]) else None
 
 
 def _choice(condition: Term, a: Term, b: Term) -> Term:

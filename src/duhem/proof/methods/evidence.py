@@ -14,7 +14,7 @@ from itertools import combinations, permutations
 
 import sympy as sp
 
-from duhem.expression import Norm
+from duhem.expression import Norm, Where
 from duhem.expression.branches import seam, seams
 from duhem.expression.dimensions import degree
 from duhem.expression.parse import parse_expression
@@ -212,8 +212,7 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
     if law.flow is None or law.surfaces or law.potential is not None:
         return
     forces, settled = law.force_symbols(), law.settled()
-    g = law.g.xreplace(settled)
-    power = subject.power([d.xreplace(settled) for d in law.flow])
+    g, power = (_without_signs(x.xreplace(settled)) for x in (law.g, subject.power(law.flow)))
     radicands = _radicands(g + power, forces)
     roots = {y: sp.Dummy(f"r{i}", positive=True) for i, y in enumerate(radicands)}
     if len(roots) > _MOST_ROOTS or (of_power := _terms(power, forces, roots)) is None or (of_g := _terms(g, forces, roots)) is None:
@@ -225,6 +224,11 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
         detail = f"force . flow = {formula(share)}*g + {formula(rest)}, which is >= 0 wherever g = 0, also in the limit at an apex"
         proof = Proof("power-share", {"share": formula(share), "rest": formula(rest)})
         yield Evidence(Verdict.PROVED, "power-share", detail, proof=proof)
+
+
+def _without_signs(expr: sp.Expr) -> sp.Expr:
+    """With y/|y| for sign(y)."""
+    return expr.xreplace({x: x.sign_of / sp.Abs(x.sign_of) for x in expr.atoms(Where) if x.sign_of is not None})
 
 
 def _radicands(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> dict[sp.Expr, sp.Expr]:
