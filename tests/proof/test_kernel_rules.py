@@ -62,6 +62,27 @@ def test_a_rule_that_rests_on_others(rule: str, g: str, right: bool) -> None:
         assert not confirmed(claim, name, law(g), None, " ".join(needed - {missing}))
 
 
+@pytest.mark.parametrize(
+    ("g", "flow", "right"),
+    [
+        ("norm(a, b) - m", "a/norm(a, b); b/norm(a, b)", True),
+        ("norm(a, b) - m", "a*norm(a, b)/norm(b, a)**2; b/norm(a, b)", True),
+        ("(a**2 + b**2 - m)*m", "2*m*a; 2*m*b", True),
+        ("norm(a, b) - m", "a/norm(a, b); -b/norm(a, b)", False),
+        ("norm(a, b) - m", "a/norm(a, b); b/norm(a, b) + 1/10**9", False),
+        ("norm(a, b) - m", "a/norm(a, b) + 0*sqrt(b - 1); b/norm(a, b)", False),  # no value on a part of the boundary
+        ("abs(a) + abs(b) - m", "sign(a); sign(b)", False),  # at a corner that is one gradient, or none
+        ("norm(a, b)", "a/norm(a, b); b/norm(a, b)", False),  # K is the tip
+        ("(norm(a, b) - m)**3", "3*(norm(a, b) - m)**2*a/norm(a, b); 3*(norm(a, b) - m)**2*b/norm(a, b)", False),  # 0 where g is
+        ("a**2 + b**2 - q", "2*a; 2*b", False),  # K may be empty
+    ],
+)
+def test_a_flow_that_is_the_gradient(g: str, flow: str, right: bool) -> None:
+    assert confirmed("normality", "gradient", law(g, flow=flow.split("; ")), None, "convexity") is right
+    assert not confirmed("normality", "gradient", law(g, flow=flow.split("; ")))
+    assert not confirmed("normality", "gradient", law(g), None, "convexity")  # an associated law has no such flow
+
+
 def test_laws_on_a_line() -> None:
     signs = (
         ("abs(a) - m", True),

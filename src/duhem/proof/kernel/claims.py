@@ -10,15 +10,17 @@ from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.cones import Fan
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.definedness import divides_by_zero_force
+from duhem.proof.kernel.definedness import divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.heat import heat_flows_downhill
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
+from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends
-from duhem.proof.kernel.regularity import smooth_near_the_boundary
+from duhem.proof.kernel.regularity import smooth_near_the_boundary, tips
 from duhem.proof.kernel.simpler_laws import cases, in_principal_stresses, without_outer_map
 from duhem.proof.kernel.state import (
     energy_differentiable,
@@ -31,7 +33,7 @@ from duhem.proof.kernel.state import (
     stored_and_rates,
 )
 from duhem.proof.kernel.support import is_support_function
-from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, parse
+from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, parse, sum_of
 
 __all__ = ["BY_CONSTRUCTION", "CURVE_RULES", "RULES", "RuleRow", "needs_of", "objection", "row_of", "rules_of"]
 
@@ -226,6 +228,16 @@ def parallel(law: StatedLaw, evidence: Evidence) -> bool:
     return boundary.flows_along_normals(law, evidence.get("along", ()), evidence.get("across", ()))
 
 
+def gradient_flow(law: StatedLaw, _: Evidence) -> bool:
+    """The flow is the gradient of g as a formula, wherever a tip of g is not 0; g is C^1 where it is 0, convex, and negative at 0."""
+    domain, shape, slopes = over(law), _shape(law, {}), gradient(law.g, law.forces)
+    if law.flow is None or not (shape.defined and shape.convex and _inside(law, {}) and smooth_near_the_boundary(law.g, domain)):
+        return False
+    if undecided_beside((*law.flow, *slopes), tips(law.g, domain), domain) is not None:
+        return False
+    return all(vanishes(in_order(sum_of(d, minus(slope)), domain), domain) for d, slope in zip(law.flow, slopes, strict=True))
+
+
 def star_shaped(law: StatedLaw, _: Evidence) -> bool:
     """K is star-shaped about 0, and closed where the formula divides by 0."""
     return divides_by_zero_force(law.g, over(law)) and bool(StarGauge(law))
@@ -354,6 +366,10 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("normality", "parallel"): RuleRow(
         _CONVEXITY, parallel, obligations.formula_and_flow,
         "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex", True,
+    ),
+    ("normality", "gradient"): RuleRow(
+        _CONVEXITY, gradient_flow, obligations.formula,
+        "the flow is the gradient of g, which is convex, negative at zero force and C^1 wherever it is 0: so it is not 0 there",
     ),
     ("dissipation", "fenchel"): RuleRow(
         _ORIGIN | {"normality"}, lambda law, _: True, obligations.flow,
