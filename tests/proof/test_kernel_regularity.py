@@ -10,6 +10,7 @@ import pytest
 
 from duhem.proof.kernel import regularity
 from duhem.proof.kernel.claims import objection, rules_of
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import NEGATIVE, StatedLaw
 from tests.oracles import drawn_formulas
 
@@ -51,6 +52,22 @@ SHIFTED = "norm(a + s, b/m) + s"
 )
 def test_convex_and_negative_at_a_point(point: Any, right: bool) -> None:
     assert confirmed(law(SHIFTED, m=POSITIVE), "composition", {"inside": point}) is right
+
+
+@pytest.mark.parametrize(
+    ("text", "right"),
+    [
+        ("pos(norm(a, b) - m)**2", True),
+        ("neg(m - norm(a, b))**(3/2)", True),
+        ("pos(norm(a, b) + m)**2", False),  # a tip
+        ("pos(norm(a, b) - m)", False),  # a kink
+        ("neg(norm(a, b) - m)**2", False),
+        ("pos(norm(a, b) - m)**2*norm(a, b)", False),  # C^1, and not seen to be so: another part has the tip
+    ],
+)
+def test_a_tip_where_a_positive_part_is_0(text: str, right: bool) -> None:
+    stated = law(text, m=POSITIVE)
+    assert regularity.smooth_everywhere(stated.g, over(stated)) is right
 
 
 def test_a_set_without_inside_has_no_normals() -> None:

@@ -66,7 +66,7 @@ def test_a_rule_that_rests_on_others(rule: str, g: str, right: bool) -> None:
     ("g", "flow", "right"),
     [
         ("norm(a, b) - m", "a/norm(a, b); b/norm(a, b)", True),
-        ("norm(a, b) - m", "a*norm(a, b)/norm(b, a)**2; b/norm(a, b)", True),
+        ("norm(a, b) - m", "a*norm(a, b)/norm(a, b)**2; b/norm(a, b)", True),
         ("(a**2 + b**2 - m)*m", "2*m*a; 2*m*b", True),
         ("norm(a, b) - m", "a/norm(a, b); -b/norm(a, b)", False),
         ("norm(a, b) - m", "a/norm(a, b); b/norm(a, b) + 1/10**9", False),

@@ -117,7 +117,8 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
         left = {k for i, p in enumerate(known) for k in p.kinks if not any(k in q.zeros for j, q in enumerate(known) if j != i)}
         return Kinks(frozenset(left), some, tips)
     if term.op in ("abs", "pos", "neg"):
-        here = frozenset({_switch(term.args[0], domain)})
+        here, dead = frozenset({_switch(term.args[0], domain)}), {"pos": NEGATIVE, "neg": POSITIVE}.get(term.op)
+        tips = frozenset(tip for tip in tips if dead is None or dead not in _signs_at(tip, term.args[0], domain))  # it is 0 around others
         return Kinks(kinks | here, known[0].zeros | here, tips)
     if term.op in ("exp", "log", "cos", "cosh", "sin", "sinh", "tanh", "atan"):
         return Kinks(kinks, known[0].zeros if term.op in _ODD else frozenset(), tips)
