@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import duhem
-from duhem import Criterion, Domain, InputError, Verdict
+from duhem import Criterion, Domain, InputError, Verdict, YieldSurface
 from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
@@ -641,3 +641,78 @@ def test_any_range_and_any_energy_end_in_verdicts(ranged: str, energy: str) -> N
     text = ONE.replace("(0)", energy).replace('["sigma"]', '["sigma", "W"]').replace("abs(sigma)", "norm(sigma, W)") + ranged + "\n"
     found = duhem.verify(reads(text), claims=["state_laws", "dissipation"])
     assert energy != "C*log(w)" or found["state_laws"].verdict is not PROVED  # it is concave
+
+
+# -- a dissipation that rests on an energy --------------------------------------------------------------------------------
+
+JUMPS = ("where(u - u_in > 0, 1, 0)", "abs(u - u_in)", "sqrt(u)", "u**(4/3) - u_in**(4/3)", "log(u_in)")
+
+
+@pytest.mark.parametrize("more", JUMPS)
+@pytest.mark.parametrize("shape", ["associated", "surfaces", "slips"])
+def test_no_dissipation_is_proved_of_an_energy_without_forces(more: str, shape: str) -> None:
+    """The state has no force there, or two, and what the jump releases is no part of the sum."""
+    flow = {"flow": ("sign(sigma)",)} if shape == "slips" else {}
+    head = {"surfaces": (YieldSurface("sigma - R"), YieldSurface("-sigma - R"))} if shape == "surfaces" else {"g": "abs(sigma) - R"}
+    given = Criterion(
+        "jumps", parameters={"R": ABOVE_0, "k": ABOVE_0}, forces=("sigma",), pressure=None, energy=f"{QUADRATIC} + {more}",
+        variables=SLIP, **head, **flow,
+    )  # fmt: skip
+    found = duhem.verify(given, claims=["dissipation"])["dissipation"]
+    assert found.verdict is not PROVED and found.verdict is not REFUTED
+
+
+@pytest.mark.parametrize("energy", ["k/2*(u + u_in)**2", "k/2*(u - 2*u_in)**2", f"{QUADRATIC} + u"])
+def test_no_dissipation_is_proved_where_the_stress_is_two(energy: str) -> None:
+    given = Criterion(
+        "two", "abs(sigma) - R", {"R": ABOVE_0, "k": ABOVE_0}, ("sigma",), None, energy=energy, variables=SLIP
+    )  # fmt: skip
+    assert duhem.verify(given, claims=["dissipation"])["dissipation"].verdict is not PROVED
+    assert "one force" in refused(given, "dissipation", "fenchel", settled=("origin", "normality"))
+
+
+def test_a_variable_with_a_force_has_no_second_rate() -> None:
+    flow = (ALONG, ALONG)
+    with pytest.raises(InputError, match="alpha has a force, and a rate beside the flow"):
+        Criterion(
+            "twice", PRAGER, {"R": ABOVE_0, "k": ABOVE_0, "C": ABOVE_0}, ("sigma", "Y"), None, flow=flow,
+            energy=f"{QUADRATIC} + C/2*alpha**2", variables=SLIP | {"alpha": Variable("Y")}, unforced={"alpha": "-1000*Y"},
+        )  # fmt: skip
+    with pytest.raises(NotWritten):
+        StatedLaw.read(law_as_text(armstrong_frederick()) | {"unforced": {"alpha": "-1000*Y"}})
+    worn = {**law_as_text(kinematic())["variables"], "w": {}}
+    parameters = {**law_as_text(kinematic())["parameters"], "w": {}}
+    with pytest.raises(NotWritten):  # an associated law has no flow that a rate stands beside
+        StatedLaw.read(law_as_text(kinematic()) | {"variables": worn, "parameters": parameters, "unforced": {"w": "1"}})
+
+
+def test_rates_without_a_value_dissipate_nothing() -> None:
+    """grad (a^2 + b^2)^n is infinite at 0 for n < 1/2."""
+    given = Criterion("steep", "(a**2 + b**2)**n - 1", {"n": AT_LEAST_0}, ("a", "b"), None, viscous=True)
+    assert duhem.verify(given, claims=["dissipation"])["dissipation"].verdict is not PROVED
+    assert refused(given, "dissipation", "boundary-power")
+
+
+def test_a_force_without_a_value_is_said_to_be_the_energys() -> None:
+    flow = (ALONG, f"{ALONG} - gamma*alpha")
+    variables = SLIP | {"alpha": Variable("Y", domain=AT_LEAST_0)}
+    given = law(PRAGER, f"{QUADRATIC} + C*log(alpha)", flow=flow, variables=variables, C=ABOVE_0, gamma=AT_LEAST_0)
+    with pytest.raises(InputError, match="with the forces that the energy gives, g divides by alpha"):
+        duhem.verify(given, claims=["dissipation"])
+
+
+def test_a_surface_has_no_rate_of_a_variable_without_a_force() -> None:
+    text = FILE[: FILE.index("[flow]")].replace('g = "norm(sigma + X) - R"', "")
+    two = """
+[[surface]]
+g = "sigma + X - R"
+flow = ["{}", "1", "1"]
+
+[[surface]]
+g = "-sigma - X - R"
+flow = ["0", "-1", "-1"]
+"""
+    assert reads(text + two.format("0"), "made").surfaces
+    for wrong in ("1", "%%%((", "sqrt(-1)*zzz"):
+        with pytest.raises(InputError):
+            reads(text + two.format(wrong), "made")

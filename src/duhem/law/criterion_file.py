@@ -454,6 +454,10 @@ class _CriterionReader(SectionReader):
             counts = f"{len(entries)} components for {len(slots)} {'rates' if 'variables' in self.document else 'forces'}"
             raise self.error(f"the flow direction has {counts}", *flow, remedy=remedy)
         place = {force: entry for (_, force), entry in zip(slots, entries, strict=True)}
+        for (name, force), entry in zip(slots, entries, strict=True):
+            if force is None and section[0] == "surface" and read(*entry)[0] != 0:
+                remedy = 'write "0" here: of a law with several surfaces no rate of it is kept'
+                raise self.error(f"{name} has no force, and a rate that belongs to a surface", *entry, remedy=remedy)
         slip, texts = zip(*(read(*place[str(force)]) for force in forces), strict=True)
         return YieldSurface(g, slip, None, written, texts)
 

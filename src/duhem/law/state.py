@@ -107,6 +107,12 @@ def check_state(law: Any) -> None:
         if name not in variables or not variables[name].internal:
             internal = ", ".join(name for name, own in variables.items() if own.internal) or "none"
             raise InputError(f"{name!r} has a rate and is no internal variable", where=law.name, remedy=f"they are: {internal}")
+    for name in law.unforced:
+        if variables[name].force is not None:
+            what, remedy = f"{name} has a force, and a rate beside the flow", "its rate is the flow's entry; add rates without a multiplier"
+            raise InputError(what, where=law.name, remedy=f"{remedy} to rates")
+    if law.unforced and law.flow is None and not law.surfaces:
+        raise InputError("there are rates for a unit of the multiplier and no flow", where=law.name, remedy="state the flow")
     check_heat(law)
     stored = set() if law.energy is None else law.energy.free_symbols
     for name, own in variables.items():

@@ -190,6 +190,8 @@ def _law(law: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "variables", "; ".join(f"{_range(name, law['parameters'][name])} ({_kind(own)})" for name, own in state.items())
     if "energy" in law:
         yield "energy", f"psi = {_line(law['energy'])}"
+    if "unforced" in law:
+        yield "rates", "; ".join(f"{name}: {_line(rate)} for a unit of the multiplier" for name, rate in law["unforced"].items())
     if "rates" in law:
         yield "rates", "; ".join(f"{name}: {_line(rate)}" for name, rate in law["rates"].items())
     if "heat" in law:

@@ -260,7 +260,12 @@ def _in_state(law: Law, share: Fraction) -> Iterator[tuple[str, Subject]]:
     if (stored := epigraph(law)) is not None:
         yield "state_laws", FormulaSubject(stored, share, of=law, checked_only=True)
     if (found := dissipating(law)) is not None:
-        yield "dissipation", FormulaSubject(found.law, share, of=law, state=found, checked_only=True)
+        in_state = FormulaSubject(found.law, share, of=law, state=found, checked_only=True)
+        try:
+            in_state.check_defined()
+        except InputError as fault:
+            raise InputError(f"with the forces that the energy gives, {fault.what}", where=fault.where, remedy=fault.remedy) from None
+        yield "dissipation", in_state
 
 
 def _of_the_whole(name: str, evidence: Evidence, best: Trust | None, whole: Law, effort: str) -> ClaimResult | None:

@@ -105,7 +105,7 @@ class FormulaSubject(Subject):
 
     def may_prove(self, claim: str) -> bool:
         """Whether a proof counts; one of a formula that may be undefined somewhere would be of another law."""
-        if self.checked_only or (claim == "dissipation" and self.law.rates):
+        if self.checked_only or (claim == "dissipation" and (self.law.rates or self.law.energy is not None)):
             return False  # the kernel alone knows the energy and the rates as they are written
         told = claim == "state_laws" or not (self.doubtful or (claim in _OF_THE_FLOW and self.doubtful_flow))
         return told and self.constraints_defined

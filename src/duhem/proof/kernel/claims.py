@@ -256,6 +256,8 @@ def homogeneity(law: StatedLaw, _: Evidence) -> bool:
 
 def power(law: StatedLaw, evidence: Evidence) -> bool:
     """sigma . d >= 0 wherever g = 0: d is the law's own flow, or a mean of the gradients of the pieces of g there, none of which is 0."""
+    if law.power is not None and undecided_beside((law.power,), (), over(law)) is not None:
+        return False
     return boundary.flows_outward(law, evidence.get("outward", ()))
 
 

@@ -108,19 +108,18 @@ def _in_variables(law: StatedLaw, names: tuple[str, ...], g: Term, *more: str) -
 
 
 def state_laws_agree(law: StatedLaw) -> bool:
-    """Whether d psi/d u = -d psi/d u_in where u and u_in have one force, and psi is concave in the temperature."""
+    """Whether each force is one, and psi is concave in the temperature."""
+    domain, slopes = over(law), _slopes(law)
+    bends = [minus(*gradient(slopes[name], (name,))) for name, own in law.variables if own.kind == "temperature"]
+    return _one_force_each(law) and all(domain.facts(bend).nonnegative or domain.nonnegative(bend) for bend in bends)
+
+
+def _one_force_each(law: StatedLaw) -> bool:
+    """Whether d psi/d u = -d psi/d u_in where u and u_in have one force."""
     domain, slopes = over(law), _slopes(law)
     driven = {own.force: name for name, own in law.variables if own.kind == "internal" and own.force}
-    for name, own in law.variables:
-        if own.kind == "observable" and own.force in driven:
-            both = sum_of(slopes[name], slopes[driven[own.force]])
-            if not vanishes(in_order(both, domain), domain):
-                return False
-        if own.kind == "temperature":
-            (bend,) = gradient(slopes[name], (name,))
-            if not (domain.facts(minus(bend)).nonnegative or domain.nonnegative(minus(bend))):
-                return False
-    return True
+    shared = [(name, driven[own.force]) for name, own in law.variables if own.kind == "observable" and own.force in driven]
+    return all(vanishes(in_order(sum_of(slopes[u], slopes[u_in]), domain), domain) for u, u_in in shared)
 
 
 def in_state(law: StatedLaw) -> StatedLaw | None:
@@ -141,7 +140,11 @@ def in_state(law: StatedLaw) -> StatedLaw | None:
 
 def stored_and_rates(law: StatedLaw) -> str:
     """What every proof of dissipation rests on: the energy gives one force to each variable, and rates without a multiplier dissipate."""
-    return energy_differentiable(law) or rates_dissipate(law)
+    if found := energy_differentiable(law):
+        return found
+    if law.energy is not None and not _one_force_each(law):
+        return "an observable and an internal variable with one force are not shown to have the same from the energy"
+    return rates_dissipate(law)
 
 
 def rates_dissipate(law: StatedLaw) -> str:
