@@ -45,7 +45,7 @@ class Found:
 def found(said: AtlasEntry) -> Found:
     """Verify the law of an entry."""
     law, start = load(said.name), time.process_time()
-    results = verify(law, claims=ASKED).results
+    results = verify(law, claims=tuple(dict.fromkeys((*ASKED, *said.verdicts)))).results
     verdicts = {r.claim: r.verdict.value for r in results}
     against = tuple(c for c, v in verdicts.items() if {v, said.verdicts.get(c, v)} == _DECIDED)
     opinions = {r.claim: _confirmed(law, r.claim, r.witness) for r in results if r.witness}

@@ -21,7 +21,7 @@ from duhem.show.sheet import Sheet
 __all__ = ["ASKED", "Atlas", "AtlasEntry", "as_dict", "as_sheet", "as_sheet_of_one", "atlas", "entries", "entry", "file_of", "groups"]
 
 ASKED = ("origin", "convexity", "smoothness", "normality", "dissipation")
-"""The claims of which an entry keeps verdicts; the state laws hold of every law, and duality is our own."""
+"""The claims of which an entry keeps verdicts; one of a law with an energy keeps that of its state laws too, and duality is our own."""
 
 _FOLDER = Path(__file__).parent
 
