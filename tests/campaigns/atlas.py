@@ -78,7 +78,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--write", action="store_true", help="keep what is found in the files")
     given = parser.parse_args(arguments)
     laws = tuple(map(entry, given.names)) or entries(given.group)
-    code, decided, checked, proved = 0, 0, 0, 0
+    code, decided, asked, checked, proved = 0, 0, 0, 0, 0
     for said in laws:
         new = found(said)
         changed = {c: f"{said.verdicts.get(c, 'nothing')} -> {v}" for c, v in new.verdicts.items() if v != said.verdicts.get(c)}
@@ -89,10 +89,11 @@ def main(arguments: Sequence[str]) -> int:
             code = 1
         if changed and given.write and not faults and (file := file_of(said.name)) is not None:
             file.write_text(kept(file.read_text("utf-8"), new.verdicts), "utf-8")
+        asked += len(new.verdicts)
         decided += sum(v in _DECIDED | {"not_applicable"} for v in new.verdicts.values())
         proved += sum(v == "proved" for v in new.verdicts.values())
         checked += sum(t == "checked" for t in new.trusts.values())
-    print(f"{len(laws)} laws; {decided} of {len(ASKED) * len(laws)} claims decided, {checked} of {proved} proofs checked by the kernel")
+    print(f"{len(laws)} laws; {decided} of {asked} claims decided, {checked} of {proved} proofs checked by the kernel")
     return code
 
 

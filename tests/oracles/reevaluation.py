@@ -17,7 +17,7 @@ import sympy as sp
 from mpmath.ctx_iv import MPIntervalContext
 from mpmath.libmp import from_rational, round_ceiling, round_floor
 
-from duhem import Criterion, Witness
+from duhem import Criterion, Domain, Witness
 from duhem.expression import Neg, Norm, Pos, Where
 from duhem.expression.inert_number import InertNumber
 from duhem.expression.vocabulary import EigMax
@@ -289,6 +289,8 @@ def gradient(law: Criterion, at: Mapping[str, Span]) -> tuple[Interval, ...]:
 
 def confirmed(law: Criterion, claim: str, witness: Witness) -> bool:
     """Whether the witness, read as exact rationals, violates ``claim`` of ``law`` by this module's own arithmetic."""
+    if claim == "state_laws":
+        return confirmed(_epigraph(law), "convexity", witness)
     fixed = {name: domain.value for name, domain in law.parameters.items() if domain.value is not None}
     parameters = {name: Fraction(int(v.p), int(v.q)) for name, v in fixed.items()} | {n: Fraction(v) for n, v in witness.parameters.items()}
     if set(parameters) != set(law.parameters) or not _admissible(law, parameters):
@@ -297,11 +299,23 @@ def confirmed(law: Criterion, claim: str, witness: Witness) -> bool:
     names = set(law.symbols())
     if any(set(p) != names for p in points.values()):
         return False
+    if any(sp.Rational(p[x].numerator, p[x].denominator) not in own for p in points.values() for x, own in law.domain.items()):
+        return False
     if law.pressure is not None:
         pressures = {p[law.pressure] for p in points.values()}
         if len(pressures) != 1 or min(pressures) >= 0:
             return False
     return _CHECKS[claim](law, points, witness)
+
+
+def _epigraph(law: Criterion) -> Criterion:
+    """{psi <= z} in the variables of a law without a temperature, their ranges as constraints."""
+    heights, table = {name: sp.Symbol(name, real=True) for name in (*law.variables, "z")}, law.symbols()
+    assert law.energy is not None and law.temperature is None
+    g = law.energy.xreplace({table[name]: x for name, x in heights.items() if name in table}) - heights["z"]
+    rest = {name: own for name, own in law.parameters.items() if name not in law.variables}
+    ranges = {name: law.parameters[name] for name in law.variables if law.parameters[name] != Domain()}
+    return Criterion(law.name, g, rest, tuple(heights), None, law.constraints, domain=ranges)
 
 
 def _admissible(law: Criterion, parameters: Mapping[str, Fraction]) -> bool:

@@ -182,7 +182,7 @@ def extent(subject: FormulaSubject) -> Extent | None:
 def without_flow(law: Criterion) -> Criterion:
     """The associated law with the same g."""
     surfaces = tuple(replace(s, flow=None, potential=None, written_flow=()) for s in law.surfaces)
-    return replace(law, flow=None, potential=None, written_flow=(), surfaces=surfaces)
+    return replace(law, flow=None, potential=None, written_flow=(), surfaces=surfaces, unforced={}, written_unforced={})
 
 
 class _Signs:
