@@ -95,5 +95,5 @@ def test_a_law_is_driven_along_a_path(name: str) -> None:
 @pytest.mark.parametrize("name", mostly_long(OWN_FLOW, *OWN_FLOW[::4]))
 def test_a_law_with_a_flow_of_its_own_has_no_closest_point(name: str) -> None:
     law = fixed(name)
-    with pytest.raises(InputError, match="has its own flow direction|are the gradient of a potential"):
+    with pytest.raises(InputError, match=r"has its own flow direction|are the gradient of a potential"):
         duhem.project(law, np.ones(len(law.forces)), -1.0 if law.pressure else None)

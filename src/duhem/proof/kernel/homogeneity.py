@@ -69,9 +69,8 @@ def flows_with_a_share_of_g(law: StatedLaw, share: Term, rest: Term) -> bool:
         return False
     power = law.power or sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, law.flow, strict=True)))
     gap = sum_of(power, minus(product_of(share, law.g)), minus(rest))
-    return all(domain.facts(part).defined for part in (law.g, share, rest)) and vanishes(
-        in_order(signs_as_sizes(gap, domain), domain), domain
-    )
+    same = vanishes(in_order(signs_as_sizes(gap, domain), domain), domain)
+    return same and all(domain.facts(part).defined for part in (law.g, share, rest))
 
 
 def by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:
