@@ -1,5 +1,7 @@
 """The claims, in the order in which they rest on each other: what each states, what it rests on, and the methods that may try it.
 
+Two more are asked on request: they are about forces and pressure together.
+
 Methods are tried in order, the cheapest sound one first; the kernel's rules, which decide what is proved, are among them twice.
 """
 
@@ -16,10 +18,12 @@ from duhem.law.formula_law import Criterion
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
-from duhem.proof.methods import curves, evidence, refuters
+from duhem.proof.methods import coupled, curves, evidence, refuters
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
-__all__ = ["CHEAP", "CLAIMS", "DEAR", "Claim", "Consequence", "Finder", "Kernel", "ProofMethod", "Rules", "asked_of", "words"]
+__all__ = [
+    "CHEAP", "CLAIMS", "COUPLED", "DEAR", "EVERY", "Claim", "Consequence", "Finder", "Kernel", "ProofMethod", "Rules", "asked_of", "words",
+]  # fmt: skip
 
 S = TypeVar("S", bound=Subject)
 Settled = Mapping[str, Evidence]  # claims decided before, by name
@@ -347,7 +351,42 @@ Refutation: temperatures, and a state, at which D_th < 0.""",
         ),
     ),
 )
+_TOGETHER = (
+    Claim(
+        name="homogeneity",
+        statement="K(sigma_n) = |sigma_n| K(-1) for every sigma_n < 0",
+        theory="""\
+K grows in proportion to the pressure: the forces and the pressure together form a cone.  Coulomb's law and every law |sigma_n|
+times a gauge has this property.  Cohesion, a cap on the shear stress and a regularised pressure do not.
+
+Proof: g is positively homogeneous in the forces and the pressure together.  Refutation: a point of K of which a multiple,
+pressure included, lies outside.""",
+        methods=(CHEAP, ProofMethod(FormulaSubject, coupled.homogeneity_along_rays)),
+    ),
+    Claim(
+        name="bipotential",
+        statement="b = I(sigma in p K(-1)) + I(v_n >= 0) + p Phi_1(d) >= sigma . d - p v_n, p = |sigma_n|, and equal on the law alone",
+        theory="""\
+Unilateral contact with friction is one law between (sigma, p) and the rates of slip and opening (d, v_n): p >= 0, v_n >= 0,
+p v_n = 0, and d normal to K at sigma (if K is bounded and p = 0, the slip is free).  It is not associated: if (d, -v_n) were
+normal to the cone of all (sigma, p), each slip would open the contact by v_n = Phi_1(d), where Phi_1 is the support function of
+K(-1).  But the law has de Saxcé's bipotential b (de Saxcé, Feng 1991): b is convex in (d, v_n) and in (sigma, p), never less
+than the power sigma . d - p v_n, and equal to it on the law alone.  Where Phi_1(d) is infinite, so is b, at p = 0 too.
+
+Proof: b - (sigma . d - p v_n) = (p Phi_1(d) - sigma . d) + p v_n, and both terms are >= 0.  This needs homogeneity, origin,
+convexity and normality, each confirmed by the kernel, and duality if Phi_1 is stated in closed form.  A law with its own flow
+direction must be smooth too, so that K has no other normal.  Refutation: a slip of the law that is not normal to K.""",
+        methods=(
+            Consequence(Subject, coupled.bipotential_of_no_cone),
+            Finder(Subject, coupled.bipotential),
+            Consequence(Subject, coupled.bipotential_left_open),
+        ),
+        needs=("homogeneity", "origin", "convexity", "normality", "duality"),
+    ),
+)
 CLAIMS: Mapping[str, Claim] = MappingProxyType({claim.name: claim for claim in _ALL})
+COUPLED: Mapping[str, Claim] = MappingProxyType({claim.name: claim for claim in _TOGETHER})
+EVERY: Mapping[str, Claim] = MappingProxyType({**CLAIMS, **COUPLED})
 
 
 def asked_of(law: Law | None) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from duhem.law.law_sheet import number_in_short, number_in_words
 from duhem.law.law_sheet import stated as stated_law
 from duhem.law.units import units_in_words
 from duhem.omitted import LeftOut
-from duhem.proof.claims import CLAIMS
+from duhem.proof.claims import EVERY
 from duhem.proof.verdict import ClaimResult, Trust, Verdict, Witness
 from duhem.proof.verification import Verification
 from duhem.show.document import Chapter, Columns, Paragraph, Sentences, Titled
@@ -44,6 +44,7 @@ def as_text(verification: Verification, page: Page = PAGE) -> str:
     end = [
         page.items("Trust", _trusts(results)),
         page.items("Conclusion", _conclusion(verification)),
+        page.items("Coupled", _coupled(verification)),
         page.items("Omitted", verification.left_out),
         page.items("Remarks", verification.remarks),
     ]
@@ -68,6 +69,7 @@ def as_sheet(verification: Verification) -> Sheet:
     notes = (
         ("Trust", _trusts(verification.results)),
         ("Conclusion", _conclusion(verification)),
+        *((("Coupled", said),) if (said := _coupled(verification)) else ()),
         ("Arguments", tuple(f"{r.claim}: {r.detail}" for r in results)),
         *((f"Counterexample: {r.claim}", _sentences(r.witness)) for r in results if r.witness is not None),
         ("Omitted", tuple(map(str, verification.left_out))),
@@ -144,10 +146,11 @@ def decided(verification: Verification) -> tuple[Chapter, ...]:
     why = []
     for result in verification.results:
         against = () if result.witness is None else (Sentences(_sentences(result.witness)),)
-        argument = (Paragraph(CLAIMS[result.claim].statement, "statement"), Paragraph(result.detail), *against)
+        argument = (Paragraph(EVERY[result.claim].statement, "statement"), Paragraph(result.detail), *against)
         why.append(Chapter(result.claim, argument))
     trusts = tuple(map(Paragraph, _trusts(verification.results)))
-    return Chapter("Verdicts", (*said, table, *trusts)), Chapter("Why", tuple(why))
+    together = (Sentences(_coupled(verification)),) if verification.coupled else ()
+    return Chapter("Verdicts", (*said, table, *trusts, *together)), Chapter("Why", tuple(why))
 
 
 def left_aside(verification: Verification, more: Iterable[LeftOut] = ()) -> tuple[Chapter, ...]:
@@ -218,6 +221,16 @@ def _conclusion(verification: Verification) -> tuple[str, str]:
     if verification.vacuous and "dissipation" in found:
         return standard, "dissipative: the claim says nothing here (the only boundary point of K is zero force, see the remarks)"
     return standard, _answer("dissipative", verification.dissipative, found, ("dissipation",))
+
+
+def _coupled(verification: Verification) -> tuple[str, ...]:
+    """What holds in forces and pressure together, if that was asked for."""
+    if (found := verification.coupled) is None:
+        return ()
+    where = f", finite only where {_and([f'{form} = 0' for form in found.flat])}" if found.flat else ""
+    closed = f"the support function of K at {verification.criterion.pressure} = -1 is Phi_1(d) = {found.support}{where}"
+    said = f"contact with friction as one law has the bipotential b: {_word(found.bipotential)}"
+    return (said, closed, found.dilatancy) if found.support and found.dilatancy else (said,)
 
 
 def _answer(title: str, answer: bool | None, found: Mapping[str, ClaimResult], claims: Sequence[str]) -> str:

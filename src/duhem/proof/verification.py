@@ -24,7 +24,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.omitted import LeftOut
 from duhem.proof.certificate import certificate, law_as_text
-from duhem.proof.claims import CHEAP, CLAIMS, asked_of
+from duhem.proof.claims import CHEAP, CLAIMS, COUPLED, EVERY, asked_of
 from duhem.proof.decide import ANY_STEPS, EFFORTS, Budget
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -36,13 +36,24 @@ from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
+from duhem.proof.methods.coupled import polar_of_the_cone
 from duhem.proof.remarks import not_needed, remarks, scope
 from duhem.proof.verdict import CONTRADICTION, ClaimResult, Evidence, Proof, Trust, Verdict
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown
 from duhem.version import __version__
 
-__all__ = ["ClaimResult", "Confirmations", "Standing", "Verification", "claim_results", "verdict_within", "verify", "wanted_claims"]
+__all__ = [
+    "ClaimResult",
+    "Confirmations",
+    "Coupled",
+    "Standing",
+    "Verification",
+    "claim_results",
+    "verdict_within",
+    "verify",
+    "wanted_claims",
+]
 
 _TURN = RLock()
 _BITS = 53  # what Arb starts with
@@ -52,12 +63,49 @@ _MOST_STEPS = 20_000_000  # for a proof that somebody offers
 _OVER_ALL = "over the whole domain of the law, of which this is a part"
 
 
+@dataclass(frozen=True)
+class Coupled:
+    """Unilateral contact with friction as one law in (sigma, p): whether it has de Saxcé's ``bipotential``, and the ``trust`` of that.
+
+    ``support`` is Phi_1(d), the support function of K(-1), as text; it is finite where each form of ``flat`` is 0.  ``dilatancy`` says what
+    normality of the cone of all (sigma, p) would predict.  Both are None where no closed form is proved, or K is no cone.
+    """
+
+    bipotential: Verdict
+    trust: Trust | None
+    support: str | None = None
+    flat: tuple[str, ...] = ()
+    dilatancy: str | None = None
+
+    @classmethod
+    def of(cls, subject: Subject, results: Iterable[ClaimResult]) -> Coupled:
+        """What the results say together."""
+        found = {result.claim: result for result in results}
+        own = found["bipotential"]
+        shown = {found[name].verdict for name in ("homogeneity", "duality")} == {Verdict.PROVED}
+        if not shown or (closed := polar_of_the_cone(subject)) is None:
+            return cls(own.verdict, own.trust)
+        told = f"v_n = {closed[0]} while it slips, and the law has p v_n = 0"
+        return cls(own.verdict, own.trust, *closed, f"normality in forces and pressure together would open the contact with {told}")
+
+    def to_dict(self) -> dict[str, Any]:
+        """The block of the JSON report."""
+        return {
+            "bipotential": self.bipotential.value,
+            "trust": None if self.trust is None else self.trust.value,
+            "support_function": self.support,
+            "finite_where_zero": list(self.flat),
+            "dilatancy": self.dilatancy,
+        }
+
+
 @dataclass(frozen=True, repr=False)
 class Verification(Shown):
     """Everything found about ``criterion`` (with the asked parameters fixed).
 
     ``rests_on`` holds the claims that were not asked for, and that those asked for rest on.  ``vacuous`` where K has no boundary
     point at which anything could dissipate: a remark says why.  ``interrupted`` where somebody stopped it: nothing is concluded then.
+    ``coupled`` where the law in forces and pressure together was asked for.
     """
 
     printed_by: ClassVar[str] = "duhem.proof.report"
@@ -70,6 +118,7 @@ class Verification(Shown):
     effort: str = "normal"
     vacuous: bool = False
     interrupted: bool = False
+    coupled: Coupled | None = None
 
     def __repr__(self) -> str:
         return f"<Verification of {self.criterion.name}: {', '.join(f'{r.claim} {r.verdict}' for r in self.results) or 'no claim'}>"
@@ -82,7 +131,7 @@ class Verification(Shown):
             if result.claim == claim:
                 return result
         asked = ", ".join(result.claim for result in self.results) or "none"
-        if isinstance(claim, str) and claim in CLAIMS:
+        if isinstance(claim, str) and claim in EVERY:
             raise InputError(f"the claim {claim!r} was not selected", remedy=f"name it in claims; the selected claims are: {asked}")
         near = get_close_matches(str(claim), CLAIMS, n=1)
         raise InputError(f"unknown claim {claim!r}", remedy=f"did you mean {near[0]!r}?" if near else f"the selected claims are: {asked}")
@@ -139,6 +188,7 @@ class Verification(Shown):
             "claims": [r.to_dict() for r in self.results],
             "generalized_standard": self.generalized_standard,
             "dissipative": self.dissipative,
+            **({} if self.coupled is None else {"coupled": self.coupled.to_dict()}),
             "left_out": [x.to_dict() for x in self.left_out],
             "remarks": list(self.remarks),
             **({"interrupted": True} if self.interrupted else {}),
@@ -151,6 +201,7 @@ def verify(
     claims: Iterable[str] | None = None,
     *,
     effort: str = "normal",
+    coupled: bool = False,
     on_claim: Callable[[ClaimResult], None] | None = None,
     on_method: Callable[[str, str, Budget], None] | None = None,
 ) -> Verification:
@@ -158,19 +209,22 @@ def verify(
 
     ``claims`` selects some claims; by default all of them are decided.  ``parameters`` fixes some values, exactly: decimals are read as
     fractions.  The cost of a claim is counted in steps and not in seconds; ``effort`` is ``quick``, ``normal`` or ``thorough``, and
-    multiplies the budget of steps by 1/8, 1 or 8. ``on_claim`` is called with each result.  ``on_method`` is called before a method
-    tries a claim, with the method, the claim and the budget of steps: ``spent`` and ``left``. Raises InputError for an unknown law,
-    parameter, claim or effort, and for values outside the domain.
+    multiplies the budget of steps by 1/8, 1 or 8. ``coupled`` asks two claims more, about forces and pressure together: whether unilateral
+    contact with this friction has a bipotential (:class:`Coupled`). ``on_claim`` is called with each result.  ``on_method`` is called
+    before a method tries a claim, with the method, the claim and the budget of steps: ``spent`` and ``left``. Raises InputError for an
+    unknown law, parameter, claim or effort, and for values outside the domain.
     """
     criterion: Law = load(law).fix(parameters)
-    subject, settled, wanted, results, rests_on = _examined(criterion, claims, effort, on_claim, on_method, criterion.whole)
+    asked = (*wanted_claims(claims, criterion), *COUPLED) if coupled else claims
+    subject, settled, wanted, results, rests_on = _examined(criterion, asked, effort, on_claim, on_method, criterion.whole)
     parts = (
         *not_needed(criterion, [evidence.verdict for evidence in settled.values()]),
         *(LeftOut(f"claim {name}", "not selected") for name in asked_of(criterion) if name not in wanted),
     )
     with _alone():
         said, empty = remarks(subject, settled)
-    return Verification(criterion, results, parts, said, rests_on, effort, empty)
+        together = Coupled.of(subject, (*results, *rests_on)) if coupled else None
+    return Verification(criterion, results, parts, said, rests_on, effort, empty, coupled=together)
 
 
 def claim_results(law: Law, claims: Iterable[str] | None = None, effort: str = "normal") -> tuple[ClaimResult, ...]:
@@ -219,25 +273,25 @@ def _examined(
         share = EFFORTS[effort]
         whole_law = FormulaSubject(criterion, share) if isinstance(criterion, Criterion) else CurveSubject(criterion, share)
         whole_law.check_defined()  # one that is undefined somewhere in its domain is an InputError
-        about: dict[str, Subject] = {**dict.fromkeys(CLAIMS, whole_law), **dict(_in_state(criterion, share))}
+        about: dict[str, Subject] = {**dict.fromkeys(EVERY, whole_law), **dict(_in_state(criterion, share))}
     settled: dict[str, Evidence] = {}
     confirmations = Confirmations(criterion)
-    needed = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.needs(name)})
+    needed = _closed(wanted, lambda name: {*EVERY[name].needs, *confirmations.needs(name)})
     results: list[ClaimResult] = []
-    for name in (name for name in CLAIMS if name in needed):
+    for name in (name for name in EVERY if name in needed):
         subject = about[name]
         start, before = time.perf_counter(), subject.spent + confirmations.spent
         with _alone():
             told = partial(_tell, on_method, subject, name)
-            settled[name] = evidence = CLAIMS[name].examine(subject, settled, confirmations, told)
-            standing = confirmations.of(name, evidence, CLAIMS[name].needs)
+            settled[name] = evidence = EVERY[name].examine(subject, settled, confirmations, told)
+            standing = confirmations.of(name, evidence, EVERY[name].needs)
             doubted = standing.trust not in (None, Trust.CHECKED)
-            if doubted and (against := CLAIMS[name].contradiction(subject, settled)) is not None:
+            if doubted and (against := EVERY[name].contradiction(subject, settled)) is not None:
                 settled[name] = evidence = against
-                standing = confirmations.of(name, evidence, CLAIMS[name].needs)
+                standing = confirmations.of(name, evidence, EVERY[name].needs)
             if whole is not None and (proof := _of_the_whole(name, evidence, standing.trust, whole, effort)) is not None:
                 evidence = settled[name] = confirmations.of_a_part(name, proof, whole)
-                standing = confirmations.of(name, evidence, CLAIMS[name].needs)
+                standing = confirmations.of(name, evidence, EVERY[name].needs)
         seconds = time.perf_counter() - start
         verdict, witness, steps = evidence.verdict, evidence.witness, subject.spent + confirmations.spent - before
         said = scope(criterion, verdict), seconds, evidence.detail
@@ -245,7 +299,7 @@ def _examined(
         results.append(found)
         if name in wanted and on_claim is not None:
             on_claim(found)
-    used = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.rests_on(name)})
+    used = _closed(wanted, lambda name: {*EVERY[name].needs, *confirmations.rests_on(name)})
     asked, others = (tuple(r for r in results if (r.claim in wanted) is own and r.claim in used) for own in (True, False))
     return whole_law, settled, wanted, asked, others
 
@@ -296,7 +350,7 @@ def wanted_claims(claims: Iterable[str] | None, law: Law | None = None) -> tuple
         raise InputError(f"{claims!r} names no claims", where="claims", remedy=every)
     names = asked_of(law) if claims is None else (claims,) if isinstance(claims, str) else tuple(claims)
     for name in names:
-        if not isinstance(name, str) or name not in CLAIMS:
+        if not isinstance(name, str) or name not in EVERY:
             near = get_close_matches(str(name), CLAIMS, n=1)
             raise InputError(f"unknown claim {name!r}", remedy=f"did you mean {near[0]!r}? {every}" if near else every)
     return names

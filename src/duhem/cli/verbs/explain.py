@@ -17,14 +17,14 @@ def explain(claim: str | None) -> None:
 
     Without CLAIM, duhem lists the claims.
     """
-    from duhem.proof.claims import CLAIMS
+    from duhem.proof.claims import CLAIMS, COUPLED, EVERY
 
     page = endless_page()
     if claim is None:
         say("\n".join(page.listed({name: entry.statement for name, entry in CLAIMS.items()})))
         return
-    (name,) = read_claims(claim)
-    say("\n".join(page.hanging(f"{name}: {CLAIMS[name].statement}")))
-    for paragraph in CLAIMS[name].theory.strip().split("\n\n"):
+    (name,) = (claim,) if claim in COUPLED else read_claims(claim)
+    say("\n".join(page.hanging(f"{name}: {EVERY[name].statement}")))
+    for paragraph in EVERY[name].theory.strip().split("\n\n"):
         theory = paragraph if page.width is None else " ".join(paragraph.split())
         say("\n".join(["", *page.hanging(theory, rest="")]))

@@ -60,6 +60,9 @@ _ORDER = ("refuted", "undecided", "tested", "proved", "by_construction", "not_ap
     show_default=True,
     help="Budget of steps for each claim: quick is an eighth of normal, thorough is eight times normal.",
 )
+@click.option(
+    "--coupled", is_flag=True, help="Also decide whether contact with this friction, pressure and opening included, has a bipotential."
+)
 @click.option("--strict", is_flag=True, help="End with exit code 3 if a claim is neither proved nor refuted.")
 @_expect_option
 @click.option(
@@ -73,6 +76,7 @@ def verify(
     report: str | None,
     certificate: str | None,
     effort: str,
+    coupled: bool,
     strict: bool,
     expect: Sequence[str],
     workers: int | None,
@@ -86,16 +90,16 @@ def verify(
     prover (the kernel has no rule for this argument). Results go to standard output, progress messages to standard error.
 
     If you give several laws, each of them has one line of output. If a law cannot be read, crashes, or needs more than 600 s of
-    processor time or 4 GB, its line says so, and the exit code is 4. With --report, --format json or --format junit, duhem verifies the
-    laws one after the other and prints all details.
+    processor time or 4 GB, its line says so, and the exit code is 4. With --coupled, --report, --format json or --format junit, duhem
+    verifies the laws one after the other and prints all details.
     """
-    from duhem.proof.claims import CLAIMS
+    from duhem.proof.claims import CLAIMS, COUPLED
     from duhem.show.place import check_places, write
 
     laws = _found_files(laws)
     asked = None if claims is None else read_claims(claims)
-    expected = _read_expected(expect, asked or CLAIMS)
-    if len(laws) > 1 and form == "text" and report is None and certificate is None:
+    expected = _read_expected(expect, (*(asked or CLAIMS), *(COUPLED if coupled else ())))
+    if len(laws) > 1 and form == "text" and report is None and certificate is None and not coupled:
         return _verify_each(laws, settings, asked, effort, strict, expected, workers)
     if workers is not None:
         remedy = "give several laws, and remove --format, --report and --certificate"
@@ -127,7 +131,7 @@ def verify(
                     decided.append(result)
                     progress.show(f"{len(decided)}: {result.claim} {result.verdict}")
 
-                found = verification.verify(law, claims=asked, effort=effort, on_claim=on_claim, on_method=progress.tries)
+                found = verification.verify(law, claims=asked, effort=effort, coupled=coupled, on_claim=on_claim, on_method=progress.tries)
         except KeyboardInterrupt:  # what was found before is said
             found, interrupted = verification.Verification(law, tuple(decided), (), (), effort=effort, interrupted=True), True
         if form == "text":

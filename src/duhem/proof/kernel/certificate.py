@@ -14,13 +14,15 @@ from duhem.proof.kernel.domain import Bounds, StatedLaw, as_object, exact, inhab
 from duhem.proof.kernel.obligations import numbers
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 
-__all__ = ["CLAIMS", "EVIDENCE", "NO_RULE", "OVER", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "digest", "recheck", "stated"]
+__all__ = ["CLAIMS", "COUPLED", "EVIDENCE", "NO_RULE", "OVER", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "digest", "recheck", "stated"]
 
 SCHEMA = "duhem certificate 2"
 _RENAMED = {"symbolic": BY_CONSTRUCTION}  # as certificates call it that were written before laws had a state
 NO_RULE = "the certificate names no rule for it"
 OVER = "over"  # the word of evidence for wider domains of parameters
 CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws", "thermal")
+COUPLED = ("homogeneity", "bipotential")  # on forces and pressure together
+_EVERY = (*CLAIMS, *COUPLED)
 VERDICTS = ("proved", "refuted", "tested", "undecided", "not_applicable")
 TRUSTS = ("checked", "solver", "prover")  # of a proof; the last two name no rule
 EVIDENCE = (
@@ -65,7 +67,7 @@ class _Claim(NamedTuple):
     def read(cls, given: Any) -> _Claim:
         """NotWritten where a label is none of those there are, or does not go with the others."""
         row = cls(*(without_more(given, cls._fields)[key] for key in cls._fields))
-        for what, label, known in (("claim", row.claim, CLAIMS), ("verdict", row.verdict, VERDICTS), ("trust", row.trust, (*TRUSTS, None))):
+        for what, label, known in (("claim", row.claim, _EVERY), ("verdict", row.verdict, VERDICTS), ("trust", row.trust, (*TRUSTS, None))):
             if label not in known:
                 raise NotWritten(f"the {what} {label!r} is none of: {', '.join(x or 'null' for x in known)}")
         if not isinstance(row.method, str) or not isinstance(row.rule, str | None):
@@ -127,7 +129,7 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
     if len({row.claim for row in said}) < len(said):
         raise NotWritten("a claim is stated twice")
     settled, rows = set[str](), list[Rechecked]()
-    for row in sorted(said, key=lambda row: CLAIMS.index(row.claim)):
+    for row in sorted(said, key=lambda row: _EVERY.index(row.claim)):
         reason = "only proofs are checked"
         rule = _RENAMED.get(row.rule or "", row.rule)
         if row.verdict == "proved":

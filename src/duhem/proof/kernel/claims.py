@@ -14,7 +14,13 @@ from duhem.proof.kernel.definedness import divides_by_zero_force, undecided_besi
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.heat import heat_flows_downhill
-from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
+from duhem.proof.kernel.homogeneity import (
+    flows_with_a_share_of_g,
+    grows_along_rays,
+    is_cone,
+    potential_flows_outward,
+    scales_with_the_pressure,
+)
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge
@@ -290,6 +296,11 @@ def convex_energy(law: StatedLaw, evidence: Evidence) -> bool:
     return any(isinstance(form, StatedLaw) and convexity(form, evidence) for form in _forms("convexity", stored))
 
 
+def with_k_alone(law: StatedLaw) -> str:
+    """For a rule that speaks of slip in the normal cone of K, and of no other rate."""
+    return "rates that are no slip in the normal cone of K act in the law" if law.viscous or law.rates else ""
+
+
 _OF_RATES = {  # what rules show of a potential of rates, by its epigraph
     "origin": "Phi* is 0 at zero force and never less",
     "convexity": "Phi* is convex, as {Phi* <= z} is by the rules of composition (Grant, Boyd, Ye 2006)",
@@ -303,10 +314,15 @@ _SQUARES = (
     "the law states no energy, and with the default one it holds by construction: sigma = k (u - u_in) = dpsi/du = -dpsi/du_in; "
     "psi = |L^T (u - u_in)|^2/2 with k = L L^T is a sum of squares"
 )
+_BIPOTENTIAL = (
+    "K(sigma_n) = p K(-1), p = |sigma_n|, so b - (sigma . d - p v_n) = (p Phi_1(d) - sigma . d) + p v_n is a sum of two terms >= 0, "
+    "which are both 0 exactly if the slip d is in the normal cone of K and p v_n = 0 (de Saxcé, Feng 1991)"
+)
 _PLANE = 3  # forces: two, or three of which adding the same to all changes nothing
 _NONE: frozenset[str] = frozenset()
 _ORIGIN = frozenset({"origin"})
 _CONVEXITY = frozenset({"convexity"})
+_CONTACT = frozenset({"homogeneity", "origin", "convexity", "normality"})
 RULES: Mapping[tuple[str, str], RuleRow] = {
     ("origin", "evaluation"): RuleRow(
         _NONE, origin, obligations.formula_at_zero,
@@ -412,6 +428,13 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "q_k . n_k = h_k (T_k - T) with h_k >= 0, so D_th is the sum of h_k (T_k - T)^2/T_k >= 0; that T changes by what D_intr and the "
         "thermoelastic term leave of this heat holds by construction (Antoni et al. 2007, Eq. 22)",
     ),
+    ("homogeneity", "degrees"): RuleRow(
+        _NONE, lambda law, _: scales_with_the_pressure(law), lambda law: with_k_alone(law) or law.once(obligations.formula_but_at_tips),
+        "g is of one degree in the forces and the pressure together, so that K(sigma_n) = |sigma_n| K(-1) (Euler)",
+    ),
+    ("bipotential", "polar-gauge"): RuleRow(_CONTACT | {"duality"}, lambda law, _: law.associated, with_k_alone, _BIPOTENTIAL, True),
+    ("bipotential", "support-function"): RuleRow(_CONTACT, lambda law, _: law.associated, with_k_alone, _BIPOTENTIAL, True),
+    ("bipotential", "one-normal"): RuleRow(_CONTACT | {"smoothness"}, lambda law, _: True, with_k_alone, _BIPOTENTIAL, True),
 }  # fmt: skip
 CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {
     ("origin", "winding"): RuleRow(
@@ -440,4 +463,11 @@ CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {
         "T . d >= 0 at every angle, so force . flow >= 0",
     ),
     ("state_laws", BY_CONSTRUCTION): RuleRow(_NONE, lambda law, _: True, obligations.nothing, _SQUARES),
+    ("homogeneity", BY_CONSTRUCTION): RuleRow(
+        _NONE, lambda curve, _: True, obligations.nothing, "the curve bounds K(-1), and K(sigma_n) = |sigma_n| K(-1) by definition",
+    ),
+    ("bipotential", "support-function"): RuleRow(
+        _CONTACT, lambda curve, _: curve.flow is None, obligations.nothing, _BIPOTENTIAL, True,
+    ),
+    ("bipotential", "one-normal"): RuleRow(_CONTACT | {"smoothness"}, lambda curve, _: True, obligations.nothing, _BIPOTENTIAL, True),
 }  # fmt: skip

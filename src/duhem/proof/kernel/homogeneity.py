@@ -26,7 +26,7 @@ from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["by_degree", "flows_with_a_share_of_g", "grows_along_rays", "is_cone", "potential_flows_outward"]
+__all__ = ["by_degree", "flows_with_a_share_of_g", "grows_along_rays", "is_cone", "potential_flows_outward", "scales_with_the_pressure"]
 
 _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
@@ -46,6 +46,13 @@ def is_cone(g: Term, domain: StatedDomain) -> bool:
         return len(by_degree(g, domain)) == 1
     except (NotWritten, ValueError):
         return False
+
+
+def scales_with_the_pressure(law: StatedLaw) -> bool:
+    """Whether K(sigma_n) = |sigma_n| K(-1): g keeps its sign along each ray of forces and pressure together, and no range cuts one."""
+    if law.pressure is None or law.ranges:
+        return False
+    return is_cone(law.g, over(law._replace(forces=(*law.forces, law.pressure))))
 
 
 def potential_flows_outward(potential: Term, g: Term, share: Term, domain: StatedDomain) -> bool:
@@ -86,11 +93,25 @@ def _degree(x: Term, domain: StatedDomain) -> Fraction:
         return Fraction(0)
     if x.op == "name":
         return Fraction(1)
-    if x.op == "**" and (p := value(x.args[1], domain)) is not None:
-        return p * _degree_of_all((x.args[0],), domain)
+    if x.op == "**":
+        p = value(x.args[1], domain)
+        return _degree_of_root(x.args[0], x.args[1], domain) if p is None else p * _degree_of_all((x.args[0],), domain)
     if x.op in _ALIKE:
         return _degree_of_all(x.args, domain)
     raise NotWritten(f"{x.op} has no degree in the forces")
+
+
+def _degree_of_root(inner: Term, r: Term, domain: StatedDomain) -> Fraction:
+    """Of (a f^q + ...)^r, whatever q and r are, if q r is a number."""
+    found = set[Fraction]()
+    for m in domain.polynomial(inner):
+        ((f, n),) = ((y, n) for y, n in m if not domain.constant(y))  # ValueError unless there is one
+        k = value(product_of(f.args[1], r), domain) if f.op == "**" and n == 1 else None
+        if k is None:
+            raise NotWritten("a power has no degree in the forces")
+        found.add(k * _degree_of_all((f.args[0],), domain))
+    (k,) = found
+    return k
 
 
 def _degree_of_all(terms: tuple[Term, ...], domain: StatedDomain) -> Fraction:
