@@ -121,9 +121,9 @@ def plain(text: str) -> str:
 
 def claims() -> str:
     """What `duhem explain` says of each claim."""
-    from duhem.proof.claims import CLAIMS
+    from duhem.proof.claims import EVERY
 
-    parts = ([f"## {name}", f"**{plain(claim.statement)}**", *_paragraphs(claim.theory.strip())] for name, claim in CLAIMS.items())
+    parts = ([f"## {name}", f"**{plain(claim.statement)}**", *_paragraphs(claim.theory.strip())] for name, claim in EVERY.items())
     return "\n\n".join("\n\n".join(part) for part in parts)
 
 

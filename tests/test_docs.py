@@ -134,6 +134,9 @@ def test_verifications_and_certificates_are_as_their_schemas_say() -> None:
         held("verify", done.to_dict())
         held("certificate", done.certificate())
     held("verify", replace(done, effort="quick", interrupted=True).to_dict())
+    together = duhem.verify("coulomb", claims="origin", coupled=True)
+    held("verify", together.to_dict())
+    held("certificate", together.certificate())
     assert done["convexity"].witness is not None
 
 

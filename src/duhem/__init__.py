@@ -35,6 +35,7 @@ __all__ = [
     "__version__",
     "atlas",
     "campaign",
+    "contact",
     "criterion",
     "derive",
     "identify",
@@ -48,6 +49,7 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from duhem.api.contact import contact
     from duhem.api.histories import simulate
     from duhem.api.increments import prepare, project
     from duhem.derivation import Derivation, derive
@@ -82,6 +84,7 @@ _HOMES = {
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),
     "screening": ("campaign",),
+    "api.contact": ("contact",),
     "api.histories": ("simulate",),
     "api.increments": ("prepare", "project"),
 }

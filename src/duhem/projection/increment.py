@@ -5,7 +5,7 @@ What a caller may ask is checked here, once, and the first bad entry is named.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -25,7 +25,7 @@ from duhem.projection.declared_ranges import refused
 from duhem.projection.metric import factors
 from duhem.projection.result import Array
 
-__all__ = ["Convexity", "Increment", "at_doubles", "check_associated", "increment", "posed", "setting"]
+__all__ = ["Convexity", "Increment", "at_doubles", "check_associated", "increment", "posed", "setting", "stiffness_matrix"]
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] 
     """The checked question but for its points: no trial stress yet."""
     check_associated(law)
     values, g = _settled(law, _exact(parameters))
-    k, diagonal = _stiffness(stiffness, law)
+    k, diagonal = stiffness_matrix(stiffness, law.forces, None if law.stress is None else law.stress.unit_stiffness)
     return Increment(
         law=law,
         g=g,
@@ -252,15 +252,14 @@ def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
     return np.atleast_1d(pressure)
 
 
-def _stiffness(given: ArrayLike, law: Criterion) -> tuple[Array, bool]:
-    """The matrix, not to be written to, and whether it is diagonal."""
-    d = len(law.forces)
+def stiffness_matrix(given: ArrayLike, axes: Sequence[str], unit: tuple[float, ...] | None = None) -> tuple[Array, bool]:
+    """The matrix, not to be written to, and whether it is diagonal; ``unit`` is the diagonal that the number 1 stands for."""
+    d = len(axes)
     remedy = f"give one number, ({d},) or ({d}, {d})"
-    k = _array(unlabelled(given, "stiffness", f"{remedy}, in the order of {', '.join(law.forces)}"), "stiffness")
+    k = _array(unlabelled(given, "stiffness", f"{remedy}, in the order of {', '.join(axes)}"), "stiffness")
     if k.shape not in ((), (d,), (d, d)):
         raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)
-    unit = (1.0,) * d if law.stress is None else law.stress.unit_stiffness
-    return _matrix(k.tobytes(), k.shape, unit)
+    return _matrix(k.tobytes(), k.shape, unit or (1.0,) * d)
 
 
 @lru_cache(maxsize=256)

@@ -1,0 +1,150 @@
+"""One increment of unilateral contact with friction, pressure included, held against the bipotential.
+
+With p = -sigma_n >= 0, the opening v >= 0, p v = 0 and the slip d normal to K(sigma_n) = p K(-1), the stress (sigma_t, sigma_n) is
+trial - k (d, v).  Without coupling in k, p = max(0, -trial_n).  With it p is a root of f(p) = p + trial_n - k_nt . d(p), where d(p) is the
+slip under the pressure p: the contact opens if f(0) = trial_n - k_nt . k_tt^-1 trial_t >= 0, and else f(0) < 0 <= f(P) at
+P = |trial_n| + |k_nt| |trial_t|, lengths in k_tt^-1.  |dd/dp| <= M, the largest |sigma| in K(-1), so that |k_nt| M < 1 leaves one root.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from duhem.api.increments import Prepared, prepare
+from duhem.errors import InputError
+from duhem.expression.dimensions import degree
+from duhem.expression.given_array import in_order
+from duhem.expression.numpy_ import evaluate
+from duhem.law.catalogue import load_formula
+from duhem.law.formula_law import Criterion
+from duhem.projection.increment import stiffness_matrix
+from duhem.projection.method import Method
+from duhem.projection.metric import Metric
+from duhem.projection.result import ACCURACY, Array, Pointwise, Status
+
+__all__ = ["Contact", "contact"]
+
+_HALVINGS = 1100  # of an interval of doubles, down to the least of them
+
+
+@dataclass(frozen=True, eq=False)
+class Contact(Pointwise):
+    """N increments of contact with friction.
+
+    ``stress`` (N, d + 1) has the forces and sigma_n <= 0; ``slip`` (N, d) and ``opening`` (N,) >= 0 are the inelastic displacements.
+    ``gap`` (N,) is b - (sigma . slip - p opening), which is 0 exactly on the law, over the size of its terms; nan if Phi_1 has no closed
+    form.  ``balance`` (N,) is by how much trial - k (slip, opening) misses the stress, over the length of the trial.  ``status`` (N,) is a
+    :class:`~duhem.projection.result.Status`: ``INACCURATE`` where gap or balance is too large.  ``unique`` (N,) says that the coupling
+    in k is shown to be so weak that there is no other answer.
+    """
+
+    stress: Array
+    slip: Array
+    opening: Array
+    gap: Array
+    balance: Array
+    status: NDArray[np.int8]
+    unique: NDArray[np.bool_]
+
+
+def contact(
+    law: Criterion | str | Path,
+    trial: ArrayLike,
+    stiffness: ArrayLike = 1.0,
+    parameters: Mapping[str, Any] | None = None,
+    method: str | Method[Any] = "auto",
+) -> Contact:
+    """Compute increments of friction and unilateral contact together: (sigma, sigma_n) = trial - k (slip, opening).
+
+    ``trial`` (d + 1,) or (N, d + 1) is the stress before slip and opening, the forces and then sigma_n (> 0 where the step would pull):
+    after an increment du of the displacements, normal last and positive in opening, it is stress + k du.  ``stiffness``, one number,
+    (d + 1,) or (d + 1, d + 1), is in the same order.  ``method`` finds the slip under a pressure, as in :func:`duhem.project`.  Raises
+    InputError for a law without a pressure, or of which K is not seen to be proportional to it, and as :func:`duhem.project` does.
+    """
+    criterion = load_formula(law)
+    if criterion.pressure is None:
+        raise InputError(f"{criterion.name} has no pressure", where="law", remedy="use duhem.project")
+    d = len(criterion.forces)
+    k = stiffness_matrix(stiffness, criterion.coordinates)[0]
+    ahead = prepare(criterion, k[:d, :d], parameters, method)
+    symbols = criterion.symbols()
+    if degree(ahead.projector.setting.g, [symbols[name] for name in criterion.coordinates]) is None:
+        what = f"K of {criterion.name} is not seen to be proportional to {criterion.pressure}"
+        raise InputError(what, where="law", remedy="use duhem.project under a pressure that you know")
+    rows = np.atleast_2d(np.asarray(in_order(trial, criterion.coordinates, "trial"), dtype=np.float64))
+    if rows.ndim != 2 or rows.shape[1] != d + 1 or not np.isfinite(rows).all():
+        remedy = f"give finite numbers, (N, {d + 1}) or ({d + 1},), columns {', '.join(criterion.coordinates)}"
+        raise InputError(f"trial has the shape {np.shape(trial)}, or a value that is not finite", where="trial", remedy=remedy)
+    pressure, opening = _normal_part(ahead, rows, k)
+    found = ahead.project(rows[:, :d] - opening[:, None] * k[:d, d], -pressure)
+    stress = np.column_stack([found.stress, -pressure]) + 0.0  # no -0
+    gap, unique = _against_the_bipotential(ahead, k, found.stress, pressure, found.slip, opening)
+    missing = rows - np.column_stack([found.slip, opening]) @ k - stress
+    balance = _share(np.linalg.norm(missing, axis=1), np.linalg.norm(rows, axis=1))
+    bad = (balance > ACCURACY) | (np.abs(gap) > ACCURACY)
+    status = np.where(bad & (found.status != Status.FAILED), Status.INACCURATE, found.status).astype(np.int8)
+    return Contact(stress, found.slip, opening, gap, balance, status, np.full(len(rows), unique))
+
+
+def _normal_part(ahead: Prepared, rows: Array, k: Array) -> tuple[Array, Array]:
+    """Pressures p >= 0 and openings, (N,) each."""
+    d = len(k) - 1
+    across, trial, normal = k[d, :d], rows[:, :d], rows[:, d]
+    back = np.linalg.solve(k[:d, :d], across)
+    start = normal - trial @ back
+    opening = np.maximum(start, 0.0) / (k[d, d] - across @ back)
+    pressure = np.where(start < 0.0, -normal, 0.0)
+    if across.any() and (closed := np.flatnonzero(start < 0.0)).size:
+        metric = Metric.of(np.ascontiguousarray(k[:d, :d])).of_stress
+        low = np.zeros(closed.size)
+        high = np.abs(normal[closed]) + np.linalg.norm(trial[closed] @ metric, axis=1) * np.linalg.norm(across @ metric)
+        for _ in range(_HALVINGS):
+            middle = low + (high - low) / 2.0
+            if ((middle <= low) | (middle >= high)).all():
+                break
+            above = middle + normal[closed] - ahead.project(trial[closed], -middle).slip @ across >= 0.0
+            low, high = np.where(above, low, middle), np.where(above, middle, high)
+        pressure[closed] = high
+    return pressure, opening
+
+
+def _against_the_bipotential(ahead: Prepared, k: Array, stress: Array, pressure: Array, slip: Array, opening: Array) -> tuple[Array, bool]:
+    """b - (sigma . slip - p opening) over the size of its terms (N,), and whether the answer is shown to be the only one."""
+    setting, d = ahead.projector.setting, len(k) - 1
+    across, polar = k[d, :d], _polar(replace(setting.law), tuple(setting.parameters.items()))
+    if polar is None:
+        return np.full(len(pressure), np.nan), not across.any()
+    metric = Metric.of(np.ascontiguousarray(k[:d, :d])).of_stress
+    longest = np.linalg.norm(np.maximum(_at(polar, metric.T), _at(polar, -metric.T)))
+    terms = pressure * _at(polar, slip), np.sum(stress * slip, axis=1), pressure * opening
+    return _share(terms[0] - terms[1] + terms[2], np.abs(terms).sum(axis=0)), bool(np.linalg.norm(across @ metric) * longest < 1.0)
+
+
+Polar = tuple[Any, tuple[Any, ...]]  # Phi_1 and the symbols of the slips
+
+
+@lru_cache(maxsize=64)
+def _polar(law: Criterion, parameters: tuple[tuple[str, float], ...]) -> Polar | None:
+    """Phi_1, finite for every slip; None where duhem derives no such closed form."""
+    from duhem.derivation.support_function import support_function
+
+    found = support_function(law, dict(parameters))
+    if found is None or found.domain or law.pressure is None:
+        return None
+    return found.potential.subs(law.symbols()[law.pressure], -1), found.rates
+
+
+def _at(polar: Polar, slips: Array) -> Array:
+    potential, rates = polar
+    return np.broadcast_to(evaluate(potential, dict(zip(rates, slips.T, strict=True))), len(slips))
+
+
+def _share(part: Array, whole: Array) -> Array:
+    return np.divide(part, whole, out=np.zeros_like(part), where=whole > 0.0)
