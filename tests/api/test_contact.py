@@ -172,7 +172,7 @@ def test_without_a_closed_form_there_is_no_gap_to_tell() -> None:
         ("cohesive", [1.0, 0.0, -1.0], {"mu": 0.5, "cohesion": 1.0}, "not seen to be proportional to sigma_n"),
         ("von-mises", [1.0, 0.0], {"yield_stress": 1.0}, "has no pressure"),
         ("coulomb", [1.0, 0.0], {"mu": 0.5}, "the shape"),
-        ("coulomb", [1.0, 0.0, float("nan")], {"mu": 0.5}, "not finite"),
+        ("coulomb", [1.0, 0.0, float("nan")], {"mu": 0.5}, "is nan"),
         ("radial-flow", [1.0, 0.0, -1.0], {"mu_a": 0.5, "mu_b": 0.5}, "its own flow direction"),
     ],
 )

@@ -52,12 +52,12 @@ def test_a_law_with_a_gauge_has_the_bipotential(name: str) -> None:
     assert found["homogeneity"].verdict is found["bipotential"].verdict is Verdict.PROVED
     assert found["homogeneity"].trust is found["bipotential"].trust is Trust.CHECKED
     coupled = found.coupled
-    assert coupled is not None and coupled.support == CLOSED[name] and f"v_n = {CLOSED[name]} " in (coupled.dilatancy or "")
+    assert coupled is not None and coupled.support_function == CLOSED[name] and f"v_n = {CLOSED[name]} " in (coupled.dilatancy or "")
     assert found.to_dict()["coupled"] == {
         "bipotential": "proved",
         "trust": "checked",
         "support_function": CLOSED[name],
-        "finite_where_zero": [],
+        "finite_where_zero": (),
         "dilatancy": coupled.dilatancy,
     }
     rechecked = duhem.recheck(found.certificate())
@@ -66,13 +66,13 @@ def test_a_law_with_a_gauge_has_the_bipotential(name: str) -> None:
 
 def test_fixed_values_stand_in_the_closed_form() -> None:
     coupled = asked("coulomb", mu="1/2").coupled
-    assert coupled is not None and coupled.support == "norm(d_a, d_b)/2"
+    assert coupled is not None and coupled.support_function == "norm(d_a, d_b)/2"
 
 
 def test_without_a_closed_form_it_is_the_support_function_by_definition() -> None:
     found = asked("limacon", e="1/4")
     assert (found["bipotential"].verdict, found["bipotential"].method) == (Verdict.PROVED, "support-function")
-    assert found.coupled is not None and found.coupled.support is found.coupled.dilatancy is None
+    assert found.coupled is not None and found.coupled.support_function is found.coupled.dilatancy is None
 
 
 @pytest.mark.parametrize(("flow", "method"), [(None, "support-function"), (("cos(phi)", "sin(phi)"), "one-normal")])
@@ -160,7 +160,7 @@ def test_a_law_without_a_gauge_says_so(name: str) -> None:
     found = asked(name)
     assert found["homogeneity"].verdict is Verdict.REFUTED and found["bipotential"].verdict is Verdict.NOT_APPLICABLE
     assert "the law has none" in found["bipotential"].detail
-    assert found.coupled is not None and found.coupled.support is found.coupled.dilatancy is None
+    assert found.coupled is not None and found.coupled.support_function is found.coupled.dilatancy is None
 
 
 def test_of_a_law_without_pressure_and_of_rates_nothing_is_said() -> None:
@@ -240,8 +240,8 @@ def power(s: State) -> Fraction:
 def test_wrong_bipotentials_are_refuted_by_exact_states() -> None:
     mu = Fraction(1, 2)
     coupled = asked("coulomb").coupled
-    assert coupled is not None and coupled.support is not None
-    phi, of_law = support(coupled.support, mu=mu), lambda _, own: own
+    assert coupled is not None and coupled.support_function is not None
+    phi, of_law = support(coupled.support_function, mu=mu), lambda _, own: own
     right = counterexample(lambda s: s["p"] * phi(s) - power(s) + s["p"] * s["v"], mu, of_law)
     assert right is None  # b >= pairing everywhere, with equality exactly on the law
 

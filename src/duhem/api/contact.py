@@ -8,7 +8,7 @@ P = |trial_n| + |k_nt| |trial_t|, lengths in k_tt^-1.  |dd/dp| <= M, the largest
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -20,11 +20,10 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.api.increments import Prepared, prepare
 from duhem.errors import InputError
 from duhem.expression.dimensions import degree
-from duhem.expression.given_array import in_order
 from duhem.expression.numpy_ import evaluate
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
-from duhem.projection.increment import stiffness_matrix
+from duhem.projection.increment import stiffness_matrix, trial_rows
 from duhem.projection.method import Method
 from duhem.projection.metric import Metric
 from duhem.projection.result import ACCURACY, Array, Pointwise, Status
@@ -71,17 +70,12 @@ def contact(
     criterion = load_formula(law)
     if criterion.pressure is None:
         raise InputError(f"{criterion.name} has no pressure", where="law", remedy="use duhem.project")
-    d = len(criterion.forces)
-    k = stiffness_matrix(stiffness, criterion.coordinates)[0]
+    d, k = len(criterion.forces), stiffness_matrix(stiffness, criterion.coordinates)[0]
     ahead = prepare(criterion, k[:d, :d], parameters, method)
-    symbols = criterion.symbols()
-    if degree(ahead.projector.setting.g, [symbols[name] for name in criterion.coordinates]) is None:
+    if degree(ahead.projector.setting.g, [criterion.symbols()[name] for name in criterion.coordinates]) is None:
         what = f"K of {criterion.name} is not seen to be proportional to {criterion.pressure}"
         raise InputError(what, where="law", remedy="use duhem.project under a pressure that you know")
-    rows = np.atleast_2d(np.asarray(in_order(trial, criterion.coordinates, "trial"), dtype=np.float64))
-    if rows.ndim != 2 or rows.shape[1] != d + 1 or not np.isfinite(rows).all():
-        remedy = f"give finite numbers, (N, {d + 1}) or ({d + 1},), columns {', '.join(criterion.coordinates)}"
-        raise InputError(f"trial has the shape {np.shape(trial)}, or a value that is not finite", where="trial", remedy=remedy)
+    rows = trial_rows(trial, criterion.coordinates)
     pressure, opening = _normal_part(ahead, rows, k)
     found = ahead.project(rows[:, :d] - opening[:, None] * k[:d, d], -pressure)
     stress = np.column_stack([found.stress, -pressure]) + 0.0  # no -0
@@ -122,28 +116,21 @@ def _against_the_bipotential(ahead: Prepared, k: Array, stress: Array, pressure:
     if polar is None:
         return np.full(len(pressure), np.nan), not across.any()
     metric = Metric.of(np.ascontiguousarray(k[:d, :d])).of_stress
-    longest = np.linalg.norm(np.maximum(_at(polar, metric.T), _at(polar, -metric.T)))
-    terms = pressure * _at(polar, slip), np.sum(stress * slip, axis=1), pressure * opening
+    longest = np.linalg.norm(np.maximum(polar(metric.T), polar(-metric.T)))
+    terms = pressure * polar(slip), np.sum(stress * slip, axis=1), pressure * opening
     return _share(terms[0] - terms[1] + terms[2], np.abs(terms).sum(axis=0)), bool(np.linalg.norm(across @ metric) * longest < 1.0)
 
 
-Polar = tuple[Any, tuple[Any, ...]]  # Phi_1 and the symbols of the slips
-
-
 @lru_cache(maxsize=64)
-def _polar(law: Criterion, parameters: tuple[tuple[str, float], ...]) -> Polar | None:
-    """Phi_1, finite for every slip; None where duhem derives no such closed form."""
+def _polar(law: Criterion, parameters: tuple[tuple[str, float], ...]) -> Callable[[Array], Array] | None:
+    """Phi_1 of slips (N, d), finite for each; None where duhem derives no such closed form."""
     from duhem.derivation.support_function import support_function
 
     found = support_function(law, dict(parameters))
     if found is None or found.domain or law.pressure is None:
         return None
-    return found.potential.subs(law.symbols()[law.pressure], -1), found.rates
-
-
-def _at(polar: Polar, slips: Array) -> Array:
-    potential, rates = polar
-    return np.broadcast_to(evaluate(potential, dict(zip(rates, slips.T, strict=True))), len(slips))
+    potential, rates = found.potential.subs(law.symbols()[law.pressure], -1), found.rates
+    return lambda slips: np.broadcast_to(evaluate(potential, dict(zip(rates, slips.T, strict=True))), len(slips))
 
 
 def _share(part: Array, whole: Array) -> Array:

@@ -25,7 +25,7 @@ from duhem.projection.declared_ranges import refused
 from duhem.projection.metric import factors
 from duhem.projection.result import Array
 
-__all__ = ["Convexity", "Increment", "at_doubles", "check_associated", "increment", "posed", "setting", "stiffness_matrix"]
+__all__ = ["Convexity", "Increment", "at_doubles", "check_associated", "increment", "posed", "setting", "stiffness_matrix", "trial_rows"]
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] 
 def posed(setting: Increment, trial: ArrayLike, pressure: ArrayLike | None) -> Increment:
     """The question ``setting`` at other points, which are checked."""
     d = len(setting.law.forces)
-    stresses = _trial(trial, d, setting.law)
+    stresses = trial_rows(trial, setting.law.forces)
     pressures = _pressure(pressure, setting.law)
     check_rows(trial, pressure, "pressure")
     if stresses.shape[:1] == pressures.shape:
@@ -219,13 +219,12 @@ def _at(where: str, index: tuple[int, ...]) -> str:
     return f"{where}[{', '.join(map(str, index))}]" if index else where
 
 
-def _trial(given: ArrayLike, d: int, law: Criterion) -> Array:
-    array = _array(in_order(given, law.forces, "trial"), "trial")
+def trial_rows(given: ArrayLike, axes: Sequence[str]) -> Array:
+    """Trial stresses (N, d) of finite numbers, a column for each of the ``axes``."""
+    d, array = len(axes), _array(in_order(given, axes, "trial"), "trial")
     trial = array[None] if array.ndim == 1 else array
     if trial.ndim != 2 or trial.shape[1] != d:
-        raise InputError(
-            f"trial has the shape {array.shape}", where="trial", remedy=f"give (N, {d}) or ({d},), columns {', '.join(law.forces)}"
-        )
+        raise InputError(f"trial has the shape {array.shape}", where="trial", remedy=f"give (N, {d}) or ({d},), columns {', '.join(axes)}")
     return trial
 
 

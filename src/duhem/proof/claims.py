@@ -356,26 +356,23 @@ _TOGETHER = (
         name="homogeneity",
         statement="K(sigma_n) = |sigma_n| K(-1) for every sigma_n < 0",
         theory="""\
-K grows in proportion to the pressure: the forces and the pressure together form a cone.  Coulomb's law and every law |sigma_n|
-times a gauge has this property.  Cohesion, a cap on the shear stress and a regularised pressure do not.
+K grows in proportion to the pressure, as of Coulomb's law and of every gauge, and not with a cohesion or a cap on the stress.
 
-Proof: g is positively homogeneous in the forces and the pressure together.  Refutation: a point of K of which a multiple,
-pressure included, lies outside.""",
+Proof: g is positively homogeneous in the forces and the pressure together.  Refutation: a point of K and a multiple outside K.""",
         methods=(CHEAP, ProofMethod(FormulaSubject, coupled.homogeneity_along_rays)),
     ),
     Claim(
         name="bipotential",
         statement="b = I(sigma in p K(-1)) + I(v_n >= 0) + p Phi_1(d) >= sigma . d - p v_n, p = |sigma_n|, and equal on the law alone",
         theory="""\
-Unilateral contact with friction is one law between (sigma, p) and the rates of slip and opening (d, v_n): p >= 0, v_n >= 0,
-p v_n = 0, and d normal to K at sigma (if K is bounded and p = 0, the slip is free).  It is not associated: if (d, -v_n) were
-normal to the cone of all (sigma, p), each slip would open the contact by v_n = Phi_1(d), where Phi_1 is the support function of
-K(-1).  But the law has de Saxcé's bipotential b (de Saxcé, Feng 1991): b is convex in (d, v_n) and in (sigma, p), never less
-than the power sigma . d - p v_n, and equal to it on the law alone.  Where Phi_1(d) is infinite, so is b, at p = 0 too.
+Unilateral contact with friction: p >= 0, v_n >= 0, p v_n = 0 with the opening rate v_n, and the slip d is normal to K at sigma.
+Normality in (sigma, p) together would open the contact by v_n = Phi_1(d), the support function of K(-1).  The law is not
+associated in this sense, but it has de Saxcé's bipotential b (de Saxcé, Feng 1991), convex in (d, v_n) and in (sigma, p).
+Where Phi_1(d) is infinite, so is b, at p = 0 too.
 
-Proof: b - (sigma . d - p v_n) = (p Phi_1(d) - sigma . d) + p v_n, and both terms are >= 0.  This needs homogeneity, origin,
-convexity and normality, each confirmed by the kernel, and duality if Phi_1 is stated in closed form.  A law with its own flow
-direction must be smooth too, so that K has no other normal.  Refutation: a slip of the law that is not normal to K.""",
+Proof: b - (sigma . d - p v_n) = (p Phi_1(d) - sigma . d) + p v_n, two terms >= 0.  It rests on homogeneity, origin, convexity and
+normality, all confirmed by the kernel, and on duality if Phi_1 has a closed form; for a law with its own flow direction on
+smoothness.  Refutation: a slip of the law that is not normal to K.""",
         methods=(
             Consequence(Subject, coupled.bipotential_of_no_cone),
             Finder(Subject, coupled.bipotential),

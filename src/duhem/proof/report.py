@@ -227,10 +227,10 @@ def _coupled(verification: Verification) -> tuple[str, ...]:
     """What holds in forces and pressure together, if that was asked for."""
     if (found := verification.coupled) is None:
         return ()
-    where = f", finite only where {_and([f'{form} = 0' for form in found.flat])}" if found.flat else ""
-    closed = f"the support function of K at {verification.criterion.pressure} = -1 is Phi_1(d) = {found.support}{where}"
     said = f"contact with friction as one law has the bipotential b: {_word(found.bipotential)}"
-    return (said, closed, found.dilatancy) if found.support and found.dilatancy else (said,)
+    where = "".join(f", finite only where {form} = 0" for form in found.finite_where_zero)
+    closed = f"the support function of K at {verification.criterion.pressure} = -1 is Phi_1(d) = {found.support_function}{where}"
+    return (said, closed, found.dilatancy) if found.dilatancy else (said,)
 
 
 def _answer(title: str, answer: bool | None, found: Mapping[str, ClaimResult], claims: Sequence[str]) -> str:

@@ -14,7 +14,7 @@ from difflib import get_close_matches
 from fractions import Fraction
 from functools import partial
 from threading import RLock
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from duhem.errors import InputError
 from duhem.expression.balls import precision
@@ -44,16 +44,8 @@ from duhem.show.printing import Shown
 from duhem.version import __version__
 
 __all__ = [
-    "ClaimResult",
-    "Confirmations",
-    "Coupled",
-    "Standing",
-    "Verification",
-    "claim_results",
-    "verdict_within",
-    "verify",
-    "wanted_claims",
-]
+    "ClaimResult", "Confirmations", "Coupled", "Standing", "Verification", "claim_results", "verdict_within", "verify", "wanted_claims",
+]  # fmt: skip
 
 _TURN = RLock()
 _BITS = 53  # what Arb starts with
@@ -63,40 +55,30 @@ _MOST_STEPS = 20_000_000  # for a proof that somebody offers
 _OVER_ALL = "over the whole domain of the law, of which this is a part"
 
 
-@dataclass(frozen=True)
-class Coupled:
-    """Unilateral contact with friction as one law in (sigma, p): whether it has de Saxcé's ``bipotential``, and the ``trust`` of that.
+class Coupled(NamedTuple):
+    """Unilateral contact with friction as one law in (sigma, p): the verdict on de Saxcé's ``bipotential``, and the ``trust`` of a proof.
 
-    ``support`` is Phi_1(d), the support function of K(-1), as text; it is finite where each form of ``flat`` is 0.  ``dilatancy`` says what
-    normality of the cone of all (sigma, p) would predict.  Both are None where no closed form is proved, or K is no cone.
+    ``support_function`` is Phi_1(d), of K(-1), as text; it is finite where each form of ``finite_where_zero`` is 0.  ``dilatancy`` says
+    what normality of the cone of all (sigma, p) would predict.  Both are None where no closed form is proved, or K is no cone.
     """
 
-    bipotential: Verdict
-    trust: Trust | None
-    support: str | None = None
-    flat: tuple[str, ...] = ()
+    bipotential: str
+    trust: str | None
+    support_function: str | None = None
+    finite_where_zero: tuple[str, ...] = ()
     dilatancy: str | None = None
 
     @classmethod
     def of(cls, subject: Subject, results: Iterable[ClaimResult]) -> Coupled:
         """What the results say together."""
         found = {result.claim: result for result in results}
-        own = found["bipotential"]
-        shown = {found[name].verdict for name in ("homogeneity", "duality")} == {Verdict.PROVED}
+        trust = found["bipotential"].trust
+        own = cls(found["bipotential"].verdict.value, None if trust is None else trust.value)
+        shown = found["homogeneity"].verdict is found["duality"].verdict is Verdict.PROVED
         if not shown or (closed := polar_of_the_cone(subject)) is None:
-            return cls(own.verdict, own.trust)
-        told = f"v_n = {closed[0]} while it slips, and the law has p v_n = 0"
-        return cls(own.verdict, own.trust, *closed, f"normality in forces and pressure together would open the contact with {told}")
-
-    def to_dict(self) -> dict[str, Any]:
-        """The block of the JSON report."""
-        return {
-            "bipotential": self.bipotential.value,
-            "trust": None if self.trust is None else self.trust.value,
-            "support_function": self.support,
-            "finite_where_zero": list(self.flat),
-            "dilatancy": self.dilatancy,
-        }
+            return own
+        told = f"normality in forces and pressure together would open the contact with v_n = {closed[0]} while it slips"
+        return own._replace(support_function=closed[0], finite_where_zero=closed[1], dilatancy=f"{told}, and the law has p v_n = 0")
 
 
 @dataclass(frozen=True, repr=False)
@@ -188,7 +170,7 @@ class Verification(Shown):
             "claims": [r.to_dict() for r in self.results],
             "generalized_standard": self.generalized_standard,
             "dissipative": self.dissipative,
-            **({} if self.coupled is None else {"coupled": self.coupled.to_dict()}),
+            **({} if self.coupled is None else {"coupled": self.coupled._asdict()}),
             "left_out": [x.to_dict() for x in self.left_out],
             "remarks": list(self.remarks),
             **({"interrupted": True} if self.interrupted else {}),

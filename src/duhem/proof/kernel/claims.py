@@ -14,13 +14,7 @@ from duhem.proof.kernel.definedness import divides_by_zero_force, undecided_besi
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.heat import heat_flows_downhill
-from duhem.proof.kernel.homogeneity import (
-    flows_with_a_share_of_g,
-    grows_along_rays,
-    is_cone,
-    potential_flows_outward,
-    scales_with_the_pressure,
-)
+from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge
@@ -296,6 +290,13 @@ def convex_energy(law: StatedLaw, evidence: Evidence) -> bool:
     return any(isinstance(form, StatedLaw) and convexity(form, evidence) for form in _forms("convexity", stored))
 
 
+def scales_with_the_pressure(law: StatedLaw, _: Evidence) -> bool:
+    """g keeps its sign along each ray of forces and pressure together, and no range cuts one."""
+    if law.pressure is None or law.ranges:
+        return False
+    return is_cone(law.g, over(law._replace(forces=(*law.forces, law.pressure))))
+
+
 def with_k_alone(law: StatedLaw) -> str:
     """For a rule that speaks of slip in the normal cone of K, and of no other rate."""
     return "rates that are no slip in the normal cone of K act in the law" if law.viscous or law.rates else ""
@@ -429,7 +430,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "thermoelastic term leave of this heat holds by construction (Antoni et al. 2007, Eq. 22)",
     ),
     ("homogeneity", "degrees"): RuleRow(
-        _NONE, lambda law, _: scales_with_the_pressure(law), lambda law: with_k_alone(law) or law.once(obligations.formula_but_at_tips),
+        _NONE, scales_with_the_pressure, lambda law: with_k_alone(law) or law.once(obligations.formula_but_at_tips),
         "g is of one degree in the forces and the pressure together, so that K(sigma_n) = |sigma_n| K(-1) (Euler)",
     ),
     ("bipotential", "polar-gauge"): RuleRow(_CONTACT | {"duality"}, lambda law, _: law.associated, with_k_alone, _BIPOTENTIAL, True),
@@ -466,8 +467,6 @@ CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {
     ("homogeneity", BY_CONSTRUCTION): RuleRow(
         _NONE, lambda curve, _: True, obligations.nothing, "the curve bounds K(-1), and K(sigma_n) = |sigma_n| K(-1) by definition",
     ),
-    ("bipotential", "support-function"): RuleRow(
-        _CONTACT, lambda curve, _: curve.flow is None, obligations.nothing, _BIPOTENTIAL, True,
-    ),
+    ("bipotential", "support-function"): RuleRow(_CONTACT, lambda curve, _: curve.flow is None, obligations.nothing, _BIPOTENTIAL, True),
     ("bipotential", "one-normal"): RuleRow(_CONTACT | {"smoothness"}, lambda curve, _: True, obligations.nothing, _BIPOTENTIAL, True),
 }  # fmt: skip

@@ -26,7 +26,7 @@ from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["by_degree", "flows_with_a_share_of_g", "grows_along_rays", "is_cone", "potential_flows_outward", "scales_with_the_pressure"]
+__all__ = ["by_degree", "flows_with_a_share_of_g", "grows_along_rays", "is_cone", "potential_flows_outward"]
 
 _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
@@ -46,13 +46,6 @@ def is_cone(g: Term, domain: StatedDomain) -> bool:
         return len(by_degree(g, domain)) == 1
     except (NotWritten, ValueError):
         return False
-
-
-def scales_with_the_pressure(law: StatedLaw) -> bool:
-    """Whether K(sigma_n) = |sigma_n| K(-1): g keeps its sign along each ray of forces and pressure together, and no range cuts one."""
-    if law.pressure is None or law.ranges:
-        return False
-    return is_cone(law.g, over(law._replace(forces=(*law.forces, law.pressure))))
 
 
 def potential_flows_outward(potential: Term, g: Term, share: Term, domain: StatedDomain) -> bool:

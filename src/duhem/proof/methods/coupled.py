@@ -25,12 +25,10 @@ from duhem.proof.witness.points import decimal_pair, sign_at, witness
 __all__ = ["bipotential", "bipotential_left_open", "bipotential_of_no_cone", "homogeneity_along_rays", "polar_of_the_cone"]
 
 _LOADS = tuple(Fraction(2) ** k for k in (0, 1, 10, -10, 20, -20))
+_BESIDE = tuple(Fraction(n, 1000) for n in (875, 1125, 995, 1005))  # of where K ends
 _FARTHEST, _HALVINGS, _MOST_CHOICES = Fraction(2) ** 40, 24, 4
 _STRETCHED = "g <= 0 at `inside` and g > 0 at `outside`, which is a multiple of it, pressure included: K(sigma_n) is not |sigma_n| K(-1)"
-_SUM = (
-    "so that b - (sigma . d - p v_n) = (p Phi_1(d) - sigma . d) + p v_n >= 0, and 0 exactly if p v_n = 0 and the slip d is normal to K at "
-    "sigma (p = |sigma_n|, K_1 = K(-1))"
-)
+_SUM = "so b - (sigma . d - p v_n) = (p Phi_1(d) - sigma . d) + p v_n >= 0, and 0 exactly if p v_n = 0 and d is normal to K at sigma"
 _PREMISES = ("homogeneity", "origin", "convexity", "normality")
 _ABOVE = "The slip d of the law at this point has p Phi_1(d) >= tau . d > sigma . d, so that b > sigma . d - p v_n on the law itself: "
 
@@ -42,23 +40,19 @@ def homogeneity_along_rays(subject: FormulaSubject) -> Evidence | None:
         reason = "rates that derive from a potential have no K" if law.viscous else "the law has no pressure"
         return Evidence(Verdict.NOT_APPLICABLE, "none", reason)
     zero, span = [Fraction(0)] * len(subject.simple.forces), law.domain.get(law.pressure)
-    loads = [p for p in _LOADS if span is None or rational(-p) in span]
+    first, *loads = [p for p in _LOADS if span is None or rational(-p) in span] or _LOADS
     for values, x, sense in product(subject.choices(_MOST_CHOICES), subject.problem.forces, (1, -1)):
         base = subject.values_at(values, zero)
 
         def at(share: Fraction, p: Fraction, base: Values = base, x: sp.Symbol = x, sense: int = sense) -> Values:
             return {**base, load: p, x: sense * share * p}
 
-        def inside(share: Fraction, p: Fraction, at: Callable[[Fraction, Fraction], Values] = at) -> bool:
-            return sign_at(g, at(share, p))[0] == -1
-
-        ends = dict[Fraction, Fraction]()
-        for p in loads:
-            ends[p] = _end(partial(inside, p=p))
-            (near, out), (far, into) = (least(ends.items(), key=lambda item: item[1])[::-1] for least in (min, max))
-            share = next((s for n in range(24) if near < (s := ((near + far) / 2).limit_denominator(2**n)) < far), (near + far) / 2)
-            points = {"inside": at(share, into), "outside": at(share, out)}
-            signs = {role: sign_at(g, point) for role, point in points.items()} if far - near > near / 1000 else {}
+        end = _end(g, partial(at, p=first))
+        for p, beside in product(loads, _BESIDE):
+            share = (end * beside).limit_denominator(10_000)
+            ordered = sorted((at(share, q) for q in (first, p)), key=lambda point: sign_at(g, point)[0] or 0)
+            points = dict(zip(("inside", "outside"), ordered, strict=True))
+            signs = {role: sign_at(g, point) for role, point in points.items()}
             if [sign for sign, _ in signs.values()] == [-1, 1]:
                 shown = {f"g({role})": decimal_pair(enclosure) for role, (_, enclosure) in signs.items()}
                 found = witness(subject, points, shown, _STRETCHED)
@@ -66,14 +60,14 @@ def homogeneity_along_rays(subject: FormulaSubject) -> Evidence | None:
     return None
 
 
-def _end(inside: Callable[[Fraction], bool]) -> Fraction:
+def _end(g: sp.Expr, at: Callable[[Fraction], Values]) -> Fraction:
     """Where K seems to end along a force: as a share of the pressure."""
     low, high = Fraction(0), Fraction(1)
-    while high < _FARTHEST and inside(high):
+    while high < _FARTHEST and sign_at(g, at(high))[0] == -1:
         low, high = high, 2 * high
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        low, high = (middle, high) if inside(middle) else (low, middle)
+        low, high = (middle, high) if sign_at(g, at(middle))[0] == -1 else (low, middle)
     return low
 
 
