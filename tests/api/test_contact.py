@@ -103,7 +103,7 @@ SEVERAL = [
 def test_other_gauges_are_held_against_the_bipotential(law: str, given: dict[str, float], k: Any) -> None:
     found = contact(law, drawn(40), k, given)
     assert found.unique.all() and {*found.status.tolist()} <= {Status.STICK, Status.SLIP}
-    assert np.abs(found.gap).max() < 1e-7 and found.balance.max() < 1e-10
+    assert np.abs(found.gap).max() < 1e-12 and found.balance.max() < 1e-12
 
 
 def test_one_direction_of_slip_and_one_increment() -> None:

@@ -23,7 +23,7 @@ from duhem.proof.kernel.certificate import digest, stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.methods.coupled import homogeneity_along_rays
 from duhem.proof.verdict import Evidence, Trust
-from duhem.proof.verification import Confirmations, Standing
+from duhem.proof.verification import Confirmations, Coupled, Standing
 from tests.long import mostly_long
 
 ABOVE_0 = Domain(positive=True)
@@ -288,6 +288,15 @@ def test_a_doubtful_closed_form_is_not_used() -> None:
     kernel.standings.update({name: Standing(Trust.CHECKED) for name in settled} | {"duality": Standing(Trust.PROVER)})
     found = EVERY["bipotential"].examine(subject, settled, kernel)
     assert (found.verdict, found.method) == (Verdict.PROVED, "support-function") and "mu" not in found.detail
+
+
+@pytest.mark.parametrize(("claim", "trust"), [("duality", Trust.PROVER), ("homogeneity", None)])
+def test_no_dilatancy_is_told_by_a_closed_form_that_the_kernel_did_not_confirm(claim: str, trust: Trust | None) -> None:
+    found, subject = asked("coulomb"), FormulaSubject(duhem.load("coulomb"))
+    results = [*found.results, *found.rests_on]
+    assert Coupled.of(subject, results) == found.coupled
+    weaker = Coupled.of(subject, [replace(r, trust=trust) if r.claim == claim else r for r in results])
+    assert weaker.support_function is weaker.dilatancy is None and weaker.bipotential == "proved"
 
 
 def test_nobody_who_did_not_ask_is_told() -> None:

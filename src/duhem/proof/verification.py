@@ -59,7 +59,7 @@ class Coupled(NamedTuple):
     """Unilateral contact with friction as one law in (sigma, p): the verdict on de Saxcé's ``bipotential``, and the ``trust`` of a proof.
 
     ``support_function`` is Phi_1(d), of K(-1), as text; it is finite where each form of ``finite_where_zero`` is 0.  ``dilatancy`` says
-    what normality of the cone of all (sigma, p) would predict.  Both are None where no closed form is proved, or K is no cone.
+    what normality of the cone of all (sigma, p) would predict.  Both are None where the kernel confirms no closed form, or K is no cone.
     """
 
     bipotential: str
@@ -74,7 +74,7 @@ class Coupled(NamedTuple):
         found = {result.claim: result for result in results}
         trust = found["bipotential"].trust
         own = cls(found["bipotential"].verdict.value, None if trust is None else trust.value)
-        shown = found["homogeneity"].verdict is found["duality"].verdict is Verdict.PROVED
+        shown = found["homogeneity"].trust is found["duality"].trust is Trust.CHECKED
         if not shown or (closed := polar_of_the_cone(subject)) is None:
             return own
         told = f"normality in forces and pressure together would open the contact with v_n = {closed[0]} while it slips"
