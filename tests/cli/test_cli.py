@@ -46,9 +46,7 @@ def result(claim: str, verdict: Verdict) -> ClaimResult:
 def made_up(*verdicts: Verdict) -> Callable[..., Verification]:
     """A verifier that hands out these verdicts."""
 
-    def verify(
-        law: Any, parameters: Any = None, claims: Any = None, *, effort: str = "normal", on_claim: Any = None, on_method: Any = None
-    ) -> Verification:
+    def verify(law: Any, *, claims: Any, effort: str, coupled: bool, on_claim: Any, on_method: Any) -> Verification:
         results = tuple(result(claim, verdict) for claim, verdict in zip(CLAIMS, verdicts, strict=False))
         for each in results:
             on_claim(each)
@@ -281,7 +279,7 @@ from duhem.__main__ import main
 from duhem.omitted import LeftOut
 from duhem.proof.verdict import Verdict
 
-def slow(law, parameters=None, claims=None, *, effort, on_claim, on_method):
+def slow(law, parameters=None, claims=None, *, effort, coupled, on_claim, on_method):
     on_claim(verification.ClaimResult("origin", Verdict.PROVED, "by hand", "all parameters", 0.1, "made up", None))
     work()
 
