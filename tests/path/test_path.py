@@ -217,7 +217,7 @@ def test_a_stress_path_inside_k_makes_no_slip_and_one_that_leaves_it_is_refused(
         ({"path": Path.linear([[0, 0], [1, 1]])}, "needs the pressure"),
         ({"substeps": 0}, "substeps"),
         ({"law": "box", "parameters": {"mu_a": 0.1, "mu_b": 0.2}, "method": "exact"}, "corner"),
-        ({"law": "radial-flow"}, "its own flow direction"),
+        ({"law": "radial-flow", "method": "exact"}, "no method 'exact'"),
     ],
 )
 def test_misuse_is_named(change, message):

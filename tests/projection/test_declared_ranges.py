@@ -12,7 +12,7 @@ import pytest
 import duhem
 from duhem import Criterion, Domain, Path, Status
 from duhem.errors import InputError
-from duhem.path.simulate import LeftDomain
+from duhem.path.history import LeftDomain
 from duhem.projection.declared_ranges import beyond, crossed, refused
 from duhem.testing import conformance, projection
 

@@ -16,11 +16,13 @@ from duhem.law.catalogue import load_formula
 from duhem.law.convex import check_convex
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
+from duhem.law.state import evolves
 from duhem.path.history import Histories, History
 from duhem.path.loading import Path, Paths
 from duhem.path.run import Run
 from duhem.path.scene import Scene
 from duhem.path.simulate import Checkpoint, driven
+from duhem.path.state_path import StateHistory
 from duhem.projection.increment import Convexity
 from duhem.projection.projector import Projector
 
@@ -29,23 +31,23 @@ __all__ = ["looked_into", "simulate"]
 
 @overload
 def simulate(
-    law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
+    law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike | None = ..., parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    checkpoint: Checkpoint | None = ..., convex: str = ...,
-) -> History: ...  # fmt: skip
+    checkpoint: Checkpoint | None = ..., convex: str = ..., state: Mapping[str, Any] | None = ..., tangent: bool = ...,
+) -> History | Any: ...  # fmt: skip
 @overload
 def simulate(
-    law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
+    law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike | None = ..., parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    checkpoint: Checkpoint | None = ..., convex: str = ...,
-) -> Histories: ...  # fmt: skip
+    checkpoint: Checkpoint | None = ..., convex: str = ..., state: Mapping[str, Any] | None = ..., tangent: bool = ...,
+) -> Histories | Any: ...  # fmt: skip
 def simulate(
     law: Criterion | str | pathlib.Path,
     path: Path | Paths,
     *,
-    stiffness: ArrayLike,
+    stiffness: ArrayLike | None = None,
     parameters: Mapping[str, Any] | None = None,
     method: str = "implicit",
     projection: str = "auto",
@@ -58,7 +60,9 @@ def simulate(
     compiled: bool = False,
     checkpoint: Checkpoint | None = None,
     convex: str = "ask",
-) -> History | Histories:
+    state: Mapping[str, Any] | None = None,
+    tangent: bool = False,
+) -> History | Histories | StateHistory:
     """Compute the path of a law: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
 
     ``stiffness``: k in Pa/m, a number, (d,) or symmetric positive definite (d, d).  ``parameters``: a number for each parameter that
@@ -91,10 +95,20 @@ def simulate(
     with any law, and for the closest points of extrapolated steps of many points.  The last digits may differ.  One path then makes
     some 1e6 steps per second, or 1e5 to 1e6 if the law declares no shape; without numba some 2e4, or 5e2 to 2e3; extrapolated steps a
     third of these.
+
+    A law with variables, an energy, rates or a flow of its own has another step: psi(chi) + dt Phi((chi - chi_n)/dt) is least, or, with
+    a flow of its own or rates without a multiplier, the residual of the step is solved, and ``why`` says which.  The result is a
+    :class:`duhem.path.StateHistory` with all variables and forces.  The path prescribes the observables in the order of their forces
+    (or, with ``control="stress"``, these forces), and in one more column the temperature; without that column a law with a temperature
+    is adiabatic.  ``state`` has the variables that do not begin at 0.  An energy contains the stiffness; ``stiffness`` is for laws
+    without one.  A law with rates or a potential of rates needs the times of the path.  ``tangent`` adds d sigma/du at each knot.  At a
+    bound of a variable its evolution stops, and ``remark()`` says so.  ``method`` is ``implicit`` or ``extrapolated``;
+    ``projection``, ``threads``, ``convex`` and ``checkpoint`` do not matter, and nothing is compiled.  :class:`NoAnswer`, an InputError
+    with the history so far, ends a path with a step that is not solved to a residual of 1e-10.
     """
     check_convex(convex)
     known = load_formula(law)
-    run = Run(known, path, stiffness, parameters, method, projection, substeps, stress, keep, threads, compiled)
+    run = Run(known, path, stiffness, parameters, method, projection, substeps, stress, keep, threads, compiled, None, state, tangent)
     return driven(replace(run, convexity=_known(run, convex)), start, on_step, checkpoint)
 
 
@@ -105,13 +119,18 @@ def looked_into(scene: Scene) -> Scene:
 
 def _known(run: Run, convex: str) -> Convexity | None:
     path, law = run.path, load_formula(run.law)
+    if evolves(law):
+        if convex == "require":
+            what = f"convexity of K is not required of {law.name}, whose steps are no closest points"
+            raise InputError(what, where="convex", remedy="remove convex, and ask duhem.verify for convexity, normality and the state laws")
+        return None
     follows = run.method == "exact" or (isinstance(path, Path) and path.control == "stress")
     if not isinstance(path, (Path, Paths)) or (convex == "ask" and follows):
         return None
     try:
         given = by_name(run.parameters)
         first = {name: np.ravel(value)[0] if np.ndim(value) and np.size(value) else value for name, value in given.items()}
-        if Projector.of(law, run.stiffness, first, run.projection).method.convex:
+        if Projector.of(law, 1.0 if run.stiffness is None else run.stiffness, first, run.projection).method.convex:
             return Convexity(loaded=True, unloaded=True)
     except InputError:  # the run itself says what is wrong
         return None

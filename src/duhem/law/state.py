@@ -14,7 +14,7 @@ from duhem.errors import InputError
 from duhem.law.domain import REAL, Domain
 from duhem.law.frozen_mapping import FrozenMapping
 
-__all__ = ["NO_STATE", "Variable", "Variables", "check_heat", "check_state", "misfits"]
+__all__ = ["NO_STATE", "Variable", "Variables", "check_heat", "check_state", "evolves", "misfits", "prescribed"]
 
 
 @dataclass(frozen=True)
@@ -144,3 +144,16 @@ def check_heat(law: Any) -> None:
         if stray := {x for x in conductance.free_symbols if x.name in law.forces}:
             remedy = "a conductance is a formula in variables, temperatures, parameters and the pressure"
             raise InputError(f"the conductance to {name} uses {sorted(map(str, stray))}", where=where, remedy=remedy)
+
+
+def evolves(law: Any) -> bool:
+    """Whether an increment of a :class:`~duhem.law.formula_law.Criterion` is more than a closest point of its K.
+
+    It is where the law has variables, an energy, rates without a multiplier, a potential of rates, or a flow of its own.
+    """
+    return bool(law.variables or law.energy is not None or law.rates or law.viscous or not law.associated)
+
+
+def prescribed(law: Any) -> tuple[str, ...]:
+    """The forces whose observables a loading path prescribes: all of them where nobody declares an energy."""
+    return tuple(f for f in law.forces if law.energy is None or f in law.variables.observed())

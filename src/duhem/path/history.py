@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -11,12 +12,15 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.errors import InputError
 from duhem.path.run import Plan
 from duhem.projection.result import NOT_SHOWN, Array, Status
 from duhem.show.place import AnyPath, parquet_packages, write, written
 from duhem.show.printing import Shown, draw
 
-__all__ = ["STATES", "SUMS", "Histories", "History", "Recorded", "columns"]
+__all__ = [
+    "STATES", "SUMS", "Histories", "History", "Interrupted", "LeftDomain", "LeftPrecision", "Recorded", "Tabled", "columns",
+]  # fmt: skip
 
 SUMS = ("multiplier", "psi", "dissipation", "work", "numerical", "balance")
 STATES = ("displacement", "slip", "stress", "pressure", *SUMS)  # in the order of the tables' columns
@@ -57,8 +61,44 @@ class Recorded:
         return [getattr(self, name) for name in STATES if name != "pressure" or self.pressure_name]
 
 
+class Tabled(Shown, ABC):
+    """A history of one path as a table: ``columns`` names them, and ``tabled`` has their numbers but for the ``time``."""
+
+    time: Array
+
+    @abstractmethod
+    def columns(self) -> tuple[str, ...]:
+        """The names of the table's columns, in order."""
+
+    @abstractmethod
+    def tabled(self) -> list[Array]:
+        """The states of which the table has columns, in order."""
+
+    def to_array(self) -> Array:
+        """The table as one array (m, columns)."""
+        return np.column_stack([self.time, *self.tabled()])
+
+    def to_dict(self) -> dict[str, Array]:
+        """Columns by name, as ``pandas.DataFrame`` takes them."""
+        return dict(zip(self.columns(), self.to_array().T, strict=True))
+
+    def to_text(self) -> str:
+        """The table as comma-separated text; every number is read back to the last bit."""
+        return "".join(",".join(row) + "\n" for row in [self.columns(), *(map(repr, row) for row in self.to_array().tolist())])
+
+    def to_csv(self, file: str | os.PathLike[str], *, above: str = "") -> None:
+        """Write :meth:`to_text`, under a line ``above`` if one is given.  Raises InputError if the file cannot be written."""
+        write(file, (f"{above}\n" if above else "") + self.to_text())
+
+    def to_parquet(self, file: str | os.PathLike[str]) -> None:
+        """Write the table as Parquet; MissingExtraError without pyarrow (extra ``parquet``), InputError as :meth:`to_csv`."""
+        pyarrow, parquet = parquet_packages()
+        with written(file) as beside:
+            parquet.write_table(pyarrow.table(self.to_dict()), beside)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class History(Recorded, Shown):
+class History(Recorded, Tabled):
     """The states of a law at the m knots of a path, knot 0 being the start.
 
     ``displacement`` u, ``slip`` u_in (m, d) in m; ``stress`` sigma (m, d), ``pressure`` sigma_n (m,) in Pa;
@@ -94,28 +134,6 @@ class History(Recorded, Shown):
         """What nobody vouches for in it, in words; None where there is nothing of the kind."""
         count = self.stationary()
         return f"in {count} of {len(self) - 1} steps {NOT_SHOWN}" if count else None
-
-    def to_array(self) -> Array:
-        """The table as one array (m, columns)."""
-        return np.column_stack([self.time, *self.tabled()])
-
-    def to_dict(self) -> dict[str, Array]:
-        """Columns by name, as ``pandas.DataFrame`` takes them."""
-        return dict(zip(self.columns(), self.to_array().T, strict=True))
-
-    def to_text(self) -> str:
-        """The table as comma-separated text; every number is read back to the last bit."""
-        return "".join(",".join(row) + "\n" for row in [self.columns(), *(map(repr, row) for row in self.to_array().tolist())])
-
-    def to_csv(self, file: str | os.PathLike[str], *, above: str = "") -> None:
-        """Write :meth:`to_text`, under a line ``above`` if one is given.  Raises InputError if the file cannot be written."""
-        write(file, (f"{above}\n" if above else "") + self.to_text())
-
-    def to_parquet(self, file: str | os.PathLike[str]) -> None:
-        """Write the table as Parquet; MissingExtraError without pyarrow (extra ``parquet``), InputError as :meth:`to_csv`."""
-        pyarrow, parquet = parquet_packages()
-        with written(file) as beside:
-            parquet.write_table(pyarrow.table(self.to_dict()), beside)
 
     def plot(self, file: Any = None, **options: Any) -> Any:
         """Draw stress path, hysteresis loops and energies, into ``file``, a name or a binary stream, if one is given (extra ``plot``).
@@ -208,3 +226,43 @@ class Histories(Recorded, Shown):
         with written(file) as beside, open(beside, "w", encoding="utf-8", newline="") as stream:
             stream.write(",".join(self.columns()) + "\n")
             stream.writelines(self.rows())
+
+
+# -- runs that do not come to the end of their path ----------------------------------------------------------------------
+
+
+class Interrupted(KeyboardInterrupt):
+    """A run that was stopped; ``history`` is what was done, from which :func:`duhem.simulate` goes on.
+
+    Of many points it is the :class:`Histories` of those that are done, none of which may be there yet.
+    """
+
+    def __init__(self, history: Any) -> None:
+        self.history = history
+        points = history is None or isinstance(history, Histories)
+        done = f"{0 if history is None else len(history)} points" if points else f"{len(history) - 1} steps"
+        super().__init__(f"interrupted after {done}")
+
+
+class LeftPrecision(InputError):
+    """A run whose numbers grew beyond double precision; ``history`` is what was done before."""
+
+    def __init__(self, history: Any, time: float) -> None:
+        self.history = history
+        super().__init__(
+            f"stress, slip or energies overflow or underflow on the way to time {time:g}",
+            where=f"path, step {len(history)}",
+            remedy="use other units, so that the numbers have a moderate size",
+        )
+
+
+class LeftDomain(InputError):
+    """A run whose stress leaves a range of forces that the law declares; ``history`` is what was done before."""
+
+    def __init__(self, history: Any, crossed: str, time: float) -> None:
+        self.history = history
+        super().__init__(
+            f"at time {time:g} {crossed}, where {history.law} is not declared",
+            where=f"path, step {len(history)}",
+            remedy="stay inside the range, or declare a wider one in the law's domain",
+        )

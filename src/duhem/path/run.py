@@ -24,19 +24,20 @@ from duhem.projection.increment import Convexity, Increment, posed, setting
 from duhem.projection.increment import increment as checked
 from duhem.projection.result import Array
 
-__all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "columns", "energy", "times"]
+__all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "columns", "energy", "kept_knots", "times"]
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
     """The arguments of :func:`duhem.simulate` that determine numbers, as given and not yet checked; ``threads``, which do not, too.
 
-    ``convexity`` is what is known of K where somebody has asked, None where nobody has.
+    ``convexity`` is what is known of K where somebody has asked, None where nobody has.  ``state`` and ``tangent`` are of laws that evolve
+    (:func:`duhem.law.state.evolves`).
     """
 
     law: Criterion | str | pathlib.Path
     path: Path | Paths
-    stiffness: ArrayLike
+    stiffness: ArrayLike | None = None
     parameters: Mapping[str, Any] | None = None
     method: str = "implicit"
     projection: str = "auto"
@@ -46,6 +47,8 @@ class Run:
     threads: int = 1
     compiled: bool = False
     convexity: Convexity | None = None
+    state: Mapping[str, Any] | None = None
+    tangent: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +170,7 @@ class Batch:
         checked_count(run.threads, "threads", 1, MOST_THREADS)
         if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
             raise InputError(f"{steps} steps are too many", where="substeps", remedy=f"take at most {MOST_NUMBERS // d} in all")
-        stress, knots = _start(known, run.stress, n), _kept(run.keep, steps)
+        stress, knots = _start(known, run.stress, n), kept_knots(run.keep, steps)
         load = paths.pressure
         if load is not None and (out := np.argwhere(refused(known, load))).size:
             point, knot = out[0].tolist()
@@ -223,7 +226,7 @@ class Batch:
 
 
 def _members(
-    law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None, n: int
+    law: Criterion, stiffness: ArrayLike | None, parameters: Mapping[str, Any] | None, n: int
 ) -> tuple[tuple[Increment, ...], NDArray[np.intp]]:
     """The checked question of each distinct set of parameters, and which set each of the ``n`` points has."""
     given = dict(by_name(parameters))
@@ -249,7 +252,7 @@ def _members(
     return members, own.reshape(n)
 
 
-def _first_bad(law: Criterion, stiffness: ArrayLike, given: Mapping[str, Any], each: Mapping[str, Array]) -> InputError | None:
+def _first_bad(law: Criterion, stiffness: ArrayLike | None, given: Mapping[str, Any], each: Mapping[str, Array]) -> InputError | None:
     """The fault of the first point with a value outside its domain, or in a law of constraints with values that break one."""
     doubtful = np.full(len(next(iter(each.values()))), bool(law.constraints))
     for name in law.parameters.keys() & each.keys():
@@ -273,7 +276,8 @@ def _start(law: Criterion, given: ArrayLike | None, n: int) -> Array:
     return stress.reshape(-1, d)
 
 
-def _kept(keep: int | str, steps: int) -> NDArray[np.intp]:
+def kept_knots(keep: int | str, steps: int) -> NDArray[np.intp]:
+    """The knots of so many steps that ``keep`` asks for; InputError where it says nothing of the kind."""
     if keep == "last":
         return np.array([0, steps])
     if isinstance(keep, str):

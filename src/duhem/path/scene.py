@@ -16,13 +16,15 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Interval
+from duhem.law.state import evolves
 from duhem.omitted import LeftOut
 from duhem.path.batch_run import parts
-from duhem.path.history import Histories, History, columns
+from duhem.path.history import Histories, History, Interrupted, LeftDomain, LeftPrecision, Tabled, columns
 from duhem.path.loading import Path, Paths
 from duhem.path.run import Batch, Plan, Run
-from duhem.path.simulate import Interrupted, LeftDomain, LeftPrecision, driven
-from duhem.projection.result import NOT_SHOWN
+from duhem.path.simulate import driven
+from duhem.path.state_path import NoAnswer, StateHistory, StateQuestion
+from duhem.projection.result import NOT_SHOWN, Status
 from duhem.show import figure
 from duhem.show.growing_file import DAMAGED, MARK, UNREADABLE, GrowingFile, another, beside, check_growing, check_kept
 from duhem.show.place import AnyPath, check_parquet, check_place, check_places, parquet_packages, written
@@ -61,12 +63,12 @@ class Scene(Run):
         start: History | None = None,
         on_step: Callable[[int, int], None] | None = None,
         keep: Callable[[History], object] | None = None,
-    ) -> History:
+    ) -> History | StateHistory:
         """The history of one point; ``start`` and ``on_step`` as in :func:`duhem.simulate`, ``keep`` its checkpoint."""
         self.check_asked()
         alone = replace(self, keep=1, threads=1)  # both speak of many points
         history = driven(alone, start, on_step, None if keep is None else (self.checkpoint, keep))
-        assert isinstance(history, History)
+        assert not isinstance(history, Histories)
         return history
 
     def check_asked(self) -> None:
@@ -105,7 +107,8 @@ class Scene(Run):
             given = (*given, path.control)
             arrays = [path.values, *([path.arc.angle] if path.arc else [])]
         arrays += [path.time, *([] if path.pressure is None else [path.pressure])]
-        digest = hashlib.sha256(repr((*given, *(["compiled"] if self.compiled else []))).encode())
+        more = [*(["compiled"] if self.compiled else []), *([sorted(self.state.items())] if self.state else [])]
+        digest = hashlib.sha256(repr((*given, *more)).encode())
         for array in arrays:
             digest.update(repr(array.shape).encode())
             digest.update(array.tobytes())
@@ -113,20 +116,37 @@ class Scene(Run):
 
     def parts(self, table: str | None = None, plot: str | None = None) -> tuple[Needed | LeftOut, ...]:
         """What a run of the scene needs and what it leaves out, with the reason."""
-        plan = self.plan()
         return (
-            _integration(self, plan),
-            _solver(self, plan),
-            LeftOut("thermal block", "the law is isothermal: it has no temperature"),
-            LeftOut("flow check", "the law is associated: its slip is normal to K by definition"),
-            LeftOut("K at every step", "the pressure is constant: K is computed once")
-            if plan.path.constant_pressure
-            else Needed("K at every step", "the pressure changes along the path"),
+            *(_of_a_state(self) if evolves(self.law) else _of_closest_points(self, self.plan())),
             Needed("matplotlib", f"plot {plot}") if plot else LeftOut("matplotlib", "nothing is plotted"),
             Needed("pyarrow", f"table {table}")
             if table and table.endswith(".parquet")
             else LeftOut("pyarrow", "the scene writes no Parquet file"),
         )
+
+
+def _of_closest_points(scene: Scene, plan: Plan) -> tuple[Needed | LeftOut, ...]:
+    return (
+        _integration(scene, plan),
+        _solver(scene, plan),
+        LeftOut("thermal block", "the law is isothermal: it has no temperature"),
+        LeftOut("flow check", "the law is associated: its slip is normal to K by definition"),
+        LeftOut("K at every step", "the pressure is constant: K is computed once")
+        if plan.path.constant_pressure
+        else Needed("K at every step", "the pressure changes along the path"),
+    )
+
+
+def _of_a_state(scene: Scene) -> tuple[Needed | LeftOut, ...]:
+    question = StateQuestion.of(scene)
+    heat = "adiabatic" if question.law.adiabatic else "prescribed"
+    return (
+        LeftOut("closest point", "the law has a state, rates or a flow of its own"),
+        Needed("implicit step", question.why),
+        Needed("thermal block", f"the temperature {scene.law.temperature} is {heat}")
+        if scene.law.temperature
+        else LeftOut("thermal block", "the law is isothermal: it has no temperature"),
+    )
 
 
 def _integration(scene: Scene, plan: Plan) -> Needed | LeftOut:
@@ -172,12 +192,19 @@ class Stopped(KeyboardInterrupt):
     """A run that was interrupted; its text says what is kept and how to go on."""
 
 
-def check_outputs(table: str | None, plot: str | None, resume: bool, inputs: Sequence[str] = (), many: bool = False) -> None:
+def check_outputs(
+    table: str | None, plot: str | None, resume: bool, inputs: Sequence[str] = (), many: bool = False, law: Criterion | None = None
+) -> None:
     """Whether the files can be written in these formats with what is installed, before a long run and not after it.
 
     None is one of the ``inputs``, and what may stand where the part of a run is kept is such a part.  Of ``many`` points the table
-    grows as they are done, and there is no picture.
+    grows as they are done, and there is no picture; nor is there one of a ``law`` with a state, whose run is not continued.
     """
+    if law is not None and evolves(law) and (plot is not None or resume):
+        cannot = "draws no picture of it" if plot is not None else "does not continue its run"
+        what = f"{law.name} has a state or a flow of its own: duhem {cannot}"
+        remedy = "remove the plot, and draw the table" if plot is not None else "run it again without --resume"
+        raise InputError(what, where=plot or "--resume", remedy=remedy)
     if many and plot is not None:
         raise InputError("a picture can show only one point", where=plot, remedy="remove the plot, or draw the history of one point")
     if table is not None and not table.endswith((".csv", ".parquet")):
@@ -193,7 +220,7 @@ def check_outputs(table: str | None, plot: str | None, resume: bool, inputs: Seq
         figure.check(plot)
 
 
-def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[int, int], None] | None = None) -> History:
+def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[int, int], None] | None = None) -> History | StateHistory:
     """Run the scene of one point and write ``table``; Stopped with the part kept beside it if interrupted.
 
     From there ``resume`` goes on, and from what was kept every ``scene.checkpoint`` seconds if the process was killed.
@@ -203,14 +230,14 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
     try:
         history = scene.run(start, on_step, None if table is None else lambda done: keep(done, table, fingerprint))
     except Interrupted as stop:
-        assert isinstance(stop.history, History) and isinstance(scene.path, Path)
+        assert isinstance(scene.path, Path)
         steps = (len(scene.path.time) - 1) * scene.substeps
         done = f"interrupted after {len(stop.history) - 1} of {steps} steps"
         if table is None:
             raise Stopped(f"{done}; name a table with --out to keep what is done") from None
         kept = keep(stop.history, table, fingerprint)
-        raise Stopped(f"{done}, kept in {kept}; continue with --resume") from None
-    except (LeftPrecision, LeftDomain) as fault:
+        raise Stopped(f"{done}, kept in {kept}{'' if evolves(scene.law) else '; continue with --resume'}") from None
+    except (LeftPrecision, LeftDomain, NoAnswer) as fault:
         if table is None:
             raise
         kept = keep(fault.history, table, fingerprint)
@@ -228,6 +255,14 @@ def perform_many(
 
     Without a table the rows are said, some at a time.  Stopped if interrupted: the points that are done are kept.
     """
+    if evolves(scene.law):
+        found = driven(scene, None, on_step)
+        assert isinstance(found, StateHistory)
+        if table is None:
+            say(found.to_text().removesuffix("\n"))
+        else:
+            (found.to_parquet if table.endswith(".parquet") else found.to_csv)(table)
+        return PointCounts(len(found), int(np.isin(found.status, (Status.FAILED, Status.OUTSIDE)).sum()), 0)
     batch = scene.batch()
     n = len(batch.own)
     if table is None:
@@ -250,7 +285,7 @@ def perform_many(
         return PointCounts(n, growing.ended, growing.stationary)
 
 
-def keep(history: History, file: str | os.PathLike[str], fingerprint: str) -> File:
+def keep(history: Tabled, file: str | os.PathLike[str], fingerprint: str) -> File:
     """Write what is done; ``fingerprint`` is that of the run.  A sum over the table shows what was changed or cut off since."""
     place = beside(file)
     history.to_csv(place, above=f"{MARK}{fingerprint} {_sum(history.to_text())}")

@@ -23,12 +23,14 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import simple_points
 from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
+from duhem.law.state import evolves, prescribed
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import Path, Paths, paths_from_csv, spread
 from duhem.path.run import Batch, Plan, Run
 from duhem.path.scene import Scene
 from duhem.path.scene_keys import CHOICES, KINDS, SECTIONS, VALUES
 from duhem.path.simulate import check_compiled, first_stress
+from duhem.path.state_path import StateQuestion
 from duhem.show import figure
 from duhem.show.place import check_place
 
@@ -47,8 +49,11 @@ _MISFITS = {  # what a check of the run names: section and key of it
     "keep": ("output", "keep"),
     "pressure": ("path", "pressure"),
     "stress": ("", "stress"),
+    "state ": ("", "state"),
     "path": ("", "path"),
 }
+
+_ASKED = ("method", "substeps", "keep", "threads", "stress", "state", "compiled")
 
 
 class SceneFaults(InputError):
@@ -85,20 +90,24 @@ class _SceneReader:
     def scene(self) -> Scene:
         self.known("", self.document, SECTIONS[""])
         law = self.law()
-        path, own = self.points(law, self.path(law))
-        parameters = self.parameters(law, own)
-        asked = self.values("method") | self.values("output") | {"stress": self.stress()}
+        path, each = self.points(law, self.path(law))
+        parameters = self.parameters(law, each)
+        asked = self.values("method") | self.values("output") | {"stress": self.stress(), "state": self.section("state") or None}
         asked["method"] = asked.pop("integrator")
         if (table := asked["table"]) is not None and not table.endswith((".csv", ".parquet")):
             self.fault(f"table {table!r} is neither .csv nor .parquet", "output", "table", 'write for example table = "history.csv"')
-        if "stiffness" not in self.document:
+        own = law is not None and law.energy is not None  # which has a stiffness
+        if "stiffness" not in self.document and not own:
             self.fault("there is no stiffness", "", "stiffness", "write for example stiffness = 1e9, in Pa/m, above the first [section]")
-        stiffness, inputs = self.document.get("stiffness", 1.0), tuple(self.inputs)
+        stiffness, inputs = self.document.get("stiffness", None if own else 1.0), tuple(self.inputs)
         if law is not None:
-            numbers = _admitted(law) if parameters is None or (path is None and own) else parameters
+            numbers = _admitted(law) if parameters is None or (path is None and each) else parameters
             run = Run(law, path or _resting(law), stiffness, numbers)
             if numbers is not None:
-                self.fits(law, replace(run, **{key: asked[key] for key in ("method", "substeps", "keep", "threads", "stress", "compiled")}))
+                self.fits(
+                    law,
+                    replace(run, **{key: asked[key] for key in _ASKED}),
+                )
         if self.faults or law is None or path is None:
             self.writable(asked)
             raise SceneFaults(self.faults)
@@ -211,7 +220,7 @@ class _SceneReader:
         if len(values) < len(given) + len(own):
             self.fault("a parameter is given twice, in two spellings or in [points] too", "", "parameters", "give it once")
         for name, domain in law.parameters.items():
-            if name not in values and domain.value is None:
+            if name not in values and domain.value is None and name not in law.variables:
                 needs = f"{law.name} needs a value for {name}, {domain.describe()}"
                 self.fault(needs, "", "parameters", f"write {name} = ... in [parameters]")
         return values if len(self.faults) == before else None
@@ -229,7 +238,7 @@ class _SceneReader:
             self.known("path", given, ("kind", "pressure", *(key for each in KINDS.values() for key in (*each.needs, *each.may))))
             return None
         _, needed, optional = KINDS[kind]
-        allowed, dimension = ("kind", *needed, *optional, "pressure"), 2 if law is None else len(law.forces)
+        allowed, dimension = ("kind", *needed, *optional, "pressure"), 2 if law is None else len(prescribed(law))
         self.known("path", given, allowed)
         given = {key: value for key, value in given.items() if key in allowed}
         for key in needed:
@@ -339,6 +348,9 @@ class _SceneReader:
 def _misfit(run: Run) -> InputError | None:
     """What the run would say of law, numbers and path before its first step."""
     try:
+        if evolves(load_formula(run.law)):
+            StateQuestion.of(run)
+            return None
         if isinstance(run.path, Paths):
             Batch.of(run)
             return None
@@ -371,14 +383,17 @@ def _resting(law: Criterion) -> Path:
     """A path on which nothing moves, at a pressure that the law admits."""
     domain = law.domain.get(law.pressure or "", Domain())
     load = next((float(end) for end in (domain.high, domain.low) if end is not None), -1.0)
-    return Path.linear([[0.0] * len(law.forces)] * 2, pressure=None if law.pressure is None else load)
+    return Path.linear(
+        [[0.0] * len(prescribed(law))] * 2, time=[0.0, 1.0] if evolves(law) else None, pressure=None if law.pressure is None else load
+    )
 
 
 def _admitted(law: Criterion) -> Mapping[str, Any] | None:
     """Plain values of the parameters that the law admits, where some are at hand."""
     for point in simple_points(law):
         if all(holds_at(constraint, point) for constraint in law.constraints):
-            return {x.name: value for x, value in point.items() if law.parameters[x.name].value is None}
+            free = (name for name, domain in law.parameters.items() if domain.value is None and name not in law.variables)
+            return {name: point[law.symbols()[name]] for name in free}
     return None
 
 

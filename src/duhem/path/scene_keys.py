@@ -17,7 +17,8 @@ __all__ = ["CHOICES", "KINDS", "KIND_KEYS", "SECTIONS", "VALUES", "Kind", "templ
 SECTIONS: Mapping[str, Mapping[str, str]] = {  # beside [parameters], whose keys are the law's, and [path], see KINDS
     "": {
         "law": "the name of a built-in law or of a law in the atlas, or a criterion file in the folder of the scene",
-        "stiffness": "k in Pa/m: one number, one number per force, or a symmetric matrix",
+        "stiffness": "k in Pa/m: one number, one number per force, or a symmetric matrix; a law with an energy has none",
+        "state": "of a law with a state: the variables that do not begin at 0, and the temperature of an adiabatic path",
         "stress": "initial stress in Pa, one number per force; it must lie inside K (default 0)",
         "parameters": "a number for each parameter that has no value in the law",
         "points": "many points on the same path, each with its own numbers",
@@ -86,7 +87,7 @@ KIND_KEYS: Mapping[str, str] = {  # a kind before the key where it means somethi
     "pressure": "sigma_n <= 0 in compression, in Pa: one number, or one number per knot; for a random path also [least, greatest]",
     "control": "the meaning of the values: displacements in m or stresses in Pa",
     "linear points": "the values at the knots (points of the path): one number, or a list with one number per force",
-    "linear time": "the time of each knot in s, increasing; it is only a label, because the laws do not depend on the rate",
+    "linear time": "the time of each knot in s, increasing; a label only, unless the law depends on the rate",
     "amplitude": "one number, or one number per force",
     "cycles": "number of cycles (default 1)",
     "mean": "the centre of the cycles (default 0)",

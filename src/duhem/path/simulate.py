@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pathlib
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from time import monotonic
 from typing import Any, overload
 
@@ -12,65 +13,32 @@ from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.expression.given_array import in_order
+from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
+from duhem.law.state import evolves
 from duhem.path.batch_run import histories
 from duhem.path.closest import outside
-from duhem.path.history import Histories, History
+from duhem.path.history import Histories, History, Interrupted, LeftDomain, LeftPrecision
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, Paths, checked_count
 from duhem.path.run import MOST_THREADS, Batch, Plan, Run, Share, columns, times
+from duhem.path.state_path import StateHistory, state_history
 from duhem.path.step_formulas import booked
 from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.result import Array
 
-__all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "check_compiled", "driven", "first_stress", "simulate"]
+__all__ = ["check_compiled", "driven", "first_stress", "simulate"]
 
 Checkpoint = tuple[float, Callable[[History], object]]  # seconds, and who is given what is done
 
 _SAME = 1e-9  # of the largest stress that is added up: rounding is less, and another stiffness more
 
 
-class Interrupted(KeyboardInterrupt):
-    """A run that was stopped; ``history`` is what was done, from which :func:`driven` goes on.
-
-    Of many points it is the :class:`Histories` of those that are done, none of which may be there yet.
-    """
-
-    def __init__(self, history: History | Histories | None) -> None:
-        self.history = history
-        done = f"{len(history) - 1} steps" if isinstance(history, History) else f"{0 if history is None else len(history)} points"
-        super().__init__(f"interrupted after {done}")
-
-
-class LeftPrecision(InputError):
-    """A run whose numbers grew beyond double precision; ``history`` is what was done before."""
-
-    def __init__(self, history: History, time: float) -> None:
-        self.history = history
-        super().__init__(
-            f"stress, slip or energies overflow or underflow on the way to time {time:g}",
-            where=f"path, step {len(history)}",
-            remedy="use other units, so that the numbers have a moderate size",
-        )
-
-
-class LeftDomain(InputError):
-    """A run whose stress leaves a range of forces that the law declares; ``history`` is what was done before."""
-
-    def __init__(self, history: History, crossed: str, time: float) -> None:
-        self.history = history
-        super().__init__(
-            f"at time {time:g} {crossed}, where {history.law} is not declared",
-            where=f"path, step {len(history)}",
-            remedy="stay inside the range, or declare a wider one in the law's domain",
-        )
-
-
 @overload
-def simulate(law: Criterion | str | pathlib.Path, path: Path, **asked: Any) -> History: ...
+def simulate(law: Criterion | str | pathlib.Path, path: Path, **asked: Any) -> History | Any: ...
 @overload
-def simulate(law: Criterion | str | pathlib.Path, path: Paths, **asked: Any) -> Histories: ...
+def simulate(law: Criterion | str | pathlib.Path, path: Paths, **asked: Any) -> Histories | Any: ...
 def simulate(
     law: Criterion | str | pathlib.Path,
     path: Path | Paths,
@@ -79,7 +47,7 @@ def simulate(
     on_step: Callable[[int, int], None] | None = None,
     checkpoint: Checkpoint | None = None,
     **asked: Any,
-) -> History | Histories:
+) -> History | Histories | StateHistory:
     """:func:`duhem.simulate` where nobody asks whether K is convex: ``asked`` are the other fields of :class:`Run`."""
     return driven(Run(law, path, **asked), start, on_step, checkpoint)
 
@@ -89,15 +57,26 @@ def driven(
     start: History | None = None,
     on_step: Callable[[int, int], None] | None = None,
     checkpoint: Checkpoint | None = None,
-) -> History | Histories:
+) -> History | Histories | StateHistory:
     """What a run leaves behind: a history of one path, histories of many; arguments and errors are those of :func:`duhem.simulate`."""
     method = run.method
     if not isinstance(method, str) or method not in INTEGRATORS:
         raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
-    if start is not None and not isinstance(start, History):
-        raise InputError(f"{type(start).__name__} is not a history", where="start", remedy="give the history of the interrupted run")
     if on_step is not None and not callable(on_step):
         raise InputError(f"{type(on_step).__name__} cannot be called", where="on_step", remedy="give a function of (done, all)")
+    law = load_formula(run.law)
+    run = replace(run, law=law)
+    if evolves(law):
+        if start is not None:
+            what = "a run of a law with a state or a flow of its own cannot be continued with start"
+            raise InputError(what, where="start", remedy="give the variables of its last knot as state=, and run the rest of the path")
+        return state_history(run, on_step)
+    if run.state is not None or run.tangent:
+        key = "tangent" if run.state is None else "state"
+        what = f"{law.name} has no state, and {key} applies only to laws with one"
+        raise InputError(what, where=key, remedy="remove it; stress= is the initial stress, and duhem.project gives tangents")
+    if start is not None and not isinstance(start, History):
+        raise InputError(f"{type(start).__name__} is not a history", where="start", remedy="give the history of the interrupted run")
     if isinstance(run.path, Paths):
         if start is not None:
             raise InputError("a run of many points cannot be continued with start", where="start", remedy="run only the remaining points")

@@ -87,7 +87,7 @@ def at_doubles(law: Criterion, parameters: Mapping[str, float]) -> sp.Expr:
 
 
 def increment(
-    law: Criterion, trial: ArrayLike, pressure: ArrayLike | None, stiffness: ArrayLike, parameters: Mapping[str, Any] | None
+    law: Criterion, trial: ArrayLike, pressure: ArrayLike | None, stiffness: ArrayLike | None, parameters: Mapping[str, Any] | None
 ) -> Increment:
     """The checked question; InputError names the argument and the index of the first entry that cannot be used."""
     return posed(setting(law, stiffness, parameters), trial, pressure)
@@ -106,11 +106,12 @@ def check_associated(law: Criterion) -> None:
         )
 
 
-def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None) -> Increment:
+def setting(law: Criterion, stiffness: ArrayLike | None, parameters: Mapping[str, Any] | None) -> Increment:
     """The checked question but for its points: no trial stress yet."""
     check_associated(law)
     values, g = _settled(law, _exact(parameters))
-    k, diagonal = stiffness_matrix(stiffness, law.forces, None if law.stress is None else law.stress.unit_stiffness)
+    unit = None if law.stress is None else law.stress.unit_stiffness
+    k, diagonal = stiffness_matrix(stiffness, law.forces, unit, law.name)
     return Increment(
         law=law,
         g=g,
@@ -251,10 +252,14 @@ def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
     return np.atleast_1d(pressure)
 
 
-def stiffness_matrix(given: ArrayLike, axes: Sequence[str], unit: tuple[float, ...] | None = None) -> tuple[Array, bool]:
+def stiffness_matrix(
+    given: ArrayLike | None, axes: Sequence[str], unit: tuple[float, ...] | None = None, name: str = "the law"
+) -> tuple[Array, bool]:
     """The matrix, not to be written to, and whether it is diagonal; ``unit`` is the diagonal that the number 1 stands for."""
     d = len(axes)
     remedy = f"give one number, ({d},) or ({d}, {d})"
+    if given is None:
+        raise InputError(f"{name} has no energy of its own, and there is no stiffness", where="stiffness", remedy=remedy)
     k = _array(unlabelled(given, "stiffness", f"{remedy}, in the order of {', '.join(axes)}"), "stiffness")
     if k.shape not in ((), (d,), (d, d)):
         raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)

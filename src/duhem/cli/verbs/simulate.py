@@ -36,7 +36,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     """
     from duhem.api.histories import looked_into
     from duhem.omitted import LeftOut
-    from duhem.path import scene_file
+    from duhem.path import History, scene_file
     from duhem.path.scene import Stopped, check_outputs, perform, perform_many
     from duhem.projection.result import NOT_SHOWN
 
@@ -49,7 +49,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     table = chosen.table if out is None else out  # an empty name is refused, not taken for none
     figure = chosen.plot if plot is None else plot
     many = chosen.many
-    check_outputs(table, figure, resume, [scene, *chosen.inputs], many)
+    check_outputs(table, figure, resume, [scene, *chosen.inputs], many, chosen.law)
     if explain:
         chosen = looked_into(chosen)
         for part in chosen.parts(table, figure):
@@ -84,7 +84,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
             return INTERRUPTED
     if table is None:
         say(history.to_text().removesuffix("\n"))
-    if figure is not None:
+    if figure is not None and isinstance(history, History):
         history.plot(figure, units=(chosen.stress_unit, chosen.length_unit))
     wrote(f"the history of {len(history)} knots", table)
     wrote("the picture", figure)
