@@ -9,9 +9,9 @@ import pytest
 from duhem import Criterion, InputError, Path, Paths
 from duhem.errors import DuhemError
 from duhem.path import compiled_run, scene_file
+from duhem.path.history import Interrupted
 from duhem.path.ledger import Ledger
 from duhem.path.run import Plan, Run
-from duhem.path.history import Interrupted
 from duhem.path.simulate import simulate
 from duhem.projection import compiled_newton
 from tests.long import mostly_long

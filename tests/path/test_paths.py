@@ -11,8 +11,8 @@ from duhem import Histories, InputError, Path, Paths, Status, simulate
 from duhem.law.shapes import Disk
 from duhem.path import batch_run
 from duhem.path import run as runs
-from duhem.path.run import Run
 from duhem.path.history import Interrupted
+from duhem.path.run import Run
 from duhem.path.simulate import simulate as simulated
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}

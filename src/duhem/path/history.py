@@ -64,7 +64,10 @@ class Recorded:
 class Tabled(Shown, ABC):
     """A history of one path as a table: ``columns`` names them, and ``tabled`` has their numbers but for the ``time``."""
 
+    law: str
     time: Array
+    method: str
+    why: str
 
     @abstractmethod
     def columns(self) -> tuple[str, ...]:

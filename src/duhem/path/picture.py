@@ -14,7 +14,7 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.law.outline import outline
-from duhem.path.history import Histories, History
+from duhem.path.history import Histories, History, Tabled
 from duhem.projection.result import Array, Status
 from duhem.show import figure
 from duhem.show.notation import latex_name
@@ -238,8 +238,8 @@ def _boundaries(states: History, law: Criterion, parameters: Mapping[str, float]
 _MOST = 12  # knots or points of which a sheet has a row
 
 
-@sheet.register(History)
-def as_sheet(history: History) -> Sheet:
+@sheet.register(Tabled)
+def as_sheet(history: Tabled) -> Sheet:
     """The knots, or of many some from the first to the last, with the columns of the table."""
     table = history.to_array()
     shown = np.unique(np.linspace(0, len(table) - 1, min(len(table), _MOST)).round().astype(int))

@@ -509,7 +509,17 @@ class _Block:
         arrays.setdefault("tangent", None)  # type: ignore[arg-type]
         pressures = np.stack([question.paths.pressure_at(order * k, self.which) for k in knots.tolist()], axis=1)
         return StateHistory(
-            law=law.name, variables=own.names, forces=law.forces, pressure_name=law.pressure,
-            time=question.paths.time[order * knots], pressure=pressures, **arrays, held=self.held[:, knots], status=self.status, reached=self.reached, method=method,
-            why=question.why, timed=question.paths.timed,
-        )  # fmt: skip
+            law=law.name,
+            variables=own.names,
+            forces=law.forces,
+            pressure_name=law.pressure,
+            time=question.paths.time[order * knots],
+            pressure=pressures,
+            held=self.held[:, knots],
+            status=self.status,
+            reached=self.reached,
+            method=method,
+            why=question.why,
+            timed=question.paths.timed,
+            **arrays,
+        )

@@ -15,7 +15,8 @@ upper bound; where no formula has Y_i in it, or there is none, the variable just
 T (s - s_n) = Y . (alpha - alpha_n), s = -d psi/dT.
 
 The state without flow is tried first; then the most violated criterion is taken as an equation, Newton's method, damped, solves
-for alpha, lambda (and q, T), and criteria and bounds are exchanged until all conditions hold.
+for alpha, lambda (and q, T), and criteria and bounds are exchanged until all conditions hold.  Where that fails, the answer is
+followed from no load to all of it.
 """
 
 from __future__ import annotations
@@ -40,8 +41,9 @@ __all__ = ["KKT", "Advanced", "StateLaw", "own_dissipation"]
 KKT = 1e-3 * ACCURACY  # the largest residual of an answer, relative to the sizes that the law has there
 _ROUNDED = 16 * np.finfo(np.float64).eps  # of the terms of which a force is made
 _GOAL = 16 * np.finfo(np.float64).eps  # of the same: more is not asked for
-_MOST = 200  # steps of Newton's method, of all sets of criteria and bounds together
+_MOST = 100  # steps of Newton's method, of all sets of criteria and bounds together
 _HALVINGS = 30
+_PARTS = 16  # of the load, along which a step is followed that Newton's method does not find at once
 _GAUSS = np.polynomial.legendre.leggauss(5)
 
 Flags = NDArray[np.bool_]
@@ -259,6 +261,7 @@ class StateLaw:
             for i, component in components.items():
                 own, _ = component(taken, others, second=False)
                 flow[:, s, i], turn[:, s, i] = own.value, own.gradient
+        flow[~at.active], turn[~at.active] = 0.0, 0.0  # it may have no value where nothing flows
         rate, change = np.zeros((n, self.internal)), np.zeros((n, self.internal, d + size))
         if self.potential is not None:
             jet, _ = self.potential(taken, others)
@@ -340,7 +343,7 @@ class StateLaw:
             chi[:, warm] += by[:, last + many :]
         return Guess(chi, at.multiplier + np.where(at.active, by[:, last : last + many], 0.0), reaction, at.active, at.held)
 
-    def _exchanged(self, at: Guess, system: System, base: Array) -> tuple[Guess, Flags]:
+    def _exchanged(self, at: Guess, system: System) -> tuple[Guess, Flags]:
         """The guess with other equations where a condition does not hold, and for which points that is so."""
         inner = self._unknown[1]
         new, alpha = at.copy(), at.chi[:, inner]
@@ -364,51 +367,69 @@ class StateLaw:
 
     def advance(self, base: Array, given: Array, dt: float, others: Sequence[Array], tangent: bool = False) -> Advanced:
         """The end of a step of ``dt`` from ``base`` (N, n); ``given`` (N, columns) is prescribed: u or d psi/du, and T unless adiabatic."""
-        n, o, many = len(base), self.observables, len(self.criteria)
-        chi, load, times = base.copy(), np.zeros((n, o)), np.full(n, dt)
-        if self.stressed:
-            load = given[:, :o]
-        else:
-            chi[:, :o] = given[:, :o]
+        n, many = len(base), len(self.criteria)
+        zeros, none = np.zeros((n, many)), np.zeros((n, many), dtype=np.bool_)
+        begun = Guess(base.copy(), zeros, np.zeros((n, self.internal)), none, np.zeros((n, self.internal), dtype=np.bool_))
+        with np.errstate(all="ignore"):
+            at, system, failed = self._ended(begun, base, given, dt, others)
+            if (who := np.flatnonzero(failed)).size:
+                reached, ended, lost = self._followed(begun.of(who), base[who], given[who], dt, [x[who] for x in others])
+                at.put(who, reached)
+                system.put(who, ended)
+                failed[who] = lost
+            slopes = self._tangent(at, system) if tangent else np.zeros((n, 0, 0))
+        return Advanced(
+            at.chi, at.multiplier, at.reaction, at.held, system.psi, system.forces, system.observed, system.entropy, system.flow,
+            _worst(system.residual, system.size), failed, slopes,
+        )  # fmt: skip
+
+    def _followed(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> tuple[Guess, System, Flags]:
+        """The end of the same step, found along those of steps from the same ``base`` to a part of the load, each from the one before."""
+        u, _, warm = self._unknown
+        start = self._energy(base, others, second=False)[0].gradient[:, u] if self.stressed else base[:, u]  # type: ignore[index]
+        start = np.concatenate([start, base[:, warm]], axis=1)[:, : given.shape[1]]
+        for share in np.linspace(0.0, 1.0, _PARTS + 1)[1:]:
+            at, system, failed = self._ended(at, base, start + share * (given - start), share * dt, others)
+            if failed.all():
+                break
+        return at, system, failed
+
+    def _ended(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> tuple[Guess, System, Flags]:
+        """Where Newton's method comes from a guess, with equations exchanged until all conditions hold; and what it did not solve."""
+        at, (n, o), times = at.copy(), (len(base), self.observables), np.full(len(base), dt)
+        load = given[:, :o]
+        if not self.stressed:
+            at.chi[:, :o] = load
         if given.shape[1] > o:
-            chi[:, -1] = given[:, o]
-        zeros, none = np.zeros((n, self.internal)), np.zeros((n, many), dtype=np.bool_)
-        at = Guess(chi, np.zeros((n, many)), zeros, none, np.zeros((n, self.internal), dtype=np.bool_))
+            at.chi[:, -1] = given[:, o]
 
         def asked(guess: Guess, who: NDArray[np.intp]) -> System:
             return self.system(guess, base[who], load[who], times[who], [x[who] for x in others])
 
-        with np.errstate(all="ignore"):
-            system = asked(at, np.arange(n))
-            failed, still, todo = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_), np.arange(n)
-            for _ in range(_MOST):
-                worst = _worst(system.residual, system.size)
-                settled = (worst[todo] <= _GOAL) | ((worst[todo] <= KKT) & still[todo])
-                if (who := todo[settled]).size:
-                    new, changed = self._exchanged(at.of(who), system.of(who), base[who])
-                    todo = np.setdiff1d(todo, who[~changed], assume_unique=True)
-                    if (who := who[changed]).size:
-                        at.put(who, new.of(changed))
-                        system.put(who, asked(at.of(who), who))
-                        still[who] = False
-                if not todo.size:
-                    break
-                here, now = at.of(todo), system.of(todo)
-                reached, ended, better = self._damped(here, now, lambda guess, part, who=todo: asked(guess, who[part]))
-                at.put(todo, reached)
-                system.put(todo, ended)
-                lost = ~better & (_worst(now.residual, now.size) > KKT)
-                failed[todo[lost]] = True
-                still[todo] = ~better
-                todo = todo[~lost]
-            failed[todo] = True
+        system = asked(at, np.arange(n))
+        failed, still, todo = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_), np.arange(n)
+        for _ in range(_MOST):
             worst = _worst(system.residual, system.size)
-            failed |= ~(worst <= KKT) | (at.multiplier < 0.0).any(axis=1)
-            slopes = self._tangent(at, system) if tangent else np.zeros((n, 0, 0))
-        return Advanced(
-            at.chi, at.multiplier, at.reaction, at.held, system.psi, system.forces, system.observed, system.entropy, system.flow, worst,
-            failed, slopes,
-        )  # fmt: skip
+            settled = (worst[todo] <= _GOAL) | ((worst[todo] <= KKT) & still[todo])
+            if (who := todo[settled]).size:
+                new, changed = self._exchanged(at.of(who), system.of(who))
+                todo = np.setdiff1d(todo, who[~changed], assume_unique=True)
+                if (who := who[changed]).size:
+                    at.put(who, new.of(changed))
+                    system.put(who, asked(at.of(who), who))
+                    still[who] = False
+            if not todo.size:
+                break
+            here, now = at.of(todo), system.of(todo)
+            reached, ended, better = self._damped(here, now, lambda guess, part, who=todo: asked(guess, who[part]))
+            at.put(todo, reached)
+            system.put(todo, ended)
+            lost = ~better & (_worst(now.residual, now.size) > KKT)
+            failed[todo[lost]] = True
+            still[todo] = ~better
+            todo = todo[~lost]
+        failed[todo] = True
+        return at, system, failed | ~(_worst(system.residual, system.size) <= KKT) | (at.multiplier < 0.0).any(axis=1)
 
     def _damped(self, at: Guess, system: System, asked: Any) -> tuple[Guess, System, Flags]:
         """A step of Newton's method, halved until the residuals fall; where it ends, and where they fell."""
