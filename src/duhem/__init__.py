@@ -27,6 +27,7 @@ __all__ = [
     "Paths",
     "Projection",
     "Recheck",
+    "StateHistory",
     "Status",
     "Verdict",
     "Verification",
@@ -60,7 +61,7 @@ if TYPE_CHECKING:
     from duhem.law.curve_law import ParametricCriterion
     from duhem.law.domain import POSITIVE, REAL, Domain
     from duhem.law.formula_law import Criterion, YieldSurface, criterion
-    from duhem.path import Histories, History, Path, Paths
+    from duhem.path import Histories, History, Path, Paths, StateHistory
     from duhem.portrait import plot
     from duhem.projection.result import Projection, Status
     from duhem.proof.recheck import Recheck, recheck
@@ -77,7 +78,7 @@ _HOMES = {
     "law.curve_law": ("ParametricCriterion",),
     "law.domain": ("POSITIVE", "REAL", "Domain"),
     "law.formula_law": ("Criterion", "criterion", "YieldSurface"),
-    "path": ("Histories", "History", "Path", "Paths"),
+    "path": ("Histories", "History", "Path", "Paths", "StateHistory"),
     "portrait": ("plot",),
     "projection.result": ("Projection", "Status"),
     "proof.recheck": ("Recheck", "recheck"),

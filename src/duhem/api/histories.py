@@ -98,7 +98,7 @@ def simulate(
 
     A law with variables, an energy, rates or a flow of its own has another step: psi(chi) + dt Phi((chi - chi_n)/dt) is least, or, with
     a flow of its own or rates without a multiplier, the residual of the step is solved, and ``why`` says which.  The result is a
-    :class:`duhem.path.StateHistory` with all variables and forces.  The path prescribes the observables in the order of their forces
+    :class:`duhem.StateHistory` with all variables and forces.  The path prescribes the observables in the order of their forces
     (or, with ``control="stress"``, these forces), and in one more column the temperature; without that column a law with a temperature
     is adiabatic.  ``state`` has the variables that do not begin at 0.  An energy contains the stiffness; ``stiffness`` is for laws
     without one.  A law with rates or a potential of rates needs the times of the path.  ``tangent`` adds d sigma/du at each knot.  At a

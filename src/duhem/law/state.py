@@ -7,14 +7,17 @@ With psi(u, alpha, T) per unit area (or volume) the forces are sigma = d psi/d u
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
+
+import sympy as sp
 
 from duhem.errors import InputError
 from duhem.law.domain import REAL, Domain
 from duhem.law.frozen_mapping import FrozenMapping
 
-__all__ = ["NO_STATE", "Variable", "Variables", "check_heat", "check_state", "evolves", "misfits", "prescribed"]
+__all__ = ["NO_STATE", "Variable", "Variables", "check_heat", "check_state", "evolves", "frozen", "misfits", "prescribed"]
 
 
 @dataclass(frozen=True)
@@ -157,3 +160,14 @@ def evolves(law: Any) -> bool:
 def prescribed(law: Any) -> tuple[str, ...]:
     """The forces whose observables a loading path prescribes: all of them where nobody declares an energy."""
     return tuple(f for f in law.forces if law.energy is None or f in law.variables.observed())
+
+
+@lru_cache(maxsize=256)
+def frozen(law: Any) -> Any:
+    """The law at frozen variables: of these the ones that g names are parameters, and nothing else of the state is left."""
+    if not law.variables:
+        return law
+    used = {str(x) for x in law.g.free_symbols}
+    kept = {name: domain for name, domain in law.parameters.items() if name in used or name not in (*law.variables, *law.heat)}
+    bare = {"written_energy": "", "variables": NO_STATE, "unforced": {}, "written_unforced": {}, "heat": {}, "written_heat": {}}
+    return replace(law, parameters=kept, g=law.g if not law.surfaces else sp.nan, energy=None, **bare)

@@ -62,7 +62,7 @@ class Recorded:
 
 
 class Tabled(Shown, ABC):
-    """A history of one path as a table: ``columns`` names them, and ``tabled`` has their numbers but for the ``time``."""
+    """A history of one path as a table."""
 
     law: str
     time: Array
@@ -70,24 +70,20 @@ class Tabled(Shown, ABC):
     why: str
 
     @abstractmethod
-    def columns(self) -> tuple[str, ...]:
-        """The names of the table's columns, in order."""
-
-    @abstractmethod
-    def tabled(self) -> list[Array]:
-        """The states of which the table has columns, in order."""
+    def _table(self) -> tuple[tuple[str, ...], list[Array]]:
+        """The names of the columns, and what stands in them."""
 
     def to_array(self) -> Array:
         """The table as one array (m, columns)."""
-        return np.column_stack([self.time, *self.tabled()])
+        return np.column_stack(self._table()[1])
 
     def to_dict(self) -> dict[str, Array]:
         """Columns by name, as ``pandas.DataFrame`` takes them."""
-        return dict(zip(self.columns(), self.to_array().T, strict=True))
+        return dict(zip(self._table()[0], self.to_array().T, strict=True))
 
     def to_text(self) -> str:
         """The table as comma-separated text; every number is read back to the last bit."""
-        return "".join(",".join(row) + "\n" for row in [self.columns(), *(map(repr, row) for row in self.to_array().tolist())])
+        return "".join(",".join(row) + "\n" for row in [self._table()[0], *(map(repr, row) for row in self.to_array().tolist())])
 
     def to_csv(self, file: str | os.PathLike[str], *, above: str = "") -> None:
         """Write :meth:`to_text`, under a line ``above`` if one is given.  Raises InputError if the file cannot be written."""
@@ -123,6 +119,9 @@ class History(Recorded, Tabled):
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def _table(self) -> tuple[tuple[str, ...], list[Array]]:
+        return self.columns(), [self.time, *self.tabled()]
 
     def stationary(self) -> int:
         """How many steps slip to a stationary point, on a K that was asked about and not shown to be convex under their pressure."""

@@ -248,7 +248,7 @@ def as_sheet(history: Tabled) -> Sheet:
     return Sheet(
         f"History of {history.law}: {len(table)} knots",
         (("method", f"{history.method} ({history.why})" if history.why else history.method),),
-        ("knot", *history.columns()),
+        ("knot", *history.to_dict()),
         rows,
         (("Shown", fewer),),
     )

@@ -118,19 +118,15 @@ class StateHistory(Tabled):
         point = ("point",) if self.many else ()
         return (*point, "time", *self.variables, *self.forces, *pressure, *multipliers, *_SUMS, *warm)
 
-    def tabled(self) -> list[Array]:
-        """The states of which the table has columns, in order."""
+    def _table(self) -> tuple[tuple[str, ...], list[Array]]:
         pressure = [] if self.pressure_name is None else [self.pressure]
         warm = [] if self.entropy is None or self.heat is None else [self.entropy, self.heat]
-        return [self.state, self.force, *pressure, self.multiplier, *(getattr(self, name) for name in _SUMS), *warm]
-
-    def to_array(self) -> Array:
-        """The table as one array; of many paths point by point, each knot by knot, with nan where it did not come."""
+        states = [self.state, self.force, *pressure, self.multiplier, *(getattr(self, name) for name in _SUMS), *warm]
         if not self.many:
-            return super().to_array()
-        n, m = self.psi.shape
+            return self.columns(), [self.time, *states]
+        n, m = self.psi.shape  # point by point, each knot by knot, with nan where it did not come
         labels = [np.repeat(np.arange(n, dtype=np.float64), m), np.tile(self.time, n)]
-        return np.column_stack([*labels, *(states.reshape(n * m, -1) for states in self.tabled())])
+        return self.columns(), [*labels, *(each.reshape(n * m, -1) for each in states)]
 
     def remark(self) -> str | None:
         """Where bounds held variables, in sentences; None where none did."""

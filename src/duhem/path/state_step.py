@@ -61,7 +61,7 @@ class Guess(Pointwise):
 
 
 @dataclass(frozen=True, eq=False)
-class System(Pointwise):
+class StepEquations(Pointwise):
     """The equations at a guess: residuals (N, k), what they are small against, and derivatives by chi and q, and by lambda.
 
     ``forces`` Y, ``observed`` d psi/du, ``entropy`` and ``flow``, the change of alpha that the law gives; ``criteria`` g and its size.
@@ -233,7 +233,7 @@ class StateLaw:
 
     # -- the equations -------------------------------------------------------------------------------------------------
 
-    def system(self, at: Guess, base: Array, load: Array, dt: Array, others: Sequence[Array]) -> System:
+    def system(self, at: Guess, base: Array, load: Array, dt: Array, others: Sequence[Array]) -> StepEquations:
         """The equations at a guess, for a step from ``base`` (N, n); ``load`` (N, o) the forces d psi/du where they are prescribed."""
         u, inner, warm = self._unknown
         (n, size), d = at.chi.shape, len(self.order)
@@ -255,6 +255,8 @@ class StateLaw:
             jet, _ = criterion(taken, others, second=associated)
             assert jet.gradient is not None
             g[:, s], slope[:, s] = jet.value, jet.gradient
+            if not at.active[:, s].any():
+                continue
             if associated:
                 assert jet.hessian is not None
                 flow[:, s, self.order], turn[:, s, self.order] = jet.gradient[:, :d], jet.hessian[:, :d]
@@ -313,12 +315,12 @@ class StateLaw:
         by_multiplier[:, first : first + self.internal] = np.where(held[:, :, None], 0.0, -np.swapaxes(flow, 1, 2))
         each = np.arange(many)
         by_multiplier[:, first + self.internal + each, each] = ~at.active
-        return System(
+        return StepEquations(
             residual, np.concatenate(allowed, axis=1) + np.finfo(np.float64).tiny, by_state, by_multiplier, np.array(psi.value), forces,
             np.array(stresses), entropy, moved, g, known, np.array(psi.hessian),
         )  # fmt: skip
 
-    def _jacobian(self, at: Guess, system: System) -> Array:
+    def _jacobian(self, at: Guess, system: StepEquations) -> Array:
         """The derivatives by what is unknown: u where forces are prescribed, alpha or, at a bound, q, lambda, and T if adiabatic."""
         u, inner, warm = self._unknown
         size, by = len(self.names), system.by_state
@@ -343,7 +345,7 @@ class StateLaw:
             chi[:, warm] += by[:, last + many :]
         return Guess(chi, at.multiplier + np.where(at.active, by[:, last : last + many], 0.0), reaction, at.active, at.held)
 
-    def _exchanged(self, at: Guess, system: System) -> tuple[Guess, Flags]:
+    def _exchanged(self, at: Guess, system: StepEquations) -> tuple[Guess, Flags]:
         """The guess with other equations where a condition does not hold, and for which points that is so."""
         inner = self._unknown[1]
         new, alpha = at.copy(), at.chi[:, inner]
@@ -383,7 +385,7 @@ class StateLaw:
             _worst(system.residual, system.size), failed, slopes,
         )  # fmt: skip
 
-    def _followed(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> tuple[Guess, System, Flags]:
+    def _followed(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> tuple[Guess, StepEquations, Flags]:
         """The end of the same step, found along those of steps from the same ``base`` to a part of the load, each from the one before."""
         u, _, warm = self._unknown
         start = self._energy(base, others, second=False)[0].gradient[:, u] if self.stressed else base[:, u]  # type: ignore[index]
@@ -394,7 +396,7 @@ class StateLaw:
                 break
         return at, system, failed
 
-    def _ended(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> tuple[Guess, System, Flags]:
+    def _ended(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> tuple[Guess, StepEquations, Flags]:
         """Where Newton's method comes from a guess, with equations exchanged until all conditions hold; and what it did not solve."""
         at, (n, o), times = at.copy(), (len(base), self.observables), np.full(len(base), dt)
         load = given[:, :o]
@@ -403,7 +405,7 @@ class StateLaw:
         if given.shape[1] > o:
             at.chi[:, -1] = given[:, o]
 
-        def asked(guess: Guess, who: NDArray[np.intp]) -> System:
+        def asked(guess: Guess, who: NDArray[np.intp]) -> StepEquations:
             return self.system(guess, base[who], load[who], times[who], [x[who] for x in others])
 
         system = asked(at, np.arange(n))
@@ -431,7 +433,7 @@ class StateLaw:
         failed[todo] = True
         return at, system, failed | ~(_worst(system.residual, system.size) <= KKT) | (at.multiplier < 0.0).any(axis=1)
 
-    def _damped(self, at: Guess, system: System, asked: Any) -> tuple[Guess, System, Flags]:
+    def _damped(self, at: Guess, system: StepEquations, asked: Any) -> tuple[Guess, StepEquations, Flags]:
         """A step of Newton's method, halved until the residuals fall; where it ends, and where they fell."""
         by = -_solved(self._jacobian(at, system), system.residual)
         near = _worst(system.residual, system.size) <= KKT
@@ -451,7 +453,7 @@ class StateLaw:
             by[left] *= 0.5
         return reached, ended, better
 
-    def _tangent(self, at: Guess, system: System) -> Array:
+    def _tangent(self, at: Guess, system: StepEquations) -> Array:
         """d (d psi/du)/du at the end of a step, through all that is unknown there."""
         u, inner, warm = self._unknown
         if self.stressed:

@@ -21,6 +21,7 @@ from duhem.expression.number import exact_number
 from duhem.expression.unevaluated import Verbatim
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
+from duhem.law.state import frozen
 from duhem.projection.declared_ranges import refused
 from duhem.projection.metric import factors
 from duhem.projection.result import Array
@@ -94,21 +95,26 @@ def increment(
 
 
 def check_associated(law: Criterion) -> None:
-    """InputError for a law with a flow of its own, or with rates that are the gradient of a potential."""
+    """InputError for a law with a flow of its own, with rates beside it, or with rates that are the gradient of a potential."""
+    if law.rates:
+        what = f"{law.name} has rates without a multiplier, and a closest point is no increment of them"
+        raise InputError(what, where="law", remedy="let duhem.simulate integrate them, or project onto the same criterion without them")
     if law.viscous:
         what = f"the rates of {law.name} are the gradient of a potential, and a closest point is no increment of them"
-        raise InputError(what, where="law", remedy="ask duhem verify about it, or project onto the criterion that its potential has in it")
+        remedy = "let duhem.simulate integrate them, or project onto the criterion that its potential has in it"
+        raise InputError(what, where="law", remedy=remedy)
     if not law.associated:
         raise InputError(
             f"{law.name} has its own flow direction, but the closest point is the slip increment of associated laws only",
             where="law",
-            remedy="integrate its flow rule instead, or project onto the same criterion without its flow",
+            remedy="let duhem.simulate integrate its flow rule, or project onto the same criterion without its flow",
         )
 
 
 def setting(law: Criterion, stiffness: ArrayLike | None, parameters: Mapping[str, Any] | None) -> Increment:
     """The checked question but for its points: no trial stress yet."""
     check_associated(law)
+    law = frozen(law)
     values, g = _settled(law, _exact(parameters))
     unit = None if law.stress is None else law.stress.unit_stiffness
     k, diagonal = stiffness_matrix(stiffness, law.forces, unit, law.name)

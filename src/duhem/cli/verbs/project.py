@@ -55,10 +55,12 @@ def project(
     (the stress leaves a range of forces that LAW declares).
     """
     from duhem.law.parameter_domain import check_fixed
+    from duhem.law.state import frozen
     from duhem.projection.increment import check_associated
 
     fixed = read_fixed_formula(law, settings)
     check_associated(fixed)
+    fixed = frozen(fixed)
     check_fixed(fixed)
     if fixed.pressure is not None and pressure is None:
         raise InputError(f"{fixed.name} needs the pressure {fixed.pressure}", where="--pressure", remedy="give it, <= 0 in compression")
