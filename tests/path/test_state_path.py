@@ -61,7 +61,7 @@ def run(law: Criterion, path: Any = None, **asked: Any) -> StateHistory:
 def balanced(found: StateHistory) -> float:
     """The largest residual of the energies of a step, relative to the largest of them."""
     size = max(np.abs(getattr(found, name)).max() for name in ("work", "psi", "dissipation"))
-    return float(np.abs(found.balance).max() / size)
+    return float(np.abs(found.balance).max() / (size or 1.0))
 
 
 # -- closed forms ------------------------------------------------------------------------------------------------------
