@@ -316,7 +316,7 @@ MUTANTS = [
     ("_GAUSS[1] / 2.0", "_GAUSS[1] / 4.0"),
     ("new.active[rows, most] |= excess[rows, most] > KKT", "new.active[rows, most] |= excess[rows, most] > 2.0"),
     ("np.where(at.active, g, at.multiplier)", "np.where(at.active, 1.001 * g + 0.001, at.multiplier)"),
-    ("elastic), np", "elastic), 1e9 + np"),
+    ("axis=1) + np.finfo(np.float64).tiny, by_state", "axis=1) + 1e9, by_state"),
 ]
 
 

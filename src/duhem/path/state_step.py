@@ -279,17 +279,20 @@ class StateLaw:
         moved = np.einsum("ns,nsi->ni", at.multiplier, flow) + steps
         held = at.held & ~self.reacts
         moved = np.where(held, step, moved)
-        by = -(np.einsum("ns,nsiz->niz", at.multiplier, turn) + np.where((dt > 0.0)[:, None, None], dt[:, None, None] * change, 0.0)) @ both
+        change = np.einsum("ns,nsiz->niz", at.multiplier, turn) + np.where((dt > 0.0)[:, None, None], dt[:, None, None] * change, 0.0)
+        by = -change @ both
         by[:, np.arange(self.internal), self.observables + np.arange(self.internal)] += 1.0
-        bend = np.abs(np.einsum("nii->ni", psi.hessian))
-        elastic = np.where(bend > 0.0, np.abs(psi.gradient) / np.where(bend > 0.0, bend, 1.0), 0.0)[:, inner]
-        sizes = np.maximum(np.abs(at.chi[:, inner]), np.abs(base[:, inner]))
-        sizes = np.maximum(np.maximum(sizes, elastic), np.einsum("ns,nsi->ni", np.abs(at.multiplier), np.abs(flow)) + np.abs(steps))
         made = np.einsum("nij,nj->ni", np.abs(psi.hessian), np.abs(at.chi))  # of what a force is the small difference
+        rounding = _ROUNDED / KKT * (made[:, place] + np.abs(at.reaction[:, self.order]))
+        sizes = np.einsum("ns,nsi->ni", np.abs(at.multiplier), np.abs(flow)) + np.abs(steps)
+        sizes = np.maximum(np.maximum(sizes, np.abs(at.chi[:, inner])), np.abs(base[:, inner]))
+        sizes = sizes + np.einsum("nid,nd->ni", np.abs(change[:, :, :d]), rounding)
+        bend = np.abs(np.einsum("nii->ni", psi.hessian))[:, inner]  # what changes no force by more than rounding is no error
+        sizes = sizes + np.where(bend > 0.0, _ROUNDED / KKT * made[:, inner] / np.where(bend > 0.0, bend, 1.0), 0.0)
         weight = np.abs(slope[:, :, :d])
         within = np.einsum("nsd,nd->ns", slope[:, :, :d], forces)
         known = np.maximum(np.einsum("nsd,nd->ns", weight, np.abs(forces)), np.abs(g - within))
-        known = known + _ROUNDED / KKT * np.einsum("nsd,nd->ns", weight, made[:, place] + np.abs(at.reaction[:, self.order]))
+        known = known + np.einsum("nsd,nd->ns", weight, rounding)
 
         residuals = [step - moved, np.where(at.active, g, at.multiplier)]
         rows = [np.where(held[:, :, None], 0.0, by), np.where(at.active[:, :, None], slope @ both, 0.0)]
@@ -308,7 +311,7 @@ class StateLaw:
             row[:, :size] -= t[:, None] * psi.hessian[:, -1]
             residuals.append((t * gained - heat.sum(axis=1))[:, None])
             rows.append(row[:, None])
-            allowed.append((t**2 * bend[:, -1] + np.abs(heat).sum(axis=1))[:, None])
+            allowed.append((t**2 * np.abs(psi.hessian[:, -1, -1]) + np.abs(heat).sum(axis=1))[:, None])
         first = self.observables if self.stressed else 0
         residual, by_state = np.concatenate(residuals, axis=1), np.concatenate(rows, axis=1)
         by_multiplier = np.zeros((n, residual.shape[1], many))
