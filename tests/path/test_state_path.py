@@ -279,6 +279,20 @@ def test_a_prescribed_temperature_takes_heat_out() -> None:
     assert risen["sigma"][-1] == pytest.approx(R / 2, rel=1e-13) and balanced(risen) < 1e-12
 
 
+@pytest.mark.parametrize(("method", "order"), [("implicit", 1), ("extrapolated", 2)])
+def test_bodies_warm_an_interface_at_rest(method: str, order: int) -> None:
+    """c T' = h (T1 - T)."""
+    law = made("abs(sigma) - R", HEAT, WARM, names=("c", "T0", "h"), heat={"T1": "h"})
+    path = Path.linear([0.0, 0.0], time=[0.0, 1.0])
+    given = ONE | {"c": 2.0, "T0": 300.0, "h": 3.0, "T1": 400.0}
+
+    def exact(found: StateHistory) -> Any:
+        assert found.heat is not None and found.heat[-1] == pytest.approx(2.0 * (found["T"][-1] - 300.0), rel=(0.1, 1e-2)[order - 1])
+        return (found["T"][-1] - 400.0 + 100.0 * np.exp(-1.5)) / 100.0
+
+    assert order_of(law, exact, path, method, MOST[order], parameters=given, state={"T": 300.0}) == pytest.approx(order, abs=0.2)
+
+
 # -- what each step satisfies ------------------------------------------------------------------------------------------
 
 
@@ -329,7 +343,7 @@ def test_a_wrong_step_is_caught(old: str, new: str, monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.parametrize(
-    ("old", "new"), [("heat.sum(axis=1))[:, None])", "2 * heat.sum(axis=1))[:, None])"), ("(t * gained - ", "(0 * gained - ")]
+    ("old", "new"), [("- heat.sum(axis=1) - inflow", "- 2 * heat.sum(axis=1) - inflow"), ("(t * gained - ", "(0 * gained - ")]
 )
 def test_a_wrong_balance_of_entropy_is_caught(old: str, new: str, monkeypatch: pytest.MonkeyPatch) -> None:
     mutate(old, new, monkeypatch)
@@ -428,6 +442,7 @@ def test_a_force_that_leaves_its_range_ends_the_path() -> None:
         ({"path": Path.linear([[0, 0], [1, 1]])}, "2 columns"),
         ({"path": Path.linear([0, 1], pressure=-1.0)}, "has no pressure"),
         ({"law": RECOVERING}, "the path states no times"),
+        ({"law": made("norm(sigma + X) - R", None, BACK), "stiffness": 1.0}, "nothing says how the force X follows from alpha"),
         ({"convex": "require"}, "not required of made"),
         ({"keep": 2}, "only to many points"),
         ({"tangent": True, "path": Path.linear([0.0, 0.5], control="stress")}, "no displacement"),

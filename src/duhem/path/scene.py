@@ -139,7 +139,7 @@ def _of_closest_points(scene: Scene, plan: Plan) -> tuple[Needed | LeftOut, ...]
 
 def _of_a_state(scene: Scene) -> tuple[Needed | LeftOut, ...]:
     question = StateQuestion.of(scene)
-    heat = "adiabatic" if question.law.adiabatic else "prescribed"
+    heat = "found from the heat" if question.law.adiabatic else "prescribed"
     return (
         LeftOut("closest point", "the law has a state, rates or a flow of its own"),
         Needed("implicit step", question.why),

@@ -47,7 +47,8 @@ class StateHistory(Tabled):
     slip) that criterion and flow take; ``multiplier`` lambda (m, surfaces), accumulated; ``psi`` the free energy; ``dissipation`` the
     integral of Y . d alpha as the law's flow has it, ``work`` that of sigma . du, ``numerical`` what the steps themselves lose, all
     accumulated; ``balance`` the residual of each step, d work - d psi - s dT - d dissipation - d numerical.  With a temperature there are
-    its ``entropy`` s, and the ``heat`` that flows in, the integral of T ds - dissipation, which is 0 but for rounding of an adiabatic path.
+    its ``entropy`` s, and the ``heat`` that flows in, the integral of T ds - dissipation, which is 0 but for rounding of an adiabatic path
+    and sum h_k (T_k - T) dt where bodies exchange it.
     ``residual`` is the worst of the optimality conditions of each step, relative to the sizes that the law has there, at most 1e-10.
     ``held`` (m, internal) is where a bound holds a variable.  ``tangent`` (m, o, o) is d sigma/du, where asked for.  ``status`` is a
     :class:`duhem.Status` of the last knot that was ``reached``: numbers, or (N,); states beyond it are nan.
@@ -280,6 +281,8 @@ class StateQuestion:
             what = [] if law.associated else ["a flow of its own"]
             what += ["rates without a multiplier"] * bool(law.rates) + ["a rate that belongs to no force"] * bool(law.unforced)
             how = f"Newton's method on the residual of the step, which is no minimum: the law has {' and '.join(what)}"
+        if own.exchange is not None:
+            return f"{how}; heat flows from {', '.join(own.law.heat)}"
         return f"{how}; adiabatic" if own.adiabatic else how
 
 

@@ -11,8 +11,8 @@ whose optimality conditions are, at its end,
 
 with h = dg/dY, or with r = d Phi*/dY of a viscous law.  A law with a flow h of its own, or with rates r without a multiplier, has the
 same equations and no minimum.  At a bound of a variable alpha_i a reaction q_i takes part, Y_i = -d psi/d alpha_i - q_i, q_i >= 0 at an
-upper bound; where no formula has Y_i in it, or there is none, the variable just stays there.  An adiabatic temperature obeys
-T (s - s_n) = Y . (alpha - alpha_n), s = -d psi/dT.
+upper bound; where no formula has Y_i in it, or there is none, the variable just stays there.  A temperature that is
+not prescribed obeys T (s - s_n) = Y . (alpha - alpha_n) + dt sum h_k (T_k - T), s = -d psi/dT; without bodies k it is adiabatic.
 
 The state without flow is tried first; then the most violated criterion is taken as an equation, Newton's method, damped, solves
 for alpha, lambda (and q, T), and criteria and bounds are exchanged until all conditions hold.  Where that fails, the answer is
@@ -107,7 +107,7 @@ class StateLaw:
     """A law as its steps take it: ``names`` of chi, first ``observables``, then the ``internal`` variables, last the temperature if any.
 
     ``order`` (d,) has the internal variable of each force.  ``stressed``: the forces d psi/du are prescribed, not u; ``adiabatic``: the
-    temperature is found.
+    temperature is found, from heat alone.
     """
 
     law: Criterion
@@ -130,6 +130,9 @@ class StateLaw:
         driven, observed, known = variables.driven(), variables.observed(), dict(table)
         energy = law.energy
         if energy is None:
+            if lone := [name for force, name in driven.items() if force not in observed]:
+                what = f"nothing says how the force {variables[lone[0]].force} follows from {lone[0]}"
+                raise InputError(what, where=f"variables of {law.name}", remedy="write an energy, psi in [energy]")
             tails = [force.removeprefix("sigma_") for force in law.forces]
             driven = {f: driven.get(f, f"u_in_{tail}") for f, tail in zip(law.forces, tails, strict=True)}
             observed = {f: observed.get(f, f"u_{tail}") for f, tail in zip(law.forces, tails, strict=True)}
@@ -207,9 +210,15 @@ class StateLaw:
         return self._formula(self.law.g) if self.law.viscous else None
 
     @cached_property
+    def exchange(self) -> JetProgram | None:
+        """The heat that flows from the bodies into the interface, sum h_k (T_k - T), where the temperature is found."""
+        flows = [h * (self.law.symbols()[body] - self.symbols[-1]) for body, h in self.law.heat.items()]
+        return self._formula(sp.Add(*flows)) if flows and self.adiabatic else None
+
+    @cached_property
     def timed(self) -> bool:
         """Whether the law depends on the rate."""
-        return self.law.viscous or bool(self.law.rates)
+        return self.law.viscous or bool(self.law.rates) or self.exchange is not None
 
     @cached_property
     def minimum(self) -> bool:
@@ -307,11 +316,16 @@ class StateLaw:
             heat = forces * step[:, self.order]
             by_taken = np.zeros((n, d + size))
             by_taken[:, :d], by_taken[:, d + place], by_taken[:, -1] = -step[:, self.order], -forces, gained
+            inflow = np.zeros(n)
+            if self.exchange is not None:
+                jet, _ = self.exchange(taken, others, second=False)
+                assert jet.gradient is not None
+                inflow, by_taken = dt * jet.value, by_taken - dt[:, None] * jet.gradient
             row = np.einsum("nz,nzj->nj", by_taken, both)
             row[:, :size] -= t[:, None] * psi.hessian[:, -1]
-            residuals.append((t * gained - heat.sum(axis=1))[:, None])
+            residuals.append((t * gained - heat.sum(axis=1) - inflow)[:, None])
             rows.append(row[:, None])
-            allowed.append((t**2 * np.abs(psi.hessian[:, -1, -1]) + np.abs(heat).sum(axis=1))[:, None])
+            allowed.append((t**2 * np.abs(psi.hessian[:, -1, -1]) + np.abs(heat).sum(axis=1) + np.abs(inflow))[:, None])
         first = self.observables if self.stressed else 0
         residual, by_state = np.concatenate(residuals, axis=1), np.concatenate(rows, axis=1)
         by_multiplier = np.zeros((n, residual.shape[1], many))
