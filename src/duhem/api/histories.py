@@ -96,7 +96,8 @@ def simulate(
     some 1e6 steps per second, or 1e5 to 1e6 if the law declares no shape; without numba some 2e4, or 5e2 to 2e3; extrapolated steps a
     third of these.
 
-    A law with variables, an energy, rates or a flow of its own has another step: psi(chi) + dt Phi((chi - chi_n)/dt) is least, or, with
+    A law with variables, an energy, rates or a flow of its own has another step: it satisfies the optimality
+    conditions of the least psi(chi) + dt Phi((chi - chi_n)/dt), which suffice where both are convex, or, with
     a flow of its own or rates without a multiplier, the residual of the step is solved, and ``why`` says which. The result is a
     :class:`duhem.StateHistory` with all variables and forces. The path prescribes the observables in the order of their forces (or,
     with ``control="stress"``, these forces), and in one more column the temperature; without that column it follows from the heat that

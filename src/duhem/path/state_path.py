@@ -275,7 +275,7 @@ class StateQuestion:
         """How steps are taken, in words."""
         own = self.law
         if own.minimum:
-            how = "the step that is least of psi + dt Phi, by Newton's method on its optimality conditions"
+            how = "Newton's method on the optimality conditions of the step, which is the least of psi + dt Phi where both are convex"
         else:
             law = own.law
             what = [] if law.associated else ["a flow of its own"]
