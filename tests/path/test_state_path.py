@@ -146,6 +146,7 @@ def test_norton_relaxes(method: str, order: int) -> None:
     assert found == pytest.approx(order, abs=0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "order"), [("implicit", 1), ("extrapolated", 2)])
 def test_static_recovery_against_an_equation_of_its_own(method: str, order: int) -> None:
     """Flow in one direction: |sigma + X| = R gives lambda, and alpha' and u_in' are an ordinary differential equation."""
@@ -164,6 +165,7 @@ def test_static_recovery_against_an_equation_of_its_own(method: str, order: int)
     assert found == pytest.approx(order, abs=0.2)
 
 
+@pytest.mark.slow
 def test_two_back_stresses_and_a_radius_against_an_equation_of_their_own() -> None:
     """Chaboche's law; four times the errors of the half minus those of the whole steps is of third order."""
     g, along = "norm(sigma + X + Z) + A - R", "(sigma + X + Z)/norm(sigma + X + Z)"
@@ -249,6 +251,7 @@ SOFTENING = made("abs(sigma) - R*(1 - b*(T - T0))", HEAT, WARM, names=("c", "T0"
 NUMBERS = ONE | {"c": 2.0, "T0": 300.0, "b": 0.5}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "order"), [("implicit", 1), ("extrapolated", 2)])
 def test_adiabatic_heating_by_friction_that_decreases(method: str, order: int) -> None:
     """c T' = R (1 - b (T - T0)) u_in'."""
@@ -316,6 +319,7 @@ def conditions(points: list[float], radius: float, modulus: float, gamma: float)
 sizes = st.floats(0.05, 20.0)
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None, derandomize=True)
 @given(st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=3), sizes, sizes, st.floats(0.01, 10.0))
 def test_every_step_of_armstrong_and_frederick(points: list[float], radius: float, modulus: float, gamma: float) -> None:
@@ -453,6 +457,20 @@ def test_misuse_is_named(change: dict[str, Any], message: str) -> None:
     asked = {"law": FREDERICK, "path": Path.linear([0.0, 1.0]), "parameters": ONE | {"C": 1.0, "gamma": 1.0}} | change
     with pytest.raises(InputError, match=message):
         duhem.simulate(asked.pop("law"), asked.pop("path"), **asked)
+
+
+def test_increments_take_the_variables_that_the_criterion_names() -> None:
+    worn = made("abs(sigma) - R*(1 + h*w)", None, SLIP | {"w": Variable()}, names=("h",), unforced={"w": "1"})
+    for w in (0.0, 1.0):
+        given = ONE | {"h": 0.5, "w": w}
+        assert duhem.project(worn, [3.0], parameters=given).stress[0, 0] == pytest.approx(R * (1.0 + 0.5 * w), rel=1e-15)
+    hardened = duhem.project(PRAGER, [K * 0.1, 0.0], stiffness=[K, H], parameters=ONE | {"C": H})
+    assert hardened.stress[0] == pytest.approx(run(PRAGER, Path.linear([0.0, 0.1]), parameters=ONE | {"C": H}).force[-1], rel=1e-14)
+    with pytest.raises(InputError, match="no value is given for w"):
+        duhem.project(worn, [3.0], parameters=ONE | {"h": 0.5})
+    for law in (RECOVERING, BINGHAM, FREDERICK):
+        with pytest.raises(InputError, match=r"let duhem\.simulate integrate"):
+            duhem.project(law, [3.0] * len(law.forces), parameters=ONE)
 
 
 # -- scenes ------------------------------------------------------------------------------------------------------------

@@ -96,16 +96,16 @@ def simulate(
     some 1e6 steps per second, or 1e5 to 1e6 if the law declares no shape; without numba some 2e4, or 5e2 to 2e3; extrapolated steps a
     third of these.
 
-    A law with variables, an energy, rates or a flow of its own has another step: it satisfies the optimality
-    conditions of the least psi(chi) + dt Phi((chi - chi_n)/dt), which suffice where both are convex, or, with
-    a flow of its own or rates without a multiplier, the residual of the step is solved, and ``why`` says which. The result is a
-    :class:`duhem.StateHistory` with all variables and forces. The path prescribes the observables in the order of their forces (or,
-    with ``control="stress"``, these forces), and in one more column the temperature; without that column it follows from the heat that
-    is dissipated and that bodies exchange. ``state`` has the variables that do not begin at 0. An energy contains the stiffness;
-    ``stiffness`` is for laws without one. A law with rates or a potential of rates needs the times of the path. ``tangent`` adds d
-    sigma/du at each knot. At a bound of a variable its evolution stops, and ``remark()`` says so. ``method`` is ``implicit`` or
-    ``extrapolated``; ``projection``, ``threads``, ``convex`` and ``checkpoint`` do not matter, and nothing is compiled.
-    :class:`NoAnswer`, an InputError with the history so far, ends a path with a step that is not solved to a residual of 1e-10.
+    A law with variables, an energy, rates or a flow of its own has another step: it satisfies the optimality conditions of the least
+    psi(chi) + dt Phi((chi - chi_n)/dt), which suffice where both are convex; with a flow of its own or rates without a multiplier, the
+    residual of the step is solved, and ``why`` says which. The result is a :class:`duhem.StateHistory` with all variables and forces.
+    The path prescribes the observables in the order of their forces (or, with ``control="stress"``, these forces), and in one more
+    column the temperature; without that column it follows from the heat that is dissipated and that bodies exchange. ``state`` has the
+    variables that do not begin at 0. An energy contains the stiffness; ``stiffness`` is for laws without one. A law with rates or a
+    potential of rates needs the times of the path. ``tangent`` adds d sigma/du at each knot. At a bound of a variable its evolution
+    stops, and ``remark()`` says so. ``method`` is ``implicit`` or ``extrapolated``; ``projection``, ``threads``, ``convex`` and
+    ``checkpoint`` do not matter, and nothing is compiled. :class:`NoAnswer`, an InputError with the history so far, ends a path with a
+    step that is not solved to a residual of 1e-10.
     """
     check_convex(convex)
     known = load_formula(law)
