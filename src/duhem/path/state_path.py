@@ -29,7 +29,7 @@ from duhem.path.loading import Path, Paths, checked_count, given_numbers
 from duhem.path.run import Run, kept_knots
 from duhem.path.state_step import KKT, Advanced, StateLaw, own_dissipation
 from duhem.projection.declared_ranges import beyond, crossed, refused
-from duhem.projection.increment import stiffness_matrix
+from duhem.projection.increment import stiffness_of
 from duhem.projection.result import Array, Status
 
 __all__ = ["NoAnswer", "StateHistory", "StateQuestion", "state_history"]
@@ -192,7 +192,7 @@ class StateQuestion:
         stressed = isinstance(path, Path) and path.control == "stress"
         if law.energy is not None and run.stiffness is not None:
             raise InputError(f"{law.name} has an energy", where="stiffness", remedy="remove the stiffness: the energy has it")
-        stiffness = None if law.energy is not None else stiffness_matrix(run.stiffness, law)[0]
+        stiffness = None if law.energy is not None else stiffness_of(law, run.stiffness)[0]
         alone = isinstance(path, Path)
         if isinstance(path, Path):
             knots = np.arange((len(path.time) - 1) * run.substeps + 1)

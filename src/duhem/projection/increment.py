@@ -26,7 +26,18 @@ from duhem.projection.declared_ranges import refused
 from duhem.projection.metric import factors
 from duhem.projection.result import Array
 
-__all__ = ["Convexity", "Increment", "at_doubles", "check_associated", "increment", "posed", "setting", "stiffness_matrix", "trial_rows"]
+__all__ = [
+    "Convexity",
+    "Increment",
+    "at_doubles",
+    "check_associated",
+    "increment",
+    "posed",
+    "setting",
+    "stiffness_matrix",
+    "stiffness_of",
+    "trial_rows",
+]
 
 
 @dataclass(frozen=True)
@@ -116,8 +127,7 @@ def setting(law: Criterion, stiffness: ArrayLike | None, parameters: Mapping[str
     check_associated(law)
     law = frozen(law)
     values, g = _settled(law, _exact(parameters))
-    unit = None if law.stress is None else law.stress.unit_stiffness
-    k, diagonal = stiffness_matrix(stiffness, law.forces, unit, law.name)
+    k, diagonal = stiffness_of(law, stiffness)
     return Increment(
         law=law,
         g=g,
@@ -258,14 +268,17 @@ def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
     return np.atleast_1d(pressure)
 
 
-def stiffness_matrix(
-    given: ArrayLike | None, axes: Sequence[str], unit: tuple[float, ...] | None = None, name: str = "the law"
-) -> tuple[Array, bool]:
+def stiffness_of(law: Criterion, given: ArrayLike | None) -> tuple[Array, bool]:
+    """The matrix of a law's forces, and whether it is diagonal."""
+    if given is None:
+        raise InputError(f"{law.name} has no energy of its own, and there is no stiffness", where="stiffness", remedy="give one")
+    return stiffness_matrix(given, law.forces, None if law.stress is None else law.stress.unit_stiffness)
+
+
+def stiffness_matrix(given: ArrayLike, axes: Sequence[str], unit: tuple[float, ...] | None = None) -> tuple[Array, bool]:
     """The matrix, not to be written to, and whether it is diagonal; ``unit`` is the diagonal that the number 1 stands for."""
     d = len(axes)
     remedy = f"give one number, ({d},) or ({d}, {d})"
-    if given is None:
-        raise InputError(f"{name} has no energy of its own, and there is no stiffness", where="stiffness", remedy=remedy)
     k = _array(unlabelled(given, "stiffness", f"{remedy}, in the order of {', '.join(axes)}"), "stiffness")
     if k.shape not in ((), (d,), (d, d)):
         raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)
