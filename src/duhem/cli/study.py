@@ -10,6 +10,7 @@ import click
 
 from duhem.cli.arguments import complete_law, read_fixed_formula, read_numbers
 from duhem.cli.output import FAILED, HELD, INTERRUPTED, Progress, page, say, wrote
+from duhem.law.state import check_stateless
 from duhem.show.place import check_places, write
 from duhem.version import __version__
 
@@ -37,7 +38,9 @@ def read_subject(law: str, settings: Sequence[str], stiffness: str | None) -> tu
     if law == FLAGSHIP:
         given = {setting.partition("=")[0].strip() for setting in settings}
         settings = [*settings, *(f"{name}={value}" for name, value in FIGURE_5.items() if name not in given)]
-    return read_fixed_formula(law, settings), None if stiffness is None else read_numbers(stiffness, "--stiffness")
+    fixed = read_fixed_formula(law, settings)
+    check_stateless(fixed, "a benchmark of single increments")
+    return fixed, None if stiffness is None else read_numbers(stiffness, "--stiffness")
 
 
 def carry_out(measure: Callable[[Progress], Study], json_file: str | None, plot: str | None, inputs: Sequence[str]) -> int:

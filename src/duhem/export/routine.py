@@ -14,6 +14,7 @@ from duhem.export.c_translation import Array, c_functions
 from duhem.expression import UNDEFINED
 from duhem.expression.scalar_jets import scalar_jets, scalar_values
 from duhem.law.formula_law import Criterion
+from duhem.law.state import check_stateless
 from duhem.projection import newton_kernel, newton_step
 from duhem.projection.module_text import module_text
 from duhem.projection.scaled_formula import scaled
@@ -71,6 +72,7 @@ def routine(law: Criterion) -> Routine:
     InputError for a law with a flow of its own, one whose formula has no derivatives as text, and for an open exponent: which
     powers are smooth, and where, is part of the algorithm.
     """
+    check_stateless(law, "an exported routine")
     if not law.associated:
         what = f"{law.name} has its own flow direction, but the closest point is the slip increment of associated laws only"
         raise InputError(what, where="law", remedy="export the same criterion without its flow")

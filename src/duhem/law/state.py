@@ -17,7 +17,9 @@ from duhem.errors import InputError
 from duhem.law.domain import REAL, Domain
 from duhem.law.frozen_mapping import FrozenMapping
 
-__all__ = ["NO_STATE", "Variable", "Variables", "check_heat", "check_state", "evolves", "frozen", "misfits", "prescribed"]
+__all__ = [
+    "NO_STATE", "Variable", "Variables", "check_heat", "check_state", "check_stateless", "evolves", "frozen", "misfits", "prescribed",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -163,6 +165,13 @@ def prescribed(law: Any) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=256)
+def check_stateless(law: Any, what: str) -> None:
+    """InputError for ``what`` knows closest points of K alone, where the law has a state that moves with them."""
+    if law.energy is not None or law.viscous or law.rates:
+        remedy = "let duhem.simulate integrate it, or state K in a file without [energy] and [dissipation]"
+        raise InputError(f"{law.name} has a state that moves with the slip, which {what} does not follow", where="law", remedy=remedy)
+
+
 def frozen(law: Any) -> Any:
     """The law at frozen variables: of these the ones that g names are parameters, and nothing else of the state is left."""
     if not law.variables:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
+from duhem.law.formula_law import Criterion
 from duhem.portrait.drawing import fill, paint_section, paint_step, paint_violation
 from duhem.portrait.marks import TrialStep, Violation, drawable, step, violation
 from duhem.portrait.plane import Plane, elsewhere, named, usual
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from duhem.law.atlas.entry import AtlasEntry
     from duhem.show.document import Drawing
 
-__all__ = ["atlas_sheet", "cut", "panels", "plot", "stated"]
+__all__ = ["atlas_sheet", "cut", "has_section", "panels", "plot", "stated"]
 
 Painter = Callable[["Axes"], None]
 _VALUES = 8  # of parameters in a title
@@ -63,6 +64,9 @@ def plot(
     """
     figure.check(file)
     chosen = load(law)
+    if not has_section(chosen):
+        what = f"{chosen.name} has a potential of rates and no criterion, so that there is no K to draw"
+        raise InputError(what, where="law", remedy="draw the criterion that its potential has in it")
     refuted: tuple[Violation, ...] = ()
     if witness:
         found = verify(chosen, parameters)
@@ -208,10 +212,11 @@ def atlas_sheet(
 ) -> tuple[Axes, ...]:
     """One section of each law at plain numbers, filled by whether K is convex; below its name the other claims that do not hold.
 
-    ``on_law`` is called with the name of each law before it is drawn.  Raises what :func:`duhem.portrait.plot` raises.
+    Laws with a potential of rates have no K, and no section.  ``on_law`` is called with the name of each law before it is drawn.
+    Raises what :func:`duhem.portrait.plot` raises.
     """
     figure.check(file)
-    views = []
+    views, laws = [], [law for law in laws if has_section(load_named(law.name))]
     for law in laws:
         on_law(law.name)
         views.append(_first(numbered(load_named(law.name))))
@@ -223,6 +228,11 @@ def atlas_sheet(
 
     columns = min(_COLUMNS, len(laws))
     return figure.drawn(paint, file, panels=len(laws), columns=columns, size=(2.0, 2.15), title=_TITLE)
+
+
+def has_section(law: Law) -> bool:
+    """Whether a law has a K to draw."""
+    return not (isinstance(law, Criterion) and law.viscous)
 
 
 def _first(at: Numbered) -> View:

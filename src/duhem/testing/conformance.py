@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
+from duhem.law.state import check_stateless
 from duhem.testing.checks import material_checks  # noqa: F401 (it registers its checks, and what it imports those of laws)
 from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.query import NoReply, Query
@@ -158,6 +159,8 @@ def conformance(
     pressure > 0 (sigma_n <= 0 in compression).
     """
     known = None if law is None else load(law)
+    if isinstance(known, Criterion):
+        check_stateless(known, "a test of single increments")
     asked = checks_asked(known, checks)
     check_expected(known, expected_failed_checks)
     if most_flagged is not None:

@@ -26,6 +26,7 @@ from duhem.law.catalogue import load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_fixed
+from duhem.law.state import check_stateless
 from duhem.omitted import LeftOut
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
@@ -300,6 +301,7 @@ class StressCases:
     def answers(self, law: Law) -> Iterator[_Line]:
         """A line for each name; InputError where the law cannot be asked."""
         formula = load_formula(law)
+        check_stateless(formula, "a benchmark of single increments")
         check_fixed(formula, "give it in set, grid, draw or table")
         for method in self.methods:
             yield from self._of_method(formula, method)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
+from duhem.law.state import check_stateless
 from duhem.projection.increment import check_associated
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
@@ -168,6 +169,7 @@ def own_solvers(law: Criterion) -> Iterator[tuple[str, Update | str]]:
     InputError for a law with a flow of its own, which none takes.
     """
     check_associated(law)
+    check_stateless(law, "a test of single increments")
     point = admitted_values(law) or {}
     values = {name: point[name] for name, domain in law.parameters.items() if domain.value is None and name in point}
     for method in METHODS:
