@@ -204,7 +204,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "refuted": {"facecolor": figure.palette(1), "alpha": 0.45, "lines": "xxx", "label": "$K$ convex: refuted"},
     "open": {"facecolor": "0.75", "alpha": 0.6, "lines": "...", "label": "$K$ convex: open"},
 }
-_TOLD = ("origin", "normality", "dissipation")
+_TOLD = ("origin", "normality", "dissipation", "state_laws")
 
 
 def atlas_sheet(
@@ -254,7 +254,9 @@ def _small(axes: Axes, law: AtlasEntry, view: View) -> None:
     axes.set_aspect("equal" if 0.125 < (b - a) / (d - c) < 8.0 else "auto", adjustable="box")
     axes.set_xlabel(view.plane.x_symbol, fontsize=8.6, labelpad=2)
     axes.set_ylabel(view.plane.y_symbol, fontsize=8.6, labelpad=2)
-    others = [f"{claim} {_word(law.verdicts[claim])}" for claim in _TOLD if law.verdicts[claim] not in ("proved", "not_applicable")]
+    others = [
+        f"{claim} {_word(law.verdicts[claim])}" for claim in _TOLD if law.verdicts.get(claim, "proved") not in ("proved", "not_applicable")
+    ]
     axes.set_title("\n".join([figure.shortened(law.name, 24), *others]), fontsize=7.5)
 
 
