@@ -45,7 +45,11 @@ def test_an_entry_says_where_it_stands_and_what_holds(said: AtlasEntry) -> None:
     assert max(map(len, text.splitlines())) <= 250
     assert said.summary and said.source and said.equation
     assert {*said.claims} <= {*CLAIMS}
-    assert {*said.verdicts} == {*ASKED, *(["state_laws"] if "[energy]" in text else [])} <= {*CLAIMS}
+    assert (
+        {*said.verdicts}
+        == {*ASKED, *(["state_laws"] if "[energy]" in text else []), *(["thermal"] if "[heat]" in text else [])}
+        <= {*CLAIMS}
+    )
     assert {*said.verdicts.values()} <= {verdict.value for verdict in duhem.Verdict}
     assert said.note or all(said.verdicts[claim] != "refuted" for claim in said.claims if claim in ("convexity", "dissipation", "origin"))
 

@@ -716,3 +716,28 @@ flow = ["0", "-1", "-1"]
     for wrong in ("1", "%%%((", "sqrt(-1)*zzz"):
         with pytest.raises(InputError):
             reads(text + two.format(wrong), "made")
+
+
+# -- what is said beside the verdicts -------------------------------------------------------------------------------------
+
+
+def said_of(given: Criterion | str, *claims: str) -> str:
+    return " ".join(duhem.verify(given, claims=list(claims)).remarks)
+
+
+@pytest.mark.parametrize(
+    ("given", "separately"),
+    [
+        (ADHESION, True),
+        ("lemaitre-damage", True),
+        ("at1-damage", True),
+        (isotropic(Domain.fixed(-1)), False),  # concave in alpha
+        (kinematic(), False),  # convex in all of them: nothing to say
+    ],
+)
+def test_an_energy_that_is_convex_in_each_variable_alone(given: Criterion | str, separately: bool) -> None:
+    assert ("separately convex" in said_of(given, "state_laws")) is separately
+
+
+def test_a_potential_at_a_frozen_state_names_it() -> None:
+    assert "every frozen value of theta, on which it depends" in said_of("rate-and-state", "convexity")

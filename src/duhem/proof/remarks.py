@@ -6,6 +6,7 @@ Odd are sets that are hardly what was meant: nothing, everything, one point, no 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain, product
@@ -23,10 +24,15 @@ from duhem.expression.text import formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.omitted import LeftOut
+from duhem.proof.certificate import law_as_text
 from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.special_places import limits_taken, singular_places, undefined_place
 from duhem.proof.facts.subject import Subject
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.state import convex_in_each_variable
+from duhem.proof.kernel.steps import TooDearError, within
+from duhem.proof.kernel.term import NotWritten
 from duhem.proof.statement import as_written
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
@@ -78,11 +84,29 @@ def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[st
     And whether K has no boundary point but 0, so that nothing is said when nothing is found to dissipate less than 0.
     """
     found = tuple(f"{claim}: {evidence.detail}" for claim, evidence in settled.items() if evidence.method == CONTRADICTION)
-    if not isinstance(subject, FormulaSubject) or subject.law.viscous:
+    if not isinstance(subject, FormulaSubject):
         return found, False
+    of_state = tuple(_of_state(subject.law, settled))
+    if subject.law.viscous:
+        return (*found, *of_state), False
     subject.allow(_STEPS)
     odd = extent(subject)
-    return (*found, *_oddities(subject, odd, settled), *_singular(subject)), odd is not None and not odd.boundary
+    return (*found, *_oddities(subject, odd, settled), *of_state, *_singular(subject)), odd is not None and not odd.boundary
+
+
+def _of_state(law: Criterion, settled: Mapping[str, Evidence]) -> Iterator[str]:
+    """Which variables the claims about K hold frozen, which have no force, and whether an energy that is not convex is so in each alone."""
+    flows = (law.flow, *(surface.flow for surface in law.surfaces))
+    used = law.g.free_symbols.union(*(c.free_symbols for flow in flows for c in flow or ()))
+    if frozen := [name for name in law.variables if law.symbols()[name] in used]:
+        about, part = ("Phi*", "it") if law.viscous else ("K and the flow", "g or the flow")
+        yield f"The claims about {about} hold at every frozen value of {', '.join(frozen)}, on which {part} depends"
+    if unforced := [name for name, own in law.variables.items() if own.internal and own.force is None]:  # such as wear
+        yield f"Normality says nothing of the variables without a force: {', '.join(unforced)}"
+    refuted = "state_laws" in settled and settled["state_laws"].verdict is Verdict.REFUTED
+    with suppress(NotWritten, OverflowError, RecursionError, TooDearError), within(_STEPS):
+        if refuted and convex_in_each_variable(StatedLaw.read(law_as_text(law))):
+            yield "psi is separately convex: in each variable alone, at every value of the others"
 
 
 def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str, Evidence]) -> Iterator[str]:
@@ -109,10 +133,6 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
         yield odd.what
     flows = (law.flow, *(surface.flow for surface in law.surfaces))
     used = law.g.free_symbols.union(*(c.free_symbols for flow in flows for c in flow or ()))
-    if frozen := [name for name in law.variables if law.symbols()[name] in used]:
-        yield f"The claims about K and the flow hold at every frozen value of {', '.join(frozen)}, on which g or the flow depends"
-    if unforced := [name for name, own in law.variables.items() if own.internal and own.force is None]:  # such as wear
-        yield f"Normality says nothing of the variables without a force: {', '.join(unforced)}"
     used = used.union(law.energy.free_symbols if law.energy is not None else (), *(rate.free_symbols for rate in law.rates.values()))
     used = used.union({law.symbols()[name] for name in (*law.variables, *law.heat)}, *(h.free_symbols for h in law.heat.values()))
     if unused := [name for name, x in law.symbols().items() if x not in used]:

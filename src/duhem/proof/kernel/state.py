@@ -22,6 +22,7 @@ from duhem.proof.kernel.regularity import smooth_everywhere
 from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
 __all__ = [
+    "convex_in_each_variable",
     "energy_differentiable",
     "epigraph",
     "has_default_energy",
@@ -47,6 +48,14 @@ def epigraph(law: StatedLaw) -> StatedLaw | None:
     moving = tuple(name for name, own in law.variables if own.kind != "temperature")
     height = _unused(law)
     return _in_variables(law, moving, sum_of(law.energy, minus(Term("name", name=height))), height)
+
+
+def convex_in_each_variable(law: StatedLaw) -> bool:
+    """Whether psi is convex in each variable but the temperature, at every value of the others."""
+    if law.energy is None or energy_differentiable(law):
+        return False
+    moving = [name for name, own in law.variables if own.kind != "temperature"]
+    return all(over(_in_variables(law, (name,), law.energy)).facts(law.energy).convex for name in moving)
 
 
 def rate_epigraph(law: StatedLaw, power: bool) -> StatedLaw:
