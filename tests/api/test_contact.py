@@ -149,13 +149,13 @@ def test_a_wrong_answer_is_called_inaccurate(monkeypatch: pytest.MonkeyPatch, ch
 
 
 def test_the_gap_alone_tells_an_opening_under_pressure_and_a_slip_that_is_not_normal() -> None:
-    from duhem.api.contact import _against_the_bipotential
+    from duhem.api.contact import _against_the_bipotential, _polar
 
-    ahead, right = duhem.prepare("coulomb", 1.0, {"mu": MU}), contact("coulomb", [3.0, 4.0, -2.0], 1.0, {"mu": MU})
+    polar, right = _polar(duhem.load("coulomb"), (("mu", MU),)), contact("coulomb", [3.0, 4.0, -2.0], 1.0, {"mu": MU})
     stress, pressure = right.stress[:, :2], -right.stress[:, 2]
 
     def judge(slip: Any, opening: float) -> float:
-        return float(_against_the_bipotential(ahead, np.eye(3), stress, pressure, slip, np.array([opening]))[0][0])
+        return float(_against_the_bipotential(polar, np.eye(3), stress, pressure, slip, np.array([opening]))[0][0])
 
     assert abs(judge(right.slip, 0.0)) < 1e-15
     assert judge(right.slip, 0.1) > 0.01 and judge(right.slip[:, ::-1], 0.0) > 0.01 and judge(-right.slip, 0.0) == 1.0
@@ -190,3 +190,31 @@ def test_a_stiffness_of_another_order_is_refused() -> None:
 
 def test_it_is_offered_by_name() -> None:
     assert duhem.contact is contact and isinstance(duhem.load("coulomb"), Criterion)
+
+
+ODD = (
+    "norm(sigma_a, sigma_b)*abs(sigma_n) - 2/5*sigma_n**2",
+    "norm(sigma_a, sigma_b)**2*abs(sigma_n) - 4/25*abs(sigma_n)**3",
+    "(norm(sigma_a, sigma_b) + 2/5*sigma_n)*abs(sigma_n)",
+    "sqrt(abs(sigma_n))*norm(sigma_a, sigma_b) - 2/5*abs(sigma_n)**(3/2)",
+    "norm(sigma_a, sigma_b)/abs(sigma_n) - 2/5",
+    "norm(sigma_a/sigma_n, sigma_b/sigma_n) - 2/5",
+)
+
+
+@pytest.mark.parametrize("g", mostly_long(ODD, ODD[0], ODD[4]))
+def test_an_open_contact_has_no_stress_however_the_law_is_written(g: str) -> None:
+    """At sigma_n = 0 these formulas are another set than 0 K(-1) = {0}, or none."""
+    trials = np.array([[3.0, 4.0, 2.0], [3.0, 4.0, 0.0], [3.0, 4.0, -2.0], [0.1, 0.0, -2.0], [0.0, 0.0, 1.0]])
+    for k in (PLAIN, WEAK):
+        found, known = contact(Criterion("odd", g, {}), trials, k), contact("coulomb", trials, k, {"mu": MU})
+        for one, other in ((found.stress, known.stress), (found.slip, known.slip), (found.opening, known.opening)):
+            assert np.abs(one - other).max() < 1e-9
+        assert (found.status == known.status).all() and np.isin(found.status, (Status.STICK, Status.SLIP)).all()
+
+
+def test_no_answer_is_given_where_an_open_contact_may_keep_a_stress() -> None:
+    """K(-1) = {sigma_a^2 + sigma_b/2 <= 0} has no end along -sigma_b alone: (0, 4) is no stress without pressure."""
+    found = contact(Criterion("parabola", "sigma_a**2 - 1/2*sigma_b*sigma_n", {}), [[3.0, 4.0, 2.0], [0.0, -4.0, 2.0]])
+    assert found.status[0] == Status.FAILED and found.status[1] == Status.STICK
+    assert found.stress[1].tolist() == [0.0, -4.0, 0.0]

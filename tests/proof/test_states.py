@@ -680,10 +680,6 @@ def test_a_variable_with_a_force_has_no_second_rate() -> None:
         )  # fmt: skip
     with pytest.raises(NotWritten):
         StatedLaw.read(law_as_text(armstrong_frederick()) | {"unforced": {"alpha": "-1000*Y"}})
-    worn = {**law_as_text(kinematic())["variables"], "w": {}}
-    parameters = {**law_as_text(kinematic())["parameters"], "w": {}}
-    with pytest.raises(NotWritten):  # an associated law has no flow that a rate stands beside
-        StatedLaw.read(law_as_text(kinematic()) | {"variables": worn, "parameters": parameters, "unforced": {"w": "1"}})
 
 
 def test_rates_without_a_value_dissipate_nothing() -> None:
@@ -741,3 +737,17 @@ def test_an_energy_that_is_convex_in_each_variable_alone(given: Criterion | str,
 
 def test_a_potential_at_a_frozen_state_names_it() -> None:
     assert "every frozen value of theta, on which it depends" in said_of("rate-and-state", "convexity")
+
+
+def test_an_observable_may_have_a_force_that_drives_nothing_but_no_name_in_use() -> None:
+    variables = {"eps": Variable("sigma", observable=True), "D": Variable("Y", domain=Domain.between(0, 1))}
+    head = {"parameters": {"E": ABOVE_0, "Y_0": ABOVE_0}, "forces": ("Y",), "pressure": None, "energy": "(1 - D)*E*eps**2/2"}
+    assert Criterion("bar", "Y - Y_0", variables=variables, **head).variables["eps"].force == "sigma"
+    for taken in ("E", "D"):
+        with pytest.raises(InputError, match="another name too"):
+            Criterion("bar", "Y - Y_0", variables=variables | {"eps": Variable(taken, observable=True)}, **head)
+
+
+def test_a_law_of_which_every_variable_is_fixed_is_examined() -> None:
+    fixed = duhem.load("slip-softening").fix({"u": 0, "u_in": 0, "alpha": 1})
+    assert duhem.verify(fixed, claims=["state_laws"])["state_laws"].verdict is not PROVED

@@ -9,7 +9,7 @@ P = |trial_n| + |k_nt| |trial_t|, lengths in k_tt^-1.  |dd/dp| <= M, the largest
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,10 @@ from duhem.projection.result import ACCURACY, Array, Pointwise, Status
 
 __all__ = ["Contact", "contact"]
 
+Polar = Callable[[Array], Array]
+"""Phi_1 of slips (N, d), finite for each."""
+
+_FAR = 1e9  # times a stress, which then lies in K(-1) only along a direction in which that has no end
 _HALVINGS = 1100  # of an interval of doubles, down to the least of them
 
 
@@ -77,14 +81,37 @@ def contact(
         raise InputError(what, where="law", remedy="use duhem.project under a pressure that you know")
     rows = trial_rows(trial, criterion.coordinates)
     pressure, opening = _normal_part(ahead, rows, k)
-    found = ahead.project(rows[:, :d] - opening[:, None] * k[:d, d], -pressure)
-    stress = np.column_stack([found.stress, -pressure]) + 0.0  # no -0
-    gap, unique = _against_the_bipotential(ahead, k, found.stress, pressure, found.slip, opening)
-    missing = rows - np.column_stack([found.slip, opening]) @ k - stress
+    polar = _polar(ahead.projector.setting.law, tuple(ahead.projector.setting.parameters.items()))
+    forces, slip, status = _tangential_part(ahead, rows[:, :d] - opening[:, None] * k[:d, d], pressure, k[:d, :d], polar)
+    stress = np.column_stack([forces, -pressure]) + 0.0  # no -0
+    gap, unique = _against_the_bipotential(polar, k, forces, pressure, slip, opening)
+    missing = rows - np.column_stack([slip, opening]) @ k - stress
     balance = _share(np.linalg.norm(missing, axis=1), np.linalg.norm(rows, axis=1))
     bad = (balance > ACCURACY) | (np.abs(gap) > ACCURACY)
-    status = np.where(bad & (found.status != Status.FAILED), Status.INACCURATE, found.status).astype(np.int8)
-    return Contact(stress, found.slip, opening, gap, balance, status, np.full(len(rows), unique))
+    status = np.where(bad & (status != Status.FAILED), Status.INACCURATE, status).astype(np.int8)
+    return Contact(stress, slip, opening, gap, balance, status, np.full(len(rows), unique))
+
+
+def _tangential_part(
+    ahead: Prepared, trial: Array, pressure: Array, stiffness: Array, polar: Polar | None
+) -> tuple[Array, Array, NDArray[np.int8]]:
+    """Stress and slip (N, d) under the pressures, and how they were found.
+
+    Without pressure the stress lies in 0 K(-1), the directions in which K(-1) has no end: 0 alone where Phi_1 is finite for each slip.
+    The formula at sigma_n = 0 may be another set, so that what it gives is held against K(-1).
+    """
+    found = ahead.project(trial, -pressure)
+    stress, slip, status, free = found.stress.copy(), found.slip.copy(), found.status.copy(), pressure == 0.0
+    if polar is not None:
+        stress[free], slip[free] = 0.0, np.linalg.solve(stiffness, trial[free].T).T
+        status[free] = np.where(slip[free].any(axis=1), Status.SLIP, Status.STICK)
+    elif free.any():
+        setting = ahead.projector.setting
+        far = dict(zip(setting.law.forces, _FAR * stress[free].T, strict=True)) | {str(setting.law.pressure): -1.0}
+        table = setting.law.symbols()
+        outside = ~(np.asarray(evaluate(setting.g, {table[name]: x for name, x in far.items()})) <= 0.0)
+        status[np.flatnonzero(free)[np.broadcast_to(outside, free.sum())]] = Status.FAILED
+    return stress, slip, status
 
 
 def _normal_part(ahead: Prepared, rows: Array, k: Array) -> tuple[Array, Array]:
@@ -109,10 +136,12 @@ def _normal_part(ahead: Prepared, rows: Array, k: Array) -> tuple[Array, Array]:
     return pressure, opening
 
 
-def _against_the_bipotential(ahead: Prepared, k: Array, stress: Array, pressure: Array, slip: Array, opening: Array) -> tuple[Array, bool]:
+def _against_the_bipotential(
+    polar: Polar | None, k: Array, stress: Array, pressure: Array, slip: Array, opening: Array
+) -> tuple[Array, bool]:
     """b - (sigma . slip - p opening) over the size of its terms (N,), and whether the answer is shown to be the only one."""
-    setting, d = ahead.projector.setting, len(k) - 1
-    across, polar = k[d, :d], _polar(replace(setting.law), tuple(setting.parameters.items()))
+    d = len(k) - 1
+    across = k[d, :d]
     if polar is None:
         return np.full(len(pressure), np.nan), not across.any()
     metric = Metric.of(np.ascontiguousarray(k[:d, :d])).of_stress
@@ -122,8 +151,8 @@ def _against_the_bipotential(ahead: Prepared, k: Array, stress: Array, pressure:
 
 
 @lru_cache(maxsize=64)
-def _polar(law: Criterion, parameters: tuple[tuple[str, float], ...]) -> Callable[[Array], Array] | None:
-    """Phi_1 of slips (N, d), finite for each; None where duhem derives no such closed form."""
+def _polar(law: Criterion, parameters: tuple[tuple[str, float], ...]) -> Polar | None:
+    """Phi_1; None where duhem derives no such closed form."""
     from duhem.derivation.support_function import support_function
 
     found = support_function(law, dict(parameters))

@@ -10,7 +10,6 @@ import click
 
 from duhem.cli.arguments import complete_law, read_fixed_formula, read_numbers
 from duhem.cli.output import FAILED, HELD, INTERRUPTED, Progress, page, say, wrote
-from duhem.law.state import check_stateless
 from duhem.show.place import check_places, write
 from duhem.version import __version__
 
@@ -38,6 +37,8 @@ def read_subject(law: str, settings: Sequence[str], stiffness: str | None) -> tu
     if law == FLAGSHIP:
         given = {setting.partition("=")[0].strip() for setting in settings}
         settings = [*settings, *(f"{name}={value}" for name, value in FIGURE_5.items() if name not in given)]
+    from duhem.law.state import check_stateless
+
     fixed = read_fixed_formula(law, settings)
     check_stateless(fixed, "a benchmark of single increments")
     return fixed, None if stiffness is None else read_numbers(stiffness, "--stiffness")

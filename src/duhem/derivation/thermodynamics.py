@@ -53,7 +53,7 @@ def in_state(law: Criterion) -> dict[sp.Symbol, sp.Expr]:
     slopes, table = _slopes(law, law.energy), law.symbols()
     found = {table[force]: -slopes[name] for force, name in _variables(law).driven().items()}
     for force, name in _variables(law).observed().items():
-        if not _alike(law, slopes[name], found[table[force]]):
+        if table.get(force) in found and not _alike(law, slopes[name], found[table[force]]):
             own = _variables(law).driven()[force]
             what = f"d psi/d {name} and -d psi/d {own} differ, and both are said to be {force}"
             raise InputError(what, where=f"energy of {law.name}", remedy=f"let the energy depend on {name} - {own}, or mend the forces")
@@ -98,9 +98,10 @@ def state_equations(names: Names, left_out: list[LeftOut]) -> Iterator[Equation]
         left_out.append(LeftOut("free energy, state laws (25) and forces in the state (26)", "the law declares no energy"))
     else:
         slopes, observed, forces = _slopes(law, law.energy), variables.observed(), in_state(law)
+        stress = [table.get(force, sp.Symbol(force, real=True)) for force in observed]  # no force of the law where nothing slips
         yield Equation("30", "free_energy", equal(state.energy, law.energy), "free energy, as declared", STATE)
         if observed:
-            relation = columns([table[force] for force in observed], [slopes[name] for name in observed.values()])
+            relation = columns(stress, [slopes[name] for name in observed.values()])
             yield Equation("25", "state_law", relation, "sigma = d psi_C/d u for each observable", STATE)
         else:
             left_out.append(LeftOut("state laws (25)", "the law has no observable"))
@@ -109,7 +110,7 @@ def state_equations(names: Names, left_out: list[LeftOut]) -> Iterator[Equation]
             cold = state.entropy * state.rate[thermal]
         note = "Y = -d psi_C/d alpha for each internal variable that has a force; that of a slip is the stress of (25)"
         yield Equation("26", "thermodynamic_forces", columns(forces, forces.values()), note, STATE)
-        work = dot([table[force] for force in observed], [state.rate[name] for name in observed.values()])
+        work = dot(stress, [state.rate[name] for name in observed.values()])
         change = dot(slopes.values(), state.rate.values())
     yield from _inequality(names, work - change - cold, reduced, work - reduced - cold)
 

@@ -103,6 +103,8 @@ def check_state(law: Any) -> None:
     variables = law.variables
     for _, what, remedy in misfits(variables, law.forces, law.energy is not None):
         raise InputError(what, where=f"variables of {law.name}", remedy=remedy)
+    if taken := [own.force for own in variables.values() if own.force is not None and own.force in (*law.parameters, law.pressure)]:
+        raise InputError(f"{taken[0]} is a force and another name too", where=f"variables of {law.name}", remedy="call the force otherwise")
     states = {law.symbols()[name] for name in variables}
     for relation in law.constraints:
         if stray := relation.free_symbols & states:
@@ -116,8 +118,6 @@ def check_state(law: Any) -> None:
         if variables[name].force is not None:
             what, remedy = f"{name} has a force, and a rate beside the flow", "its rate is the flow's entry; add rates without a multiplier"
             raise InputError(what, where=law.name, remedy=f"{remedy} to rates")
-    if law.unforced and law.flow is None and not law.surfaces:
-        raise InputError("there are rates for a unit of the multiplier and no flow", where=law.name, remedy="state the flow")
     check_heat(law)
     stored = set() if law.energy is None else law.energy.free_symbols
     for name, own in variables.items():

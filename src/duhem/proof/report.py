@@ -220,7 +220,7 @@ def _conclusion(verification: Verification) -> tuple[str, str]:
     standard = _answer("generalized standard", verification.generalized_standard, found, verification.of_standard)
     if verification.vacuous and "dissipation" in found:
         return standard, "dissipative: the claim says nothing here (the only boundary point of K is zero force, see the remarks)"
-    return standard, _answer("dissipative", verification.dissipative, found, ("dissipation",))
+    return standard, _answer("dissipative", verification.dissipative, found, verification.of_dissipative)
 
 
 def _coupled(verification: Verification) -> tuple[str, ...]:

@@ -134,9 +134,15 @@ class Verification(Shown):
         return ("origin", "convexity", "normality", *(["state_laws"] if energy else []))
 
     @property
+    def of_dissipative(self) -> tuple[str, ...]:
+        """The claims that together say D = D_intr + D_th >= 0."""
+        heat = isinstance(self.criterion, Criterion) and self.criterion.heat
+        return ("dissipation", *(["thermal"] if heat else []))
+
+    @property
     def dissipative(self) -> bool | None:
-        """Dissipation proved; False if refuted; None if open, not asked or ``vacuous``."""
-        answer = self._together("dissipation")
+        """Dissipation proved, and thermal of a law with heat; False if one is refuted; None if open, not asked or ``vacuous``."""
+        answer = self._together(*self.of_dissipative)
         return None if answer and self.vacuous else answer
 
     def _together(self, *claims: str) -> bool | None:

@@ -229,8 +229,8 @@ def _state(given: Mapping[str, Any], forces: Sequence[str], parameters: Mapping[
             rates[key, name] = rate = without_angles(parse(text)).put(fixed)
             if kinds.get(name) != "internal" or rate.op in COMPARISONS or not rate.names() <= known:
                 raise NotWritten("a rate is of no internal variable, or of names that are not declared")
-            if key == "unforced" and (dict(variables)[name].force is not None or "viscous" in given or given.get("flow", "") is None):
-                raise NotWritten("a variable with a force has its rate in the flow, and there is no rate beside a flow without one")
+            if key == "unforced" and dict(variables)[name].force is not None:
+                raise NotWritten("a variable with a force has its rate in the flow")
     state: dict[str, Any] = {"variables": variables, "rates": tuple((name, rate) for (key, name), rate in rates.items() if key == "rates")}
     state["heat"] = _heat(given, parameters, fixed, kinds)
     if "energy" not in given:

@@ -32,6 +32,8 @@ _ROUNDING, _HUGE = 1e-9, 1e200  # of second derivatives
 def chords_across_bends(subject: FormulaSubject) -> Iterator[Chord]:
     """Of a law {psi(chi) - z <= 0}, z its last force: between chi - v and chi + v with v . psi'' v < 0, a little above the graph."""
     *moving, height = subject.simple.forces
+    if not moving:  # every variable is fixed
+        return
     for parameters in subject.choices(_CHOICES):
         energy = subject.formula_at(parameters) + height
         try:
