@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import inspect
+from contextlib import suppress
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
+import sympy as sp
 from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -16,6 +18,7 @@ from scipy.integrate import solve_ivp
 import duhem
 from duhem import Criterion, Domain, InputError, Path, Paths, Status, YieldSurface
 from duhem.cli import cli
+from duhem.expression.numpy_ import compiled
 from duhem.law.state import Variable
 from duhem.path import scene_file, state_path, state_step
 from duhem.path.history import LeftDomain
@@ -546,3 +549,67 @@ def test_the_faults_of_a_scene_have_their_places(tmp_path: Any) -> None:
     ):
         with pytest.raises(scene_file.SceneFaults, match=said):
             scene_file.reads(SCENE.replace(old, new), "scene", tmp_path)
+
+
+# -- what must not pass ----------------------------------------------------------------------------------------------------
+
+
+def plane(g: Any, parameters: Any = None, **more: Any) -> Criterion:
+    """Two forces with unit moduli."""
+    variables = {
+        "ua": Variable("sa", observable=True), "ub": Variable("sb", observable=True), "pa": Variable("sa"), "pb": Variable("sb"),
+    }  # fmt: skip
+    energy = "((ua - pa)**2 + (ub - pb)**2)/2"
+    return Criterion("plane", g, parameters or {}, ("sa", "sb"), None, energy=energy, variables=variables, **more)
+
+
+@pytest.mark.parametrize("g", ["abs(sa) - sqrt(1 - sb)", "abs(sa) - (1 - sb)**(3/4)", "log(1 + sb) + abs(sa) - 1"])
+def test_a_criterion_without_a_value_is_not_satisfied(g: str) -> None:
+    for end in ((0.5, 3.0), (0.0, -9.0), (0.0, 3.0)):
+        with suppress(NoAnswer):
+            history = duhem.simulate(plane(g), Path.linear([[0.0, 0.0], end]))
+            values = compiled(plane(g).g, plane(g).force_symbols())(*history.force.T)
+            assert (values <= 1e-9).all()
+
+
+def test_a_slope_without_end_hides_no_other_surface() -> None:
+    law = plane(sp.nan, surfaces=(YieldSurface("sqrt(abs(sa)) - 1"), YieldSurface("abs(sb) - 1")))
+    history = duhem.simulate(law, Path.linear([[0.0, 0.0], [0.0, 3.0], [0.0, 50.0]]))
+    assert history.force[1:].tolist() == [[0.0, 1.0], [0.0, 1.0]]
+    with pytest.raises(InputError, match="outside K"):
+        duhem.simulate(law, Path.linear([[0.0, 50.0], [0.0, 51.0]]))
+
+
+@pytest.mark.parametrize(("n", "k", "dt"), [("3/10", "1000000", 1.0), ("3/10", "100", 1e3), ("1/2", "10000", 1e3)])
+def test_a_steep_viscous_flow_is_right_or_no_answer(n: str, k: str, dt: float) -> None:
+    """eta rate = (|s| - 1)^n beyond the threshold: a step at dt -> oo ends at |s| = 1 with the sign of the load."""
+    variables = {"u": Variable("s", observable=True), "p": Variable("s")}
+    potential, energy = f"1/({n} + 1)*max(abs(s) - 1, 0)**({n} + 1)", f"{k}/2*(u - p)**2"
+    law = Criterion("steep", potential, {}, ("s",), None, energy=energy, variables=variables, viscous=True)
+    knots, wanted = [0.0, 9.0, 120.0, -50.0], [0.0, 1.0, 1.0, -1.0]
+    try:
+        found = duhem.simulate(law, Path.linear(knots, time=[dt * i for i in range(4)])).force[:, 0]
+    except NoAnswer as fault:
+        found = fault.history.force[:, 0]
+    assert all(s * w >= 0.0 for s, w in zip(found, wanted, strict=False))
+
+
+def test_a_tangent_is_one_of_the_step() -> None:
+    with pytest.raises(InputError, match="no tangent"):
+        duhem.simulate(plane("norm(sa, sb) - 1"), Path.linear([[0.0, 0.0], [3.0, 0.0]]), method="extrapolated", tangent=True)
+
+
+def test_a_state_is_a_mapping() -> None:
+    with pytest.raises(InputError, match="no mapping"):
+        duhem.simulate(plane("norm(sa, sb) - 1"), Path.linear([[0.0, 0.0], [3.0, 0.0]]), state=[1, 2])
+
+
+def test_damage_is_driven_by_an_observable_whose_force_drives_nothing() -> None:
+    history = duhem.simulate("at1-damage", Path.linear([0.0, 1.2]), parameters={"E": 1, "w_1": 1}, substeps=12)
+    assert history["d"][-1] == pytest.approx(1 - 1 / 1.2**2, rel=1e-9) and np.abs(history.balance).max() < 1e-12
+
+
+def test_an_exponent_that_is_a_parameter() -> None:
+    law = plane("(abs(sa)**m + abs(sb)**m)**(1/m) - 1", {"m": Domain.between(1, None)})
+    history = duhem.simulate(law, Path.linear([[0.0, 0.0], [3.0, 2.0]]), parameters={"m": 4})
+    assert abs(np.abs(history.force[-1] ** 4).sum() - 1.0) < 1e-9

@@ -14,7 +14,7 @@ import duhem
 from duhem.law.curve_law import ParametricCriterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.certificate import recheck
+from duhem.proof.kernel.certificate import COUPLED, recheck
 from duhem.proof.kernel.claims import CURVE_RULES, objection
 from duhem.proof.kernel.constant_value import Enclosure, enclosed
 from duhem.proof.kernel.curve import StatedCurve, _circle
@@ -34,7 +34,9 @@ def curve(*boundary: str, flow: list[str] | None = None, **parameters: Any) -> S
 def shown(stated: StatedCurve) -> set[str]:
     """The claims of the shape that the kernel shows; those that rest on others are left out."""
     return {
-        claim for (claim, rule), (needs, *_) in CURVE_RULES.items() if not needs and not objection(claim, rule, frozenset(), stated, {})
+        claim
+        for (claim, rule), (needs, *_) in CURVE_RULES.items()
+        if claim not in COUPLED and not needs and not objection(claim, rule, frozenset(), stated, {})
     }
 
 

@@ -22,6 +22,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.elementary import ELEMENTARY, Elementary, array_function, on_arrays
 from duhem.expression.fold import Recording, Table, recorded, same
@@ -222,7 +223,10 @@ def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
 
 
 def _pnorm(node: Any, p: Jet, *args: Jet) -> Jet:
-    exponent = float(p.value)
+    every = np.ravel(p.value)
+    if (every != every[0]).any():
+        raise InputError("the exponent of a sum of powers differs from point to point", remedy="compute the points of each by themselves")
+    exponent = float(every[0])
     return _p_norm(exponent, numpy_.TABLE[PNorm](node, exponent, *(a.value for a in args)), args)
 
 

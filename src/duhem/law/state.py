@@ -161,10 +161,12 @@ def evolves(law: Any) -> bool:
 
 def prescribed(law: Any) -> tuple[str, ...]:
     """The forces whose observables a loading path prescribes: all of them where nobody declares an energy."""
-    return tuple(f for f in law.forces if law.energy is None or f in law.variables.observed())
+    if law.energy is None:
+        return tuple(law.forces)
+    observed = law.variables.observed()
+    return (*(f for f in law.forces if f in observed), *(f for f in observed if f not in law.forces))
 
 
-@lru_cache(maxsize=256)
 def check_stateless(law: Any, what: str) -> None:
     """InputError for ``what`` knows closest points of K alone, where the law has a state that moves with them."""
     if law.energy is not None or law.viscous or law.rates:
@@ -172,6 +174,7 @@ def check_stateless(law: Any, what: str) -> None:
         raise InputError(f"{law.name} has a state that moves with the slip, which {what} does not follow", where="law", remedy=remedy)
 
 
+@lru_cache(maxsize=256)
 def frozen(law: Any) -> Any:
     """The law at frozen variables: of these the ones that g names are parameters, and nothing else of the state is left."""
     if not law.variables:

@@ -145,6 +145,7 @@ class StateHistory(Tabled):
         return "; ".join(said) or None
 
 
+_BALANCED = 1e-6  # of the energies of a step of a viscous law
 _LONG = ("state", "force", "pressure", "multiplier", *_SUMS, "residual", "held", "entropy", "heat", "tangent")
 
 
@@ -153,7 +154,8 @@ class NoAnswer(InputError):
 
     def __init__(self, history: StateHistory, time: float, residual: float) -> None:
         self.history = history
-        what = f"the step to time {time:g} has no answer: its optimality conditions are met to {residual:.1g} and not to {KKT:g}"
+        met = f"met to {residual:.1g} and not to {KKT:g}" if not residual <= KKT else "not all met"
+        what = f"the step to time {time:g} has no answer: its optimality conditions are {met}"
         remedy = "take more substeps; duhem verify says whether energy and criterion are convex, without which there may be no answer"
         super().__init__(what, where=f"path, step {len(history)}", remedy=remedy)
 
@@ -189,6 +191,8 @@ class StateQuestion:
             what = f"the start of {law.name} is a state"
             raise InputError(what, where="stress", remedy='give the variables that do not begin at 0, such as state={"alpha": 0.1}')
         checked_count(run.substeps, "substeps", 1)
+        if run.tangent and run.method == "extrapolated":
+            raise InputError("an extrapolated step has no tangent here", where="tangent", remedy='use method="implicit"')
         stressed = isinstance(path, Path) and path.control == "stress"
         if law.energy is not None and run.stiffness is not None:
             raise InputError(f"{law.name} has an energy", where="stiffness", remedy="remove the stiffness: the energy has it")
@@ -226,6 +230,8 @@ class StateQuestion:
         own, law, begun = self.law, self.law.law, self.begun.copy()
         names = own.names[own.observables :] if not own.stressed else own.names
         ends = {name: v.domain for name, v in law.variables.items()}
+        if given is not None and not isinstance(given, Mapping):
+            raise InputError(f"{type(given).__name__} is no mapping", where="state", remedy='give variables by name, {"alpha": 0.1}')
         for name, value in respelled(given or {}, "state").items():
             if name not in names or (name == law.temperature and not own.adiabatic):
                 what = f"{name!r} is not a variable that begins somewhere"
@@ -348,6 +354,12 @@ def _implicit(law: StateLaw, base: Array, given: Array, dt: float, others: Seque
     dissipation = (end.forces * end.flow[:, law.order]).sum(axis=1)
     work = (end.observed * by[:, :o]).sum(axis=1)
     numerical = own_dissipation(law, base, end.chi, others) + (end.reaction * inner).sum(axis=1)
+    if law.potential is not None:  # beyond a threshold with a steep flow the residual alone says little
+        stored, begun = end.psi, law.stored(base, others)[0]
+        parts = np.stack([stored - begun, dissipation, -work, numerical])
+        rounding = 64 * np.finfo(np.float64).eps * (np.abs(end.observed) * np.abs(end.chi[:, :o])).sum(axis=1)
+        lost = ~(np.abs(parts.sum(axis=0)) <= _BALANCED * np.abs(parts).sum(axis=0) + rounding)
+        end = replace(end, failed=end.failed | (lost if o + law.internal == len(law.names) else False))
     if o + law.internal == len(law.names):
         warmed = heat = np.zeros(len(base))
     else:

@@ -369,7 +369,7 @@ class StateLaw:
         new.active[at.multiplier < 0.0] = False
         new.multiplier[at.multiplier < 0.0] = 0.0
         if at.active.shape[1]:
-            excess = np.where(at.active, -np.inf, system.criteria / system.criterion_size)
+            excess = np.where(at.active, -np.inf, _excess(system.criteria, system.criterion_size))
             most, rows = np.argmax(excess, axis=1), np.arange(len(excess))
             new.active[rows, most] |= excess[rows, most] > KKT
         out = (alpha < self.low) | (alpha > self.high)
@@ -479,6 +479,7 @@ class StateLaw:
         found = system.hessian[:, u, u] + system.hessian[:, u, inner] @ np.where(at.held[:, :, None], 0.0, moved[:, : self.internal])
         return found + system.hessian[:, u, warm] @ moved[:, -1:] if self.adiabatic else found
 
+    @np.errstate(all="ignore")
     def outside(self, at: Array, forces: Array, others: Sequence[Array]) -> Array:
         """By how much states (N, n) with these forces lie outside a criterion, relative to its size (N,)."""
         found = np.full(len(at), -np.inf)
@@ -487,7 +488,7 @@ class StateLaw:
             assert jet.gradient is not None
             slope = jet.gradient[:, : forces.shape[1]]
             size = np.maximum((np.abs(slope) * np.abs(forces)).sum(axis=1), np.abs(jet.value - (slope * forces).sum(axis=1)))
-            found = np.maximum(found, jet.value / (size + np.finfo(np.float64).tiny))
+            found = np.maximum(found, _excess(np.asarray(jet.value), size + np.finfo(np.float64).tiny))
         return found
 
     def stored(self, at: Array, others: Sequence[Array]) -> tuple[Array, Array, Array]:
@@ -508,6 +509,12 @@ def own_dissipation(law: StateLaw, before: Array, after: Array, others: Sequence
     hessian = law._energy(states, [np.tile(x, len(places)) for x in others])[0].hessian
     assert hessian is not None
     return np.einsum("p,pnij,ni,nj->n", weights * places, hessian.reshape(len(places), n, *hessian.shape[1:]), by, by)
+
+
+def _excess(value: Array, size: Array) -> Array:
+    """By how much criteria are violated, relative to their sizes; without end where they have no value, or no size."""
+    found = value / size
+    return np.where(value <= 0.0, np.minimum(np.nan_to_num(found, nan=0.0), 0.0), np.where(np.isnan(found), np.inf, found))
 
 
 def _worst(residual: Array, size: Array) -> Array:
