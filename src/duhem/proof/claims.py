@@ -326,7 +326,7 @@ Refutation: two states and their midpoint, at which psi lies above the mean, or 
             ProofMethod(FormulaSubject, evidence.state_laws_not_stated),
             ProofMethod(FormulaSubject, refuters.energy_of_two_forces, again=True),
             ProofMethod(FormulaSubject, refuters.energy_at_bends, again=True),
-            ProofMethod(FormulaSubject, refuters.energy_along_temperature, again=True),
+            ProofMethod(FormulaSubject, refuters.energy_in_temperature, again=True),
             Finder(FormulaSubject, evidence.convexity_by_sums),
             DEAR,
         ),

@@ -66,7 +66,10 @@ def _raised(base: Term, exponent: Term, sign: Callable[[Term], Sign], domain: St
     if p is not None and p.denominator == 1:
         return p >= 0 or not sign(base) & ZERO
     known = sign(base)
-    return not known & (NEGATIVE | ZERO) or (not known & NEGATIVE and (p > 0 if p is not None else not sign(exponent) & NEGATIVE))
+    if p is not None:
+        return not known & (NEGATIVE | ZERO) or (not known & NEGATIVE and p > 0)
+    risen = sign(exponent) == POSITIVE or (domain.constant(exponent) and not sign(exponent) & NEGATIVE)  # else it jumps from 0 to 1
+    return not known & (NEGATIVE | ZERO) or (not known & NEGATIVE and risen)
 
 
 class Reader(NamedTuple):

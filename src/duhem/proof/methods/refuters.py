@@ -30,6 +30,7 @@ from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
 from duhem.proof.witness.points import (
     EnclosedPoint,
+    at_states,
     chord,
     decimal_pair,
     enclosed,
@@ -47,12 +48,30 @@ if TYPE_CHECKING:
     from duhem.proof.search.corners import SectionCorner
 
 __all__ = [
-    "convexity_at_clear_dents", "convexity_at_deepest_dents", "convexity_at_dents", "convexity_at_far_points", "convexity_at_seams",
-    "convexity_beside_edges", "convexity_between_exact_rays", "convexity_by_sampling", "convexity_by_scouting",
-    "convexity_by_thorough_scouting", "dissipation_at_points", "dissipation_by_sampling",
-    "dissipation_in_states", "energy_along_temperature", "energy_at_bends", "energy_of_two_forces", "heat_uphill", "normality_at_chord",
+    "convexity_at_clear_dents",
+    "convexity_at_deepest_dents",
+    "convexity_at_dents",
+    "convexity_at_far_points",
+    "convexity_at_seams",
+    "convexity_beside_edges",
+    "convexity_between_exact_rays",
+    "convexity_by_sampling",
+    "convexity_by_scouting",
+    "convexity_by_thorough_scouting",
+    "dissipation_at_points",
+    "dissipation_by_sampling",
+    "dissipation_in_states",
+    "energy_at_bends",
+    "energy_in_temperature",
+    "energy_of_two_forces",
+    "heat_uphill",
+    "normality_at_chord",
     "normality_at_points",
-    "normality_by_sampling", "origin_at_parameters", "origin_undefined", "smoothness_at_corners", "smoothness_at_sharp_points",
+    "normality_by_sampling",
+    "origin_at_parameters",
+    "origin_undefined",
+    "smoothness_at_corners",
+    "smoothness_at_sharp_points",
 ]  # fmt: skip
 
 _NO_POINT = "a chord leaves K, so K is not convex, but no boundary point was confirmed where grad g leaves the normal cone of K"
@@ -199,7 +218,7 @@ def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence
     return None
 
 
-def energy_along_temperature(subject: FormulaSubject) -> Evidence | None:
+def energy_in_temperature(subject: FormulaSubject) -> Evidence | None:
     """Where the second derivative of an energy by the temperature is > 0: a chord of the epigraph of -psi along that."""
     if (heated := epigraph(subject.of, of_heat=True)) is None:
         return None
@@ -216,12 +235,8 @@ def _of_energy(subject: FormulaSubject, found: Evidence | None, name: str, detai
         return None
     states = {x: v for x, v in old.parameters.items() if x in subject.of.variables}
     shown = {role.replace("g(", f"{name} - z at ").rstrip(")"): value for role, value in old.values.items()}
-    new = Witness(
-        {x: v for x, v in old.parameters.items() if x not in states},
-        {role: {**states, **point} for role, point in old.points.items()},
-        shown,
-        statement,
-    )
+    parameters = {x: v for x, v in old.parameters.items() if x not in states}
+    new = at_states(parameters, {role: {**states, **point} for role, point in old.points.items()}, shown, statement)
     return replace(found, method="witness-state", detail=detail, witness=new)
 
 
@@ -462,7 +477,7 @@ def _at_states(law: Criterion, states: Mapping[str, Values], shown: Mapping[str,
         points[role] = {n: str(v) for n, v in {**variables, **named, **pressed}.items()}
         points[role] |= {f: str(v) for f, v in given.items() if v.is_Rational}
     parameters = {name: str(first[table[name]]) for name in law.parameters if name not in law.variables and table[name] in first}
-    return Witness(parameters, points, shown, statement)
+    return at_states(parameters, points, shown, statement)
 
 
 # -- what was tried in vain: it proves nothing and says so -------------------------------------------------------------
