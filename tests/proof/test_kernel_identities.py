@@ -60,6 +60,7 @@ def test_what_does_not_vanish(text: str) -> None:
         ("a*sign(a)", "abs(a)"),
         ("sign(a + b)*a + m*sign(a + b)*a + b*sign(a + b)*(1 + m) + a", "(1 + m)*abs(a + b) + a"),
         ("(b - a/3)*sign(a - 3*b)", "-abs(a - 3*b)/3"),
+        ("a*sign(a)*sign(b)", "abs(a)*sign(b)"),  # of which no sign of b is left
     ],
 )
 def test_a_sign_times_its_argument_is_a_size(text: str, same: str) -> None:

@@ -41,11 +41,11 @@ def signs_as_sizes(term: Term, domain: StatedDomain) -> Term:
         linear = next((m for m in own if len(m) == 1 and m[0][1] == 1), None)
         if linear is None or any(n < 0 for m in poly for x, n in m if x in (sign, linear[0][0])):
             continue
-        rest, *beside = in_powers(poly, sign)
-        coefficients = in_powers(beside[0], linear[0][0])
+        powers = in_powers(poly, sign)  # what came before may have left none of it
+        coefficients = in_powers(powers[1], linear[0][0]) if len(powers) == 2 else []
         c = times(coefficients[1], {(): 1 / own[linear]}) if len(coefficients) > 1 else {}
-        if len(beside) == 1 and beside[0] == times(c, own):
-            poly = total(rest, times(c, domain.polynomial(Term("abs", (y,)))))
+        if c and powers[1] == times(c, own):
+            poly = total(powers[0], times(c, domain.polynomial(Term("abs", (y,)))))
     return written(poly)
 
 
