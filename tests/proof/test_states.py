@@ -175,6 +175,14 @@ def test_the_default_energy_holds_by_construction_only_where_no_other_force_need
     assert refused(silent, "state_laws", "by-construction")
 
 
+@pytest.mark.parametrize("g", ["5 - a**2 - b - m", "m*(5 + b) - a**2 - 6*b"])
+def test_no_energy_is_refuted_where_none_is_stated(g: str) -> None:
+    """K is not convex and {g <= 0} may look like an epigraph; the kernel proves nothing of a constraint that may have no value."""
+    domains = {"m": ABOVE_0, "e": Domain.between(Fraction(-1, 2), 1)}
+    given = Criterion("plain", g, domains, ("a", "b"), None, constraints=("log(e) <= 0",))
+    assert duhem.verify(given, claims=["state_laws"])["state_laws"].verdict is Verdict.UNDECIDED
+
+
 def test_the_conclusion_names_the_state_laws() -> None:
     said = duhem.verify(isotropic(Domain.fixed(-1)), claims=["origin", "state_laws"]).to_text()
     assert "generalized standard: no (state_laws refuted)" in said

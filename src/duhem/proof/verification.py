@@ -297,12 +297,12 @@ def _in_state(law: Law, share: Fraction) -> Iterator[tuple[str, Subject]]:
     if not isinstance(law, Criterion):
         return
     if law.viscous:
-        potential = FormulaSubject(rate_epigraph(law), share, of=law, checked_only=True)
+        potential = FormulaSubject(rate_epigraph(law), share, of=law)
         yield from ((name, potential) for name in CLAIMS if name not in ("state_laws", "thermal"))
     if (stored := epigraph(law)) is not None:
-        yield "state_laws", FormulaSubject(stored, share, of=law, checked_only=True)
+        yield "state_laws", FormulaSubject(stored, share, of=law)
     if (found := dissipating(law)) is not None:
-        in_state = FormulaSubject(found.law, share, of=law, state=found, checked_only=True)
+        in_state = FormulaSubject(found.law, share, of=law, state=found)
         try:
             in_state.check_defined()
         except InputError as fault:

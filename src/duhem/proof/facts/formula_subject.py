@@ -54,11 +54,10 @@ class FormulaSubject(Subject):
         *,
         of: Criterion | None = None,
         state: Dissipating | None = None,
-        checked_only: bool = False,
     ) -> None:
-        """``law`` says in other forces what is claimed ``of`` a law with a state."""
+        """``law`` says in other forces what is claimed ``of`` a law with a state: then the kernel alone proves."""
         super().__init__(_QUESTION_STEPS, effort, whole)
-        self.law, self.of, self.state, self.checked_only = law, of or law, state, checked_only
+        self.law, self.of, self.state = law, of or law, state
         self._choices = self._sought()
 
     @cached_property
@@ -105,7 +104,7 @@ class FormulaSubject(Subject):
 
     def may_prove(self, claim: str) -> bool:
         """Whether a proof counts; one of a formula that may be undefined somewhere would be of another law."""
-        if self.checked_only or (claim == "dissipation" and (self.law.rates or self.law.energy is not None)):
+        if self.of is not self.law or (claim == "dissipation" and (self.law.rates or self.law.energy is not None)):
             return False  # the kernel alone knows the energy and the rates as they are written
         told = claim == "state_laws" or not (self.doubtful or (claim in _OF_THE_FLOW and self.doubtful_flow))
         return told and self.constraints_defined

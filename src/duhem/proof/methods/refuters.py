@@ -10,7 +10,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -18,30 +17,26 @@ import sympy as sp
 
 from duhem.expression.number import rational
 from duhem.law.domain import POSITIVE
-from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.facts.special_places import undefined_at_zero
-from duhem.proof.facts.subject import Point, Values, rationals
-from duhem.proof.in_state import Spent, epigraph, forces_in, heat_in_states, spent_in_states, two_forces
-from duhem.proof.statement import parsed_as_written
+from duhem.proof.facts.subject import Point, Values
+from duhem.proof.in_state import Spent, epigraph, heat_in_states, spent_in_states, two_forces
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
 from duhem.proof.witness.points import (
     EnclosedPoint,
-    at_states,
     chord,
-    decimal_pair,
     enclosed,
     enclosed_flow,
     enclosed_normal,
     origin_outside,
     over_box,
     rounded,
-    sign_at,
     violation,
 )
+from duhem.proof.witness.states import less_than_0, of_energy, two_forces_at, with_variables
 
 if TYPE_CHECKING:
     from duhem.proof.search.boundary_points import BoundaryScout, Chord, Exit
@@ -187,9 +182,26 @@ def convexity_at_seams(subject: FormulaSubject) -> Evidence | None:
 
 def energy_at_bends(subject: FormulaSubject) -> Evidence | None:
     """Where the second derivative of an energy along some direction is < 0: a chord of its epigraph along that."""
+    return None if subject.of.energy is None else _bent(subject, subject, "psi", _SAGS, _HEIGHTS)
+
+
+def energy_in_temperature(subject: FormulaSubject) -> Evidence | None:
+    """Where the second derivative of an energy by the temperature is > 0: a chord of the epigraph of -psi along that."""
+    if (heated := epigraph(subject.of, of_heat=True)) is None:
+        return None
+    along = FormulaSubject(heated, subject.effort, of=subject.of)
+    along.allow(_STEPS)
+    return _bent(subject, along, "-psi", _HEATED, _HEATS)
+
+
+def _bent(subject: FormulaSubject, along: FormulaSubject, name: str, detail: str, statement: str) -> Evidence | None:
+    """By the first chord of an epigraph that passes the exact check."""
     from duhem.proof.search.bends import chords_across_bends
 
-    return _of_energy(subject, _refuted(subject, chords_across_bends(subject)), "psi", _SAGS, _HEIGHTS)
+    for one in chords_across_bends(along):
+        if (found := chord(along, *one)) is not None:
+            return Evidence(Verdict.REFUTED, "witness-state", detail, of_energy(subject, found, name, statement))
+    return None
 
 
 def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
@@ -201,43 +213,14 @@ def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence
 
     table = law.symbols()
     moving = [name for name in law.variables if law.parameters[name].value is None]
-    stored = parsed_as_written(law, law.energy, law.written_energy, table)
-    states = plain_states([law.parameters[name] for name in moving], _MOST_ENERGIES)[:_MOST_ENERGIES]
+    states = plain_states([law.parameters[name] for name in moving], _MOST_ENERGIES)
     for parameters in subject.choices(choices):
         others = {x.name: v for x, v in subject.values_at(parameters, (Fraction(0),) * len(subject.simple.forces)).items()}
-        for state in states:
-            here = others | dict(zip(moving, state, strict=True))
-            values = {x: here[name] for name, x in table.items() if name in here}
-            if not subject.admits(values) or not sign_at(stored, values)[1].is_finite():
-                continue
-            for name, gap in gaps.items():
-                sign, enclosure = sign_at(gap, values)
-                if sign in (1, -1):
-                    found = _at_states(law, {"state": values}, {name: decimal_pair(enclosure)}, _TWO_FORCES)
-                    return Evidence(Verdict.REFUTED, "witness-state", "the energy gives two forces where the law has one", found)
+        known = (others | dict(zip(moving, state, strict=True)) for state in states)
+        values = ({x: here[name] for name, x in table.items() if name in here} for here in known)
+        if found := two_forces_at(subject, gaps, values, _TWO_FORCES):
+            return Evidence(Verdict.REFUTED, "witness-state", "the energy gives two forces where the law has one", found)
     return None
-
-
-def energy_in_temperature(subject: FormulaSubject) -> Evidence | None:
-    """Where the second derivative of an energy by the temperature is > 0: a chord of the epigraph of -psi along that."""
-    if (heated := epigraph(subject.of, of_heat=True)) is None:
-        return None
-    from duhem.proof.search.bends import chords_across_bends
-
-    along = FormulaSubject(heated, subject.effort, checked_only=True)
-    along.allow(_STEPS)
-    return _of_energy(subject, _refuted(along, chords_across_bends(along)), "-psi", _HEATED, _HEATS)
-
-
-def _of_energy(subject: FormulaSubject, found: Evidence | None, name: str, detail: str, statement: str) -> Evidence | None:
-    """The chord as what it says of the energy, every variable among its points."""
-    if found is None or (old := found.witness) is None:
-        return None
-    states = {x: v for x, v in old.parameters.items() if x in subject.of.variables}
-    shown = {role.replace("g(", f"{name} - z at ").rstrip(")"): value for role, value in old.values.items()}
-    parameters = {x: v for x, v in old.parameters.items() if x not in states}
-    new = at_states(parameters, {role: {**states, **point} for role, point in old.points.items()}, shown, statement)
-    return replace(found, method="witness-state", detail=detail, witness=new)
 
 
 # -- corners ----------------------------------------------------------------------------------------------------------
@@ -395,26 +378,8 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
         for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5), scout.entered_again(3)):
             if witness := violation(subject, *exit, power, "force . flow", _DISSIPATION):
                 detail = "force . flow is negative on the boundary"
-                return Evidence(Verdict.REFUTED, "witness-power", detail, _with_variables(subject, witness))
+                return Evidence(Verdict.REFUTED, "witness-power", detail, with_variables(subject, witness))
     return None
-
-
-def _with_variables(subject: FormulaSubject, found: Witness) -> Witness:
-    """The displacements, if they are fractions, that give the forces at each point, and with them every variable and force."""
-    law, table = subject.of, subject.of.symbols()
-    seen = {own.force: name for name, own in law.variables.items() if own.observable and own.force in subject.law.forces}
-    if subject.state is None or not subject.state.onto or law.energy is None:
-        return found
-    fixed = {table[name]: sp.Rational(v) for name, v in found.parameters.items() if name not in seen.values()}
-    forces, points = {f: x.xreplace(fixed) for f, x in forces_in(law).items()}, {}
-    for role, point in found.points.items():
-        answer = sp.solve([forces[f] - sp.Rational(point[f]) for f in seen], [table[name] for name in seen.values()], dict=True)
-        here = fixed | (answer[0] if answer else {})
-        given = {**{name: here.get(table[name]) for name in law.variables}, **{f: x.xreplace(here) for f, x in forces.items()}}
-        if not all(value is not None and value.is_Rational for value in given.values()):
-            return found
-        points[role] = {**{name: str(value) for name, value in given.items()}, **point}
-    return replace(found, parameters={x: v for x, v in found.parameters.items() if x not in law.variables}, points=points)
 
 
 def dissipation_in_states(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
@@ -446,38 +411,9 @@ def _spent_less(subject: FormulaSubject, spent: Spent, name: str, statement: str
         fixed = {x: rational(v) for x, v in others.items() if x not in moving}
         power, *bound = (e.xreplace(fixed) for e in formulas)
         for state in states_of_negative(power, bound[0] if bound else None, spent.on_it, list(moving), states):
-            if found := _spent_at(subject, spent, others | dict(zip(moving, state, strict=True)), name, statement):
+            if found := less_than_0(subject, spent, others | dict(zip(moving, state, strict=True)), name, statement):
                 return found
     return None
-
-
-def _spent_at(subject: FormulaSubject, spent: Spent, values: Values, name: str, statement: str) -> Witness | None:
-    """The state as a witness, if everything is certain there."""
-    height = None if spent.bound is None else sign_at(spent.bound, values, exact=True)
-    sign, power = sign_at(spent.power, values)
-    stored = None if spent.energy is None else sign_at(spent.energy, values)[1]
-    if stored is not None and not stored.is_finite():
-        return None
-    if sign != -1 or not subject.admits(values) or (height is not None and height[0] not in ((0,) if spent.on_it else (-1, 0))):
-        return None
-    shown = ({} if height is None else {"g": decimal_pair(height[1])}) | {name: decimal_pair(power)}
-    return _at_states(subject.of, {"state": values}, shown, statement)
-
-
-def _at_states(law: Criterion, states: Mapping[str, Values], shown: Mapping[str, tuple[str, str]], statement: str) -> Witness:
-    """States by role with all their variables, the pressure, and the forces that the energy gives where these are fractions."""
-    table, first = law.symbols(), next(iter(states.values()))
-    points = {}
-    for role, values in states.items():
-        exact = rationals(values)
-        given = {} if law.energy is None else {f: force.xreplace(exact) for f, force in forces_in(law).items()}
-        named = {name: values[x] for name, x in table.items() if name not in law.parameters and x in values}
-        pressed = {str(law.pressure): -v for x, v in values.items() if x.name == f"abs({law.pressure})"}
-        variables = {name: values[table[name]] for name in law.variables}
-        points[role] = {n: str(v) for n, v in {**variables, **named, **pressed}.items()}
-        points[role] |= {f: str(v) for f, v in given.items() if v.is_Rational}
-    parameters = {name: str(first[table[name]]) for name in law.parameters if name not in law.variables and table[name] in first}
-    return at_states(parameters, points, shown, statement)
 
 
 # -- what was tried in vain: it proves nothing and says so -------------------------------------------------------------

@@ -27,19 +27,8 @@ from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.verdict import Witness
 
 __all__ = [
-    "EnclosedPoint",
-    "at_states",
-    "chord",
-    "decimal_pair",
-    "enclosed",
-    "enclosed_flow",
-    "enclosed_normal",
-    "origin_outside",
-    "over_box",
-    "rounded",
-    "sign_at",
-    "violation",
-    "witness",
+    "EnclosedPoint", "chord", "decimal_pair", "enclosed", "enclosed_flow", "enclosed_normal", "origin_outside", "over_box", "rounded",
+    "sign_at", "violation", "witness",
 ]  # fmt: skip
 
 _PRECISIONS = (64, 128, 256, 512, 1024, 2048)
@@ -268,10 +257,3 @@ def _steps(point: Sequence[Fraction]) -> Iterator[Fraction]:
     if size:
         first = (Decimal(size.numerator) / Decimal(size.denominator)).adjusted()
         yield from (Fraction(10) ** (first + 1 - digits) for digits in _DIGITS)
-
-
-def at_states(
-    parameters: Mapping[str, str], states: Mapping[str, Mapping[str, str]], shown: Mapping[str, tuple[str, str]], statement: str
-) -> Witness:
-    """A violation in states of a law by role, by quantities that whoever calls has enclosed."""
-    return Witness(parameters, states, shown, statement)
