@@ -55,6 +55,8 @@ class RuleRow(NamedTuple):
     most_forces: int = 1_000
 
 
+_OF_THE_STATE = ("state_laws", "thermal")  # the claims that are about neither K nor the rates
+# What every rule for a claim rests on, whatever else it checks; "" where it is so.
 _MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": potential_least_at_zero, "dissipation": stored_and_rates}
 _MOST_CASES = 4  # choices one after another
 
@@ -96,21 +98,23 @@ def _objection_in_cases(
 
 
 def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
-    """The law as written; with the same K, the same boundary and a simpler g, if there is one; both in principal stresses.
+    """The law as written; with the forces of its energy put in; with the same K, the same boundary and a simpler g; in principal stresses.
 
-    What K's support function is, is said of all components.
+    What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.
     """
-    if isinstance(law, StatedLaw) and law.viscous and claim not in ("state_laws", "thermal"):
+    if isinstance(law, StatedCurve):
+        yield law
+        return
+    if law.viscous and claim not in _OF_THE_STATE:
         yield rate_epigraph(law, claim == "dissipation")
         return
     yield law
-    if claim == "dissipation" and isinstance(law, StatedLaw) and (inner := law.once(in_state)) is not None:
+    if claim == "dissipation" and (inner := law.once(in_state)) is not None:
         yield inner
-    if isinstance(law, StatedLaw):
-        if (simpler := law.once(without_outer_map)) != law:
-            yield simpler
-        if claim not in ("duality", "state_laws", "thermal") and (principal := simpler.once(in_principal_stresses)) is not None:
-            yield principal
+    if (simpler := law.once(without_outer_map)) != law:
+        yield simpler
+    if claim not in ("duality", *_OF_THE_STATE) and (principal := simpler.once(in_principal_stresses)) is not None:
+        yield principal
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:

@@ -29,7 +29,6 @@ __all__ = [
     "in_state",
     "potential_least_at_zero",
     "rate_epigraph",
-    "rates_dissipate",
     "state_laws_agree",
     "stored_and_rates",
 ]  # fmt: skip
@@ -52,7 +51,7 @@ def epigraph(law: StatedLaw) -> StatedLaw | None:
 
 def convex_in_each_variable(law: StatedLaw) -> bool:
     """Whether psi is convex in each variable but the temperature, at every value of the others."""
-    if law.energy is None or energy_differentiable(law):
+    if law.energy is None or law.once(energy_differentiable):
         return False
     moving = [name for name, own in law.variables if own.kind != "temperature"]
     return all(over(_in_variables(law, (name,), law.energy)).facts(law.energy).convex for name in moving)
@@ -118,14 +117,14 @@ def _in_variables(law: StatedLaw, names: tuple[str, ...], g: Term, *more: str) -
 
 def state_laws_agree(law: StatedLaw) -> bool:
     """Whether each force is one, and psi is concave in the temperature."""
-    domain, slopes = over(law), _slopes(law)
+    domain, slopes = over(law), law.once(_slopes)
     bends = [minus(*gradient(slopes[name], (name,))) for name, own in law.variables if own.kind == "temperature"]
     return _one_force_each(law) and all(domain.facts(bend).nonnegative or domain.nonnegative(bend) for bend in bends)
 
 
 def _one_force_each(law: StatedLaw) -> bool:
     """Whether d psi/d u = -d psi/d u_in where u and u_in have one force."""
-    domain, slopes = over(law), _slopes(law)
+    domain, slopes = over(law), law.once(_slopes)
     driven = {own.force: name for name, own in law.variables if own.kind == "internal" and own.force}
     shared = [(name, driven[own.force]) for name, own in law.variables if own.kind == "observable" and own.force in driven]
     return all(vanishes(in_order(sum_of(slopes[u], slopes[u_in]), domain), domain) for u, u_in in shared)
@@ -136,7 +135,7 @@ def in_state(law: StatedLaw) -> StatedLaw | None:
 
     Where no force stays free, all of them are kept, of which nothing depends then.
     """
-    if law.energy is None or law.flow is None or energy_differentiable(law):
+    if law.energy is None or law.flow is None or law.once(energy_differentiable):
         return None
     bound = _bound(law)
     free = tuple(f for f in law.forces if Term("name", name=f) not in bound) or law.forces
@@ -149,23 +148,22 @@ def in_state(law: StatedLaw) -> StatedLaw | None:
 
 def stored_and_rates(law: StatedLaw) -> str:
     """What every proof of dissipation rests on: the energy gives one force to each variable, and rates without a multiplier dissipate."""
-    if found := energy_differentiable(law):
+    if found := law.once(energy_differentiable):
         return found
     if law.energy is not None and not _one_force_each(law):
         return "an observable and an internal variable with one force are not shown to have the same from the energy"
-    return rates_dissipate(law)
+    return _rates_dissipate(law)
 
 
-def rates_dissipate(law: StatedLaw) -> str:
-    """Whether sum of Y . rate >= 0 in every state, of the rates without a multiplier; "" if so."""
+def _rates_dissipate(law: StatedLaw) -> str:
+    """Whether sum of Y . rate >= 0 in every state, of the rates without a multiplier; "" if so.  The energy is differentiable."""
     if not law.rates:
         return ""
     domain, bound = over(law), {} if law.energy is None else _bound(law)
     force = {name: own.force for name, own in law.variables}
-    names = [Term("name", name=force[name] or "") for name, _ in law.rates if force[name] is not None]
-    rates = [rate.put(bound) for name, rate in law.rates if force[name] is not None]
-    power = sum_of(*(product_of(bound.get(x, x), rate) for x, rate in zip(names, rates, strict=True)))
-    if energy_differentiable(law) or any(Reader(domain).undecided(rate) is not None for _, rate in law.rates):
+    driven = [(Term("name", name=f), rate.put(bound)) for name, rate in law.rates if (f := force[name]) is not None]
+    power = sum_of(*(product_of(bound.get(x, x), rate) for x, rate in driven))
+    if any(Reader(domain).undecided(rate) is not None for _, rate in law.rates):
         return "the rates without a multiplier are not shown to have a value"
     if domain.facts(power).nonnegative or domain.nonnegative(power):
         return ""
@@ -174,16 +172,11 @@ def rates_dissipate(law: StatedLaw) -> str:
 
 def _bound(law: StatedLaw) -> dict[Term, Term]:
     """The forces that depend on no observable, each with what it is in the state."""
-    slopes, domain = _slopes(law), over(law)
-    found = {
-        own.force: written(domain.polynomial(minus(slopes[name]))) for name, own in law.variables if own.kind == "internal" and own.force
-    }
+    domain, slopes = over(law), law.once(_slopes)
     observed = tuple(name for name, own in law.variables if own.kind == "observable")
-
-    def moves(force: str) -> bool:
-        return not all(vanishes(in_order(slope, domain), domain) for slope in gradient(found[force], observed))
-
-    return {Term("name", name=f): found[f] for f in law.forces if not moves(f)}
+    driven = [(own.force, name) for name, own in law.variables if own.kind == "internal" and own.force]
+    given = {Term("name", name=force): written(domain.polynomial(minus(slopes[name]))) for force, name in driven}
+    return {x: y for x, y in given.items() if all(vanishes(in_order(slope, domain), domain) for slope in gradient(y, observed))}
 
 
 def _slopes(law: StatedLaw) -> dict[str, Term]:
