@@ -387,6 +387,6 @@ EVERY: Mapping[str, Claim] = MappingProxyType({**CLAIMS, **COUPLED})
 
 
 def asked_of(law: Law | None) -> tuple[str, ...]:
-    """The claims that are decided where none is named: the thermal one of a law with heat alone, so not of a law that is not known yet."""
+    """The claims decided where none is named, without a law those of every law: the thermal one is asked of a law with heat alone."""
     heated = isinstance(law, Criterion) and bool(law.heat)
     return tuple(name for name in CLAIMS if heated or name != "thermal")

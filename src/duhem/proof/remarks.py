@@ -96,8 +96,7 @@ def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[st
 
 def _of_state(law: Criterion, settled: Mapping[str, Evidence]) -> Iterator[str]:
     """Which variables the claims about K hold frozen, which have no force, and whether an energy that is not convex is so in each alone."""
-    flows = (law.flow, *(surface.flow for surface in law.surfaces))
-    used = law.g.free_symbols.union(*(c.free_symbols for flow in flows for c in flow or ()))
+    used = _in_criterion_and_flow(law)
     if frozen := [name for name in law.variables if law.symbols()[name] in used]:
         about, part = ("Phi*", "it") if law.viscous else ("K and the flow", "g or the flow")
         yield f"The claims about {about} hold at every frozen value of {', '.join(frozen)}, on which {part} depends"
@@ -107,6 +106,12 @@ def _of_state(law: Criterion, settled: Mapping[str, Evidence]) -> Iterator[str]:
     with suppress(NotWritten, OverflowError, RecursionError, TooDearError), within(_STEPS):
         if refuted and convex_in_each_variable(StatedLaw.read(law_as_text(law))):
             yield "psi is separately convex: in each variable alone, at every value of the others"
+
+
+def _in_criterion_and_flow(law: Criterion) -> set[sp.Basic]:
+    """The symbols of g and of every flow of the law's own."""
+    flows = (law.flow, *(surface.flow for surface in law.surfaces))
+    return law.g.free_symbols.union(*(c.free_symbols for flow in flows for c in flow or ()))
 
 
 def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str, Evidence]) -> Iterator[str]:
@@ -131,10 +136,9 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
         yield from limits_taken(subject)
     if odd is not None:
         yield odd.what
-    flows = (law.flow, *(surface.flow for surface in law.surfaces))
-    used = law.g.free_symbols.union(*(c.free_symbols for flow in flows for c in flow or ()))
-    used = used.union(law.energy.free_symbols if law.energy is not None else (), *(rate.free_symbols for rate in law.rates.values()))
-    used = used.union({law.symbols()[name] for name in (*law.variables, *law.heat)}, *(h.free_symbols for h in law.heat.values()))
+    elsewhere = (*law.rates.values(), *law.heat.values(), *([] if law.energy is None else [law.energy]))
+    used = _in_criterion_and_flow(law).union(*(x.free_symbols for x in elsewhere))
+    used |= {law.symbols()[name] for name in (*law.variables, *law.heat)}
     if unused := [name for name, x in law.symbols().items() if x not in used]:
         yield f"g does not depend on {', '.join(unused)}"
 

@@ -29,8 +29,7 @@ from duhem.proof.verdict import Evidence, Proof, Verdict
 __all__ = [
     "convexity_by_branches", "convexity_by_sums", "convexity_on_boundary", "dissipation_by_identities", "dissipation_by_shares",
     "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "smoothness_by_identities",
-    "smoothness_by_sums", "smoothness_on_boundary", "state_laws_not_stated",
-    "without_heat",
+    "smoothness_by_sums", "smoothness_on_boundary", "state_laws_not_stated", "without_heat",
 ]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
