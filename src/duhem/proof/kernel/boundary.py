@@ -72,7 +72,7 @@ def is_a_graph(law: StatedLaw) -> bool:
 def flows_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
     """Whether sigma . d >= 0 on every face, d being its own flow or, being associated, a gradient of its g, which then is not 0."""
     domain = over(law)
-    return all(_dissipates(face, law.forces, identities, domain, law.power) for face in law.faces())
+    return all(_dissipates(face, law.forces, identities, domain) for face in law.faces())
 
 
 def flows_along_normals(law: StatedLaw, along: Sequence[Identity], across: Sequence[Identity]) -> bool:
@@ -84,19 +84,13 @@ def flows_along_normals(law: StatedLaw, along: Sequence[Identity], across: Seque
     return all(_parallel(face, law.forces, along, across, domain) for face in law.faces() if face.flow is not None)
 
 
-def _dissipates(
-    face: StatedFace, forces: tuple[str, ...], identities: Sequence[Identity], domain: StatedDomain, power: Term | None = None
-) -> bool:
-    if face.flow is None and power is None:
+def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[Identity], domain: StatedDomain) -> bool:
+    if face.flow is None and face.power is None:
         return all(shown(_along(forces, g, domain), ">", given, identities, domain) for (g,), given in _on_face(face, (), domain))
-    power = power or sum_of(*map(product_of, (Term("name", name=x) for x in forces), face.flow or ()))
-    return (
-        domain.nonnegative(power)
-        or domain.facts(power).nonnegative
-        or all(
-            domain.nonnegative(smooth) or shown(domain.polynomial(smooth), ">=", given, identities, domain)
-            for (_, smooth), given in _on_face(face, (power,), domain)
-        )
+    power = face.power or sum_of(*map(product_of, (Term("name", name=x) for x in forces), face.flow or ()))
+    return domain.never_negative(power) or all(
+        domain.nonnegative(smooth) or shown(domain.polynomial(smooth), ">=", given, identities, domain)
+        for (_, smooth), given in _on_face(face, (power,), domain)
     )
 
 

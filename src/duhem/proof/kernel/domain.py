@@ -103,11 +103,15 @@ def without_angles(term: Term) -> Term:
 
 
 class StatedFace(NamedTuple):
-    """Where ``g`` = 0 and the others are <= 0 the slip is a non-negative multiple of ``flow``, or for None normal to {g <= 0}."""
+    """Where ``g`` = 0 and the others are <= 0 the slip is a non-negative multiple of ``flow``, or for None normal to {g <= 0}.
+
+    ``power`` is what dissipates there, where that is more than force . flow.
+    """
 
     g: Term
     flow: tuple[Term, ...] | None
     others: tuple[Term, ...] = ()
+    power: Term | None = None
 
 
 class StatedVariable(NamedTuple):
@@ -205,7 +209,7 @@ class StatedLaw(_Stated):
     def faces(self) -> Iterator[StatedFace]:
         """What covers the boundary: all of it, or the share of each surface where one of them has a flow of its own."""
         if self.associated or not self.surfaces:
-            yield StatedFace(self.g, self.flow)
+            yield StatedFace(self.g, self.flow, power=self.power)
             return
         for i, (g, flow) in enumerate(self.surfaces):
             yield StatedFace(g, flow, tuple(other for j, (other, _) in enumerate(self.surfaces) if j != i))
@@ -346,6 +350,10 @@ class StatedDomain:
             )
             self._compared[atom] = self.over(self.law._replace(constraints=tuple(others))).sign(atom)
         return self._compared[atom]
+
+    def never_negative(self, term: Term) -> bool:
+        """Whether a term is >= 0: by the ranges and constraints of what stands in it, or by what it is put together from."""
+        return self.nonnegative(term) or self.facts(term).nonnegative
 
     def nonnegative(self, term: Term, strict: bool = False) -> bool:
         """Whether a constant is >= 0, or > 0, over the domain."""

@@ -20,5 +20,5 @@ def heat_flows_downhill(law: StatedLaw) -> bool:
     warm = {name: law.parameters[name].above(Fraction(0), True) for name, own in law.variables if own.kind == "temperature"}
     domain = over(law._replace(parameters={**law.parameters, **warm}))
     reader = Reader(domain)
-    shown = (reader.undecided(h) is None and (domain.facts(h).nonnegative or domain.nonnegative(h)) for _, h in law.heat)
+    shown = (reader.undecided(h) is None and domain.never_negative(h) for _, h in law.heat)
     return bool(law.heat) and all(shown)

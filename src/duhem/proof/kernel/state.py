@@ -75,7 +75,7 @@ def potential_least_at_zero(law: StatedLaw) -> str:
     known, there = domain.facts(law.g), domain.facts(law.g.put(zero))
     if not (there.defined and there.sign == ZERO):
         return "the potential is not shown to be 0 at zero force"
-    if known.nonnegative or domain.nonnegative(law.g):
+    if domain.never_negative(law.g):
         return ""
     even = vanishes(in_order(sum_of(law.g, minus(law.g.put({x: minus(x) for x in names}))), domain), domain)
     if known.convex and (even or _flat(law, zero, domain)):
@@ -119,7 +119,7 @@ def state_laws_agree(law: StatedLaw) -> bool:
     """Whether each force is one, and psi is concave in the temperature."""
     domain, slopes = over(law), law.once(_slopes)
     bends = [minus(*gradient(slopes[name], (name,))) for name, own in law.variables if own.kind == "temperature"]
-    return _one_force_each(law) and all(domain.facts(bend).nonnegative or domain.nonnegative(bend) for bend in bends)
+    return _one_force_each(law) and all(map(domain.never_negative, bends))
 
 
 def _one_force_each(law: StatedLaw) -> bool:
@@ -165,7 +165,7 @@ def _rates_dissipate(law: StatedLaw) -> str:
     power = sum_of(*(product_of(bound.get(x, x), rate) for x, rate in driven))
     if any(Reader(domain).undecided(rate) is not None for _, rate in law.rates):
         return "the rates without a multiplier are not shown to have a value"
-    if domain.facts(power).nonnegative or domain.nonnegative(power):
+    if domain.never_negative(power):
         return ""
     return "the rates without a multiplier are not shown to dissipate"
 
