@@ -1,0 +1,65 @@
+"""Rates that are the gradient of a potential: proved where it is convex and least at 0, and nowhere else."""
+
+from __future__ import annotations
+
+import pytest
+import sympy as sp
+
+import duhem
+from duhem import Criterion, Domain, InputError, Verdict
+from tests.proof.laws_with_state import AT_LEAST_0, refused, viscous
+
+N = {"n": Domain.between(1, None)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "potential",
+    [
+        pytest.param("A/(n + 1)*norm(a, b)**(n + 1)", id="Norton"),
+        pytest.param("A/(n + 1)*pos((norm(a, b) - R)/A)**(n + 1)", id="Perzyna"),
+        pytest.param("pos(norm(a, b) - R)**2/(2*A)", id="Bingham"),
+        pytest.param("A*(cosh(norm(a, b)/R) - 1)", id="Garofalo"),
+        pytest.param("A*(a**2 + a*b + b**2)", id="quadratic"),
+    ],
+)
+def test_a_convex_potential_that_is_least_at_0(potential: str) -> None:
+    given = viscous(potential, **(N if "n" in potential.replace("norm", "") else {}))
+    found = duhem.verify(given, claims=["origin", "convexity", "normality", "dissipation", "state_laws"])
+    assert found.generalized_standard and found.dissipative
+    assert all(str(result.trust) == "checked" for result in found) and duhem.recheck(found.certificate()).ok
+    with pytest.raises(InputError, match="gradient of a potential"):
+        duhem.project(given, [1.0, 0.0], None, 1.0, {"A": 1, "R": 1, "n": 2})
+
+
+@pytest.mark.parametrize(
+    ("potential", "claim"),
+    [
+        ("A*(cosh(a) - 2) + b**2", "origin"),  # below 0 at 0
+        ("A*(cosh(a) + 1) + b**2", "origin"),
+        ("A*(a - 1)**2 + b**2 - A", "origin"),  # 0 at 0 and less beside it
+        ("A*a**2 - b**2", "convexity"),
+        ("A*sqrt(norm(a, b))", "convexity"),
+        ("A*a**2 + b**3", "convexity"),
+    ],
+)
+def test_no_other_potential_is_taken(potential: str, claim: str) -> None:
+    given = viscous(potential)
+    for rule in ("evaluation", "polar-form", "composition", "polyhedral", "polar-curvature", "fan"):
+        assert refused(given, claim, rule, settled=("origin",) if claim == "convexity" else ())
+    for rule in ("euler", "homogeneity", "potential", "power-share", "boundary-power"):
+        assert refused(given, "dissipation", rule, {"share": "0", "rest": "0"}, settled=("origin",))
+    assert duhem.verify(given, claims=[claim])[claim].verdict is not Verdict.PROVED
+
+
+def test_a_potential_without_a_value_is_not_refuted_there() -> None:
+    bent = viscous("a**2 + b**2 + where(a < 0, -10, 1)*(log(a) - log(a) + 0*a) - 4*neg(a)**2 + sqrt(a)*0")
+    found = duhem.verify(bent, claims=["convexity"], effort="quick")["convexity"]
+    assert found.witness is None or all(sp.Rational(point["a"]) >= 0 for point in found.witness.points.values())
+
+
+def test_rates_without_a_value_dissipate_nothing() -> None:
+    """grad (a^2 + b^2)^n is infinite at 0 for n < 1/2."""
+    given = Criterion("steep", "(a**2 + b**2)**n - 1", {"n": AT_LEAST_0}, ("a", "b"), None, viscous=True)
+    assert duhem.verify(given, claims=["dissipation"])["dissipation"].verdict is not Verdict.PROVED
+    assert refused(given, "dissipation", "boundary-power")
