@@ -117,7 +117,10 @@ _INSIDE = r"(; (?:that point is|those points are) inside K(?: for \w+ < 0)?, so 
 ROWS: tuple[Row, ...] = (
     (r"The claims about .+ hold at every frozen value of .+", lambda case, _: bool(case.law.variables)),
     (r"Normality says nothing of the variables without a force: .+", lambda case, _: bool(case.law.variables)),
-    (r"psi is separately convex: in each variable alone, at every value of the others", lambda case, _: case.law.energy is not None),
+    (
+        r"psi is separately convex: in each variable(?: but the temperature)? alone, at every value of the others",
+        lambda case, _: case.law.energy is not None,
+    ),
     (r"K is empty: g > 0 for all forces(?: \(\w+ <= 0 in compression: write abs\(\w+\)\))?", lambda case, _: case.empty),
     (r"K contains all forces: g <= 0 everywhere", lambda case, _: case.everything),
     (r"K is the point 0: g > 0 elsewhere", lambda case, _: case.dim == 0 and case.centred),

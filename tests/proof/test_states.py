@@ -164,6 +164,12 @@ def test_an_energy_that_is_convex_in_each_variable_alone(given: Criterion | str,
     assert ("separately convex" in said_of(given, "state_laws")) is separately
 
 
+def test_an_energy_that_is_concave_in_the_temperature_is_convex_in_the_others_alone() -> None:
+    text = ONE.replace("(0)", "C*v**2*w**2 - T**2").replace('["sigma"]', '["sigma", "V", "W"]')
+    text += 'v = { force = "V" }\nw = { force = "W" }\nT = { temperature = true, positive = true }\n'
+    assert "separately convex: in each variable but the temperature alone" in said_of(reads(text), "state_laws")
+
+
 def test_a_potential_at_a_frozen_state_names_it() -> None:
     assert "every frozen value of theta, on which it depends" in said_of("rate-and-state", "convexity")
 

@@ -105,7 +105,8 @@ def _of_state(law: Criterion, settled: Mapping[str, Evidence]) -> Iterator[str]:
     refuted = "state_laws" in settled and settled["state_laws"].verdict is Verdict.REFUTED
     with suppress(NotWritten, OverflowError, RecursionError, TooDearError), within(_STEPS):
         if refuted and convex_in_each_variable(StatedLaw.read(law_as_text(law))):
-            yield "psi is separately convex: in each variable alone, at every value of the others"
+            each = "each variable" if law.temperature is None else "each variable but the temperature"
+            yield f"psi is separately convex: in {each} alone, at every value of the others"
 
 
 def _in_criterion_and_flow(law: Criterion) -> set[sp.Basic]:
