@@ -52,6 +52,14 @@ def test_no_other_potential_is_taken(potential: str, claim: str) -> None:
     assert duhem.verify(given, claims=[claim])[claim].verdict is not Verdict.PROVED
 
 
+def test_what_refutes_a_potential_says_what_k_is() -> None:
+    """Such a law has none of its own: its claims are about what lies above the graph of Phi*."""
+    found = duhem.verify(viscous("A*a**2 - b**2"), claims=["convexity", "normality", "dissipation", "duality"])
+    refuted = {result.claim: result.detail for result in found if result.verdict is Verdict.REFUTED}
+    assert {*refuted} >= {"convexity", "normality"} and all(said.startswith("with K = {Phi* <= z}: ") for said in refuted.values())
+    assert "none is looked for of the conjugate" in found["duality"].detail
+
+
 def test_a_potential_without_a_value_is_not_refuted_there() -> None:
     bent = viscous("a**2 + b**2 + where(a < 0, -10, 1)*(log(a) - log(a) + 0*a) - 4*neg(a)**2 + sqrt(a)*0")
     found = duhem.verify(bent, claims=["convexity"], effort="quick")["convexity"]

@@ -294,7 +294,7 @@ def _in_pressure(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:
 
 def duality(subject: FormulaSubject) -> Evidence | None:
     """Phi is the support function of K: each step is a theorem, its positivity hypotheses decided over the whole domain."""
-    if subject.law.viscous:
+    if subject.of.viscous:
         reason = "no closed form found: none is looked for of the conjugate of a potential of rates"
         return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", reason)
     if bounded := [name for name in subject.law.forces if name in subject.law.domain]:

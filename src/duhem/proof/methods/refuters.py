@@ -89,6 +89,11 @@ _STEPS = 8_000_000
 _DISSIPATION = "force . flow < 0 at the boundary point between `inside` and `outside`"
 
 
+def _of_k(subject: FormulaSubject, detail: str) -> str:
+    """The detail, with what K is where the law has none of its own."""
+    return f"with K = {{Phi* <= {subject.law.forces[-1]}}}: {detail}" if subject.of.viscous else detail
+
+
 # -- the origin -------------------------------------------------------------------------------------------------------
 
 
@@ -97,7 +102,7 @@ def origin_at_parameters(subject: FormulaSubject) -> Evidence | None:
     hint = None if subject.at_origin is None else subject.ask(-subject.at_origin, Sense.NONNEGATIVE).point
     for parameters in subject.choices(40, [hint] if hint else []):
         if (witness := origin_outside(subject, parameters)) is not None:
-            return Evidence(Verdict.REFUTED, "witness-point", "zero force is outside K", witness)
+            return Evidence(Verdict.REFUTED, "witness-point", _of_k(subject, "zero force is outside K"), witness)
     return None
 
 
@@ -115,7 +120,7 @@ def _refuted(subject: FormulaSubject, suggested: Iterable[Chord], touching: bool
     """By the first chord that passes the exact check."""
     for one in suggested:
         if (witness := chord(subject, *one, touching)) is not None:
-            return Evidence(Verdict.REFUTED, "witness-chord", "a chord between two points of K leaves K", witness)
+            return Evidence(Verdict.REFUTED, "witness-chord", _of_k(subject, "a chord between two points of K leaves K"), witness)
     return None
 
 
@@ -244,7 +249,7 @@ def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
 def _not_smooth(subject: FormulaSubject, found: Iterable[Witness | None], method: str, detail: str) -> Evidence | None:
     """By the first that lies well within the law's ranges."""
     within = (one for one in found if one is not None and subject.may_refute("smoothness", one.points.values()))
-    return next((Evidence(Verdict.REFUTED, method, detail, one) for one in within), None)
+    return next((Evidence(Verdict.REFUTED, method, _of_k(subject, detail), one) for one in within), None)
 
 
 def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
@@ -274,7 +279,9 @@ def normality_at_chord(subject: FormulaSubject, settled: Mapping[str, Evidence])
     for start in itertools.chain(starts, _centre(subject, parameters)):
         for target in (q, p):
             if start is not target and (witness := _leans(subject, (parameters, start, middle), target, enclosed_normal, "grad g", _CHORD)):
-                return Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
+                return Evidence(
+                    Verdict.REFUTED, "witness-normal", _of_k(subject, "grad g is not in the normal cone where a chord leaves K"), witness
+                )
     return Evidence(Verdict.UNDECIDED, "witness-chord", _NO_POINT)
 
 
@@ -377,7 +384,7 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
     for scout in scouts(subject, choices):
         for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5), scout.entered_again(3)):
             if witness := violation(subject, *exit, power, "force . flow", _DISSIPATION):
-                detail = "force . flow is negative on the boundary"
+                detail = _of_k(subject, "force . flow is negative on the boundary")
                 return Evidence(Verdict.REFUTED, "witness-power", detail, with_variables(subject, witness))
     return None
 
