@@ -334,7 +334,8 @@ MUTANTS = [
     ("taken = np.concatenate([forces, at.chi], axis=1)", "taken = np.concatenate([forces, base], axis=1)"),
     ("forces = 0.0 - (psi.gradient[:, place]", "forces = 0.0 + (psi.gradient[:, place]"),
     ("np.array(psi.value)", "-np.array(psi.value)"),
-    ("_GAUSS[1] / 2.0", "_GAUSS[1] / 4.0"),
+    ("* (after - before)", "* (before - after)"),
+    ("begun.value - end.value", "2.0 * (begun.value - end.value)"),
     ("new.active[rows, most] |= excess[rows, most] > KKT", "new.active[rows, most] |= excess[rows, most] > 2.0"),
     ("np.where(at.active, g, at.multiplier)", "np.where(at.active, 1.001 * g + 0.001, at.multiplier)"),
     ("axis=1) + np.finfo(np.float64).tiny, by_state", "axis=1) + 1e9, by_state"),
@@ -592,6 +593,30 @@ def test_a_steep_viscous_flow_is_right_or_no_answer(n: str, k: str, dt: float) -
     except NoAnswer as fault:
         found = fault.history.force[:, 0]
     assert all(s * w >= 0.0 for s, w in zip(found, wanted, strict=False))
+
+
+@pytest.mark.parametrize("viscous", [False, True])
+@pytest.mark.parametrize("energy", ["50*pos(u - p)**2 + 5*neg(u - p)**2", "50*abs(u - p)**(5/2)"])
+def test_the_energies_of_a_step_balance_where_second_derivatives_jump(energy: str, viscous: bool) -> None:
+    """Steps from u > p to u < p, such as those of a contact that opens: what they lose is no integral by a quadrature of psi''."""
+    variables = {"u": Variable("s", observable=True), "p": Variable("s")}
+    g = "pos(abs(s) - 1)**2/2" if viscous else "abs(s) - 1"
+    law = Criterion("one-sided", g, {}, ("s",), None, energy=energy, variables=variables, viscous=viscous)
+    for method in ("implicit", "extrapolated"):
+        found = run(law, Path.linear([0.0, 0.5, -0.5, 1.0], time=[0, 1, 2, 3]), substeps=4, method=method)
+        assert balanced(found) < 1e-13 and (np.diff(found.numerical) >= -1e-14).all() == (method == "implicit")
+
+
+def test_a_criterion_that_is_violated_where_its_slope_has_no_end_is_not_satisfied() -> None:
+    assert state_step._excess(np.array([2.0, 2.0, np.nan, -1.0, 0.0]), np.array([np.inf, 4.0, 1.0, np.inf, 0.0])).tolist() == [
+        np.inf, 0.5, np.inf, 0.0, 0.0,
+    ]  # fmt: skip
+
+
+def test_what_a_path_without_an_answer_says() -> None:
+    history = run(PRAGER, parameters=ONE | {"C": H})
+    for residual, said in ((np.inf, "no value"), (0.2, "met to 0.2 and not to 1e-10"), (3e-12, "hold to 3e-12")):
+        assert said in str(NoAnswer(history, 1.0, residual))
 
 
 def test_a_tangent_is_one_of_the_step() -> None:

@@ -23,7 +23,7 @@ from duhem.expression.dimensions import degree
 from duhem.expression.numpy_ import evaluate
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
-from duhem.projection.increment import stiffness_matrix, trial_rows
+from duhem.projection.increment import posed, stiffness_matrix, trial_rows
 from duhem.projection.method import Method
 from duhem.projection.metric import Metric
 from duhem.projection.result import ACCURACY, Array, Pointwise, Status
@@ -97,20 +97,22 @@ def _tangential_part(
 ) -> tuple[Array, Array, NDArray[np.int8]]:
     """Stress and slip (N, d) under the pressures, and how they were found.
 
-    Without pressure the stress lies in 0 K(-1), the directions in which K(-1) has no end: 0 alone where Phi_1 is finite for each slip.
-    The formula at sigma_n = 0 may be another set, so that what it gives is held against K(-1).
+    Without pressure the stress lies in 0 K(-1), the directions in which K(-1) has no end.  Where Phi_1 is finite for each slip that is 0
+    alone, and all of the trial becomes slip.  Elsewhere the formula is asked at sigma_n = 0 too: as that may be another set, what it
+    gives is held against K(-1).
     """
-    found = ahead.project(trial, -pressure)
-    stress, slip, status, free = found.stress.copy(), found.slip.copy(), found.status.copy(), pressure == 0.0
-    if polar is not None:
-        stress[free], slip[free] = 0.0, np.linalg.solve(stiffness, trial[free].T).T
-        status[free] = np.where(slip[free].any(axis=1), Status.SLIP, Status.STICK)
-    elif free.any():
-        setting = ahead.projector.setting
-        far = dict(zip(setting.law.forces, _FAR * stress[free].T, strict=True)) | {str(setting.law.pressure): -1.0}
+    setting, normal, free = ahead.projector.setting, 0.0 - pressure, pressure == 0.0  # no -0
+    posed(setting, trial, normal)  # which refuses a pressure outside the law's range
+    stress, slip = np.zeros_like(trial), np.linalg.solve(stiffness, trial.T).T
+    status = np.where(slip.any(axis=1), Status.SLIP, Status.STICK).astype(np.int8)
+    asked = np.flatnonzero(~free) if polar is not None else np.arange(len(free))
+    found = ahead.project(trial[asked], normal[asked])
+    stress[asked], slip[asked], status[asked] = found.stress, found.slip, found.status
+    if polar is None:
         table = setting.law.symbols()
-        outside = ~(np.asarray(evaluate(setting.g, {table[name]: x for name, x in far.items()})) <= 0.0)
-        status[np.flatnonzero(free)[np.broadcast_to(outside, free.sum())]] = Status.FAILED
+        far = {table[name]: _FAR * column for name, column in zip(setting.law.forces, stress.T, strict=True)}
+        inside = np.asarray(evaluate(setting.g, far | {table[str(setting.law.pressure)]: -1.0})) <= 0.0
+        status[free & ~inside] = Status.FAILED
     return stress, slip, status
 
 

@@ -126,12 +126,12 @@ def _known(run: Run, convex: str) -> Convexity | None:
             raise InputError(what, where="convex", remedy="remove convex, and ask duhem.verify for convexity, normality and the state laws")
         return None
     follows = run.method == "exact" or (isinstance(path, Path) and path.control == "stress")
-    if not isinstance(path, (Path, Paths)) or (convex == "ask" and follows):
+    if not isinstance(path, (Path, Paths)) or run.stiffness is None or (convex == "ask" and follows):
         return None
     try:
         given = by_name(run.parameters)
         first = {name: np.ravel(value)[0] if np.ndim(value) and np.size(value) else value for name, value in given.items()}
-        if Projector.of(law, 1.0 if run.stiffness is None else run.stiffness, first, run.projection).method.convex:
+        if Projector.of(law, run.stiffness, first, run.projection).method.convex:
             return Convexity(loaded=True, unloaded=True)
     except InputError:  # the run itself says what is wrong
         return None

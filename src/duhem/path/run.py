@@ -24,7 +24,7 @@ from duhem.projection.increment import Convexity, Increment, posed, setting
 from duhem.projection.increment import increment as checked
 from duhem.projection.result import Array
 
-__all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "columns", "energy", "kept_knots", "times"]
+__all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "columns", "energy", "kept_knots", "times"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,10 +131,8 @@ class Share:
     @classmethod
     def alone(cls, plan: Plan, halves: int = 1) -> Share:
         """One path as a share of one point, each of its steps in ``halves`` parts."""
-        path = plan.path.refined(halves)
-        pressure = None if plan.increment.law.pressure is None or path.pressure is None else path.pressure[None]
-        paths = Paths(path.values[None], np.ones((1, path.values.shape[1])), pressure, path.time, path.timed)
-        return cls(paths, (plan.increment,), np.zeros(1, dtype=np.intp), np.zeros((1, path.values.shape[1])), plan.compliance)
+        paths = as_paths(plan.path.refined(halves))
+        return cls(paths, (plan.increment,), np.zeros(1, dtype=np.intp), np.zeros((1, paths.values.shape[2])), plan.compliance)
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,6 +221,14 @@ class Batch:
         stress = self.stress if len(self.stress) == 1 else self.stress[first:last]
         members = tuple(self.members[i] for i in used)
         return Share(paths, members, own, np.broadcast_to(stress, (last - first, stress.shape[1])), self.compliance)
+
+
+def as_paths(path: Path | Paths) -> Paths:
+    """Paths as they are, and one path as that of one point."""
+    if isinstance(path, Paths):
+        return path
+    pressure = None if path.pressure is None else path.pressure[None]
+    return Paths(path.values[None], np.ones((1, path.values.shape[1])), pressure, path.time, path.timed)
 
 
 def _members(

@@ -104,10 +104,7 @@ class _SceneReader:
             numbers = _admitted(law) if parameters is None or (path is None and each) else parameters
             run = Run(law, path or _resting(law), stiffness, numbers)
             if numbers is not None:
-                self.fits(
-                    law,
-                    replace(run, **{key: asked[key] for key in _ASKED}),
-                )
+                self.fits(law, replace(run, **{key: asked[key] for key in _ASKED}))
         if self.faults or law is None or path is None:
             self.writable(asked)
             raise SceneFaults(self.faults)

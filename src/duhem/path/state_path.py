@@ -24,9 +24,9 @@ from duhem.expression.spelling import respelled
 from duhem.law.catalogue import load_formula
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
-from duhem.path.history import Interrupted, LeftDomain, Tabled
+from duhem.path.history import SUMS, Interrupted, LeftDomain, Tabled
 from duhem.path.loading import Path, Paths, checked_count, given_numbers
-from duhem.path.run import Run, kept_knots
+from duhem.path.run import Run, as_paths, kept_knots
 from duhem.path.state_step import KKT, Advanced, StateLaw, own_dissipation
 from duhem.projection.declared_ranges import beyond, crossed, refused
 from duhem.projection.increment import stiffness_of
@@ -36,7 +36,7 @@ __all__ = ["NoAnswer", "StateHistory", "StateQuestion", "state_history"]
 
 _BLOCK = 2048  # points whose steps are taken together
 _ORDERS = {"implicit": 1, "extrapolated": 2}
-_SUMS = ("psi", "dissipation", "work", "numerical", "balance")
+_SUMS = SUMS[1:]  # all but the multiplier, of which each surface has one
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -145,7 +145,6 @@ class StateHistory(Tabled):
         return "; ".join(said) or None
 
 
-_BALANCED = 1e-6  # of the energies of a step of a viscous law
 _LONG = ("state", "force", "pressure", "multiplier", *_SUMS, "residual", "held", "entropy", "heat", "tangent")
 
 
@@ -154,8 +153,13 @@ class NoAnswer(InputError):
 
     def __init__(self, history: StateHistory, time: float, residual: float) -> None:
         self.history = history
-        met = f"met to {residual:.1g} and not to {KKT:g}" if not residual <= KKT else "not all met"
-        what = f"the step to time {time:g} has no answer: its optimality conditions are {met}"
+        if residual <= KKT:
+            why = f"its equations hold to {residual:.1g}, but a criterion, the sign of a multiplier or the energy of its flow does not"
+        elif np.isfinite(residual):
+            why = f"its optimality conditions are met to {residual:.2g} and not to {KKT:g}"
+        else:
+            why = "the formulas of its optimality conditions have no value there"
+        what = f"the step to time {time:g} has no answer: {why}"
         remedy = "take more substeps; duhem verify says whether energy and criterion are convex, without which there may be no answer"
         super().__init__(what, where=f"path, step {len(history)}", remedy=remedy)
 
@@ -216,7 +220,7 @@ class StateQuestion:
             what = f"{law.name} has no pressure" if law.pressure is None else f"{law.name} needs the pressure {law.pressure}"
             raise InputError(what, where="pressure", remedy="remove it" if law.pressure is None else "give pressure= in the path")
         order = _ORDERS[run.method]
-        paths = _as_paths(path.refined(run.substeps).refined(order))
+        paths = as_paths(path.refined(run.substeps).refined(order))
         if paths.pressure is not None and refused(law, paths.pressure).any():
             name = law.pressure or ""
             what = f"a pressure lies outside the range of {law.domain[name].stated(name)}"
@@ -297,13 +301,6 @@ def _inside(domain: Any, values: Array) -> NDArray[np.bool_]:
     return np.asarray(((values > low) if domain.positive else (values >= low)) & (values <= high))
 
 
-def _as_paths(path: Path | Paths) -> Paths:
-    if isinstance(path, Paths):
-        return path
-    pressure = None if path.pressure is None else path.pressure[None]
-    return Paths(path.values[None], np.ones((1, path.values.shape[1])), pressure, path.time, path.timed)
-
-
 def _numbers(law: Criterion, given: Mapping[str, Any] | None, n: int) -> dict[str, Array]:
     """The numbers of each parameter, (1,) or (N,), inside the domain and the constraints."""
     found: dict[str, Array] = {}
@@ -354,13 +351,7 @@ def _implicit(law: StateLaw, base: Array, given: Array, dt: float, others: Seque
     dissipation = (end.forces * end.flow[:, law.order]).sum(axis=1)
     work = (end.observed * by[:, :o]).sum(axis=1)
     numerical = own_dissipation(law, base, end.chi, others) + (end.reaction * inner).sum(axis=1)
-    if law.potential is not None:  # beyond a threshold with a steep flow the residual alone says little
-        stored, begun = end.psi, law.stored(base, others)[0]
-        parts = np.stack([stored - begun, dissipation, -work, numerical])
-        rounding = 64 * np.finfo(np.float64).eps * (np.abs(end.observed) * np.abs(end.chi[:, :o])).sum(axis=1)
-        lost = ~(np.abs(parts.sum(axis=0)) <= _BALANCED * np.abs(parts).sum(axis=0) + rounding)
-        end = replace(end, failed=end.failed | (lost if o + law.internal == len(law.names) else False))
-    if o + law.internal == len(law.names):
+    if law.law.temperature is None:
         warmed = heat = np.zeros(len(base))
     else:
         warmed = end.entropy * by[:, -1]
@@ -447,11 +438,9 @@ class _Block:
         self.left, self.lost = "", np.inf
         with np.errstate(all="ignore"):
             psi, forces, entropy = own.stored(question.begun[which], question._at(0, which))
-        first = {"state": question.begun[which], "force": forces, "psi": psi, "entropy": entropy}
+        first = {"state": question.begun[which], "force": forces, "psi": psi, "entropy": entropy, "tangent": np.nan}
         for name, array in self.arrays.items():
             array[:, 0] = first.get(name, 0.0)
-        if question.tangent:
-            self.arrays["tangent"][:, 0] = np.nan
 
     def advanced(self) -> Iterator[int]:
         """The steps, and how many are done."""
@@ -513,9 +502,8 @@ class _Block:
         """The knots that are kept."""
         question, own = self.question, self.question.law
         knots, law, order = question.knots, own.law, question.order
-        warm = own.observables + own.internal < len(own.names)
         arrays = {name: array[:, knots] for name, array in self.arrays.items()}
-        if not warm:
+        if law.temperature is None:
             arrays["entropy"] = arrays["heat"] = None  # type: ignore[assignment]
         arrays.setdefault("tangent", None)  # type: ignore[arg-type]
         pressures = np.stack([question.paths.pressure_at(order * k, self.which) for k in knots.tolist()], axis=1)

@@ -43,8 +43,9 @@ _ROUNDED = 16 * np.finfo(np.float64).eps  # of the terms of which a force is mad
 _GOAL = 16 * np.finfo(np.float64).eps  # of the same: more is not asked for
 _MOST = 100  # steps of Newton's method, of all sets of criteria and bounds together
 _HALVINGS = 30
+_UNTRUE = 1e-6  # of the energies of a step: right answers miss it by rounding, and wrong ones by much of the energies
+_SPOILT = 64 * np.finfo(np.float64).eps  # of Y . alpha: an energy that is less says nothing, since alpha is rounded
 _PARTS = 16  # of the load, along which a step is followed that Newton's method does not find at once
-_GAUSS = np.polynomial.legendre.leggauss(5)
 
 Flags = NDArray[np.bool_]
 
@@ -448,7 +449,22 @@ class StateLaw:
             still[todo] = ~better
             todo = todo[~lost]
         failed[todo] = True
-        return at, system, failed | ~(_worst(system.residual, system.size) <= KKT) | (at.multiplier < 0.0).any(axis=1)
+        failed |= ~(_worst(system.residual, system.size) <= KKT) | (at.multiplier < 0.0).any(axis=1)
+        return at, system, failed | self._untrue(at, system, base)
+
+    def _untrue(self, at: Guess, system: StepEquations, base: Array) -> Flags:
+        """Where rates without a multiplier dissipate another energy than the variables' change does.
+
+        Of a rate that is steep in the force the residual alone says little: the rounding of the force may be as much as all of the rate.
+        """
+        if not (self.law.viscous or self.law.rates):
+            return np.zeros(len(base), dtype=np.bool_)
+        u, inner, _ = self._unknown
+        by, force = at.chi - base, np.abs(system.forces)
+        change, flow = by[:, inner][:, self.order], system.flow[:, self.order]
+        energies = (force * (np.abs(change) + np.abs(flow))).sum(axis=1) + np.abs(system.observed * by[:, u]).sum(axis=1)
+        rounding = (force * np.abs(at.chi[:, inner][:, self.order])).sum(axis=1)
+        return ~((force * np.abs(change - flow)).sum(axis=1) <= _UNTRUE * energies + _SPOILT * rounding)
 
     def _damped(self, at: Guess, system: StepEquations, asked: Any) -> tuple[Guess, StepEquations, Flags]:
         """A step of Newton's method, halved until the residuals fall; where it ends, and where they fell."""
@@ -499,22 +515,18 @@ class StateLaw:
 
 
 def own_dissipation(law: StateLaw, before: Array, after: Array, others: Sequence[Array]) -> Array:
-    """What the implicit step from one state to another loses, (N,): the integral of s d . psi''(before + s d) d, d = after - before.
+    """What the implicit step from one state to another loses, (N,): psi(before) - psi(after) + d . d psi(after), d = after - before.
 
-    It is psi(before) - psi(after) + d . d psi(after), 1/2 d . psi'' d of a quadratic energy, taken from the second derivatives by Gauss.
+    Of a quadratic energy it is 1/2 d . psi'' d, of a convex one >= 0 but for the rounding of psi.
     """
-    places, weights = (_GAUSS[0] + 1.0) / 2.0, _GAUSS[1] / 2.0
-    n, by = len(before), after - before
-    states = (before + places[:, None, None] * by).reshape(-1, before.shape[1])
-    hessian = law._energy(states, [np.tile(x, len(places)) for x in others])[0].hessian
-    assert hessian is not None
-    return np.einsum("p,pnij,ni,nj->n", weights * places, hessian.reshape(len(places), n, *hessian.shape[1:]), by, by)
+    begun, end = (law._energy(at, others, second=False)[0] for at in (before, after))
+    assert end.gradient is not None
+    return begun.value - end.value + (end.gradient * (after - before)).sum(axis=1)
 
 
 def _excess(value: Array, size: Array) -> Array:
     """By how much criteria are violated, relative to their sizes; without end where they have no value, or no size."""
-    found = value / size
-    return np.where(value <= 0.0, np.minimum(np.nan_to_num(found, nan=0.0), 0.0), np.where(np.isnan(found), np.inf, found))
+    return np.where(value <= 0.0, 0.0, np.where(np.isfinite(size), value / size, np.inf))
 
 
 def _worst(residual: Array, size: Array) -> Array:
