@@ -400,6 +400,10 @@ def test_input_that_cannot_be_used() -> None:
     assert isinstance(flowing, Criterion)
     with pytest.raises(InputError, match="flow"):
         bench(flowing.fix({"mu_a": "0.2", "mu_b": "0.1"}))
+    own = duhem.load("prager")
+    assert isinstance(own, Criterion)
+    with pytest.raises(InputError, match="an increment of prager is more than a closest point of K"):
+        bench(own)
 
 
 # -- command line ----------------------------------------------------------------------------------------------------

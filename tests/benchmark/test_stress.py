@@ -240,6 +240,11 @@ def test_input_that_cannot_be_used() -> None:
     assert isinstance(law, Criterion)
     with pytest.raises(InputError, match="--set mu_a_plus=VALUE"):
         stress(law)
+    for name in ("prager", "perzyna"):
+        own = duhem.load(name)
+        assert isinstance(own, Criterion)
+        with pytest.raises(InputError, match=f"an increment of {name} is more than a closest point of K, but a benchmark"):
+            stress(own)
 
 
 # -- command line ----------------------------------------------------------------------------------------------------

@@ -263,6 +263,7 @@ def test_the_head_says_what_it_is() -> None:
     [
         (duhem.load("rotated-flow"), "its own flow direction"),
         (duhem.load("superellipse"), "--set p=VALUE"),
+        (duhem.load("prager"), "more than a closest point of K, but an exported routine"),
     ],
     ids=lambda value: value if isinstance(value, str) else value.name,
 )

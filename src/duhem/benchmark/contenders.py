@@ -16,6 +16,7 @@ from duhem.expression.rays import exits
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_fixed
+from duhem.law.state import check_stateless
 from duhem.omitted import LeftOut
 from duhem.projection import conic_solvers
 from duhem.projection.increment import Increment, increment
@@ -146,8 +147,9 @@ class Specimen:
     def of(cls, law: Criterion, stiffness: Sequence[float] | None = None) -> Specimen:
         """``law`` with every parameter at a double, taken exactly, as the methods will read it; k = diag(1, 2, ...) if left out.
 
-        Raises InputError for a parameter without value and for a law with a flow of its own.
+        Raises InputError for a parameter without value and for a law whose increments are more than closest points of K.
         """
+        check_stateless(law, "a benchmark of single increments")
         check_fixed(law)
         d = len(law.forces)
         k = np.diag(np.arange(1.0, d + 1) if stiffness is None else np.asarray(stiffness, dtype=np.float64))

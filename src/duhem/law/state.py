@@ -168,10 +168,11 @@ def prescribed(law: Any) -> tuple[str, ...]:
 
 
 def check_stateless(law: Any, what: str) -> None:
-    """InputError for ``what`` knows closest points of K alone, where the law has a state that moves with them."""
+    """InputError for ``what``, which knows closest points of K alone, where an energy or rates of the law make more of an increment."""
     if law.energy is not None or law.viscous or law.rates:
         remedy = "let duhem.simulate integrate it, or state K in a file without [energy] and [dissipation]"
-        raise InputError(f"{law.name} has a state that moves with the slip, which {what} does not follow", where="law", remedy=remedy)
+        said = f"an increment of {law.name} is more than a closest point of K, but {what} knows closest points only"
+        raise InputError(said, where="law", remedy=remedy)
 
 
 @lru_cache(maxsize=256)

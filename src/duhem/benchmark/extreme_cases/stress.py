@@ -26,7 +26,6 @@ from duhem.law.catalogue import load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_fixed
-from duhem.law.state import check_stateless
 from duhem.omitted import LeftOut
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
@@ -166,7 +165,8 @@ def stress(
 
     ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; ``contenders`` in place of all of them; ``peers``: other programs
     too, those that are installed; of the cases each ``every``-th.  KeyboardInterrupt ends it
-    with what is done.  Raises InputError for a parameter without value, a law with a flow of its own, an unknown axis.
+    with what is done.  Raises InputError for a parameter without value, a law whose increments are more than closest points of K, an
+    unknown axis.
     """
     if strange := [axis for axis in axes if axis not in AXES]:
         raise InputError(f"unknown axis {strange[0]!r}", where="axes", remedy=f"choose {', '.join(AXES)}")
@@ -301,7 +301,6 @@ class StressCases:
     def answers(self, law: Law) -> Iterator[_Line]:
         """A line for each name; InputError where the law cannot be asked."""
         formula = load_formula(law)
-        check_stateless(formula, "a benchmark of single increments")
         check_fixed(formula, "give it in set, grid, draw or table")
         for method in self.methods:
             yield from self._of_method(formula, method)

@@ -43,7 +43,7 @@ def bench(
     ``repeats`` times, fewer where it is slow and more for the small batches of ``project``, and says so.  ``contenders`` in place
     of all methods; ``peers``: other programs beside duhem's, those that are installed.  One that raises is a row with its failure.
     KeyboardInterrupt ends it with what is done.
-    Raises InputError for a parameter without value, a law with a flow of its own, or an unknown scene.
+    Raises InputError for a parameter without value, a law whose increments are more than closest points of K, or an unknown scene.
     """
     if strange := [scene for scene in scenes if scene not in SCENES]:
         raise InputError(f"unknown scene {strange[0]!r}", where="scenes", remedy=f"choose {', '.join(SCENES)}")
