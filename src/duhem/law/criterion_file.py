@@ -288,7 +288,7 @@ class _CriterionReader(SectionReader):
             self.keys("variables", entry, (*_VARIABLE, *_PARAMETER), inside=key)
             for kind in ("observable", "temperature"):
                 if entry.get(kind, True) is not True:
-                    raise self.error(f"{kind} of {key} is not true", "variables", key, remedy=f"leave it out, or write {kind} = true")
+                    raise self.error(f"{kind} of {key} is not true", "variables", key, remedy=f"remove it, or write {kind} = true")
             if not isinstance(entry.get("force", ""), str):
                 raise self.error(f"force of {key} is no name", "variables", key, remedy='write force = "sigma"')
             domain = self.domain(key, {name: value for name, value in entry.items() if name in _PARAMETER}, "variables")

@@ -340,7 +340,7 @@ class Criterion(DeclaredLaw):
         check_state(self)
         if self.viscous and (self.surfaces or self.flow is not None):
             what = "a law whose rates are the gradient of a potential has no flow and no surfaces"
-            raise InputError(what, where=self.name, remedy="leave them out, or viscous")
+            raise InputError(what, where=self.name, remedy="remove them, or viscous")
 
     def __hash__(self) -> int:
         """Found once: what is kept by law is looked up some times in each increment."""

@@ -77,9 +77,9 @@ def misfits(variables: Mapping[str, Variable], forces: Sequence[str], energy: bo
     """What does not fit: the variable, or nothing where one is missing, what is wrong with it, and the remedy."""
     for name, own in variables.items():
         if own.observable and own.temperature:
-            yield name, f"{name} is an observable and the temperature", "leave one of them out"
+            yield name, f"{name} is an observable and the temperature", "remove one of them"
         elif own.temperature and own.force is not None:
-            yield name, f"the temperature {name} has a force", "leave force out: what belongs to it is the entropy"
+            yield name, f"the temperature {name} has a force", "remove force: what belongs to it is the entropy"
         elif own.observable and own.force is None:
             yield name, f"the observable {name} has no force", f'add force = "{forces[0]}"'
         elif own.force is not None and own.force not in forces and not (own.observable and energy):  # then it is what the energy gives
