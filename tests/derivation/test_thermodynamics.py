@@ -510,6 +510,13 @@ def test_a_potential_without_a_state() -> None:
     d = duhem.derive(own)
     assert d.titles == ("clausius_duhem", "reduced_dissipation", "dual_potential", "evolution", "dissipation")
     assert {*d["evolution"].lhs} == {*d.names.rates} and {x.name for x in d.names.rates} == {"d_a", "d_b"}
+    s = own.symbols()
+    size = duhem.expression.Norm(s["sigma_a"], s["sigma_b"])
+    assert list(d["evolution"].rhs) == [s["A"] * s[x] * size ** (s["n"] - 1) for x in ("sigma_a", "sigma_b")]
+    perzyna = duhem.derive("perzyna")
+    table, (rate, _) = perzyna.names.law.symbols(), perzyna["evolution"].rhs
+    where_it_begins = {table[x]: sp.Rational(value) for x, value in {"sigma_a": 3, "sigma_b": 4, "R": 5, "eta": 2, "n": "5/2"}.items()}
+    assert all(at(value, where_it_begins) == 0 for value, _ in rate.args)
     beside = replace(own, variables={"w": Variable(), "v": Variable()}, unforced={"w": "1"}, rates={"v": "2"})
     assert "rate of w" in {part for part, _ in duhem.derive(beside).left_out} and len(duhem.derive(beside)["evolution"].lhs) == 3
 

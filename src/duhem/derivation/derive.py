@@ -368,6 +368,7 @@ def _viscous_equations(names: Names, found: Pieces | None) -> Iterator[Equation]
     yield Equation("27'", "dual_potential", equal(potential, names.law.g), "dual potential of rates, as declared", POTENTIAL)
     if found is None:
         return
+    found = replace(found, gradients=tuple(tuple(map(_one_power, g)) for g in found.gradients))
     given = [found.joined([g[i] for g in found.gradients]) for i in range(len(names.forces))]
     note = "rates = d Phi*/dY where Phi* is differentiable; elsewhere they are a subgradient (28)"
     yield Equation("27", "evolution", _rates(names, given), note, FLOW)
@@ -375,6 +376,11 @@ def _viscous_equations(names: Names, found: Pieces | None) -> Iterator[Equation]
     powers = [dot(names.forces, g) if m is None else m * v for m, v, g in zip(degrees, found.values, found.gradients, strict=True)]
     note = "D = Y . dPhi*/dY, which is m Phi* where Phi* is homogeneous of degree m (Euler)"
     yield from _dissipated(names, found.joined(powers), note)
+
+
+def _one_power(expr: sp.Expr) -> sp.Expr:
+    """x**n for the x**(n + 1)/x of a derivative, which is 0/0 where x is 0."""
+    return sp.powsimp(expr, combine="exp")
 
 
 def _potential_equations(names: Names, support: SupportFunction) -> Iterator[Equation]:
