@@ -536,6 +536,7 @@ def test_names_of_the_law_are_left_to_it() -> None:
     d = duhem.derive(own)
     table = own.symbols()
     assert not {*table} & {x.name for e in d for x in e.relation.free_symbols if x not in table.values() and x not in sp.symbols("g K")}
+    assert r"\tilde{s_C} = " in d.latex() and r"s_C = " not in d.latex()
     check_state_laws(own, d)
     check_heat(own, d)
 

@@ -138,7 +138,7 @@ class Names(Verbatim):
 
         def fresh(name: str, written: str, **sign: bool) -> sp.Symbol:
             while name in taken:
-                name += "0"
+                name, written = f"{name}0", rf"\tilde{{{written}}}"
             taken.add(name)
             made = symbol(name, **sign)
             latex[made] = written
