@@ -23,7 +23,6 @@ from duhem import Criterion, Derivation, Domain, InputError, YieldSurface
 from duhem.derivation.support_function import sample_values
 from duhem.derivation.thermodynamics import in_state, on_boundary
 from duhem.expression import mpmath_
-from duhem.law.criterion_file import reads
 from duhem.law.state import Variable
 from tests.derivation.derived import at
 from tests.long import long_but
@@ -487,6 +486,14 @@ def test_a_force_of_the_wrong_variable_is_refused() -> None:
     assert {*in_state(same)} == {KINEMATIC.symbols()["sigma"], KINEMATIC.symbols()["X"]}
 
 
+def test_what_random_states_compare_is_no_identity_and_says_so() -> None:
+    """k log(2 cosh((u - u_in)/2)), of which no expansion sees that it depends on the difference alone."""
+    only = "compared at random states only for sigma"
+    own = law("compared", "abs(sigma) - R", "k*log(exp(u) + exp(u_in)) - k*(u + u_in)/2", SLIP)
+    assert only in duhem.derive(own)["thermodynamic_forces"].note
+    assert only not in duhem.derive(replace(own, energy=STORED, written_energy=""))["thermodynamic_forces"].note
+
+
 # -- what is omitted, and how it is shown -----------------------------------------------------------------------------
 
 
@@ -580,24 +587,4 @@ def test_latex_compiles_and_fits_the_page(own: Criterion, tmp_path: Path) -> Non
 
 @pytest.mark.slow
 def test_a_file_is_derived_as_its_law() -> None:
-    text = """
-        [criterion]
-        name = "kinematic-slip"
-        forces = ["sigma", "X"]
-        pressure = false
-        g = "norm(sigma + X) - R"
-        [parameters]
-        R = { positive = true }
-        C = { positive = true }
-        k = { positive = true }
-        gamma = { min = 0 }
-        [energy]
-        psi = "k/2*(u - u_in)**2 + C/2*alpha**2"
-        [variables]
-        u = { observable = true, force = "sigma" }
-        u_in = { force = "sigma" }
-        alpha = { force = "X" }
-        [flow]
-        direction = ["(sigma + X)/norm(sigma + X)", "(sigma + X)/norm(sigma + X) - gamma*alpha"]
-        """
-    assert "D = lambda_dot*(C*alpha**2*gamma + R)" in duhem.derive(reads(text)).text()
+    assert "D = lambda_dot*(C*alpha**2*gamma + R)" in duhem.derive("armstrong-frederick-recall").text()
