@@ -17,7 +17,7 @@ from duhem.expression.abbreviations import Stress
 from duhem.expression.parse import exact_number
 from duhem.expression.unevaluated import Verbatim
 from duhem.law.formula_law import Criterion
-from duhem.law.state import Variables
+from duhem.law.state import variables_of
 from duhem.omitted import LeftOut
 from duhem.show.notation import latex_name
 from duhem.show.page import Page
@@ -61,14 +61,12 @@ def put(expr: Any, swap: Mapping[Any, sp.Expr]) -> Any:
 class State(Verbatim):
     """The symbols of a state: the ``rate`` of each variable by its name, and what the inequality of Clausius and Duhem speaks of.
 
-    ``beside``: the rates without a multiplier, by force; ``variables``: chi; ``energy``, ``energy_rate``, ``entropy``, ``entropy_rate``:
-    psi_C and s_C with their rates; ``total``, ``thermal``: D and D_th of Antoni et al. (2007), Eqs. 22, 23, where D = D_intr + D_th;
-    ``capacity``: c_C = -T d2 psi_C/dT2; ``bodies``: of each body its temperature T_k and the heat q_k . n_k that flows from it into the
-    interface.
+    ``variables``: chi; ``energy``, ``energy_rate``, ``entropy``, ``entropy_rate``: psi_C and s_C with their rates; ``total``, ``thermal``:
+    D and D_th of Antoni et al. (2007), Eqs. 22, 23, where D = D_intr + D_th; ``capacity``: c_C = -T d2 psi_C/dT2; ``bodies``: of each body
+    its temperature T_k and the heat q_k . n_k that flows from it into the interface.
     """
 
     rate: dict[str, sp.Symbol]
-    beside: tuple[sp.Expr, ...]
     variables: sp.Symbol
     energy: sp.Symbol
     energy_rate: sp.Symbol
@@ -115,7 +113,8 @@ class Names(Verbatim):
     @property
     def beside(self) -> tuple[sp.Expr, ...]:
         """The rates without a multiplier, by force."""
-        return (sp.S.Zero,) * len(self.forces) if self.state is None else self.state.beside
+        driven = variables_of(self.law).driven()
+        return tuple(self.law.rates.get(driven.get(force, ""), sp.S.Zero) for force in self.law.forces)
 
     @property
     def plastic(self) -> tuple[sp.Expr, ...]:
@@ -181,8 +180,7 @@ class Names(Verbatim):
 
 def _in_state(law: Criterion, rates: Sequence[sp.Symbol], fresh: Callable[..., sp.Symbol]) -> dict[str, Any]:
     """The rates of the variables, of those with a force in the order of the forces too, and the names of thermodynamics."""
-    variables, thermal = law.variables, law.temperature is not None
-    assert isinstance(variables, Variables)  # since the law was made
+    variables, thermal = variables_of(law), law.temperature is not None
     rate = {name: fresh(f"{name}_rate", rf"\dot{{{latex_name(name)}}}") for name in variables}
     driven = variables.driven()
     table = law.symbols()
@@ -195,7 +193,6 @@ def _in_state(law: Criterion, rates: Sequence[sp.Symbol], fresh: Callable[..., s
     total = fresh("D", r"\mathcal{D}")
     state = State(
         rate=rate,
-        beside=tuple(law.rates.get(driven.get(force, ""), sp.S.Zero) for force in law.forces),
         variables=fresh("chi", r"\chi"),
         energy=fresh("psi_C", r"\psi_C"),
         energy_rate=fresh("psi_C_rate", r"\dot\psi_C"),

@@ -21,17 +21,12 @@ from duhem.expression import mpmath_
 from duhem.expression.branches import gradient
 from duhem.expression.vocabulary import Norm, Where
 from duhem.law.formula_law import Criterion
-from duhem.law.state import Variables
+from duhem.law.state import variables_of
 from duhem.omitted import LeftOut
 
 __all__ = ["DISSIPATION", "STATE", "heat_equations", "in_state", "on_boundary", "state_equations"]
 
 STATE, DISSIPATION, HEAT = "State and state laws", "Clausius-Duhem inequality", "Heat equation"
-
-
-def _variables(law: Criterion) -> Variables:
-    assert isinstance(law.variables, Variables)  # since the law was made
-    return law.variables
 
 
 def _slopes(law: Criterion, psi: sp.Expr) -> dict[str, sp.Expr]:
@@ -51,10 +46,10 @@ def in_state(law: Criterion) -> dict[sp.Symbol, sp.Expr]:
     if law.energy is None:
         return {}
     slopes, table = _slopes(law, law.energy), law.symbols()
-    found = {table[force]: -slopes[name] for force, name in _variables(law).driven().items()}
-    for force, name in _variables(law).observed().items():
+    found = {table[force]: -slopes[name] for force, name in variables_of(law).driven().items()}
+    for force, name in variables_of(law).observed().items():
         if table.get(force) in found and not _alike(law, slopes[name], found[table[force]]):
-            own = _variables(law).driven()[force]
+            own = variables_of(law).driven()[force]
             what = f"d psi/d {name} and -d psi/d {own} differ, and both are said to be {force}"
             raise InputError(what, where=f"energy of {law.name}", remedy=f"let the energy depend on {name} - {own}, or mend the forces")
     return found
@@ -83,7 +78,7 @@ def _alike(law: Criterion, one: sp.Expr, other: sp.Expr) -> bool:
 
 def state_equations(names: Names, left_out: list[LeftOut]) -> Iterator[Equation]:
     """Equations 22 to 26 and 30: the variables, the energy with its derivatives, and the dissipation in full."""
-    law, state, variables = names.law, names.state, _variables(names.law)
+    law, state, variables = names.law, names.state, variables_of(names.law)
     assert state is not None
     table, thermal = law.symbols(), law.temperature
     if thermal is None:

@@ -28,7 +28,7 @@ from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, Plac
 from duhem.law.given_text import Relations
 from duhem.law.parameter_domain import check_domain
 from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
-from duhem.law.state import Variable, Variables, misfits
+from duhem.law.state import Variable, Variables, misfits, variables_of
 
 __all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
 
@@ -509,7 +509,7 @@ def criterion_text(law: Law) -> str:
         lines += ["", "[domain]", *(f"{name} = {_domain(own, f'{law.name}: {name}')}" for name, own in law.domain.items())]
     if law.flow is not None and law.potential is None:
         of_force = dict(zip(law.forces, law.flow, strict=True))
-        slots = Variables(law.variables).slots(law.forces)
+        slots = variables_of(law).slots(law.forces)
         slips = [law.unforced.get(name, sp.S.Zero) if force is None else of_force[force] for name, force in slots]
         lines += ["", "[flow]", f"direction = {_list(law, slips)}"]
     lines += _state(law)

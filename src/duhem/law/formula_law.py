@@ -33,7 +33,7 @@ from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.given_text import argument_names, called, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, converted
-from duhem.law.state import NO_STATE, Variable, Variables, check_state
+from duhem.law.state import NO_STATE, Variable, Variables, check_state, variables_of
 from duhem.show.printing import Shown, latex
 
 __all__ = [
@@ -375,7 +375,7 @@ class Criterion(DeclaredLaw):
     @property
     def temperature(self) -> str | None:
         """The name of the temperature among the variables, if there is one."""
-        return next((name for name, own in self.variables.items() if own.temperature), None)
+        return variables_of(self).temperature()
 
     @property
     def associated(self) -> bool:

@@ -19,6 +19,7 @@ from duhem.law.frozen_mapping import FrozenMapping
 
 __all__ = [
     "NO_STATE", "Variable", "Variables", "check_heat", "check_state", "check_stateless", "evolves", "frozen", "misfits", "prescribed",
+    "variables_of",
 ]  # fmt: skip
 
 
@@ -71,6 +72,12 @@ class Variables(FrozenMapping[str, Variable]):
 
 
 NO_STATE = Variables()
+
+
+def variables_of(law: Any) -> Variables:
+    """The variables of a :class:`~duhem.law.formula_law.Criterion`, which takes any mapping for them and keeps this one."""
+    assert isinstance(law.variables, Variables)
+    return law.variables
 
 
 def misfits(variables: Mapping[str, Variable], forces: Sequence[str], energy: bool) -> Iterator[tuple[str, str, str]]:
