@@ -145,7 +145,7 @@ def test_a_law_with_heat_is_written_as_a_file_that_says_it() -> None:
     law = with_conductance("h1*sqrt(T)")
     again = reads(criterion_text(law))
     assert again == law and dict(again.heat) == dict(law.heat) and list(again.parameters) == list(law.parameters)
-    with pytest.raises(InputError, match="no file says where T1 lies"):
+    with pytest.raises(InputError, match="no file states the temperature T1 of a body"):
         criterion_text(law.fix({"T1": 300}))
 
 

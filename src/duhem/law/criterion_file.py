@@ -535,7 +535,9 @@ def _state(law: Criterion) -> Iterator[str]:
         yield from ([f"rates = {_named(law, law.rates)}"] if law.rates else [])
     if law.heat:
         if fixed := [name for name in law.heat if law.parameters[name] != POSITIVE]:
-            raise InputError(f"no file says where {fixed[0]} lies", where=law.name, remedy="fix it with --set where the file is used")
+            raise InputError(
+                f"no file states the temperature {fixed[0]} of a body", where=law.name, remedy="fix it with --set where the file is used"
+            )
         yield from ("", "[heat]", f"bodies = {_named(law, law.heat)}")
 
 

@@ -111,7 +111,7 @@ def check_state(law: Any) -> None:
     for _, what, remedy in misfits(variables, law.forces, law.energy is not None):
         raise InputError(what, where=f"variables of {law.name}", remedy=remedy)
     if taken := [own.force for own in variables.values() if own.force is not None and own.force in (*law.parameters, law.pressure)]:
-        raise InputError(f"{taken[0]} is a force and another name too", where=f"variables of {law.name}", remedy="call the force otherwise")
+        raise InputError(f"{taken[0]} is a force and another name too", where=f"variables of {law.name}", remedy="rename the force")
     states = {law.symbols()[name] for name in variables}
     for relation in law.constraints:
         if stray := relation.free_symbols & states:
@@ -123,8 +123,8 @@ def check_state(law: Any) -> None:
             raise InputError(f"{name!r} has a rate and is no internal variable", where=law.name, remedy=f"they are: {internal}")
     for name in law.unforced:
         if variables[name].force is not None:
-            what, remedy = f"{name} has a force, and a rate beside the flow", "its rate is the flow's entry; add rates without a multiplier"
-            raise InputError(what, where=law.name, remedy=f"{remedy} to rates")
+            remedy = "its rate is an entry of the flow; put what needs no multiplier in rates"
+            raise InputError(f"{name} has a force, and a rate beside the flow", where=law.name, remedy=remedy)
     check_heat(law)
     stored = set() if law.energy is None else law.energy.free_symbols
     for name, own in variables.items():
@@ -151,8 +151,8 @@ def check_heat(law: Any) -> None:
     for name, conductance in law.heat.items():
         own = law.parameters[name]
         if name in law.variables or not (own.positive or (own.low is not None and own.low > 0)):
-            remedy = "declare it nowhere else: a body declares its temperature, which is > 0"
-            raise InputError(f"the temperature {name} of a body is declared otherwise", where=where, remedy=remedy)
+            remedy = "declare it nowhere else: heat declares it, as a number > 0"
+            raise InputError(f"the temperature {name} of a body is declared in another way too", where=where, remedy=remedy)
         if stray := {x for x in conductance.free_symbols if x.name in law.forces}:
             remedy = "a conductance is a formula in variables, temperatures, parameters and the pressure"
             raise InputError(f"the conductance to {name} uses {sorted(map(str, stray))}", where=where, remedy=remedy)

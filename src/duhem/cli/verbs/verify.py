@@ -61,7 +61,9 @@ _ORDER = ("refuted", "undecided", "tested", "proved", "by_construction", "not_ap
     help="Budget of steps for each claim: quick is an eighth of normal, thorough is eight times normal.",
 )
 @click.option(
-    "--coupled", is_flag=True, help="Also decide whether contact with this friction, pressure and opening included, has a bipotential."
+    "--coupled",
+    is_flag=True,
+    help="Also decide whether the complete contact law (this friction with the pressure and the opening) has a bipotential.",
 )
 @click.option("--strict", is_flag=True, help="End with exit code 3 if a claim is neither proved nor refuted.")
 @_expect_option
