@@ -350,6 +350,18 @@ def test_the_support_function_is_found_where_it_was_without_a_state() -> None:
     assert derived(slow)["potential_domain_1"].lhs.has(slow.symbols()["X"])
 
 
+def test_a_k_that_is_a_line_without_pressure_has_no_tip() -> None:
+    pressed = replace(KINEMATIC, name="pressed", g="abs(sigma + X) - R*abs(p)", written="", pressure="p")
+    d = duhem.derive(pressed)
+    assert "potential_domain_1" in d and "tip" not in d
+
+
+def test_rates_without_a_multiplier_are_in_corners_too() -> None:
+    own = replace(ISOTROPIC, name="recovering at rest", rates={"alpha": "A/h"})
+    more = [one - other for one, other in zip(duhem.derive(own)["corner_1"].rhs, duhem.derive(ISOTROPIC)["corner_1"].rhs, strict=True)]
+    assert more == [0, own.symbols()["A"] / own.symbols()["h"]]
+
+
 def test_the_power_on_the_boundary() -> None:
     a, b, x, n = sp.symbols("a b x n", real=True)
     size = duhem.expression.Norm(a, b)
