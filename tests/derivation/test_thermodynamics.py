@@ -383,6 +383,8 @@ def test_each_surface_has_its_multiplier() -> None:
         assert near(rates[0], one - two) and near(rates[1], one - two - two * alpha)
         assert near(at(d["dissipation"].rhs, there), sigma * rates[0] + back * rates[1])
         assert near(at(d["dissipation_in_state"].rhs, there), sigma * rates[0] + back * rates[1])
+    more = replace(KOITER, variables={**KOITER.variables, "w": Variable()}, unforced={"w": "1"})
+    assert "rate of w" in {part for part, _ in duhem.derive(more).left_out}
 
 
 # -- heat -------------------------------------------------------------------------------------------------------------
