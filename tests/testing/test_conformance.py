@@ -111,6 +111,12 @@ def test_there_is_no_routine_for_a_law_with_a_flow_of_its_own() -> None:
         projection("plesha")
 
 
+@pytest.mark.parametrize("law", ["prager", "perzyna"])
+def test_laws_with_a_state_have_no_single_increments_to_test(law: str) -> None:
+    with pytest.raises(InputError, match=f"an increment of {law} is more than a closest point of K, but a test"):
+        conformance(law, ellipse, max_examples=1)
+
+
 @pytest.mark.slow
 def test_flagged_points_are_counted_and_not_judged() -> None:
     def update(trial: Array, pressure: Array, stiffness: Array) -> Step:
