@@ -339,8 +339,8 @@ The thermal dissipation of an interface at the temperature T between bodies at T
 (Antoni et al. 2007, Eqs. 22, 23).  Only a law with [heat] makes this claim: there q_k . n_k = h_k (T_k - T) with a conductance
 h_k, so that D_th is the sum of h_k (T_k - T)^2/T_k.  It is >= 0 for all T > 0 and T_k > 0 if every h_k is.
 
-The heat that the interface takes up is T ds/dt = D_intr + sum of q_k . n_k with the entropy s = -dpsi/dT.  This equation gives
-the rate of T: by construction the heat of the bodies is what D_intr and the thermoelastic term leave.
+The interface takes up the heat T ds/dt = D_intr + sum of q_k . n_k, with the entropy s = -dpsi/dT.  This equation gives the rate of
+T, so there is nothing to prove about it.
 
 Refutation: temperatures, and a state, at which D_th < 0.""",
         methods=(
@@ -356,7 +356,7 @@ _TOGETHER = (
         name="homogeneity",
         statement="K(sigma_n) = |sigma_n| K(-1) for every sigma_n < 0",
         theory="""\
-K grows in proportion to the pressure, as of Coulomb's law and of every gauge, and not with a cohesion or a cap on the stress.
+K grows in proportion to the pressure.  This holds for Coulomb's law and every gauge, but not with a cohesion or a cap on the stress.
 
 Proof: g is positively homogeneous in the forces and the pressure together.  Refutation: a point of K and a multiple outside K.""",
         methods=(CHEAP, ProofMethod(FormulaSubject, coupled.homogeneity_along_rays)),
