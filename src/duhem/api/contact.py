@@ -104,7 +104,7 @@ def _tangential_part(
     setting, normal, free = ahead.projector.setting, 0.0 - pressure, pressure == 0.0  # no -0
     posed(setting, trial, normal)  # which refuses a pressure outside the law's range
     stress: Array = np.zeros_like(trial)
-    slip: Array = np.linalg.solve(stiffness, trial.T).T
+    slip: Array = np.linalg.solve(stiffness, trial.T).T.astype(np.float64)
     status = np.where(slip.any(axis=1), Status.SLIP, Status.STICK).astype(np.int8)
     asked = np.flatnonzero(~free) if polar is not None else np.arange(len(free))
     found = ahead.project(trial[asked], normal[asked])
