@@ -604,7 +604,9 @@ def test_the_energies_of_a_step_balance_where_second_derivatives_jump(energy: st
     law = Criterion("one-sided", g, {}, ("s",), None, energy=energy, variables=variables, viscous=viscous)
     for method in ("implicit", "extrapolated"):
         found = run(law, Path.linear([0.0, 0.5, -0.5, 1.0], time=[0, 1, 2, 3]), substeps=4, method=method)
-        assert balanced(found) < 1e-13 and (np.diff(found.numerical) >= -1e-14).all() == (method == "implicit")
+        assert balanced(found) < 1e-13
+        if method == "implicit":  # what a step loses of a convex energy is never negative
+            assert (np.diff(found.numerical) >= -1e-14).all() and found.numerical[-1] > 1e-3
 
 
 def test_a_criterion_that_is_violated_where_its_slope_has_no_end_is_not_satisfied() -> None:

@@ -526,7 +526,8 @@ def own_dissipation(law: StateLaw, before: Array, after: Array, others: Sequence
 
 def _excess(value: Array, size: Array) -> Array:
     """By how much criteria are violated, relative to their sizes; without end where they have no value, or no size."""
-    return np.where(value <= 0.0, 0.0, np.where(np.isfinite(size), value / size, np.inf))
+    sized = (value > 0.0) & np.isfinite(value) & np.isfinite(size) & (size != 0.0)
+    return np.divide(value, size, out=np.where(value <= 0.0, 0.0, np.inf), where=sized)
 
 
 def _worst(residual: Array, size: Array) -> Array:
