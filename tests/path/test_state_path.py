@@ -636,6 +636,29 @@ def test_damage_is_driven_by_an_observable_whose_force_drives_nothing() -> None:
     assert history["d"][-1] == pytest.approx(1 - 1 / 1.2**2, rel=1e-9) and np.abs(history.balance).max() < 1e-12
 
 
+def test_a_bar_that_damage_breaks_at_once_is_broken_and_goes_on() -> None:
+    """The energy release rate does not depend on D: beyond the threshold D = 1 alone is an answer, with a reaction of its bound."""
+    numbers = {"E": 1.0, "Y_0": 1.0}
+    found = duhem.simulate("lemaitre-damage", Path.linear([0.0, 1.2, 1.8, -2.0, 0.5]), parameters=numbers)
+    assert found["D"].tolist() == [0.0, 0.0, 1.0, 1.0, 1.0] and found["Y"][2] == 1.0  # of 1.62, but for the reaction
+    assert found.dissipation.tolist() == [0.0, 0.0, 1.0, 1.0, 1.0] and balanced(found) < 1e-14
+    whole = duhem.simulate("lemaitre-damage", Path.linear([1.8, -2.0, 0.5]), parameters=numbers, state={"D": 1.0})
+    assert np.array_equal(whole.state, found.state[2:])
+    with pytest.raises(InputError, match="outside K"):
+        duhem.simulate("lemaitre-damage", Path.linear([1.8, -2.0]), parameters=numbers, state={"D": 0.9})
+
+
+def test_paths_go_on_from_where_they_ended() -> None:
+    """At the end of a step the criterion is 0 but for rounding, which is no violation, however small its forces are."""
+    moduli = np.linspace(0.5, 2.0, 40)
+    numbers = {"mu": 0.3, "C": moduli, "k": 0.7, "w": 0.9}
+    knots = np.tile([[0.1, 0.2], [2.0, 0.7], [1.0, -0.5]], (40, 1, 1))
+    whole = duhem.simulate("adhesion", Paths.linear(knots, pressure=-1.0), parameters=numbers, state={"beta": 1.0})
+    begun = {name: whole[name][:, 1] for name in whole.variables[2:]}
+    rest = duhem.simulate("adhesion", Paths.linear(knots[:, 1:], pressure=-1.0), parameters=numbers, state=begun)
+    assert np.allclose(rest.state, whole.state[:, 1:], rtol=0, atol=1e-12)
+
+
 def test_an_exponent_that_is_a_parameter() -> None:
     law = plane("(abs(sa)**m + abs(sb)**m)**(1/m) - 1", {"m": Domain.between(1, None)})
     history = duhem.simulate(law, Path.linear([[0.0, 0.0], [3.0, 2.0]]), parameters={"m": 4})

@@ -268,7 +268,10 @@ class StateQuestion:
         _, forces, _ = own.stored(begun, others)
         if not np.isfinite(forces).all():
             raise InputError("the energy or its forces have no value at the start", where="state", remedy="give the variables other values")
-        if (out := own.outside(begun, forces, others)).max() > KKT:
+        if (out := own.outside(begun, others)).max(initial=0.0) > KKT:  # a bound may hold what would flow
+            end = own.advance(begun, values, 0.0, others)
+            out[~end.failed & (np.abs(end.chi - begun) <= KKT * np.abs(begun)).all(axis=1)] = 0.0
+        if out.max(initial=0.0) > KKT:
             what = f"the forces {dict(zip(law.forces, forces[np.argmax(out)].tolist(), strict=True))} at the start lie outside K"
             raise InputError(what, where="state", remedy="give state= and a first knot inside K")
         return replace(self, begun=begun)

@@ -16,14 +16,14 @@ not prescribed obeys T (s - s_n) = Y . (alpha - alpha_n) + dt sum h_k (T_k - T),
 
 The state without flow is tried first; then the most violated criterion is taken as an equation, Newton's method, damped, solves
 for alpha, lambda (and q, T), and criteria and bounds are exchanged until all conditions hold.  Where that fails, the answer is
-followed from no load to all of it.
+followed from no load to all of it; last, it is looked for where bounds hold variables, to which brittle damage jumps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -80,6 +80,9 @@ class StepEquations(Pointwise):
     criteria: Array
     criterion_size: Array
     hessian: Array
+
+
+_Found = tuple[Guess, StepEquations, Flags]  # where Newton's method came, and what it did not solve
 
 
 @dataclass(frozen=True, eq=False)
@@ -392,18 +395,21 @@ class StateLaw:
         begun = Guess(base.copy(), zeros, np.zeros((n, self.internal)), none, np.zeros((n, self.internal), dtype=np.bool_))
         with np.errstate(all="ignore"):
             at, system, failed = self._ended(begun, base, given, dt, others)
-            if (who := np.flatnonzero(failed)).size:
-                reached, ended, lost = self._followed(begun.of(who), base[who], given[who], dt, [x[who] for x in others])
-                at.put(who, reached)
-                system.put(who, ended)
-                failed[who] = lost
+            ways: list[Callable[..., _Found]] = [self._followed]
+            ways += [partial(self._stopped, ends) for ends in (self.high, self.low) if (self.reacts & np.isfinite(ends)).any()]
+            for otherwise in ways:
+                if (who := np.flatnonzero(failed)).size:
+                    reached, ended, lost = otherwise(begun.of(who), base[who], given[who], dt, [x[who] for x in others])
+                    at.put(who, reached)
+                    system.put(who, ended)
+                    failed[who] = lost
             slopes = self._tangent(at, system) if tangent else np.zeros((n, 0, 0))
         return Advanced(
             at.chi, at.multiplier, at.reaction, at.held, system.psi, system.forces, system.observed, system.entropy, system.flow,
             _worst(system.residual, system.size), failed, slopes,
         )  # fmt: skip
 
-    def _followed(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> tuple[Guess, StepEquations, Flags]:
+    def _followed(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> _Found:
         """The end of the same step, found along those of steps from the same ``base`` to a part of the load, each from the one before."""
         u, _, warm = self._unknown
         start = self._energy(base, others, second=False)[0].gradient[:, u] if self.stressed else base[:, u]  # type: ignore[index]
@@ -414,7 +420,13 @@ class StateLaw:
                 break
         return at, system, failed
 
-    def _ended(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> tuple[Guess, StepEquations, Flags]:
+    def _stopped(self, ends: Array, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> _Found:
+        """The same, begun where the variables with such ``ends`` are held by them: a variable may jump there, as brittle damage does."""
+        at, held = at.copy(), self.reacts & np.isfinite(ends)
+        at.chi[:, self._unknown[1]][:, held], at.held[:, held], at.active[:] = ends[held], True, True
+        return self._ended(at, base, given, dt, others)
+
+    def _ended(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> _Found:
         """Where Newton's method comes from a guess, with equations exchanged until all conditions hold; and what it did not solve."""
         at, (n, o), times = at.copy(), (len(base), self.observables), np.full(len(base), dt)
         load = given[:, :o]
@@ -496,16 +508,13 @@ class StateLaw:
         return found + system.hessian[:, u, warm] @ moved[:, -1:] if self.adiabatic else found
 
     @np.errstate(all="ignore")
-    def outside(self, at: Array, forces: Array, others: Sequence[Array]) -> Array:
-        """By how much states (N, n) with these forces lie outside a criterion, relative to its size (N,)."""
-        found = np.full(len(at), -np.inf)
-        for criterion, _, _ in self.criteria:
-            jet, _ = criterion(np.concatenate([forces, at], axis=1), others, second=False)
-            assert jet.gradient is not None
-            slope = jet.gradient[:, : forces.shape[1]]
-            size = np.maximum((np.abs(slope) * np.abs(forces)).sum(axis=1), np.abs(jet.value - (slope * forces).sum(axis=1)))
-            found = np.maximum(found, _excess(np.asarray(jet.value), size + np.finfo(np.float64).tiny))
-        return found
+    def outside(self, at: Array, others: Sequence[Array]) -> Array:
+        """By how much states (N, n), no bound of which reacts, lie outside a criterion, relative to its size and its rounding (N,)."""
+        n, none = len(at), np.zeros((len(at), self.internal), dtype=np.bool_)
+        zeros = np.zeros((n, len(self.criteria)))
+        rest = Guess(at, zeros, np.zeros((n, self.internal)), zeros > 0.0, none)
+        system = self.system(rest, at, np.zeros((n, self.observables)), np.zeros(n), others)
+        return _excess(system.criteria, system.criterion_size).max(axis=1, initial=-np.inf)
 
     def stored(self, at: Array, others: Sequence[Array]) -> tuple[Array, Array, Array]:
         """psi (N,), the forces Y (N, d) and the entropy (N,) of states."""
