@@ -52,7 +52,7 @@ def test_a_file_states_all_of_it() -> None:
         (
             'rates = { alpha = "X/C" }',
             'forces_of_rates = { sigma = "tanh(u_in_rate)" }',
-            "forces as functions of the rates are not examined",
+            "the forces_of_rates of [dissipation] and g are both given",
         ),
         ("pressure = false", 'pressure = false\nconstraints = ["alpha < C"]', "the constraint alpha < C relates alpha"),
     ],

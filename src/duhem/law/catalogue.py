@@ -122,11 +122,13 @@ def _unknown(law: str) -> InputError:
 
 
 def load_formula(law: str | Path | Law) -> Criterion:
-    """:func:`load` for what needs a formula g; InputError where the law has none."""
+    """:func:`load` for what needs a formula g; InputError where the law has none, or no K."""
     from duhem.law.formula_law import Criterion
+    from duhem.law.state import check_has_k
 
     found = load(law)
     if isinstance(found, Criterion):
+        check_has_k(found)
         return found
     other = f"such as {found.instead}" if found.instead else "such as antoni2007"
     raise InputError(f"{found.name} has no formula g, only a boundary curve", remedy=f"choose a law with a formula, {other}")

@@ -184,19 +184,23 @@ class _CriterionReader(SectionReader):
         self.check_names(declared, Abbreviations(stress=stress).words())
         known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
         known |= {p: domain.symbol(p) for p, domain in domains.items()}
+        dissipation = self.table("dissipation", required=False)
+        if of_rates := "forces_of_rates" in dissipation:
+            known |= {rate: symbol(rate) for rate in variables.rates(forces).values()}
         if "boundary" in self.document:
             self.alone("[boundary]", "criterion", "g", "potential", "stress")
             self.alone("[boundary]", "", "flow", "surface", "domain", "energy", "variables", "heat")
             return self.curve(forces, pressure, domains, declared)
         define = self.definitions(known, stress)
         axes, read = [known[f] for f in forces], partial(self.stated, known=known, short=define.short)
-        viscous = "potential" in self.table("dissipation", required=False)
-        if viscous:
-            self.alone("the potential of [dissipation]", "criterion", "g", "potential")
-            self.alone("the potential of [dissipation]", "", "flow", "surface")
+        viscous = "potential" in dissipation
+        if viscous or of_rates:
+            self.alone(f"the {'potential' if viscous else 'forces_of_rates'} of [dissipation]", "criterion", "g", "potential")
+            self.alone(f"the {'potential' if viscous else 'forces_of_rates'} of [dissipation]", "", "flow", "surface")
         slots = variables.slots(forces)
         surfaces = self.surfaces(axes, read, slots)
-        whole = YieldSurface(sp.nan) if surfaces else self.rate_potential(axes, read) if viscous else self.whole(axes, read, slots)
+        bounded = self.rate_potential if viscous else partial(self.whole, slots=slots)
+        whole = YieldSurface(sp.nan) if surfaces or of_rates else bounded(axes, read)
         head = self.head(forces, pressure, domains, define) | self.state(variables, read, slots) | {"viscous": viscous}
         bounds = {key: getattr(whole, key) for key in ("g", "flow", "potential", "written", "written_flow")}
         domain = self.ranges(forces, pressure)
@@ -310,17 +314,16 @@ class _CriterionReader(SectionReader):
         """The energy, and the rates of internal variables that have no force or need no multiplier."""
         self.keys("energy", self.table("energy", required=False), ("psi",))
         given = self.table("dissipation", required=False)
-        if "forces_of_rates" in given:
-            what, remedy = "forces as functions of the rates are not examined", "write the potential of which the rates are the gradient"
-            raise self.error(what, "dissipation", "forces_of_rates", remedy=f"{remedy}, if there is one")
-        self.keys("dissipation", given, ("potential", "rates"))
-        if not isinstance(given.get("rates", {}), dict):
-            raise self.error("rates is not a table", "dissipation", "rates", remedy='write rates = { alpha = "..." }')
+        self.keys("dissipation", given, ("potential", "rates", "forces_of_rates"))
+        functions = {"rates": "alpha", "forces_of_rates": "sigma"}
+        for key, name in functions.items():
+            if not isinstance(given.get(key, {}), dict):
+                raise self.error(f"{key} is not a table", "dissipation", key, remedy=f'write {key} = {{ {name} = "..." }}')
         energy = read("energy", "psi") if "energy" in self.document else (None, "")
-        rates = {spelled(name): read("dissipation", "rates", name) for name in given.get("rates", {})}
+        said = {key: {spelled(name): read("dissipation", key, name) for name in given.get(key, {})} for key in functions}
         flow = "flow" in self.document
         unforced = {name: read("flow", "direction", i) for i, (name, force) in enumerate(slots) if force is None and flow}
-        said = {"unforced": unforced, "rates": rates, "heat": {spelled(name): read("heat", "bodies", name) for name in self.bodies()}}
+        said |= {"unforced": unforced, "heat": {spelled(name): read("heat", "bodies", name) for name in self.bodies()}}
         expressions = {key: {name: expr for name, (expr, _) in found.items()} for key, found in said.items()}
         texts = {f"written_{key}": {name: text for name, (_, text) in found.items()} for key, found in said.items()}
         return {"variables": variables, "energy": energy[0], "written_energy": energy[1], **expressions, **texts}
@@ -494,7 +497,7 @@ def criterion_text(law: Law) -> str:
     lines += [f"{key} = {_quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
     lines += [f"forces = [{', '.join(map(_quoted, law.forces))}]"]
     lines += [f"pressure = {_quoted(law.pressure) if law.pressure else 'false'}"]
-    if isinstance(law, Criterion) and not (law.surfaces or law.viscous):
+    if isinstance(law, Criterion) and not (law.surfaces or law.viscous or law.forces_of_rates):
         lines += [f"g = {_quoted(_text(law, law.g))}", *_potential(law)]
     if law.constraints:
         lines += [f"constraints = [{', '.join(_quoted(_text(law, c)) for c in law.constraints)}]"]
@@ -530,9 +533,10 @@ def _state(law: Criterion) -> Iterator[str]:
         yield f"{name} = {{ {', '.join([*kinds, *force, *([ends] if ends else [])])} }}"
     if law.energy is not None:
         yield from ("", "[energy]", f"psi = {_quoted(_text(law, law.energy))}")
-    if law.viscous or law.rates:
+    if law.viscous or law.rates or law.forces_of_rates:
         yield from ("", "[dissipation]", *([f"potential = {_quoted(_text(law, law.g))}"] if law.viscous else []))
-        yield from ([f"rates = {_named(law, law.rates)}"] if law.rates else [])
+        for key in ("rates", "forces_of_rates"):
+            yield from ([f"{key} = {_named(law, getattr(law, key))}"] if getattr(law, key) else [])
     if law.heat:
         if fixed := [name for name in law.heat if law.parameters[name] != POSITIVE]:
             raise InputError(

@@ -259,6 +259,10 @@ class Criterion(DeclaredLaw):
     With ``viscous`` g is no criterion but a potential Phi* of rates: the rate of each variable is d Phi*/d Y by its force (Antoni et al.
     2007, Eqs. 27, 28), as of Norton, Perzyna and Bingham.  The claims then speak of Phi*, which is to be convex, and least and 0 at 0.
 
+    ``forces_of_rates`` has each force as a function of the rates, instead of g, as Stribeck's friction has: the rate of the variable u_in
+    is u_in_rate there, and g is made the sum of force . rate.  Such a law has no K; normality says that these forces are the gradient of
+    a convex potential of the rates.
+
     ``expect`` maps claims to the verdicts that the author knows of, such as ``{"smoothness": "refuted"}`` of a law with corners: the
     exit code of ``duhem verify`` counts them as no failure, and any other verdict on these claims as one.
     """
@@ -287,10 +291,12 @@ class Criterion(DeclaredLaw):
     rates: Mapping[str, sp.Expr] = FrozenMapping()
     heat: Mapping[str, sp.Expr] = FrozenMapping()
     viscous: bool = False
+    forces_of_rates: Mapping[str, sp.Expr] = FrozenMapping()
     written_energy: str = field(default="", repr=False, compare=False)
     written_unforced: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     written_rates: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     written_heat: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
+    written_forces_of_rates: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     expect: Mapping[str, str] = field(default=FrozenMapping(), repr=False, compare=False)
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
     _whole: Criterion | None = field(init=False, default=None, repr=False, compare=False)
@@ -306,7 +312,7 @@ class Criterion(DeclaredLaw):
         put(self, "parameters", Domains(more | Domains(self.parameters)))
         put(self, "expect", FrozenMapping(self.expect))
         self._check_names()
-        put(self, "_symbols", self._declared())
+        put(self, "_symbols", self._declared(*self.velocities.values()))
         known = self.symbols()
         define = self.define
         if not isinstance(define, Definitions) or define.short.stress != self.stress:
@@ -318,12 +324,17 @@ class Criterion(DeclaredLaw):
             energy = as_expression(self.energy, known, f"energy of {self.name}", short)
             put(self, "written_energy", text_of(self.energy, energy, self.written_energy, known, short))
             put(self, "energy", energy)
-        for key, what in (("unforced", "rate of"), ("rates", "rate of"), ("heat", "conductance to")):
+        for key, what in (("unforced", "rate of"), ("rates", "rate of"), ("heat", "conductance to"), ("forces_of_rates", "force")):
             given, texts = getattr(self, key), getattr(self, f"written_{key}")
             found = {name: as_expression(rate, known, f"{what} {name} of {self.name}", short) for name, rate in given.items()}
             written = {name: text_of(given[name], rate, texts.get(name, ""), known, short) for name, rate in found.items()}
             put(self, key, FrozenMapping(found))
             put(self, f"written_{key}", FrozenMapping(written))
+        if self.forces_of_rates:
+            power = sp.Add(*(known[rate] * self.forces_of_rates.get(force, 0) for force, rate in self.velocities.items()))
+            if self.g not in (sp.nan, power):
+                raise InputError("a law with forces of rates has no g", where=self.name, remedy="remove one of them")
+            put(self, "g", power)
         constraints, texts = relations(self.constraints, self.written_constraints, known, self.name, short)
         put(self, "constraints", constraints)
         put(self, "written_constraints", texts)
@@ -378,9 +389,14 @@ class Criterion(DeclaredLaw):
         return variables_of(self).temperature()
 
     @property
+    def velocities(self) -> dict[str, str]:
+        """Each force with the name of its rate, where the forces are functions of the rates."""
+        return variables_of(self).rates(self.forces) if self.forces_of_rates else {}
+
+    @property
     def associated(self) -> bool:
         """Whether the slip is normal to the boundary by definition: neither the law nor a surface states a flow."""
-        return self.flow is None and all(s.flow is None for s in self.surfaces)
+        return self.flow is None and not self.forces_of_rates and all(s.flow is None for s in self.surfaces)
 
     def _components(self, stress: Stress) -> tuple[str, ...]:
         if tuple(self.forces) not in (FORCES, stress.components):
@@ -391,7 +407,7 @@ class Criterion(DeclaredLaw):
     def _check_names(self) -> None:
         if not self.forces:
             raise InputError(f"{self.name} declares no force", remedy="name at least one in forces")
-        names = [*self.coordinates, *self.parameters]
+        names = [*self.coordinates, *self.parameters, *self.velocities.values()]
         for name in names:
             if fault := name_fault(name, names, "force and parameter"):
                 raise InputError(fault[0], where=self.name, remedy=fault[1])
@@ -401,7 +417,7 @@ class Criterion(DeclaredLaw):
         flows = [flow for flow in (self.flow, *(s.flow for s in self.surfaces)) if flow is not None]
         if self.g is sp.nan:
             raise InputError("there is no g", where=self.name, remedy="give g, or surfaces")
-        if not all(g.free_symbols & forces for g in (self.g, *(s.g for s in self.surfaces))):
+        if not self.forces_of_rates and not all(g.free_symbols & forces for g in (self.g, *(s.g for s in self.surfaces))):
             raise InputError("g does not depend on any force", where=self.name, remedy=f"use at least one of {', '.join(self.forces)}")
         for flow in flows:
             if len(flow) != len(self.forces):
@@ -451,7 +467,7 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
     constraints, texts = moved_relations(law.constraints, law.written_constraints, swap, known)
     return replace(
         law,
-        g=sp.nan if law.surfaces else here(law.g, law.written),
+        g=sp.nan if law.surfaces or law.forces_of_rates else here(law.g, law.written),
         parameters=domains,
         constraints=constraints,
         written_constraints=texts,
@@ -459,6 +475,7 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
         unforced={name: here(rate, law.written_unforced[name]) for name, rate in law.unforced.items()},
         rates={name: here(rate, law.written_rates[name]) for name, rate in law.rates.items()},
         heat={name: here(conductance, law.written_heat[name]) for name, conductance in law.heat.items()},
+        forces_of_rates={f: here(force, law.written_forces_of_rates[f]) for f, force in law.forces_of_rates.items()},
         flow=None if law.flow is None or law.potential else tuple(map(here, law.flow, law.written_flow or repeat(""))),
         surfaces=tuple(s.moved(here) for s in law.surfaces),
         closed_form=None if law.closed_form is None else converted(law.closed_form, here),

@@ -74,6 +74,8 @@ def _decimal(exact: str) -> str | None:
 def _direction(law: Law) -> str:
     if isinstance(law, Criterion) and law.viscous:
         return "each rate is the derivative of Phi* by its force"
+    if isinstance(law, Criterion) and law.forces_of_rates:
+        return "the forces are functions of the rates"
     if law.associated:
         return "normal to the boundary (associated)"
     if isinstance(law, ParametricCriterion) or not law.surfaces:
@@ -91,6 +93,8 @@ def _boundary(law: Law) -> tuple[str, str]:
     """What bounds K: the formula, or the curve at |pressure| = 1."""
     if isinstance(law, ParametricCriterion):
         return "boundary", f"|{law.pressure}| ({', '.join(formula(x) for x in law.boundary)}), {law.angle} from 0 to 2 pi"
+    if law.forces_of_rates:
+        return "resistance", "; ".join(f"{force} = {formula(expr)}" for force, expr in law.forces_of_rates.items())
     return ("potential", f"Phi* = {formula(law.g)}") if law.viscous else ("criterion", f"{formula(law.g)} <= 0")
 
 
@@ -111,11 +115,14 @@ def as_sheet(law: Law) -> Sheet:
 @latex.register(ParametricCriterion)
 def as_latex(law: Law) -> str:
     """g <= 0, or the boundary curve, as SymPy writes it; names as in derivations."""
-    names = {known: latex_name(name) for name, known in law.symbols().items()}
+    known = law.symbols()
+    names = {x: latex_name(name) for name, x in known.items()}
     if isinstance(law, ParametricCriterion):
         size = rf"\left|{names[law.symbols()[law.pressure]]}\right|"
         forces, curve = (", ".join(sp.latex(x, symbol_names=names) for x in point) for point in (law.force_symbols(), law.boundary))
         return rf"\left({forces}\right) = {size} \left({curve}\right)"
+    if law.forces_of_rates:
+        return r",\quad ".join(f"{names[known[f]]} = {sp.latex(x, symbol_names=names)}" for f, x in law.forces_of_rates.items())
     return rf"{sp.latex(law.g, symbol_names=names)} \leq 0"
 
 

@@ -18,8 +18,8 @@ from duhem.law.domain import REAL, Domain
 from duhem.law.frozen_mapping import FrozenMapping
 
 __all__ = [
-    "NO_STATE", "Variable", "Variables", "check_heat", "check_state", "check_stateless", "evolves", "frozen", "misfits", "prescribed",
-    "variables_of",
+    "NO_STATE", "Variable", "Variables", "check_has_k", "check_heat", "check_state", "check_stateless", "evolves", "frozen", "misfits",
+    "prescribed", "variables_of",
 ]  # fmt: skip
 
 
@@ -59,6 +59,11 @@ class Variables(FrozenMapping[str, Variable]):
     def driven(self) -> dict[str, str]:
         """Each force with its internal variable."""
         return {own.force: name for name, own in self.items() if own.internal and own.force is not None}
+
+    def rates(self, forces: Sequence[str]) -> dict[str, str]:
+        """Each of the forces that drives an internal variable, with the name of the rate of that."""
+        driven = self.driven()
+        return {force: f"{driven[force]}_rate" for force in forces if force in driven}
 
     def observed(self) -> dict[str, str]:
         """Each force with its observable."""
@@ -126,6 +131,8 @@ def check_state(law: Any) -> None:
             remedy = "its rate is an entry of the flow; put what needs no multiplier in rates"
             raise InputError(f"{name} has a force, and a rate beside the flow", where=law.name, remedy=remedy)
     check_heat(law)
+    if law.forces_of_rates:
+        _check_forces_of_rates(law)
     stored = set() if law.energy is None else law.energy.free_symbols
     for name, own in variables.items():
         if own.internal and own.force is None and law.symbols()[name] in stored:
@@ -137,6 +144,20 @@ def check_state(law: Any) -> None:
     if law.energy is not None and (stray := law.energy.free_symbols - known):
         remedy = "an energy is a formula in variables and parameters"
         raise InputError(f"the energy uses {sorted(map(str, stray))}", where=f"energy of {law.name}", remedy=remedy)
+
+
+def _check_forces_of_rates(law: Any) -> None:
+    """InputError where not every force is a function of the rates, or the law states more than these, which nobody would examine."""
+    where = f"forces of rates of {law.name}"
+    if missing := [f for f in law.forces if f not in law.forces_of_rates or f not in law.variables.driven()]:
+        remedy = f'give it as a function of the rates, and declare a variable such as {missing[0]}_in = {{ force = "{missing[0]}" }}'
+        raise InputError(f"the force {missing[0]} is no function of the rate of a variable", where=where, remedy=remedy)
+    stray = {x.name for x in sp.Tuple(*law.forces_of_rates.values()).free_symbols} & {*law.forces}
+    if stray := stray | ({*law.forces_of_rates} - {*law.forces}):
+        remedy = f"write functions of the rates, one for each of {', '.join(law.forces)}"
+        raise InputError(f"{', '.join(sorted(stray))} is no force, or a force depends on it", where=where, remedy=remedy)
+    if more := [name for name in ("flow", "surfaces", "viscous", "rates", "unforced", "energy", "heat", "domain") if getattr(law, name)]:
+        raise InputError(f"the law has {more[0]} too", where=where, remedy=f"remove {more[0]}: the forces are functions of the rates alone")
 
 
 def check_heat(law: Any) -> None:
@@ -176,10 +197,18 @@ def prescribed(law: Any) -> tuple[str, ...]:
 
 def check_stateless(law: Any, what: str) -> None:
     """InputError for ``what``, which knows closest points of K alone, where an energy or rates of the law make more of an increment."""
+    check_has_k(law)
     if law.energy is not None or law.viscous or law.rates:
         remedy = "let duhem.simulate integrate it, or state K in a file without [energy] and [dissipation]"
         said = f"an increment of {law.name} is more than a closest point of K, but {what} knows closest points only"
         raise InputError(said, where="law", remedy=remedy)
+
+
+def check_has_k(law: Any) -> None:
+    """InputError where the forces of a law are functions of the rates, of which claims alone are decided."""
+    if law.forces_of_rates:
+        what = f"{law.name} gives forces as functions of the rates, so it has no K"
+        raise InputError(what, where="law", remedy="duhem verify decides its claims; nothing else is done with such a law")
 
 
 @lru_cache(maxsize=256)

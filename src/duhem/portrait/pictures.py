@@ -16,6 +16,7 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
+from duhem.law.state import check_has_k
 from duhem.portrait.drawing import fill, paint_section, paint_step, paint_violation
 from duhem.portrait.marks import TrialStep, Violation, drawable, step, violation
 from duhem.portrait.plane import Plane, elsewhere, named, usual
@@ -64,6 +65,8 @@ def plot(
     """
     figure.check(file)
     chosen = load(law)
+    if isinstance(chosen, Criterion):
+        check_has_k(chosen)
     if not has_section(chosen):
         what = f"{chosen.name} has a potential of rates and no criterion, so that there is no K to draw"
         raise InputError(what, where="law", remedy="draw the criterion that its potential has in it")
@@ -232,7 +235,7 @@ def atlas_sheet(
 
 def has_section(law: Law) -> bool:
     """Whether a law has a K to draw."""
-    return not (isinstance(law, Criterion) and law.viscous)
+    return not (isinstance(law, Criterion) and (law.viscous or law.forces_of_rates))
 
 
 def _first(at: Numbered) -> View:

@@ -44,6 +44,8 @@ def _curve(law: ParametricCriterion) -> dict[str, Any]:
 
 def _formula(law: Criterion) -> dict[str, Any]:
     domain = {"domain": {n: _domain(d) for n, d in law.domain.items()}} if law.domain else {}
+    if law.forces_of_rates:
+        return _state(law)
     return ({"surfaces": [_bound(law, s) for s in law.surfaces]} if law.surfaces else _bound(law, law)) | domain | _state(law)
 
 
@@ -52,7 +54,7 @@ def _state(law: Criterion) -> dict[str, Any]:
     found: dict[str, Any] = {"variables": {name: _variable(own) for name, own in law.variables.items()}} if law.variables else {}
     if law.energy is not None:
         found["energy"] = texts(law, (law.energy,), (law.written_energy,))[0]
-    for key in ("rates", "unforced", "heat"):
+    for key in ("rates", "unforced", "heat", "forces_of_rates"):
         named, written = getattr(law, key), getattr(law, f"written_{key}")
         if named:
             found[key] = dict(zip(named, texts(law, tuple(named.values()), [written[name] for name in named]), strict=True))
@@ -85,7 +87,7 @@ def admitted_values(law: Law) -> Mapping[str, str] | None:
 
 def _sought(law: Law) -> Iterator[Mapping[sp.Symbol, sp.Rational]]:
     """Where constraints leave no plain ones."""
-    if isinstance(law, Criterion):
+    if isinstance(law, Criterion) and not law.forces_of_rates:
         subject = FormulaSubject(law)
         nowhere = (Fraction(0),) * len(subject.simple.forces)
         for found in subject.choices(1):

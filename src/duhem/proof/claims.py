@@ -16,7 +16,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.methods import coupled, curves, evidence, refuters
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
@@ -78,6 +78,7 @@ class Finder(Generic[S]):
 
 Method = Rules | ProofMethod[Any] | Consequence[Any] | Finder[Any]
 CHEAP, DEAR = Rules(500_000), Rules(10_000_000, FormulaSubject)
+WITHOUT_K = ProofMethod(RateSubject, refuters.without_k)
 
 
 def words(method: Method, claim: str) -> str:
@@ -169,6 +170,7 @@ If the law has a boundary curve T, then K consists of the points around which th
 around 0, or proves T x T' > 0, or proves T . d > 0, so that T turns as often as the flow d.""",
         methods=(
             CHEAP,
+            WITHOUT_K,
             ProofMethod(FormulaSubject, refuters.origin_at_parameters, again=True),
             DEAR,
             ProofMethod(FormulaSubject, refuters.origin_undefined),
@@ -194,6 +196,7 @@ If the law has a boundary curve T, K is convex if T' x T'' > 0 and the tangent t
 of boundary points contains a point around which the curve does not wind.""",
         methods=(
             CHEAP,
+            WITHOUT_K,
             ProofMethod(FormulaSubject, refuters.convexity_at_clear_dents),
             Finder(FormulaSubject, evidence.convexity_by_sums),
             ProofMethod(FormulaSubject, refuters.convexity_at_deepest_dents),
@@ -228,6 +231,7 @@ open cones about two opposite directions leave K.
 A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0), is analytic in its angle, and T' is never 0.""",
         methods=(
             CHEAP,
+            WITHOUT_K,
             Finder(FormulaSubject, evidence.smoothness_by_sums),
             ProofMethod(FormulaSubject, refuters.smoothness_at_sharp_points, again=True),
             ProofMethod(FormulaSubject, refuters.smoothness_at_corners, again=True),
@@ -256,6 +260,7 @@ boundary curve, duhem finds the angle with the greatest deviation between flow a
 bounds.""",
         methods=(
             CHEAP,
+            ProofMethod(RateSubject, refuters.normality_of_rates, again=True),
             Consequence(FormulaSubject, refuters.normality_at_chord),
             Consequence(FormulaSubject, evidence.normality_parallel),
             ProofMethod(FormulaSubject, refuters.normality_at_points, again=True),
@@ -284,6 +289,7 @@ Refutation: a boundary point, enclosed between two rational points, with force .
 curve T with the flow d, duhem decides the sign of T . d at all angles.""",
         methods=(
             CHEAP,
+            ProofMethod(RateSubject, refuters.dissipation_of_rates, again=True),
             Finder(FormulaSubject, evidence.dissipation_of_potential),
             Finder(FormulaSubject, evidence.dissipation_by_shares),
             ProofMethod(FormulaSubject, refuters.dissipation_in_states, again=True),
@@ -306,7 +312,7 @@ The dissipation potential is the support function of K: Phi(d) is the largest va
 each term, and Phi** = Phi.
 
 If the rules find no closed form, there is nothing to prove or refute, and the verdict is not applicable.""",
-        methods=(ProofMethod(FormulaSubject, evidence.duality), ProofMethod(CurveSubject, curves.duality)),
+        methods=(WITHOUT_K, ProofMethod(FormulaSubject, evidence.duality), ProofMethod(CurveSubject, curves.duality)),
     ),
     Claim(
         name="state_laws",
@@ -359,7 +365,7 @@ _TOGETHER = (
 K grows in proportion to the pressure.  This holds for Coulomb's law and every gauge, but not with a cohesion or a cap on the stress.
 
 Proof: g is positively homogeneous in the forces and the pressure together.  Refutation: a point of K and a multiple outside K.""",
-        methods=(CHEAP, ProofMethod(FormulaSubject, coupled.homogeneity_along_rays)),
+        methods=(CHEAP, WITHOUT_K, ProofMethod(FormulaSubject, coupled.homogeneity_along_rays)),
     ),
     Claim(
         name="bipotential",

@@ -28,7 +28,9 @@ __all__ = [
     "epigraph",
     "forces_in",
     "heat_in_states",
+    "power_of_rates",
     "rate_epigraph",
+    "spent_by_rates",
     "spent_in_states",
     "two_forces",
 ]
@@ -190,6 +192,28 @@ def spent_in_states(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> It
         texts = law.written_flow or ("",) * len(own_flow)
         slips = (parsed_as_written(law, d, text, known) for d, text in zip(own_flow, texts, strict=True))
         yield Spent(sp.Add(*(known[f] * d for f, d in zip(law.forces, slips, strict=True)), evaluate=False), g, True, energy, chosen)
+
+
+def power_of_rates(law: Criterion) -> Criterion:
+    """{force . rate <= z} in the rates and z, of a law whose forces are functions of the rates, by which it is looked at."""
+    height = _unused(law)
+    g = law.g - sp.Symbol(height, real=True)
+    return Criterion(law.name, g, law.parameters, (*law.velocities.values(), height), law.pressure, law.constraints)
+
+
+def spent_by_rates(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> tuple[Spent, Spent]:
+    """Force . rate, and (force - force at another rate) . (rate - other), >= 0 if forces derive from a convex potential of the rates."""
+    known = {name: x.xreplace(pressure) for name, x in law.symbols().items()}
+    other = {rate: sp.Symbol(f"{rate} of the other", real=True) for rate in law.velocities.values()}
+    rates, others = [[given[rate] for rate in other] for given in (known, other)]
+    forces, elsewhere = (
+        [parsed_as_written(law, law.forces_of_rates[f], law.written_forces_of_rates[f], known | more) for f in law.velocities]
+        for more in ({}, other)
+    )
+    power = sp.Add(*(f * v for f, v in zip(forces, rates, strict=True)), evaluate=False)
+    gain = sp.Add(*((f - h) * (v - w) for f, h, v, w in zip(forces, elsewhere, rates, others, strict=True)), evaluate=False)
+    chosen = dict.fromkeys(rates, Domain())
+    return Spent(power, None, False, None, chosen), Spent(gain, None, False, None, chosen | dict.fromkeys(others, Domain()))
 
 
 def heat_in_states(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> Spent:

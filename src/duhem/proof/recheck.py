@@ -192,6 +192,8 @@ def _law(law: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         yield "energy", f"psi = {_line(law['energy'])}"
     if "unforced" in law:
         yield "rates", "; ".join(f"{name}: {_line(rate)} for a unit of the multiplier" for name, rate in law["unforced"].items())
+    if "forces_of_rates" in law:
+        yield "resistance", "; ".join(f"{force} = {_line(f)}" for force, f in law["forces_of_rates"].items())
     if "rates" in law:
         yield "rates", "; ".join(f"{name}: {_line(rate)}" for name, rate in law["rates"].items())
     if "heat" in law:

@@ -26,7 +26,7 @@ from duhem.law.formula_law import Criterion
 from duhem.omitted import LeftOut
 from duhem.proof.certificate import law_as_text
 from duhem.proof.decide import Question, Sense
-from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.special_places import limits_taken, singular_places, undefined_place
 from duhem.proof.facts.subject import Subject
 from duhem.proof.kernel.domain import StatedLaw
@@ -69,6 +69,9 @@ def not_needed(law: Law, verdicts: Iterable[Verdict]) -> Iterator[LeftOut]:
         yield LeftOut("thermal", "the law has no [heat]: no body exchanges heat with it, so there is no thermal dissipation")
     if law.associated:
         yield LeftOut("flow check", "the law is associated: the normality rule defines its slip")
+    if isinstance(law, Criterion) and law.forces_of_rates:
+        yield LeftOut("K", "the forces are functions of the rates, so nothing is asked about a set of admissible forces")
+        return
     if law.pressure is None:
         yield LeftOut("pressure", "the law has no pressure, so K is a single set")
     if len(law.forces) == 1:
@@ -86,8 +89,8 @@ def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[st
     found = tuple(f"{claim}: {evidence.detail}" for claim, evidence in settled.items() if evidence.method == CONTRADICTION)
     if not isinstance(subject, FormulaSubject):
         return found, False
-    of_state = tuple(_of_state(subject.law, settled))
-    if subject.law.viscous:
+    of_state = tuple(_of_state(subject.of, settled))
+    if subject.law.viscous or isinstance(subject, RateSubject):
         return (*found, *of_state), False
     subject.allow(_STEPS)
     odd = extent(subject)
@@ -99,6 +102,7 @@ def _of_state(law: Criterion, settled: Mapping[str, Evidence]) -> Iterator[str]:
     used = _in_criterion_and_flow(law)
     if frozen := [name for name in law.variables if law.symbols()[name] in used]:
         about, part = ("Phi*", "it") if law.viscous else ("K and the flow", "g or the flow")
+        about, part = ("the forces", "their functions") if law.forces_of_rates else (about, part)
         yield f"The claims about {about} hold at every frozen value of {', '.join(frozen)}, on which {part} depends"
     if unforced := [name for name, own in law.variables.items() if own.internal and own.force is None]:  # such as wear
         yield f"Normality says nothing of the variables without a force: {', '.join(unforced)}"

@@ -27,7 +27,7 @@ from duhem.proof.certificate import certificate, law_as_text
 from duhem.proof.claims import CHEAP, CLAIMS, COUPLED, EVERY, asked_of
 from duhem.proof.decide import ANY_STEPS, EFFORTS, Budget
 from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.in_state import dissipating, epigraph, rate_epigraph
 from duhem.proof.kernel.certificate import OVER, stated
@@ -259,7 +259,8 @@ def _examined(
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     with _alone():
         share = EFFORTS[effort]
-        whole_law = FormulaSubject(criterion, share) if isinstance(criterion, Criterion) else CurveSubject(criterion, share)
+        formula = RateSubject if getattr(criterion, "forces_of_rates", None) else FormulaSubject
+        whole_law = formula(criterion, share) if isinstance(criterion, Criterion) else CurveSubject(criterion, share)
         whole_law.check_defined()  # one that is undefined somewhere in its domain is an InputError
         about: dict[str, Subject] = {**dict.fromkeys(EVERY, whole_law), **dict(_in_state(criterion, share))}
     settled: dict[str, Evidence] = {}

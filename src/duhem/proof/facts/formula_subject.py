@@ -27,10 +27,10 @@ from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.subject import Subject, Values, middle_of, plain_choices, rationals, walk
-from duhem.proof.in_state import Dissipating
+from duhem.proof.in_state import Dissipating, power_of_rates
 from duhem.proof.statement import Face, Problem, state
 
-__all__ = ["FormulaSubject"]
+__all__ = ["FormulaSubject", "RateSubject"]
 
 _QUESTION_STEPS = 8_000_000
 _MARGIN = Fraction(1, 2**20)  # larger than the boxes in which corners are held
@@ -300,6 +300,13 @@ class FormulaSubject(Subject):
     def positive(self, constant: sp.Expr) -> bool:
         """Whether an expression in the parameters is > 0 on the whole domain (False also when undecided)."""
         return bool(constant > 0) if constant.is_Rational else self.asked(constant, strict=True)
+
+
+class RateSubject(FormulaSubject):
+    """A law whose forces are functions of the rates, which has no K; it is looked at in the space of rates."""
+
+    def __init__(self, law: Criterion, effort: Fraction = EFFORTS["normal"]) -> None:
+        super().__init__(power_of_rates(law), effort, of=law)
 
 
 def _pieces(g: sp.Expr) -> tuple[Branch, ...] | None:

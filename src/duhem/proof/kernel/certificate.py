@@ -145,8 +145,8 @@ def _texts(law: Mapping[str, Any]) -> Iterator[str]:
     yield from law["constraints"]
     if "energy" in law:
         yield law["energy"]
-    yield from (text for key in ("rates", "unforced", "heat") for text in law.get(key, {}).values())
-    for entry in law.get("surfaces", (law,)):
+    yield from (text for key in ("rates", "unforced", "heat", "forces_of_rates") for text in law.get(key, {}).values())
+    for entry in law.get("surfaces", () if "forces_of_rates" in law else (law,)):
         flow = entry["flow"]
         yield from ([] if flow is None else flow.values() if isinstance(flow, Mapping) else flow)
         yield from ([entry["g"]] if "g" in entry else entry["boundary"])

@@ -20,11 +20,12 @@ from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends
-from duhem.proof.kernel.regularity import smooth_near_the_boundary, tips
+from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
 from duhem.proof.kernel.simpler_laws import cases, in_principal_stresses, without_outer_map
 from duhem.proof.kernel.state import (
     energy_differentiable,
     epigraph,
+    forces_of_rates_have_a_value,
     has_default_energy,
     in_state,
     potential_least_at_zero,
@@ -58,6 +59,7 @@ class RuleRow(NamedTuple):
 _OF_THE_STATE = ("state_laws", "thermal")  # the claims that are about neither K nor the rates
 # What every rule for a claim rests on, whatever else it checks; "" where it is so.
 _MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": potential_least_at_zero, "dissipation": stored_and_rates}
+_RULES_OF_RATES = ("resistance", "monotone-resistance")  # those of laws whose forces are functions of the rates
 _MOST_CASES = 4  # choices one after another
 
 
@@ -66,6 +68,8 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
     rules = _rules(law)
     if (claim, rule) not in rules:
         return f"no rule {rule!r} for this claim"
+    if isinstance(law, StatedLaw) and law.of_rates != (rule in _RULES_OF_RATES) and claim not in _OF_THE_STATE:
+        return "a law whose forces are functions of the rates has no K" if law.of_rates else "no force is a function of the rates"
     needed, check, reads = rules[claim, rule][:3]
     if not needed <= settled:
         return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
@@ -89,7 +93,7 @@ def _objection_in_cases(
             reasons.add(_objection(rule, check, form, evidence))
             if "" in reasons:
                 return ""
-        parts = cases(law) if isinstance(law, StatedLaw) and depth < _MOST_CASES else ()
+        parts = cases(law) if isinstance(law, StatedLaw) and not law.of_rates and depth < _MOST_CASES else ()
         if parts and not any(_objection_in_cases(claim, rule, check, part, evidence, depth + 1) for part in parts):
             return ""
     except UNREADABLE:
@@ -103,6 +107,9 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
     What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.
     """
     if isinstance(law, StatedCurve):
+        yield law
+        return
+    if law.of_rates:
         yield law
         return
     if law.viscous and claim not in _OF_THE_STATE:
@@ -301,6 +308,22 @@ def scales_with_the_pressure(law: StatedLaw, _: Evidence) -> bool:
     return is_cone(law.g, over(law._replace(forces=(*law.forces, law.pressure))))
 
 
+def forces_resist(law: StatedLaw, _: Evidence) -> bool:
+    """The sum of force . rate is >= 0 for all rates."""
+    return over(law).never_negative(law.g)
+
+
+def forces_increase(law: StatedLaw, _: Evidence) -> bool:
+    """Each force is a function of its own rate, C^1 in that, and does not decrease."""
+    domain = over(law)
+
+    def increases(rate: str, force: Term) -> bool:
+        own = not force.names() & ({*law.forces} - {rate}) and smooth_everywhere(force, domain)
+        return own and domain.never_negative(gradient(force, (rate,))[0])
+
+    return all(map(increases, law.forces, law.flow or ()))
+
+
 def with_k_alone(law: StatedLaw) -> str:
     """For a rule that speaks of slip in the normal cone of K, and of no other rate."""
     return "rates that are no slip in the normal cone of K act in the law" if law.viscous or law.rates else ""
@@ -417,6 +440,14 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _NONE, power_share, obligations.formula,
         "force . flow is a constant times g plus a term >= 0, so it is >= 0 wherever g = 0; at an apex the limits "
         "of the flow dissipate too (Koiter 1953)", True,
+    ),
+    ("dissipation", "resistance"): RuleRow(
+        _NONE, forces_resist, forces_of_rates_have_a_value, "the forces as functions of the rates have sum of force . rate >= 0",
+    ),
+    ("normality", "monotone-resistance"): RuleRow(
+        _NONE, forces_increase, forces_of_rates_have_a_value,
+        "each force is a function of its own rate that does not decrease: so they are the gradient of a convex potential of the rates "
+        "(Rockafellar 1970, theorem 24.2)",
     ),
     ("duality", "polar-gauge"): RuleRow(
         _NONE, polar_gauge, obligations.formula,

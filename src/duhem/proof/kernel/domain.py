@@ -137,6 +137,7 @@ class _Stated(NamedTuple):
     heat: tuple[tuple[str, Term], ...] = ()  # temperatures of bodies, with the conductance to each
     viscous: bool = False  # g is a potential of which the rates are the gradient
     power: Term | None = None  # what dissipates, where that is more than force . flow
+    of_rates: bool = False  # "forces" are the names of rates, "flow" are the forces as functions of them, and g is the power
 
 
 class StatedLaw(_Stated):
@@ -164,6 +165,8 @@ class StatedLaw(_Stated):
     @classmethod
     def read(cls, given: Mapping[str, Any]) -> StatedLaw:
         """From the ``law`` of a certificate; NotWritten for what is no law or has no parameter values."""
+        if "forces_of_rates" in given:
+            return _of_rates(given)
         pressure = given["pressure"]
         forces, parameters, constraints, fixed = declared(
             given,
@@ -213,6 +216,25 @@ class StatedLaw(_Stated):
             return
         for i, (g, flow) in enumerate(self.surfaces):
             yield StatedFace(g, flow, tuple(other for j, (other, _) in enumerate(self.surfaces) if j != i))
+
+
+def _of_rates(given: Mapping[str, Any]) -> StatedLaw:
+    """The law of a certificate that has its forces as functions of the rates; NotWritten where not each of them is one."""
+    pressure, functions = given["pressure"], as_object(given["forces_of_rates"])
+    beside = () if pressure is None else (pressure,)
+    forces, parameters, constraints, fixed = declared(given, beside, {"variables", "forces_of_rates"})
+    variables = _state(given, forces, parameters, fixed)["variables"]
+    driven = {own.force: f"{name}_rate" for name, own in variables if own.kind == "internal"}
+    rates = tuple(driven[f] for f in forces if f in driven)
+    if not len(rates) == len(functions) == len(forces) or {*functions} != {*forces}:
+        raise NotWritten("a force is no function of the rate of a variable")
+    if {*rates} & {*forces, *parameters, pressure} or len({*rates}) < len(rates):
+        raise NotWritten("a name is declared twice")
+    flow = tuple(without_angles(parse(functions[f])).put(fixed) for f in forces)
+    if any(d.op in COMPARISONS or not d.names() <= {*rates, *beside, *parameters, "pi"} for d in flow):
+        raise NotWritten("a name is not declared")
+    power = sum_of(*(product_of(Term("name", name=v), d) for v, d in zip(rates, flow, strict=True)))
+    return StatedLaw(rates, pressure, power, flow, parameters, constraints, variables=variables, power=power, of_rates=True)
 
 
 def _state(given: Mapping[str, Any], forces: Sequence[str], parameters: Mapping[str, Bounds], fixed: Mapping[Term, Term]) -> dict[str, Any]:

@@ -25,6 +25,7 @@ __all__ = [
     "convex_in_each_variable",
     "energy_differentiable",
     "epigraph",
+    "forces_of_rates_have_a_value",
     "has_default_energy",
     "in_state",
     "potential_least_at_zero",
@@ -153,6 +154,12 @@ def stored_and_rates(law: StatedLaw) -> str:
     if law.energy is not None and not _one_force_each(law):
         return "an observable and an internal variable with one force are not shown to have the same from the energy"
     return _rates_dissipate(law)
+
+
+def forces_of_rates_have_a_value(law: StatedLaw) -> str:
+    """Whether they have one at all rates; "" if so."""
+    undecided = any(Reader(over(law)).undecided(force) is not None for force in law.flow or ())
+    return "the forces are not shown to have a value at all rates" if undecided else ""
 
 
 def _rates_dissipate(law: StatedLaw) -> str:

@@ -319,7 +319,7 @@ def duality(subject: FormulaSubject) -> Evidence | None:
 
 def state_laws_not_stated(subject: FormulaSubject) -> Evidence | None:
     """Without an energy the default one gives sigma of a slip; what gives the force of any other variable nobody says."""
-    law = subject.law
+    law = subject.of
     observed = {own.force for own in law.variables.values() if own.observable}
     unsaid = [f"{own.force} follows from {name}" for name, own in law.variables.items() if own.force not in (None, *observed)]
     if law.energy is not None or not unsaid:

@@ -18,11 +18,11 @@ import sympy as sp
 from duhem.expression.number import rational
 from duhem.law.domain import POSITIVE
 from duhem.proof.decide import Sense
-from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.facts.special_places import undefined_at_zero
 from duhem.proof.facts.subject import Point, Values
-from duhem.proof.in_state import Spent, epigraph, heat_in_states, spent_in_states, two_forces
+from duhem.proof.in_state import Spent, epigraph, heat_in_states, spent_by_rates, spent_in_states, two_forces
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
 from duhem.proof.witness.points import (
@@ -56,6 +56,7 @@ __all__ = [
     "dissipation_at_points",
     "dissipation_by_sampling",
     "dissipation_in_states",
+    "dissipation_of_rates",
     "energy_at_bends",
     "energy_in_temperature",
     "energy_of_two_forces",
@@ -63,10 +64,12 @@ __all__ = [
     "normality_at_chord",
     "normality_at_points",
     "normality_by_sampling",
+    "normality_of_rates",
     "origin_at_parameters",
     "origin_undefined",
     "smoothness_at_corners",
     "smoothness_at_sharp_points",
+    "without_k",
 ]  # fmt: skip
 
 _NO_POINT = "a chord leaves K, so K is not convex, but no boundary point was confirmed where grad g leaves the normal cone of K"
@@ -81,6 +84,8 @@ _HEIGHTS = "psi <= z at both ends p and q, yet psi > z at their midpoint, z incl
 _HEATS = "-psi <= z at both ends p and q, yet -psi > z at their midpoint, z included: psi is not concave in the temperature"
 _RATES = "in this state, which lies in K, the sum of Y . rate over the rates that act there without a multiplier is < 0"
 _TWO_FORCES = "the sum of both derivatives must be 0, for the force is +dpsi/du of the observable and -dpsi/du_in of its slip"
+_NEGATIVE = "at these rates the sum of force . rate is < 0"
+_FALLS = "a convex potential of the rates has a gradient for which this is >= 0 at any two rates; here it is < 0"
 _MOST_ENERGIES = 200
 _UPHILL = "the sum of h_k (T_k - T)^2/T_k over the bodies is < 0 at these temperatures, which are > 0"
 _MOST_STATES = 20_000
@@ -401,6 +406,29 @@ def heat_uphill(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
     """Temperatures at which the heat of the bodies dissipates less than 0."""
     found = _spent_less(subject, heat_in_states(subject.of, subject.problem.compressed), "D_th", _UPHILL, choices)
     return None if found is None else Evidence(Verdict.REFUTED, "witness-state", "heat flows from the colder to the warmer", found)
+
+
+def without_k(subject: RateSubject) -> Evidence:
+    """Claims about K are not asked of forces that are functions of the rates."""
+    detail = "the law gives forces as functions of the rates, so it has no K; what is claimed of them is normality and dissipation"
+    return Evidence(Verdict.NOT_APPLICABLE, "none", detail)
+
+
+def dissipation_of_rates(subject: RateSubject) -> Evidence:
+    """Rates at which force . rate < 0."""
+    return _of_rates(subject, 0, "force . rate", _NEGATIVE, "at these rates less than 0 is dissipated")
+
+
+def normality_of_rates(subject: RateSubject) -> Evidence:
+    """Two rates from one to the other of which the forces decrease: they derive from no convex potential."""
+    return _of_rates(subject, 1, "(force - force of the other) . (rate - rate of the other)", _FALLS, "the forces decrease with the rate")
+
+
+def _of_rates(subject: RateSubject, which: int, name: str, statement: str, detail: str, choices: int = 12) -> Evidence:
+    spent = spent_by_rates(subject.of, subject.problem.compressed)[which]
+    if found := _spent_less(subject, spent, name, statement, choices):
+        return Evidence(Verdict.REFUTED, "witness-rates", detail, found)
+    return Evidence(Verdict.UNDECIDED, "none", "no rule of the kernel proves it, and no plain rates were found that refute it")
 
 
 def _spent_less(subject: FormulaSubject, spent: Spent, name: str, statement: str, choices: int) -> Witness | None:

@@ -11,6 +11,7 @@ from dataclasses import replace
 import sympy as sp
 
 from duhem.law.formula_law import Criterion
+from duhem.law.frozen_mapping import FrozenMapping
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Values, rationals
 from duhem.proof.in_state import Spent, forces_in
@@ -32,7 +33,7 @@ def less_than_0(subject: FormulaSubject, spent: Spent, values: Values, name: str
         if height not in ((0,) if spent.on_it else (-1, 0)):
             return None
         shown = {"g": decimal_pair(enclosure), **shown}
-    return _in_state(subject.of, values, shown, statement)
+    return _in_state(subject.of, values, shown, statement, {x.name: x for x in spent.chosen})
 
 
 def two_forces_at(subject: FormulaSubject, gaps: Mapping[str, sp.Expr], states: Iterable[Values], statement: str) -> Witness | None:
@@ -53,11 +54,13 @@ def _has_a_value(energy: sp.Expr | None, values: Values) -> bool:
     return energy is None or bool(sign_at(energy, values)[1].is_finite())
 
 
-def _in_state(law: Criterion, values: Values, shown: Mapping[str, tuple[str, str]], statement: str) -> Witness:
-    """A state with all its variables, the pressure, and the forces that the energy gives where these are fractions."""
+def _in_state(
+    law: Criterion, values: Values, shown: Mapping[str, tuple[str, str]], statement: str, chosen: Mapping[str, sp.Symbol] = FrozenMapping()
+) -> Witness:
+    """A state with all its variables, what else is ``chosen``, the pressure, and the forces of the energy where these are fractions."""
     table, exact = law.symbols(), rationals(values)
     given = {} if law.energy is None else {f: force.xreplace(exact) for f, force in forces_in(law).items()}
-    named = {name: values[x] for name, x in table.items() if name not in law.parameters and x in values}
+    named = {name: values[x] for name, x in {**table, **chosen}.items() if name not in law.parameters and x in values}
     pressed = {str(law.pressure): -v for x, v in values.items() if x.name == f"abs({law.pressure})"}
     variables = {name: values[table[name]] for name in law.variables}
     state = {name: str(v) for name, v in {**variables, **named, **pressed}.items()}
