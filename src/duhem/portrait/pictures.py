@@ -65,9 +65,8 @@ def plot(
     """
     figure.check(file)
     chosen = load(law)
-    if isinstance(chosen, Criterion):
-        check_has_k(chosen)
     if not has_section(chosen):
+        check_has_k(chosen)
         what = f"{chosen.name} has a potential of rates and no criterion, so that there is no K to draw"
         raise InputError(what, where="law", remedy="draw the criterion that its potential has in it")
     refuted: tuple[Violation, ...] = ()

@@ -257,7 +257,8 @@ flow slips along the normals of its set {g <= 0}.  These are also normals of K, 
 
 Refutation: a boundary point, enclosed between two rational points, and a point tau of K towards which the flow points.  For a
 boundary curve, duhem finds the angle with the greatest deviation between flow and normal by branch and bound with interval
-bounds.""",
+bounds.  Forces that are functions of the rates are normal if they are the gradient of a convex potential of these: two rates
+between which they decrease refute it.""",
         methods=(
             CHEAP,
             ProofMethod(RateSubject, refuters.normality_of_rates, again=True),
@@ -286,7 +287,8 @@ surfaces, duhem examines each flow wherever its surface is 0 in K.  Then every n
 too.
 
 Refutation: a boundary point, enclosed between two rational points, with force . flow < 0 in the whole box.  For a boundary
-curve T with the flow d, duhem decides the sign of T . d at all angles.""",
+curve T with the flow d, duhem decides the sign of T . d at all angles; of forces that are functions of the rates, that of
+force . rate.""",
         methods=(
             CHEAP,
             ProofMethod(RateSubject, refuters.dissipation_of_rates, again=True),

@@ -158,8 +158,7 @@ def stored_and_rates(law: StatedLaw) -> str:
 
 def forces_of_rates_have_a_value(law: StatedLaw) -> str:
     """Whether they have one at all rates; "" if so."""
-    undecided = any(Reader(over(law)).undecided(force) is not None for force in law.flow or ())
-    return "the forces are not shown to have a value at all rates" if undecided else ""
+    return "a force is not shown to have a value" if any(Reader(over(law)).undecided(x) is not None for x in law.flow or ()) else ""
 
 
 def _rates_dissipate(law: StatedLaw) -> str:
