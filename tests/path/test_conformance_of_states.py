@@ -97,7 +97,7 @@ class Formulas:
 
 
 of_law = cache(Formulas)
-NAMES = groups()["states"]
+NAMES = [name for name in groups()["states"] if not duhem.load(name).forces_of_rates]
 PROPORTIONAL = ("prager", "slip-hardening")  # linear hardening
 WARM = ("frictional-heating",)
 CONSTANT = ("slip-softening",)  # a pressure that falls may leave it no state in K
@@ -106,6 +106,7 @@ NO_ANSWER = {"slip-softening": 0.1, "frictional-heating": 0.1}  # the share of p
 # A rate that is steep in the force has few digits.
 RANGES = {
     "slip-softening": {"H": Domain.between("-1/40", 0)},
+    "chaboche": {"r": Domain.between(0, "2/3")},  # it begins below its limit 1/b, beyond which the law softens
     "frictional-heating": {"a": Domain.between(0, "1/4")},
     "rate-and-state": {"a": Domain.between(1, 3)},
 }
@@ -462,3 +463,20 @@ def mutate(module: Any, old: str, new: str, monkeypatch: pytest.MonkeyPatch) -> 
     exec(compile(source.replace(old, new), "mutant", "exec"), mutant.__dict__)
     for name in ("StateLaw", "own_dissipation") if module is state_step else ("_implicit",):
         monkeypatch.setattr(state_path, name, getattr(mutant, name))
+
+
+@pytest.mark.long
+def test_softening_is_refused_where_no_state_is_an_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The step ends at |sigma| = mu N + H alpha, H < 0, with the slip of its multiplier, or nowhere where that takes all of sigma."""
+    monkeypatch.delitem(RANGES, "slip-softening")  # type: ignore[attr-defined]
+    load = Load.drawn("slip-softening", np.random.default_rng(3).random((12, WIDTH)))
+    found, refused = load.run(), 0
+    assert load.pressure is not None
+    for j in np.flatnonzero(found.reached < KNOTS - 1):
+        p, r = {name: x[j] for name, x in load.parameters.items()}, int(found.reached[j])
+        _, slip, alpha = found.state[j, r]
+        trial, softening = p["k"] * abs(load.knots[j, r + 1, 0] - slip), -p["H"]
+        multiplier = (trial + softening * alpha + p["mu"] * load.pressure[j, r + 1]) / (p["k"] - softening)
+        assert not (multiplier >= 0.0 and trial - p["k"] * multiplier >= 0.0)
+        refused += 1
+    assert refused >= 3
