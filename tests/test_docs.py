@@ -129,7 +129,7 @@ def test_verifications_and_certificates_are_as_their_schemas_say() -> None:
     two = duhem.Criterion(name="two", parameters={"mu": duhem.POSITIVE}, surfaces=(
         duhem.YieldSurface(g="norm(sigma_a, sigma_b) - mu*abs(sigma_n)"), duhem.YieldSurface(g="sigma_a - 1", flow=("1", "0")),
     ), domain={"sigma_n": duhem.Domain.between(-9, 0)})  # fmt: skip
-    for law, claims in ((two, "origin"), ("wedge", "state_laws"), ("limacon", "convexity")):
+    for law, claims in ((two, "origin"), ("wedge", "state_laws"), ("stribeck", "dissipation"), ("limacon", "convexity")):
         done = duhem.verify(law, claims=claims)
         held("verify", done.to_dict())
         held("certificate", done.certificate())

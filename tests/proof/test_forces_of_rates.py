@@ -18,10 +18,13 @@ from duhem.cli import cli
 from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
+from duhem.proof.kernel import claims
+from duhem.proof.kernel import domain as kernel_domain
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.claims import RULES, objection
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.kernel.term import NotWritten
+from duhem.proof.kernel.gradient import gradient
+from duhem.proof.kernel.term import NotWritten, Term, minus
 from duhem.testing import conformance
 
 POSITIVE, NO_LESS = duhem.POSITIVE, Domain.between(0, None)
@@ -159,6 +162,39 @@ def test_a_force_that_is_monotone_only_in_part_is_no_gradient_by_this_rule(funct
     stated = StatedLaw.read(law_as_text(law(function, "R*v_in_rate", R=POSITIVE)))
     shown = objection("normality", "monotone-resistance", frozenset(), stated, {}) == ""
     assert not shown or function.startswith("abs")
+
+
+def shown(claim: str, *functions: str) -> bool:
+    rule = {"dissipation": "resistance", "normality": "monotone-resistance"}[claim]
+    stated = StatedLaw.read(law_as_text(law(*functions, R=POSITIVE)))
+    return objection(claim, rule, frozenset(), stated, {}) == ""
+
+
+@pytest.mark.parametrize(
+    ("claim", "functions", "part"),
+    [
+        ("normality", ("R*(u_in_rate + v_in_rate)", "R*v_in_rate"), "names"),
+        ("dissipation", ("R/u_in_rate",), "value"),
+        ("dissipation", ("R",), "power"),
+        ("normality", ("-R*u_in_rate",), "slope"),
+    ],
+)
+def test_each_part_of_a_rule_is_needed(claim: str, functions: Any, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without it, the rule would prove this wrong law."""
+    assert not shown(claim, *functions)
+    if part == "names":
+        monkeypatch.setattr(Term, "names", lambda _: frozenset())
+        stated = StatedLaw.read(law_as_text(law(*functions, R=POSITIVE)))
+        assert claims.forces_increase(stated, {})
+        return
+    if part == "value":
+        key = ("dissipation", "resistance")
+        monkeypatch.setitem(RULES, key, RULES[key]._replace(reads=lambda _: ""))  # type: ignore[index]
+    if part == "power":
+        monkeypatch.setattr(kernel_domain, "product_of", lambda *terms: terms[-1])
+    if part == "slope":
+        monkeypatch.setattr(claims, "gradient", lambda force, names: tuple(minus(x) for x in gradient(force, names)))
+    assert shown(claim, *functions)
 
 
 def test_names_of_rates_clash_with_no_others() -> None:
