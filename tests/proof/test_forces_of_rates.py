@@ -49,6 +49,7 @@ def force(at: Any, rate: Fraction) -> Any:
     return (ball["F_C"] + (ball["F_S"] - ball["F_C"]) * falls) * v / (v**2 + ball["eps"] ** 2).sqrt() + ball["F_v"] * v
 
 
+@pytest.mark.slow
 def test_stribeck_dissipates_and_derives_from_no_convex_potential() -> None:
     found = duhem.verify("stribeck")
     said = {result.claim: str(result.verdict) for result in found}
@@ -66,6 +67,7 @@ def test_stribeck_dissipates_and_derives_from_no_convex_potential() -> None:
     assert float(next(iter(witness.values.values()))[0]) == pytest.approx(float(gain.mid()), rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "parameters"),
     [
@@ -121,6 +123,7 @@ def rechecked(document: Any, change: Any) -> Any:
     return duhem.recheck(changed)
 
 
+@pytest.mark.slow
 def test_a_certificate_of_another_law_is_not_confirmed() -> None:
     document = duhem.verify("stribeck", claims="dissipation").certificate()
     assert duhem.recheck(document).ok
@@ -254,6 +257,7 @@ def test_what_does_not_fit_is_named(old: str, new: str, said: str) -> None:
         reads(FILE.replace(old, new))
 
 
+@pytest.mark.slow
 def test_everything_else_refuses_such_a_law(tmp_path: Path) -> None:
     (tmp_path / "law.toml").write_text(FILE)
     read: Any = reads(FILE)
