@@ -24,6 +24,7 @@ from duhem.expression.spelling import respelled
 from duhem.law.catalogue import load_formula
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
+from duhem.path.compiled_state import StateLoop
 from duhem.path.history import SUMS, Interrupted, LeftDomain, Tabled
 from duhem.path.loading import Path, Paths, checked_count, given_numbers
 from duhem.path.run import Run, as_paths, kept_knots
@@ -176,6 +177,7 @@ class StateQuestion:
     alone: bool
     knots: NDArray[np.intp]
     tangent: bool
+    loop: StateLoop | None
 
     @classmethod
     def of(cls, run: Run) -> StateQuestion:
@@ -187,10 +189,6 @@ class StateQuestion:
         if not isinstance(run.method, str) or run.method not in _ORDERS:
             what = f"{law.name} has a state or a flow of its own, and no method {run.method!r}"
             raise InputError(what, where="method", remedy=f"choose {', '.join(_ORDERS)}")
-        if run.compiled:
-            raise InputError(
-                f"the steps of {law.name}, which has a state or a flow of its own, are not compiled", where="compiled", remedy="remove it"
-            )
         if run.stress is not None:
             what = f"the start of {law.name} is a state"
             raise InputError(what, where="stress", remedy='give the variables that do not begin at 0, such as state={"alpha": 0.1}')
@@ -226,7 +224,8 @@ class StateQuestion:
             what = f"a pressure lies outside the range of {law.domain[name].stated(name)}"
             raise InputError(what, where="path", remedy="keep to the range, or declare a wider one in the law's domain")
         others = _numbers(law, run.parameters, len(paths))
-        made = cls(own, paths, others, np.zeros((len(paths), len(own.names))), order, alone, knots, run.tangent)
+        loop = StateLoop.of(own) if run.compiled else None
+        made = cls(own, paths, others, np.zeros((len(paths), len(own.names))), order, alone, knots, run.tangent, loop)
         return made._started(run.state)
 
     def _started(self, given: Mapping[str, Any] | None) -> StateQuestion:
@@ -283,6 +282,10 @@ class StateQuestion:
             named[self.law.law.pressure] = self.paths.pressure_at(knot, np.arange(len(self.paths)))
         return [np.broadcast_to(named[name], len(self.paths))[which] for name in self.law.others]
 
+    def advance(self, *given: Any) -> Advanced:
+        """A step, by machine code where that was asked for and the law has some."""
+        return (self.law if self.loop is None else self.loop).advance(*given)
+
     @property
     def why(self) -> str:
         """How steps are taken, in words."""
@@ -294,6 +297,8 @@ class StateQuestion:
             what = [] if law.associated else ["a flow of its own"]
             what += ["rates without a multiplier"] * bool(law.rates) + ["a rate that belongs to no force"] * bool(law.unforced)
             how = f"Newton's method on the residual of the step, which is no minimum: the law has {' and '.join(what)}"
+        if self.loop is not None:
+            how = f"{how}, compiled"
         if own.exchange is not None:
             return f"{how}; heat flows from {', '.join(own.law.heat)}"
         return f"{how}; adiabatic" if own.adiabatic else how
@@ -347,13 +352,13 @@ class _Made(NamedTuple):
     added: tuple[Array, ...]
 
 
-def _implicit(law: StateLaw, base: Array, given: Array, dt: float, others: Sequence[Array], tangent: bool = False) -> _Made:
-    end = law.advance(base, given, dt, others, tangent)
+def _implicit(asked: StateQuestion, base: Array, given: Array, dt: float, others: Sequence[Array], tangent: bool = False) -> _Made:
+    law, end = asked.law, asked.advance(base, given, dt, others, tangent)
     by, o = end.chi - base, law.observables
     inner = by[:, o : o + law.internal]
     dissipation = (end.forces * end.flow[:, law.order]).sum(axis=1)
     work = (end.observed * by[:, :o]).sum(axis=1)
-    numerical = own_dissipation(law, base, end.chi, others) + (end.reaction * inner).sum(axis=1)
+    numerical = end.numerical + (end.reaction * inner).sum(axis=1)
     if law.law.temperature is None:
         warmed = heat = np.zeros(len(base))
     else:
@@ -362,19 +367,19 @@ def _implicit(law: StateLaw, base: Array, given: Array, dt: float, others: Seque
     return _Made(end, end.multiplier, (dissipation, work, numerical, warmed, heat))
 
 
-def _extrapolated(law: StateLaw, base: Array, ways: Sequence[Array], dt: float, numbers: Sequence[Any], tangent: bool) -> _Made:
+def _extrapolated(asked: StateQuestion, base: Array, ways: Sequence[Array], dt: float, numbers: Sequence[Any], tangent: bool) -> _Made:
     """2 chi_halves - chi_whole, put back into K; where that passes a bound of a variable, the two halves."""
-    middle, end = numbers
-    whole = _implicit(law, base, ways[1], dt, end)
-    first = _implicit(law, base, ways[0], dt / 2.0, middle)
-    second = _implicit(law, first.end.chi, ways[1], dt / 2.0, end)
+    law, (middle, end) = asked.law, numbers
+    whole = _implicit(asked, base, ways[1], dt, end)
+    first = _implicit(asked, base, ways[0], dt / 2.0, middle)
+    second = _implicit(asked, first.end.chi, ways[1], dt / 2.0, end)
     o = law.observables
     beside = 2.0 * second.end.chi - whole.end.chi
     inner = beside[:, o : o + law.internal]
     stopped = (inner < law.low) | (inner > law.high) | whole.end.held | first.end.held | second.end.held
     free = np.asarray(~stopped.any(axis=1))
     beside = np.where(free[:, None], beside, second.end.chi)
-    back = _implicit(law, beside, ways[1], 0.0, end, tangent)
+    back = _implicit(asked, beside, ways[1], 0.0, end, tangent)
     two = np.where(free, 2.0, 1.0)
     added = [two * (a + b) + (1.0 - two) * w + p for a, b, w, p in zip(first.added, second.added, whole.added, back.added, strict=True)]
     added[2] += two * own_dissipation(law, second.end.chi, beside, end) + (1.0 - two) * own_dissipation(law, whole.end.chi, beside, end)
@@ -458,9 +463,9 @@ class _Block:
             ways = [question.paths.at(end - back, who) for back in range(order - 1, -1, -1)]
             with np.errstate(all="ignore"):
                 if order == 1:
-                    made = _implicit(own, base, ways[0], dt, others, question.tangent)
+                    made = _implicit(question, base, ways[0], dt, others, question.tangent)
                 else:
-                    made = _extrapolated(own, base, ways, dt, (question._at(end - 1, who), others), question.tangent)
+                    made = _extrapolated(question, base, ways, dt, (question._at(end - 1, who), others), question.tangent)
             alive = self._take(made, k, alive)
             yield k
 

@@ -31,20 +31,21 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression.jets import JetProgram, formula
+from duhem.expression.jets import Jet, JetProgram, formula
 from duhem.law.formula_law import Criterion
 from duhem.law.state import Variables, prescribed
 from duhem.projection.result import ACCURACY, Array, Pointwise
 
 __all__ = ["KKT", "Advanced", "StateLaw", "own_dissipation"]
 
+_EPS = float(np.finfo(np.float64).eps)
 KKT = 1e-3 * ACCURACY  # the largest residual of an answer, relative to the sizes that the law has there
-_ROUNDED = 16 * np.finfo(np.float64).eps  # of the terms of which a force is made
-_GOAL = 16 * np.finfo(np.float64).eps  # of the same: more is not asked for
+_ROUNDED = 16 * _EPS  # of the terms of which a force is made
+_GOAL = 16 * _EPS  # of the same: more is not asked for
 _MOST = 100  # steps of Newton's method, of all sets of criteria and bounds together
 _HALVINGS = 30
 _UNTRUE = 1e-6  # of the energies of a step: right answers miss it by rounding, and wrong ones by much of the energies
-_SPOILT = 64 * np.finfo(np.float64).eps  # of Y . alpha: an energy that is less says nothing, since alpha is rounded
+_SPOILT = 64 * _EPS  # of Y . alpha: an energy that is less says nothing, since alpha is rounded
 _PARTS = 16  # of the load, along which a step is followed that Newton's method does not find at once
 
 Flags = NDArray[np.bool_]
@@ -89,7 +90,8 @@ _Found = tuple[Guess, StepEquations, Flags]  # where Newton's method came, and w
 class Advanced(Pointwise):
     """The end of a step: the state, what the law says there, the worst residual of the optimality conditions, and what was not solved.
 
-    ``tangent`` (N, o, o) is d sigma/du at the end, by the implicit function theorem.
+    ``numerical`` (N,) is what the step loses of itself (:func:`own_dissipation`); ``tangent`` (N, o, o) is d sigma/du at the end, by the
+    implicit function theorem.
     """
 
     chi: Array
@@ -101,9 +103,48 @@ class Advanced(Pointwise):
     observed: Array
     entropy: Array
     flow: Array
+    numerical: Array
     worst: Array
     failed: Flags
     tangent: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Formula:
+    """A formula of some of the variables (N, z), which are in these ``columns`` of theirs: derivatives by the others are 0."""
+
+    expr: sp.Expr
+    names: tuple[sp.Symbol, ...]
+    others: tuple[sp.Symbol, ...]
+    columns: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, expr: sp.Expr, variables: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Formula:
+        """``expr`` of these variables and the numbers of the ``others``."""
+        columns = [i for i, name in enumerate(variables) if name in expr.free_symbols]
+        return cls(expr, tuple(variables[i] for i in columns), tuple(others), np.array(columns, dtype=np.intp))
+
+    @cached_property
+    def program(self) -> JetProgram:
+        """The formula, compiled once."""
+        return formula(self.expr, self.names, self.others)
+
+    def __call__(self, at: Array, others: Sequence[Array]) -> tuple[Array, Array, Array]:
+        """Value (N,), gradient (N, z) and second derivatives (N, z, z)."""
+        jet, _ = self.program(at[:, self.columns], others)
+        hessian = np.zeros((*at.shape, at.shape[1]))
+        hessian[:, self.columns[:, None], self.columns] = jet.hessian
+        return np.array(jet.value), self._slope(at, jet), hessian
+
+    def first(self, at: Array, others: Sequence[Array]) -> tuple[Array, Array]:
+        """Value (N,) and gradient (N, z) alone."""
+        jet, _ = self.program(at[:, self.columns], others, second=False)
+        return np.array(jet.value), self._slope(at, jet)
+
+    def _slope(self, at: Array, jet: Jet) -> Array:
+        gradient = np.zeros(at.shape)
+        gradient[:, self.columns] = jet.gradient
+        return gradient
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,22 +217,23 @@ class StateLaw:
         law = self.law
         return (*(name for name in law.parameters if name not in law.variables), *([law.pressure] if law.pressure else []))
 
-    def _formula(self, expr: sp.Expr) -> JetProgram:
+    def _formula(self, expr: sp.Expr) -> Formula:
         forces, others = self.law.force_symbols(), [self.law.symbols()[name] for name in self.others]
-        return formula(expr, (*forces, *self.symbols), others)
+        return Formula.of(expr, (*forces, *self.symbols), others)
 
     @cached_property
-    def _energy(self) -> JetProgram:
-        return formula(self.energy, self.symbols, [self.law.symbols()[name] for name in self.others])
+    def free_energy(self) -> Formula:
+        """psi of all variables."""
+        return Formula.of(self.energy, self.symbols, [self.law.symbols()[name] for name in self.others])
 
-    def _by_variable(self, given: Sequence[sp.Expr] | None, named: Mapping[str, sp.Expr]) -> dict[int, JetProgram]:
+    def _by_variable(self, given: Sequence[sp.Expr] | None, named: Mapping[str, sp.Expr]) -> dict[int, Formula]:
         """Formulas of the internal variables: one a force, and those by name."""
         found = dict(zip(self.order.tolist(), given or (), strict=False))
         found |= {self.names.index(name) - self.observables: expr for name, expr in named.items()}
         return {i: self._formula(expr) for i, expr in found.items() if expr != 0}
 
     @cached_property
-    def criteria(self) -> tuple[tuple[JetProgram, bool, dict[int, JetProgram]], ...]:
+    def criteria(self) -> tuple[tuple[Formula, bool, dict[int, Formula]], ...]:
         """Each criterion, whether its gradient by the forces is the flow, and the other components of the flow."""
         law = self.law
         if law.viscous:
@@ -204,17 +246,17 @@ class StateLaw:
         return tuple((self._formula(g), flow is None, self._by_variable(flow, law.unforced)) for g, flow in bounds)
 
     @cached_property
-    def rates(self) -> dict[int, JetProgram]:
+    def rates(self) -> dict[int, Formula]:
         """Rates without a multiplier, by internal variable."""
         return self._by_variable(None, self.law.rates)
 
     @cached_property
-    def potential(self) -> JetProgram | None:
+    def potential(self) -> Formula | None:
         """Phi* of a viscous law."""
         return self._formula(self.law.g) if self.law.viscous else None
 
     @cached_property
-    def exchange(self) -> JetProgram | None:
+    def exchange(self) -> Formula | None:
         """The heat that flows from the bodies into the interface, sum h_k (T_k - T), where the temperature is found."""
         flows = [h * (self.law.symbols()[body] - self.symbols[-1]) for body, h in self.law.heat.items()]
         return self._formula(sp.Add(*flows)) if flows and self.adiabatic else None
@@ -250,14 +292,13 @@ class StateLaw:
         """The equations at a guess, for a step from ``base`` (N, n); ``load`` (N, o) the forces d psi/du where they are prescribed."""
         u, inner, warm = self._unknown
         (n, size), d = at.chi.shape, len(self.order)
-        psi, _ = self._energy(at.chi, others)
-        assert psi.gradient is not None and psi.hessian is not None
+        psi, force, hessian = self.free_energy(at.chi, others)
         place = self.order + self.observables
-        forces = 0.0 - (psi.gradient[:, place] + at.reaction[:, self.order])  # no -0
-        entropy = -psi.gradient[:, warm].sum(axis=1)
+        forces = 0.0 - (force[:, place] + at.reaction[:, self.order])  # no -0
+        entropy = -force[:, warm].sum(axis=1)
         # what the formulas take, (Y, chi), by chi and q
         both = np.zeros((n, d + size, size + self.internal))
-        both[:, :d, :size], both[:, d:, :size] = -psi.hessian[:, place], np.eye(size)
+        both[:, :d, :size], both[:, d:, :size] = -hessian[:, place], np.eye(size)
         both[:, np.arange(d), size + self.order] = -1.0
         taken = np.concatenate([forces, at.chi], axis=1)
 
@@ -265,27 +306,21 @@ class StateLaw:
         g, slope = np.zeros((n, many)), np.zeros((n, many, d + size))
         flow, turn = np.zeros((n, many, self.internal)), np.zeros((n, many, self.internal, d + size))
         for s, (criterion, associated, components) in enumerate(self.criteria):
-            jet, _ = criterion(taken, others, second=associated)
-            assert jet.gradient is not None
-            g[:, s], slope[:, s] = jet.value, jet.gradient
-            if not at.active[:, s].any():
-                continue
-            if associated:
-                assert jet.hessian is not None
-                flow[:, s, self.order], turn[:, s, self.order] = jet.gradient[:, :d], jet.hessian[:, :d]
-            for i, component in components.items():
-                own, _ = component(taken, others, second=False)
-                flow[:, s, i], turn[:, s, i] = own.value, own.gradient
+            flows = associated and bool(at.active[:, s].any())
+            g[:, s], slope[:, s], *bent = criterion(taken, others) if flows else criterion.first(taken, others)
+            if flows:
+                flow[:, s, self.order], turn[:, s, self.order] = slope[:, s, :d], bent[0][:, :d]
+            for i, component in components.items() if at.active[:, s].any() else ():
+                flow[:, s, i], turn[:, s, i] = component.first(taken, others)
         flow[~at.active], turn[~at.active] = 0.0, 0.0  # it may have no value where nothing flows
         rate, change = np.zeros((n, self.internal)), np.zeros((n, self.internal, d + size))
         if self.potential is not None:
-            jet, _ = self.potential(taken, others)
-            assert jet.gradient is not None and jet.hessian is not None
-            rate[:, self.order], change[:, self.order] = jet.gradient[:, :d], jet.hessian[:, :d]
+            _, towards, turned = self.potential(taken, others)
+            rate[:, self.order], change[:, self.order] = towards[:, :d], turned[:, :d]
         for i, component in self.rates.items():
-            own, _ = component(taken, others, second=False)
-            rate[:, i] += own.value
-            change[:, i] += own.gradient
+            own, turned = component.first(taken, others)
+            rate[:, i] += own
+            change[:, i] += turned
 
         step = at.chi[:, inner] - base[:, inner]
         steps = np.where((dt > 0.0)[:, None], dt[:, None] * rate, 0.0)
@@ -295,12 +330,12 @@ class StateLaw:
         change = np.einsum("ns,nsiz->niz", at.multiplier, turn) + np.where((dt > 0.0)[:, None, None], dt[:, None, None] * change, 0.0)
         by = -change @ both
         by[:, np.arange(self.internal), self.observables + np.arange(self.internal)] += 1.0
-        made = np.einsum("nij,nj->ni", np.abs(psi.hessian), np.abs(at.chi))  # of what a force is the small difference
+        made = np.einsum("nij,nj->ni", np.abs(hessian), np.abs(at.chi))  # of what a force is the small difference
         rounding = _ROUNDED / KKT * (made[:, place] + np.abs(at.reaction[:, self.order]))
         sizes = np.einsum("ns,nsi->ni", np.abs(at.multiplier), np.abs(flow)) + np.abs(steps)
         sizes = np.maximum(np.maximum(sizes, np.abs(at.chi[:, inner])), np.abs(base[:, inner]))
         sizes = sizes + np.einsum("nid,nd->ni", np.abs(change[:, :, :d]), rounding)
-        bend = np.abs(np.einsum("nii->ni", psi.hessian))[:, inner]  # what changes no force by more than rounding is no error
+        bend = np.abs(np.einsum("nii->ni", hessian))[:, inner]  # what changes no force by more than rounding is no error
         sizes = sizes + np.where(bend > 0.0, _ROUNDED / KKT * made[:, inner] / np.where(bend > 0.0, bend, 1.0), 0.0)
         weight = np.abs(slope[:, :, :d])
         within = np.einsum("nsd,nd->ns", slope[:, :, :d], forces)
@@ -310,26 +345,25 @@ class StateLaw:
         residuals = [step - moved, np.where(at.active, g, at.multiplier)]
         rows = [np.where(held[:, :, None], 0.0, by), np.where(at.active[:, :, None], slope @ both, 0.0)]
         allowed = [sizes, np.where(at.active, known, 1.0)]
-        stresses = psi.gradient[:, u]
+        stresses = force[:, u]
         if self.stressed:
             residuals.insert(0, stresses - load)
-            rows.insert(0, np.concatenate([psi.hessian[:, u], np.zeros((n, self.observables, self.internal))], axis=2))
+            rows.insert(0, np.concatenate([hessian[:, u], np.zeros((n, self.observables, self.internal))], axis=2))
             allowed.insert(0, np.abs(load) + made[:, u])
         if self.adiabatic:
-            gained, t = entropy + self._energy(base, others)[0].gradient[:, -1], at.chi[:, -1]  # type: ignore[index]
+            gained, t = entropy + self.free_energy.first(base, others)[1][:, -1], at.chi[:, -1]
             heat = forces * step[:, self.order]
             by_taken = np.zeros((n, d + size))
             by_taken[:, :d], by_taken[:, d + place], by_taken[:, -1] = -step[:, self.order], -forces, gained
             inflow = np.zeros(n)
             if self.exchange is not None:
-                jet, _ = self.exchange(taken, others, second=False)
-                assert jet.gradient is not None
-                inflow, by_taken = dt * jet.value, by_taken - dt[:, None] * jet.gradient
+                flowing, turned = self.exchange.first(taken, others)
+                inflow, by_taken = dt * flowing, by_taken - dt[:, None] * turned
             row = np.einsum("nz,nzj->nj", by_taken, both)
-            row[:, :size] -= t[:, None] * psi.hessian[:, -1]
+            row[:, :size] -= t[:, None] * hessian[:, -1]
             residuals.append((t * gained - heat.sum(axis=1) - inflow)[:, None])
             rows.append(row[:, None])
-            allowed.append((t**2 * np.abs(psi.hessian[:, -1, -1]) + np.abs(heat).sum(axis=1) + np.abs(inflow))[:, None])
+            allowed.append((t**2 * np.abs(hessian[:, -1, -1]) + np.abs(heat).sum(axis=1) + np.abs(inflow))[:, None])
         first = self.observables if self.stressed else 0
         residual, by_state = np.concatenate(residuals, axis=1), np.concatenate(rows, axis=1)
         by_multiplier = np.zeros((n, residual.shape[1], many))
@@ -337,8 +371,8 @@ class StateLaw:
         each = np.arange(many)
         by_multiplier[:, first + self.internal + each, each] = ~at.active
         return StepEquations(
-            residual, np.concatenate(allowed, axis=1) + np.finfo(np.float64).tiny, by_state, by_multiplier, np.array(psi.value), forces,
-            np.array(stresses), entropy, moved, g, known, np.array(psi.hessian),
+            residual, np.concatenate(allowed, axis=1) + np.finfo(np.float64).tiny, by_state, by_multiplier, psi, forces,
+            np.array(stresses), entropy, moved, g, known, hessian,
         )  # fmt: skip
 
     def _jacobian(self, at: Guess, system: StepEquations) -> Array:
@@ -399,20 +433,21 @@ class StateLaw:
             ways += [partial(self._stopped, ends) for ends in (self.high, self.low) if (self.reacts & np.isfinite(ends)).any()]
             for otherwise in ways:
                 if (who := np.flatnonzero(failed)).size:
-                    reached, ended, lost = otherwise(begun.of(who), base[who], given[who], dt, [x[who] for x in others])
+                    reached, ended, unsolved = otherwise(begun.of(who), base[who], given[who], dt, [x[who] for x in others])
                     at.put(who, reached)
                     system.put(who, ended)
-                    failed[who] = lost
+                    failed[who] = unsolved
             slopes = self._tangent(at, system) if tangent else np.zeros((n, 0, 0))
+            lost = own_dissipation(self, base, at.chi, others)
         return Advanced(
             at.chi, at.multiplier, at.reaction, at.held, system.psi, system.forces, system.observed, system.entropy, system.flow,
-            _worst(system.residual, system.size), failed, slopes,
+            lost, _worst(system.residual, system.size), failed, slopes,
         )  # fmt: skip
 
     def _followed(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> _Found:
         """The end of the same step, found along those of steps from the same ``base`` to a part of the load, each from the one before."""
         u, _, warm = self._unknown
-        start = self._energy(base, others, second=False)[0].gradient[:, u] if self.stressed else base[:, u]  # type: ignore[index]
+        start = self.free_energy.first(base, others)[1][:, u] if self.stressed else base[:, u]
         start = np.concatenate([start, base[:, warm]], axis=1)[:, : given.shape[1]]
         for share in np.linspace(0.0, 1.0, _PARTS + 1)[1:]:
             at, system, failed = self._ended(at, base, start + share * (given - start), share * dt, others)
@@ -518,9 +553,8 @@ class StateLaw:
 
     def stored(self, at: Array, others: Sequence[Array]) -> tuple[Array, Array, Array]:
         """psi (N,), the forces Y (N, d) and the entropy (N,) of states."""
-        psi, _ = self._energy(at, others, second=False)
-        assert psi.gradient is not None
-        return psi.value, 0.0 - psi.gradient[:, self.order + self.observables], 0.0 - psi.gradient[:, self._unknown[2]].sum(axis=1)
+        psi, force = self.free_energy.first(at, others)
+        return psi, 0.0 - force[:, self.order + self.observables], 0.0 - force[:, self._unknown[2]].sum(axis=1)
 
 
 def own_dissipation(law: StateLaw, before: Array, after: Array, others: Sequence[Array]) -> Array:
@@ -528,9 +562,8 @@ def own_dissipation(law: StateLaw, before: Array, after: Array, others: Sequence
 
     Of a quadratic energy it is 1/2 d . psi'' d, of a convex one >= 0 but for the rounding of psi.
     """
-    begun, end = (law._energy(at, others, second=False)[0] for at in (before, after))
-    assert end.gradient is not None
-    return begun.value - end.value + (end.gradient * (after - before)).sum(axis=1)
+    (begun, _), (end, force) = (law.free_energy.first(at, others) for at in (before, after))
+    return np.asarray(begun - end + (force * (after - before)).sum(axis=1))
 
 
 def _excess(value: Array, size: Array) -> Array:
