@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from typing import Any
 
 from duhem.errors import InputError
 from duhem.export.routine import Routine, routine
@@ -14,7 +15,7 @@ from duhem.proof.verification import Verification
 from duhem.show.page import PAGE
 from duhem.version import __version__
 
-__all__ = ["c_file", "exported", "header", "identifier"]
+__all__ = ["GUARD", "c_file", "check_convex", "comment", "exported", "header", "identifier"]
 
 # -- the head: the law, its arguments, what was proved of it, and the limits of the routine ----------------------------
 
@@ -29,12 +30,32 @@ def identifier(law: str) -> str:
 
 def header(verification: Verification, law: Criterion, parameters: Sequence[str]) -> list[str]:
     """Lines as wide as a page, none of which can end a comment; ``parameters`` are those that are arguments."""
+    d = len(law.forces)
+    arrays = f"trial[{d}], stress[{d}] and slip[{d}] in the order of the forces; {_STIFFNESS.format(n=d * d)}"
+    return _header(verification, law, parameters, _INCREMENT, arrays, _STATUS, _LIMITS)
+
+
+def comment(verification: Verification, *said: Any) -> str:
+    """The same as the inside of a comment in C, of a routine that ``said`` describes as :func:`_header` takes it."""
+    return "\n".join(f" * {line}".rstrip() for line in _header(verification, *said))
+
+
+def _header(
+    verification: Verification,
+    law: Criterion,
+    parameters: Sequence[str],
+    what: str,
+    arrays: str,
+    status: Sequence[str],
+    limits: Sequence[str],
+) -> list[str]:
     fixed = [f"{name} {domain.describe()}" for name, domain in law.parameters.items() if domain.value is not None]
     places = [f"parameters[{i}] is {law.parameters[name].stated(name)}" for i, name in enumerate(parameters)]
-    d = len(law.forces)
+    set_ = f"Phi* = {formula(law.g)}" if law.viscous else f"K = {{{formula(law.g)} <= 0}}"
     lines = [
         *_said(f"{law.name}: {law.summary}" if law.summary else law.name),
-        *_said(f"K = {{{formula(law.g)} <= 0}}", "criterion"),
+        *_said(set_, "potential" if law.viscous else "criterion"),
+        *_said("" if law.energy is None else formula(law.energy), "psi"),
         *_said(law.source, "source"),
         *_said(", ".join(law.forces), "forces"),
         *_said(f"{law.pressure} <= 0 in compression" if law.pressure else "none; the routine ignores this argument", "pressure"),
@@ -43,19 +64,19 @@ def header(verification: Verification, law: Criterion, parameters: Sequence[str]
         *_said(", ".join(formula(c) for c in law.constraints), "constraints"),
         *_said(", ".join(own.stated(name) for name, own in law.domain.items()), "ranges"),
         "",
-        *_said(_INCREMENT),
+        *_said(what),
         *_said("one coherent system, for example Pa, m, Pa/m and J/m^2", "units"),
-        *_said(f"trial[{d}], stress[{d}] and slip[{d}] in the order of the forces; {_STIFFNESS.format(n=d * d)}", "arrays"),
+        *_said(arrays, "arrays"),
         "",
         *_said("Status returned:"),
-        *(line for text in _STATUS for line in _said(text, "")),
+        *(line for text in status for line in _said(text, "")),
         "",
         *_said(f"Verdicts of duhem {__version__}:"),
         *(line for result in verification.results for line in _said(_verdict(result.verdict, result.trust, result.scope), result.claim)),
         *_said(f"{verification.certificate()['sha256']} (of the law as fixed here: duhem verify LAW --certificate FILE)", "sha256"),
         "",
         *_said("Limits:"),
-        *(line for text in _LIMITS for line in _said(text, "")),
+        *(line for text in limits for line in _said(text, "")),
     ]
     return [line.rstrip() for line in lines]
 
@@ -102,7 +123,7 @@ def _said(text: str, title: str | None = None) -> list[str]:
 
 # -- the file -----------------------------------------------------------------------------------------------------------
 
-_GUARD = """\
+GUARD = """\
 #ifdef __FAST_MATH__
 #error "infinities and nan mean something here: compile without -ffast-math"
 #endif
@@ -120,12 +141,19 @@ def exported(verification: Verification) -> tuple[Criterion, Routine]:
     if not isinstance(law, Criterion):
         raise InputError(f"{law.name} is a boundary curve and has no formula g", where="law", remedy="export a law with a formula g")
     made = routine(law)
+    check_convex(verification)
+    return law, made
+
+
+def check_convex(verification: Verification) -> None:
+    """InputError where K is not proved to be convex: the conditions that a routine tests hold at other points too then."""
     if (found := verification["convexity"].verdict) is not Verdict.PROVED:
         remedy = "use --set to choose parameters for which K is convex; duhem verify LAW gives details"
         raise InputError(
-            f"convexity is {found.replace('_', ' ')}, but the routine is right only for a convex K", where=law.name, remedy=remedy
+            f"convexity is {found.replace('_', ' ')}, but the routine is right only for a convex K",
+            where=verification.criterion.name,
+            remedy=remedy,
         )
-    return law, made
 
 
 def c_file(verification: Verification) -> str:
@@ -136,7 +164,7 @@ def c_file(verification: Verification) -> str:
         f"int {name}_increment(const double trial[{d}], double pressure, const double stiffness[{d * d}], const double parameters[],\n"
         f"    double stress[{d}], double slip[{d}], double *dissipation, double tangent[{d * d}])"
     )
-    comment = "\n".join(f" * {line}".rstrip() for line in header(verification, law, made.parameters))
+    head = "\n".join(f" * {line}".rstrip() for line in header(verification, law, made.parameters))
     call = "return increment(trial, pressure, stiffness, parameters, stress, slip, dissipation, tangent);"
     whole = f"{signature};\n\n{signature}\n{{\n    {call}\n}}"
-    return "\n\n".join([f"/*\n{comment}\n */", _GUARD, made.text, whole]) + "\n"
+    return "\n\n".join([f"/*\n{head}\n */", GUARD, made.text, whole]) + "\n"

@@ -6,11 +6,13 @@ needed to compile them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from duhem.export.c_file import exported, header, identifier
 from duhem.law.formula_law import Criterion
 from duhem.proof.verification import Verification
 
-__all__ = ["fortran_file"]
+__all__ = ["fortran_file", "places"]
 
 _ABAQUS = ("xx", "yy", "zz", "xy", "xz", "yz")  # its order of the components of a stress
 
@@ -119,15 +121,15 @@ def fortran_file(verification: Verification) -> str:
     """The Fortran of the law that was verified, to be linked with its C file.  Errors as :func:`duhem.export.c_file.exported`."""
     law, made = exported(verification)
     d, name = len(law.forces), identifier(law.name)
-    places = _places(law)
-    order = [law.forces[places.index(i)] for i in range(d)]
+    where = places(law, law.forces)
+    order = [law.forces[where.index(i)] for i in range(d)]
     wrapper = (_FRIC if law.pressure else _UMAT).format(
         name=name,
         d=d,
         square=d * d,
         first=d * d + 1,
         props=d * d + len(made.parameters),
-        places=", ".join(str(place + 1) for place in places),
+        places=", ".join(str(place + 1) for place in where),
         order=", ".join(order),
     )
     comment = [
@@ -138,9 +140,9 @@ def fortran_file(verification: Verification) -> str:
     return "\n".join([*comment, "", _MODULE.format(name=name, d=d), "", wrapper]) + "\n"
 
 
-def _places(law: Criterion) -> list[int]:
-    """Where the caller has each force."""
+def places(law: Criterion, forces: Sequence[str]) -> list[int]:
+    """Where the caller has each of the forces that it knows."""
     if law.stress is None or law.stress.kind == "principal":
-        return list(range(len(law.forces)))
-    ends = [component.removeprefix(f"{law.stress.name}_") for component in law.stress.components]
+        return list(range(len(forces)))
+    ends = [component.removeprefix(f"{law.stress.name}_") for component in forces]
     return [[end for end in _ABAQUS if end in ends].index(end) for end in ends]

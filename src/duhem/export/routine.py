@@ -21,7 +21,7 @@ from duhem.projection.scaled_formula import scaled
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 
-__all__ = ["Routine", "closes", "routine"]
+__all__ = ["Routine", "closes", "conditions", "function_text", "routine"]
 
 _D, _SQUARE = Array("double", ("D",)), Array("double", ("D", "D"))
 _ARRAYS: Mapping[str, Array] = {
@@ -59,7 +59,7 @@ static double below(double size)
 
 @dataclass(frozen=True)
 class Routine:
-    """The C functions of one law, all static, ``increment`` last; ``parameters`` are those that are arguments, in order."""
+    """The C functions of one law, all static, ``increment`` or ``step`` last; ``parameters`` are those that are arguments, in order."""
 
     text: str
     parameters: tuple[str, ...]
@@ -90,13 +90,13 @@ def routine(law: Criterion) -> Routine:
     own, pressure = tuple(table[name] for name in names), table[law.pressure] if law.pressure else None
     formula = scaled(g, law.force_symbols(), pressure)
     jets = scalar_jets(formula.expr, law.force_symbols(), (*formula.data, *own))
-    data, conditions = [datum.expr for datum in formula.data.values()], _conditions(law, settled)
-    stated, numbers = scalar_values("stated", [*data, *conditions], (pressure or sp.Dummy("none"), *own))
+    data, relations = [datum.expr for datum in formula.data.values()], conditions(law, settled, names)
+    stated, numbers = scalar_values("stated", [*data, *relations], (pressure or sp.Dummy("none"), *own))
     counts = {
         "PARAMETERS": len(own),
         "CONSTANTS": len(jets.constants),
         "NUMBERS": len(numbers),
-        "CONDITIONS": len(conditions),
+        "CONDITIONS": len(relations),
         "CLOSES": int(closes(law)),
         "DEGREE": formula.degree,
     }
@@ -106,19 +106,18 @@ def routine(law: Criterion) -> Routine:
         jets.piece,
         "\n".join(f"{name} = {value!r}" for name, value in counts.items()),
         stated,
-        _function("placed(q, w)", [f"{array}[{start + k}] = {x!r}" for array, start, each in behind for k, x in enumerate(each)]),
-        _function("beyond(stress, slack: float) -> bool", [f"if {past}: return True" for past in _beyond(law)], "return False"),
+        function_text("placed(q, w)", [f"{array}[{start + k}] = {x!r}" for array, start, each in behind for k, x in enumerate(each)]),
+        function_text("beyond(stress, slack: float) -> bool", [f"if {past}: return True" for past in _beyond(law)], "return False"),
     ]
     sources = newton_step, newton_kernel, increment_kernel
     text = module_text(formula, len(law.forces), jets, functions, sources, ("increment",))
     return Routine(c_functions(text, "increment", _ARRAYS, _PLAIN, {"below": _BELOW}), names)
 
 
-def _conditions(law: Criterion, settled: Mapping[sp.Symbol, sp.Expr]) -> list[sp.Basic]:
-    """What must hold of parameters and pressure for the law to say anything."""
+def conditions(law: Criterion, settled: Mapping[sp.Symbol, sp.Expr], names: Sequence[str]) -> list[sp.Basic]:
+    """What must hold of the open parameters, of these ``names``, and of the pressure for the law to say anything."""
     table = law.symbols()
-    ranges = {name: domain for name, domain in law.parameters.items() if domain.value is None}
-    found = [relation for name, domain in ranges.items() for relation in domain.relations(table[name])]
+    found = [relation for name in names for relation in law.parameters[name].relations(table[name])]
     found += [relation.xreplace(settled) for relation in law.constraints]
     if law.pressure is not None:
         own = law.domain.get(law.pressure)
@@ -137,7 +136,8 @@ def _beyond(law: Criterion) -> Iterator[str]:
                 yield f"stress[{i}] > {high!r} + slack"
 
 
-def _function(head: str, lines: Sequence[str], last: str = "return") -> str:
+def function_text(head: str, lines: Sequence[str], last: str = "return") -> str:
+    """A function of these lines."""
     return "\n".join([f"def {head}:", *(f"    {line}" for line in [*lines, last])])
 
 

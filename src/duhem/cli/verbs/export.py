@@ -24,7 +24,8 @@ def export(law: str, settings: Sequence[str], language: str, out: str | None) ->
 
     The code also contains the consistent tangent. C: one C99 file that needs only the mathematical library. A parameter without --set
     becomes an argument. Fortran: a module with the interface (bind(C)), and a subroutine with the arguments of FRIC of Abaqus if the
-    law has a pressure, otherwise of UMAT. Link it with the C file.
+    law has a pressure, otherwise of UMAT. Link it with the C file. If the state of the law moves with the slip, the code computes one
+    implicit step, and its caller keeps the variables (STATEV in UMAT).
 
     duhem verifies LAW first and writes the verdicts into the head of the file. It rejects a law if it cannot prove that K is convex. If
     the routine cannot solve an increment, it returns a status and no answer.
@@ -35,10 +36,17 @@ def export(law: str, settings: Sequence[str], language: str, out: str | None) ->
     if out is not None:
         check_place(out, [law])
 
-    from duhem.export.c_file import c_file
-    from duhem.export.fortran_file import fortran_file
-    from duhem.export.routine import routine
+    from duhem.law.state import evolves
     from duhem.proof.verification import verify
+
+    if evolves(fixed):
+        from duhem.export.state_file import state_c_file as c_file
+        from duhem.export.state_file import state_fortran_file as fortran_file
+        from duhem.export.state_routine import state_routine as routine
+    else:
+        from duhem.export.c_file import c_file
+        from duhem.export.fortran_file import fortran_file
+        from duhem.export.routine import routine
 
     routine(fixed)  # what has none is not verified first
     with Progress() as progress:
