@@ -18,7 +18,7 @@ from duhem.expression.elementary import imports
 from duhem.expression.scalar_jets import FUNCTIONS, ScalarJets, scalar_jets
 from duhem.path import state_kernel
 from duhem.path.state_kernel import LEFT, NUMBERS
-from duhem.path.state_step import Advanced, Formula, StateLaw
+from duhem.path.state_step import Advanced, StateFormula, StateLaw
 from duhem.projection.code_cache import compiled_text, only_read
 from duhem.projection.module_text import MARK
 from duhem.projection.newton_step import eliminated
@@ -79,7 +79,7 @@ class _Functions:
         self.jets: list[ScalarJets] = []
         self.constants: list[float] = []
 
-    def lines(self, formula: Formula, order: int, value: str, at: str = "y") -> tuple[list[str], list[tuple[int, str]]]:
+    def lines(self, formula: StateFormula, order: int, value: str, at: str = "y") -> tuple[list[str], list[tuple[int, str]]]:
         """Lines that let ``value`` be that of the formula at ``at``; for ``order`` 1 the slopes too, by column, and for 2 also ``m``."""
         made, k = scalar_jets(formula.expr, formula.names, formula.others), len(self.jets)
         self.jets.append(made)

@@ -110,7 +110,7 @@ class Advanced(Pointwise):
 
 
 @dataclass(frozen=True, eq=False)
-class Formula:
+class StateFormula:
     """A formula of some of the variables (N, z), which are in these ``columns`` of theirs: derivatives by the others are 0."""
 
     expr: sp.Expr
@@ -119,7 +119,7 @@ class Formula:
     columns: NDArray[np.intp]
 
     @classmethod
-    def of(cls, expr: sp.Expr, variables: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Formula:
+    def of(cls, expr: sp.Expr, variables: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> StateFormula:
         """``expr`` of these variables and the numbers of the ``others``."""
         columns = [i for i, name in enumerate(variables) if name in expr.free_symbols]
         return cls(expr, tuple(variables[i] for i in columns), tuple(others), np.array(columns, dtype=np.intp))
@@ -217,23 +217,23 @@ class StateLaw:
         law = self.law
         return (*(name for name in law.parameters if name not in law.variables), *([law.pressure] if law.pressure else []))
 
-    def _formula(self, expr: sp.Expr) -> Formula:
+    def _formula(self, expr: sp.Expr) -> StateFormula:
         forces, others = self.law.force_symbols(), [self.law.symbols()[name] for name in self.others]
-        return Formula.of(expr, (*forces, *self.symbols), others)
+        return StateFormula.of(expr, (*forces, *self.symbols), others)
 
     @cached_property
-    def free_energy(self) -> Formula:
+    def free_energy(self) -> StateFormula:
         """psi of all variables."""
-        return Formula.of(self.energy, self.symbols, [self.law.symbols()[name] for name in self.others])
+        return StateFormula.of(self.energy, self.symbols, [self.law.symbols()[name] for name in self.others])
 
-    def _by_variable(self, given: Sequence[sp.Expr] | None, named: Mapping[str, sp.Expr]) -> dict[int, Formula]:
+    def _by_variable(self, given: Sequence[sp.Expr] | None, named: Mapping[str, sp.Expr]) -> dict[int, StateFormula]:
         """Formulas of the internal variables: one a force, and those by name."""
         found = dict(zip(self.order.tolist(), given or (), strict=False))
         found |= {self.names.index(name) - self.observables: expr for name, expr in named.items()}
         return {i: self._formula(expr) for i, expr in found.items() if expr != 0}
 
     @cached_property
-    def criteria(self) -> tuple[tuple[Formula, bool, dict[int, Formula]], ...]:
+    def criteria(self) -> tuple[tuple[StateFormula, bool, dict[int, StateFormula]], ...]:
         """Each criterion, whether its gradient by the forces is the flow, and the other components of the flow."""
         law = self.law
         if law.viscous:
@@ -246,17 +246,17 @@ class StateLaw:
         return tuple((self._formula(g), flow is None, self._by_variable(flow, law.unforced)) for g, flow in bounds)
 
     @cached_property
-    def rates(self) -> dict[int, Formula]:
+    def rates(self) -> dict[int, StateFormula]:
         """Rates without a multiplier, by internal variable."""
         return self._by_variable(None, self.law.rates)
 
     @cached_property
-    def potential(self) -> Formula | None:
+    def potential(self) -> StateFormula | None:
         """Phi* of a viscous law."""
         return self._formula(self.law.g) if self.law.viscous else None
 
     @cached_property
-    def exchange(self) -> Formula | None:
+    def exchange(self) -> StateFormula | None:
         """The heat that flows from the bodies into the interface, sum h_k (T_k - T), where the temperature is found."""
         flows = [h * (self.law.symbols()[body] - self.symbols[-1]) for body, h in self.law.heat.items()]
         return self._formula(sp.Add(*flows)) if flows and self.adiabatic else None
