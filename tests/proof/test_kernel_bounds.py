@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw, inhabited
 from duhem.proof.kernel.term import NotWritten
@@ -90,3 +91,20 @@ def test_no_admitted_point_is_left_out(count: int) -> None:
             bounds = over(stated).bounds
             assert [(constraints, point) for point in inside for n, x in point.items() if not bounds[n].holds(x)] == []
     assert admitted > count
+
+
+def test_a_range_that_covers_another_holds_every_number_of_it() -> None:
+    ends = [None, *map(F, range(-1, 2))]
+    ranges = [
+        Bounds(low, high, low is not None and left_out, high is not None and high_left_out)
+        for low in ends
+        for high in ends
+        for left_out in (False, True)
+        for high_left_out in (False, True)
+    ]
+    numbers = [F(k, 4) for k in range(-12, 13)]
+    inside = {own: {x for x in numbers if own.holds(x)} for own in ranges}
+    for one in ranges:
+        for other in ranges:
+            if inside[other]:  # of an empty one nothing is asked
+                assert one.covers(other) == (inside[other] <= inside[one])
