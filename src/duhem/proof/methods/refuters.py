@@ -217,7 +217,7 @@ def _bent(subject: FormulaSubject, along: FormulaSubject, name: str, detail: str
 def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
     """A state at which the derivatives of an energy by an observable and by its slip are two forces."""
     law, gaps = subject.of, two_forces(subject.of)
-    if not any(gap != 0 for gap in gaps.values()):
+    if all(sp.expand(gap) == 0 for gap in gaps.values()):
         return None
     from duhem.proof.search.plain_states import plain_states
 

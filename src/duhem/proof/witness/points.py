@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
+from functools import lru_cache
 from itertools import pairwise, product
 from math import isclose, isfinite
 from typing import Any, NamedTuple
@@ -18,7 +19,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from duhem.expression import EigMax
-from duhem.expression.balls import ball, certain_sign, enclose, precision
+from duhem.expression.balls import ball, certain_sign, compiled, enclose, precision
 from duhem.expression.number import fraction
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -45,9 +46,10 @@ def sign_at(expr: sp.Expr, values: Values, exact: bool = False) -> tuple[int | N
     If ``exact``, also of what is 0 as a fraction, which balls cannot tell.
     """
     enclosure = None
+    names, enclosed = _over_balls(expr)
     for bits in _PRECISIONS:
         with precision(bits):
-            enclosure = enclose(expr, {x: ball(v) for x, v in values.items()})
+            enclosure = enclosed(*(ball(values[x]) for x in names))
             if (sign := certain_sign(enclosure)) is not None:
                 return sign, enclosure
     if exact and enclosure is not None and enclosure.is_finite():
@@ -55,6 +57,13 @@ def sign_at(expr: sp.Expr, values: Values, exact: bool = False) -> tuple[int | N
         if number.is_Rational:
             return int(sp.sign(number)), ball(fraction(number))
     return None, enclosure
+
+
+@lru_cache(maxsize=256)
+def _over_balls(expr: sp.Expr) -> tuple[tuple[sp.Symbol, ...], Callable[..., Any]]:
+    """The symbols of an expression, and its enclosure as a function of a ball for each: one is asked for at many points."""
+    names = tuple(expr.free_symbols)
+    return names, compiled(expr, names)
 
 
 def witness(
