@@ -360,9 +360,15 @@ def closest_beside(
     question: Increment, answer: Solution, multiplier: Array, units: Array, patient: bool = False
 ) -> list[ClosestInDigits | None]:
     """The closest point beside each answer (N,), None where none is found; ``multiplier`` of h, R = ``units``."""
-    look, starts = close_look(question), zip(answer.stress, multiplier.tolist(), units.tolist(), strict=True)
-    asked = zip(question.trial, question.pressure.tolist(), starts, strict=True)
-    return [closest(look, trial, pressure, question.stiffness, *start, patient=patient) for trial, pressure, start in asked]
+    look = close_look(question)
+    rows = np.column_stack([question.trial, question.pressure, answer.stress, multiplier, units])
+    found = dict[bytes, ClosestInDigits | None]()  # points that are alike are one
+    for i, row in enumerate(rows):
+        if row.tobytes() not in found:
+            start = answer.stress[i], float(multiplier[i]), float(units[i])
+            asked = look, question.trial[i], float(question.pressure[i]), question.stiffness
+            found[row.tobytes()] = closest(*asked, *start, patient=patient)
+    return [found[row.tobytes()] for row in rows]
 
 
 def departures(question: Increment, answer: Solution, multiplier: Array, aside: Array, points: list[ClosestInDigits | None]) -> Array:
@@ -414,9 +420,11 @@ def put_right(
     asked, g, old = question.of(at), level_of(question), solution.of(at)
     units = _units(old.stress, asked.trial)
     new, own = old.copy(), g.multiplier(old.multiplier, units)
-    for i, place in enumerate(at.tolist()):
-        one = slice(i, i + 1)
-        point = seen[place] or closest_beside(asked.of(one), old.of(one), own[one], units[one], patient=True)[0]
+    points = [seen[place] for place in at.tolist()]
+    if (lost := np.array([i for i, point in enumerate(points) if point is None], dtype=np.intp)).size:
+        for i, point in zip(lost, closest_beside(asked.of(lost), old.of(lost), own[lost], units[lost], patient=True), strict=True):
+            points[i] = point
+    for i, point in enumerate(points):
         if point is not None:
             new.stress[i], new.slip[i], own[i], _ = point
     new = replace(new, multiplier=g.own(own, units))
