@@ -7,7 +7,7 @@ import ast
 import pytest
 
 from duhem.projection import compiled_newton
-from duhem.projection.module_text import _called, _Taken
+from duhem.projection.module_text import _Taken, called, names_in
 from duhem.projection.projector import Projector
 
 BRANCHES = """
@@ -34,9 +34,10 @@ def test_what_is_left_of_branches_does_the_same(n: int, x: float) -> None:
 
 
 def test_a_function_stays_where_an_entry_needs_it() -> None:
-    tree = ast.parse("K = 1\ndef one(): return two()\ndef two(): return K\ndef three(): return four()\ndef four(): return one()\n")
-    kept = [node.name for node in _called(tree, ["one"]).body if isinstance(node, ast.FunctionDef)]
-    assert kept == ["one", "two"]
+    text = "K = 1\ndef one(): return two()\ndef two(): return K\ndef three(): return four()\ndef four(): return one()\n"
+    functions = {node.name: names_in(node) for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
+    kept = [called(functions, functions.__getitem__, entries) for entries in (["one"], ["three", "none"])]
+    assert kept == [{"one", "two"}, functions.keys()]
 
 
 def test_a_smooth_law_has_no_pieces_to_exchange_and_tresca_has() -> None:

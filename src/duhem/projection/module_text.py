@@ -6,7 +6,7 @@ import ast
 import inspect
 import operator
 from collections.abc import Callable, Collection, Mapping, Sequence
-from copy import deepcopy
+from functools import cached_property, lru_cache
 from types import ModuleType
 from typing import Any
 
@@ -17,7 +17,7 @@ from duhem.expression.elementary import imports
 from duhem.expression.scalar_jets import ScalarJets
 from duhem.projection.scaled_formula import ScaledFormula
 
-__all__ = ["module_text", "over_unit", "pasted"]
+__all__ = ["called", "module_text", "names_in", "over_unit", "pasted"]
 
 MARK = "# -- compiled from here"
 
@@ -50,8 +50,33 @@ def module_text(
     ]
     lines = [f"    q[{k}] = {over_unit(f'data[n, {k}]', datum.weight)}" for k, datum in enumerate(formula.data.values())]
     resized = "\n".join(["def resized(data, n, size, q):", *lines, "    return"])
-    tree = _Taken(constants).visit(ast.parse("\n".join([*functions, resized, *map(_source, (*principal_axes.FUNCTIONS, *sources))])))
-    return "\n".join([*head, ast.unparse(_called(tree, entries))])
+    ours = "\n".join(map(_source, (*principal_axes.FUNCTIONS, *sources)))
+    parts = [part for text in ("\n".join([*functions, resized]), ours) for part in _parts(text, tuple(constants.items()))]
+    named = {part.name: part for part in parts if part.name}
+    kept = called(named, lambda name: named[name].names, entries)
+    return "\n".join([*head, *(part.text for part in parts if not part.name or part.name in kept)])
+
+
+class _Part:
+    """A statement of a module, and the name of the function that it defines if it does."""
+
+    def __init__(self, node: ast.stmt) -> None:
+        self._node = node
+        self.name = node.name if isinstance(node, ast.FunctionDef) else ""
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        return names_in(self._node)
+
+    @cached_property
+    def text(self) -> str:
+        return "\n" * bool(self.name) + ast.unparse(self._node)
+
+
+@lru_cache(maxsize=256)
+def _parts(text: str, constants: tuple[tuple[str, int], ...]) -> list[_Part]:
+    """What is left of a text; most of ours is the same for many laws."""
+    return list(map(_Part, _Taken(dict(constants)).visit(ast.parse(text)).body))
 
 
 class _Taken(ast.NodeTransformer):
@@ -88,19 +113,18 @@ class _Taken(ast.NodeTransformer):
         return node
 
 
-def _called(tree: ast.Module, entries: Sequence[str]) -> ast.Module:
-    """The module without the functions that nothing calls."""
-    named = {
-        node.name: {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
-        for node in tree.body
-        if isinstance(node, ast.FunctionDef)
-    }
-    reached, found = set[str](), set(entries) & named.keys()
+def called(functions: Collection[str], names: Callable[[str], Collection[str]], entries: Collection[str]) -> set[str]:
+    """Those of some functions, by the ``names`` in each, that the ``entries`` are or call."""
+    reached, found = set[str](), {name for name in entries if name in functions}
     while found:
         reached |= found
-        found = {name for one in found for name in named[one] if name in named} - reached
-    tree.body = [node for node in tree.body if not isinstance(node, ast.FunctionDef) or node.name in reached]
-    return tree
+        found = {name for one in found for name in names(one) if name in functions} - reached
+    return reached
+
+
+def names_in(node: ast.AST) -> frozenset[str]:
+    """Every name that is read or given."""
+    return frozenset(part.id for part in ast.walk(node) if isinstance(part, ast.Name))
 
 
 def _source(given: ModuleType | Callable[..., Any]) -> str:
@@ -125,10 +149,10 @@ def pasted(text: str, names: Collection[str]) -> str:
     """
     tree = ast.parse(text)
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
-    ending = {name: functions[name] for name in names if name in functions and _ends(functions[name])}
+    into = _Pasted({name: functions[name] for name in names if name in functions and _ends(functions[name])})
     for function in functions.values():
-        _Pasted(ending).visit(function)
-    return ast.unparse(ast.fix_missing_locations(tree))
+        into.fill(function)
+    return ast.unparse(tree)
 
 
 def _ends(function: ast.FunctionDef) -> bool:
@@ -136,25 +160,37 @@ def _ends(function: ast.FunctionDef) -> bool:
     return all(part is function.body[-1] for part in ast.walk(function) if isinstance(part, ast.Return))
 
 
-class _Pasted(ast.NodeTransformer):
-    """Puts bodies where functions are called; names of their own are marked with that of the function."""
+class _Pasted:
+    """Puts bodies where functions are called, in each function once; names of their own are marked with that of the function."""
 
     def __init__(self, functions: Mapping[str, ast.FunctionDef]) -> None:
-        self.functions = functions
+        self.functions, self.filled = functions, set[str]()
 
-    def visit_Expr(self, node: ast.Expr) -> Any:
-        """A call for what it does."""
-        return self._body(node, [])
+    def fill(self, function: ast.FunctionDef) -> ast.FunctionDef:
+        """The function with bodies in it."""
+        if function.name not in self.filled:
+            self.filled.add(function.name)
+            self._fill(function)
+        return function
 
-    def visit_Assign(self, node: ast.Assign) -> Any:
-        """A call for what it returns."""
-        return self._body(node, node.targets)
+    def _fill(self, node: Any) -> None:
+        for lines in (getattr(node, name, None) for name in ("body", "orelse")):
+            if isinstance(lines, list):
+                lines[:] = [one for line in lines for one in self._in_place_of(line)]
 
-    def _body(self, node: ast.Expr | ast.Assign, targets: list[ast.expr]) -> Any:
-        call = node.value
+    def _in_place_of(self, line: ast.stmt) -> list[ast.stmt]:
+        if isinstance(line, ast.Expr):  # a call for what it does
+            return self._body(line, [])
+        if isinstance(line, ast.Assign):  # a call for what it returns
+            return self._body(line, line.targets)
+        self._fill(line)
+        return [line]
+
+    def _body(self, line: ast.Expr | ast.Assign, targets: list[ast.expr]) -> list[ast.stmt]:
+        call = line.value
         if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id in self.functions):
-            return node
-        function = deepcopy(self.visit(self.functions[call.func.id]))
+            return [line]
+        function = self.fill(self.functions[call.func.id])
         stored = (part.id for part in ast.walk(function) if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store))
         named = {name: f"{name}_{function.name}" for name in stored}
         lines: list[ast.stmt] = []
@@ -163,11 +199,22 @@ class _Pasted(ast.NodeTransformer):
                 named[parameter] = given.id
             else:
                 named[parameter] = f"{parameter}_{function.name}"
-                lines.append(ast.Assign([ast.Name(named[parameter], ast.Store())], given))
-        lines += function.body[ast.get_docstring(function) is not None :]
-        for part in ast.walk(function):
-            if isinstance(part, ast.Name):
-                part.id = named.get(part.id, part.id)
+                lines.append(ast.Assign([ast.Name(named[parameter], ast.Store())], given, lineno=line.lineno))
+        lines += (_renamed(own, named) for own in function.body[ast.get_docstring(function) is not None :])
         if isinstance(end := lines[-1], ast.Return):
-            lines[-1:] = [ast.Assign(targets, end.value)] if targets and end.value else []
+            lines[-1:] = [ast.Assign(targets, end.value, lineno=line.lineno)] if targets and end.value else []
         return lines
+
+
+def _renamed(node: Any, named: Mapping[str, str]) -> Any:
+    """A copy with other names, which knows no columns: nobody asks for them."""
+    if isinstance(node, list):
+        return [_renamed(part, named) for part in node]
+    if isinstance(node, ast.Name):
+        return ast.Name(named.get(node.id, node.id), node.ctx)
+    if not isinstance(node, ast.AST) or not node._fields:
+        return node
+    made: Any = type(node)(*(_renamed(getattr(node, name, None), named) for name in node._fields))
+    if isinstance(node, ast.stmt):
+        made.lineno = node.lineno
+    return made

@@ -13,13 +13,13 @@ import math
 import operator
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
-from types import SimpleNamespace
+from types import CodeType, SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 
 from duhem.expression.elementary import ELEMENTARY, array_function
-from duhem.projection.code_cache import interpreted_text
+from duhem.projection.module_text import called, names_in
 
 __all__ = ["FAULTS", "interpreted", "zeros"]
 
@@ -47,11 +47,25 @@ def interpreted(text: str, entry: str, goes_on: bool = False, **constants: int) 
     for node in tree.body:
         if isinstance(node, ast.Assign):
             known |= {name: value for name, value in _numbers(node, known) if name not in constants}
-    called: dict[type, str] = {ast.Pow: "real_power"} | ({ast.Div: "quotient"} if goes_on else {})
-    tree.body = [_WrittenOut(known, called).visit(node) if isinstance(node, ast.FunctionDef) else node for node in tree.body]
-    run: Any = interpreted_text(ast.fix_missing_locations(tree), entry)
-    run.__globals__.update(_FUNCTIONS, **(_GOING_ON if goes_on else {}))
+    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    kept = called(functions, lambda name: names_in(functions[name]), (entry,))
+    tree.body = [node for node in tree.body if not isinstance(node, ast.FunctionDef)]
+    space: dict[str, Any] = {}
+    exec(compile(tree, "<generated>", "exec"), space)
+    lines, told = text.split("\n"), tuple((name, value, repr(value)) for name, value in known.items())  # 1 and 1.0 are two
+    for node in (functions[name] for name in functions if name in kept):
+        exec(_written_out("\n".join(lines[node.lineno - 1 : node.end_lineno]), told, goes_on), space)
+    space.update(_FUNCTIONS, **(_GOING_ON if goes_on else {}))
+    run: Callable[..., Any] = space[entry]
     return run
+
+
+@lru_cache(maxsize=1024)
+def _written_out(text: str, known: tuple[tuple[str, Any, str], ...], goes_on: bool) -> CodeType:
+    """One function, as it runs where the constants are ``known``: those of ours are the same for many laws."""
+    instead: dict[type, str] = {ast.Pow: "real_power"} | ({ast.Div: "quotient"} if goes_on else {})
+    tree = _WrittenOut({name: value for name, value, _ in known}, instead).visit(ast.parse(text))
+    return compile(tree, "<generated>", "exec")
 
 
 def _numbers(node: ast.Assign, known: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
@@ -67,56 +81,57 @@ def _numbers(node: ast.Assign, known: Mapping[str, Any]) -> Iterator[tuple[str, 
 class _WrittenOut(ast.NodeTransformer):
     """Puts numbers for names that are ``known``, works out what they decide, and writes loops over them out.
 
-    Operations that have a function ``called`` in their place are handed to that.
+    Operations that have a function ``instead`` of them are handed to that.
 
     A loop that may end early stays one.  No text reads a counter after a loop that may not: nothing would count there.
     """
 
-    def __init__(self, known: Mapping[str, Any], called: Mapping[type, str]) -> None:
-        self.known, self.called = known, called
+    def __init__(self, known: Mapping[str, Any], instead: Mapping[type, str]) -> None:
+        self.known, self.instead = known, instead
 
     def generic_visit(self, node: ast.AST) -> ast.AST:
         """A node of what its parts become; the one that was given stays as it is, to be written out again."""
-        made = {name: self._part(value) for name, value in vars(node).items()}
-        return type(node)(**made)
+        return _made(type(node), *(self._part(getattr(node, name, None)) for name in node._fields))
 
     def _part(self, value: Any) -> Any:
+        if isinstance(value, ast.AST):
+            return self.visit(value) if value._fields else value
         if isinstance(value, list):
-            return [line for part in value for line in _listed(self.visit(part) if isinstance(part, ast.AST) else part)]
-        return self.visit(value) if isinstance(value, ast.AST) else value
+            return [line for part in value for line in _listed(self._part(part))]
+        return value
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         """The number of a name."""
-        return ast.Constant(self.known[node.id]) if isinstance(node.ctx, ast.Load) and node.id in self.known else node
+        return _made(ast.Constant, self.known[node.id]) if isinstance(node.ctx, ast.Load) and node.id in self.known else node
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.expr:
         """The negative of a number."""
         node = cast("ast.UnaryOp", self.generic_visit(node))
         negative = isinstance(node.op, ast.USub) and isinstance(node.operand, ast.Constant)
-        return ast.Constant(operator.neg(node.operand.value)) if negative else node  # type: ignore[attr-defined]
+        return _made(ast.Constant, operator.neg(node.operand.value)) if negative else node  # type: ignore[attr-defined]
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         """What is made of two numbers, or a call."""
         node = cast("ast.BinOp", self.generic_visit(node))
         a, b = node.left, node.right
         if isinstance(a, ast.Constant) and isinstance(b, ast.Constant) and type(node.op) in _OPERATORS:
-            return ast.Constant(_OPERATORS[type(node.op)](a.value, b.value))
-        if type(node.op) in self.called:
-            return ast.Call(ast.Name(self.called[type(node.op)], ast.Load()), [a, b], [])
+            return _made(ast.Constant, _OPERATORS[type(node.op)](a.value, b.value))
+        if type(node.op) in self.instead:
+            return _made(ast.Call, _made(ast.Name, self.instead[type(node.op)], ast.Load()), [a, b], [])
         return node
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
         """An entry of an array as that of a list in a list, its first size as the length."""
         node = cast("ast.Subscript", self.generic_visit(node))
         if isinstance(node.value, ast.Attribute) and node.value.attr == "shape":
-            return ast.Call(ast.Name("len", ast.Load()), [node.value.value], [])
+            return _made(ast.Call, _made(ast.Name, "len", ast.Load()), [node.value.value], [])
         if not isinstance(node.slice, ast.Tuple):
             return node
         *outer, last = node.slice.elts
         found = node.value
         for place in outer:
-            found = ast.Subscript(found, place, ast.Load())
-        return ast.Subscript(found, last, node.ctx)
+            found = _made(ast.Subscript, found, place, ast.Load())
+        return _made(ast.Subscript, found, last, node.ctx)
 
     def visit_For(self, node: ast.For) -> Any:
         """Its body for each number, where these are few and known."""
@@ -124,18 +139,29 @@ class _WrittenOut(ast.NodeTransformer):
         ends: list[Any] = [x.value for x in over.args if isinstance(x, ast.Constant)] if isinstance(over, ast.Call) else []
         whole = isinstance(over, ast.Call) and len(ends) == len(over.args) and getattr(over.func, "id", "") == "range"
         turns = range(*ends) if whole else range(0)
-        early = any(isinstance(part, ast.Break | ast.Continue) for part in ast.walk(node))
         few = whole and len(turns) <= _MOST_TURNS and len(turns) * _statements(node.body) <= _MOST_LINES
-        if few and not early and isinstance(node.target, ast.Name) and node.target.id != "_":
+        if few and isinstance(node.target, ast.Name) and node.target.id != "_" and not _may_end_early(node):
             lines = list[ast.stmt]()
             for turn in turns:
-                lines += _WrittenOut({**self.known, node.target.id: turn}, self.called)._part(node.body)
-            return lines or ast.Pass()
+                lines += _WrittenOut({**self.known, node.target.id: turn}, self.instead)._part(node.body)
+            return lines or _made(ast.Pass)
         return self.generic_visit(node)
+
+
+def _made(kind: type[Any], *parts: Any) -> Any:
+    """A node with a place, which a compiler asks for."""
+    made = kind(*parts)
+    if kind._attributes:
+        made.lineno, made.col_offset = 1, 0
+    return made
 
 
 def _statements(lines: Sequence[ast.stmt]) -> int:
     return sum(1 + sum(_statements(getattr(line, name, ())) for name in ("body", "orelse")) for line in lines)
+
+
+def _may_end_early(loop: ast.For) -> bool:
+    return any(isinstance(part, ast.Break | ast.Continue) for part in ast.walk(loop))
 
 
 def _listed(made: Any) -> list[ast.stmt]:
