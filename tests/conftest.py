@@ -26,6 +26,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 
 gc.disable()  # until all tests are collected
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # each of the many processes that tests start would compile duhem anew
+sys.dont_write_bytecode = False  # and each run all tests, whose assertions pytest rewrites: a third of collecting
 
 SLOW = 50  # quick tests take as long as a slow one
 KEPT_IN_COMMON = {  # a file: another, whose tests keep in a module of both what these ask for again

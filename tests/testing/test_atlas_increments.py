@@ -10,14 +10,13 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import find, settings
 
 import duhem
 from duhem.errors import InputError
 from duhem.law.atlas.entry import entries, file_of
-from duhem.law.formula_law import Criterion
 from duhem.path import Path, simulate
-from duhem.testing import checks_for, conformance, parameters, projection
+from duhem.testing import checks_for, conformance, projection
+from tests.campaigns.increments import at_simplest
 from tests.long import mostly_long
 
 ENTRIES = {each.name: each for each in entries()}
@@ -48,13 +47,6 @@ ON_EDGE = ("teardrop",)
 QUICK = ("howe-cutkosky", "yamada-sun")
 
 
-def fixed(name: str) -> Criterion:
-    """The law at the simplest admitted values of its parameters."""
-    law = duhem.load(name)
-    values = find(parameters(law), lambda _: True, settings=settings(database=None, deadline=None))
-    return law.fix(values)
-
-
 def test_most_laws_are_driven() -> None:
     assert len(DRIVEN) >= 80
     assert {*NO_ORIGIN, *QUICK} <= {*DRIVEN}
@@ -69,7 +61,7 @@ def left_out(name: str) -> set[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(DRIVEN, *QUICK))
 def test_the_increments_of_a_law_conform(name: str) -> None:
-    law = fixed(name)
+    law = at_simplest(name)
     checks = [check for check in checks_for(law) if check.name not in left_out(name)]
     pressure = -1.0 if law.pressure else None  # at zero pressure K is a point and has no tangent
     size = np.eye(len(law.forces))
@@ -81,7 +73,7 @@ def test_the_increments_of_a_law_conform(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long([name for name in DRIVEN if name not in ON_EDGE], *QUICK))
 def test_a_law_is_driven_along_a_path(name: str) -> None:
-    law = fixed(name)
+    law = at_simplest(name)
     d = len(law.forces)
     knots = np.vstack([np.zeros(d), np.eye(d), -np.eye(d)])
     start = np.full(d, -0.2) if name in NO_ORIGIN else None
@@ -94,6 +86,6 @@ def test_a_law_is_driven_along_a_path(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(OWN_FLOW, *OWN_FLOW[::4]))
 def test_a_law_with_a_flow_of_its_own_has_no_closest_point(name: str) -> None:
-    law = fixed(name)
+    law = at_simplest(name)
     with pytest.raises(InputError, match=r"has its own flow direction|are the gradient of a potential"):
         duhem.project(law, np.ones(len(law.forces)), -1.0 if law.pressure else None)
