@@ -22,7 +22,7 @@ import mpmath
 import sympy as sp
 
 from duhem.derivation.recognise import read_ball
-from duhem.expression import mpmath_
+from duhem.expression import holds_at, mpmath_
 from duhem.expression.mpmath_ import reach
 from duhem.law.formula_law import Criterion
 
@@ -199,7 +199,7 @@ def sample_values(law: Criterion, requires: Sequence[sp.Expr], random: Random, c
         values |= {symbols[name]: domain.value for name, domain in law.parameters.items() if domain.value is not None}
         if law.pressure is not None:
             values[symbols[law.pressure]] = -sp.Rational(random.randint(1, 40), random.randint(1, 12))
-        if all(c.subs(values) == True for c in law.constraints) and all((r > 0).subs(values) == True for r in requires):  # noqa: E712
+        if all(holds_at(relation, values) for relation in (*law.constraints, *(r > 0 for r in requires))):
             yield values
             found += 1
             if found == count:
@@ -227,8 +227,8 @@ def defects(law: Criterion, support: SupportFunction, parameters: int = 3, direc
 def _defects(law: Criterion, support: SupportFunction, parameters: int, directions: int) -> Iterator[str]:
     random, forces = Random(2007), law.force_symbols()
     others = [s for s in law.symbols().values() if s not in forces]
-    fine, rough = mpmath_.digits(DIGITS), mpmath_.digits(ROUGH)
-    g, g_roughly = (mpmath_.compiled([law.g], [*forces, *others], context) for context in (fine, rough))
+    fine, rough, doubles = mpmath_.digits(DIGITS), mpmath_.digits(ROUGH), mpmath_.doubles()
+    g, g_roughly, g_of_doubles = (mpmath_.compiled([law.g], [*forces, *others], context) for context in (fine, rough, doubles))
     claim = mpmath_.compiled([support.potential, *(support.maximiser or ()), *support.centre], [*support.rates, *others], fine)
     tried, small = 0, fine.mpf(10) ** -SMALL
     for values in sample_values(law, support.requires, random, parameters):
@@ -238,13 +238,15 @@ def _defects(law: Criterion, support: SupportFunction, parameters: int, directio
         claims = [finite(claim(*d, *rest)) for d in rates]
         n = len(forces)
         centre = claims[0][-n:]
-        rays = [[rough.mpf(random.gauss(0, 1)) for _ in range(n)] for _ in range(4 * directions)]
-        start = [rough.mpf(c) for c in centre]
+        rays = [[random.gauss(0, 1) for _ in range(n)] for _ in range(4 * directions)]
 
-        def level(x: list[Any], rest: Sequence[Any] = rest) -> Any:
-            return g_roughly(*x, *rest)[0]
+        def level(x: list[float], rest: Sequence[Any] = tuple(mpmath_.number(rough, v) for v in rest)) -> float:
+            try:
+                return float(g_of_doubles(*x, *map(float, rest))[0])
+            except (ArithmeticError, TypeError, ValueError):  # beyond their range, or no real one
+                return float(g_roughly(*x, *rest)[0])
 
-        reached = [(ray, reach(rough, level, start, ray, BITS)) for ray in rays]
+        reached = [(ray, reach(doubles, level, list(map(float, centre)), ray, BITS)) for ray in rays]
         cloud = [[c + fine.mpf(t) * fine.mpf(r) for c, r in zip(centre, ray, strict=True)] for ray, t in reached if t is not None]
         scale = max([abs(c[0]) for c in claims] + [fine.mpf(10) ** -6])
         for d, (potential, *found) in zip(rates, claims, strict=True):

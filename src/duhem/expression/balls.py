@@ -58,8 +58,20 @@ def enclose(expr: sp.Basic, values: Mapping[sp.Symbol, Any]) -> Any:
 
 def compiled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Callable[..., Any]:
     """:func:`enclose` as a function of one ball a symbol, in their order; walk once, call often, in any working precision."""
-    recording = recorded(expr, symbols, bound(TABLE), lambda node: partial(_leaf, node, {}))
+    recording = recorded(expr, symbols, bound(TABLE), _constant_step)
     return lambda *values: recording.value(values)
+
+
+def _constant_step(node: Any) -> Callable[[], Any]:
+    """A constant as a step, worked out once a precision."""
+    known: dict[int, Any] = {}
+
+    def step() -> Any:
+        if (bits := flint.ctx.prec) not in known:
+            known[bits] = _leaf(node, {})
+        return known[bits]
+
+    return step
 
 
 def constant(node: Any) -> Any:

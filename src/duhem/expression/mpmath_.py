@@ -7,6 +7,7 @@ set {level <= 0}.
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
@@ -21,7 +22,7 @@ from duhem.expression.elementary import ELEMENTARY, Elementary
 from duhem.expression.fold import Table, bound, fold, recorded
 from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, rows
 
-__all__ = ["compiled", "constant", "digits", "evaluate", "kept_digits", "number", "reach", "table"]
+__all__ = ["compiled", "constant", "digits", "doubles", "evaluate", "kept_digits", "number", "reach", "table"]
 
 _MOST_BITS = 4096  # before the point, of what stands under an exponential or a wave
 
@@ -40,7 +41,7 @@ def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> 
 def compiled(exprs: Sequence[sp.Basic], symbols: Iterable[sp.Symbol], context: Any) -> Callable[..., list[Any]]:
     """The formulas as one function of the symbols' values; walked once, run in the precision ``context`` has at each call."""
     rows = {sp.Tuple: lambda _, *parts: list(parts), **table(context)}
-    recording = recorded(sp.Tuple(*exprs), symbols, bound(rows), lambda node: partial(constant, context, node))
+    recording = recorded(sp.Tuple(*exprs), symbols, bound(rows), partial(_constant_step, context))
 
     def run(*values: Any) -> list[Any]:
         found: list[Any] = recording.value([number(context, v) for v in values])
@@ -49,12 +50,34 @@ def compiled(exprs: Sequence[sp.Basic], symbols: Iterable[sp.Symbol], context: A
     return run
 
 
+def _constant_step(context: Any, node: Any) -> Callable[[], Any]:
+    """A constant as a step, worked out once a precision."""
+    known: dict[int, Any] = {}
+
+    def step() -> Any:
+        if (bits := context.prec) not in known:
+            known[bits] = constant(context, node)
+        return known[bits]
+
+    return step
+
+
 def digits(count: int) -> Any:
     """A context of so many decimal digits that nobody else has: mpmath's own carries one precision for all threads."""
     from mpmath import MPContext
 
     context = MPContext()
     context.dps = count
+    return context
+
+
+def doubles() -> Any:
+    """A context of Python's own numbers, for what asks for no more of them: a number beyond their range is an ArithmeticError."""
+    from mpmath.ctx_fp import FPContext
+
+    context = FPContext()
+    for name in ("asinh", "acosh", "atanh", "isfinite"):  # which it lacks
+        setattr(context, name, getattr(math, name))
     return context
 
 
