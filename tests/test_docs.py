@@ -125,6 +125,7 @@ def held(name: str, given: object) -> None:
     jsonschema.Draft202012Validator(schema).validate(json.loads(json.dumps(given)))
 
 
+@pytest.mark.slow
 def test_verifications_and_certificates_are_as_their_schemas_say() -> None:
     two = duhem.Criterion(name="two", parameters={"mu": duhem.POSITIVE}, surfaces=(
         duhem.YieldSurface(g="norm(sigma_a, sigma_b) - mu*abs(sigma_n)"), duhem.YieldSurface(g="sigma_a - 1", flow=("1", "0")),

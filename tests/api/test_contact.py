@@ -59,6 +59,7 @@ def apart(answers: list[Any]) -> list[Any]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", FACES)
 @pytest.mark.parametrize("k", [PLAIN, WEAK], ids=["plain", "weak"])
 def test_polygons_answer_as_every_set_of_faces_does(law: str, k: Any) -> None:
@@ -202,6 +203,7 @@ ODD = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", mostly_long(ODD, ODD[0], ODD[4]))
 def test_an_open_contact_has_no_stress_however_the_law_is_written(g: str) -> None:
     """At sigma_n = 0 these formulas are another set than 0 K(-1) = {0}, or none."""

@@ -133,6 +133,7 @@ def test_no_pressure_is_a_question_of_its_own(monkeypatch: pytest.MonkeyPatch) -
     assert status(oval(), "0.3", pressure) == [Status.STATIONARY, Status.SLIP, Status.STATIONARY]
 
 
+@pytest.mark.slow
 def test_no_pressure_leaves_a_point() -> None:
     numbers = {"mu_a": "0.3", "mu_b": "0.4", "p": 3}
     done = duhem.project("superellipse", [[1.0, 2.0]] * 2, [-1.0, 0.0], parameters=numbers, convex="require")

@@ -69,6 +69,7 @@ def test_what_cannot_be_used_is_said_where_it_is_given() -> None:
         prepared([1.0, 0.0], 1.0)
 
 
+@pytest.mark.slow
 def test_whether_k_is_convex_is_asked_before() -> None:
     bean = Criterion("bean", "(norm(sigma_a, sigma_b)**2 - sigma_a)**2 - norm(sigma_a, sigma_b)**2", pressure=None)
     with pytest.raises(InputError, match="convex"):

@@ -253,6 +253,7 @@ def test_peers_are_compared_where_both_were_measured() -> None:
     assert found["quick / exact, error of the stress at N = 100"].holds is False
 
 
+@pytest.mark.slow
 def test_extreme_cases_are_put_to_peers_too() -> None:
     result = stress(specimen("coulomb", mu="0.3").law, axes=("boundary distance",), contenders=[SLSQP_ALONE], every=9)
     assert {row.label for row in result.rows} == {"1e0", "1e-9"}

@@ -47,6 +47,7 @@ def test_written_into_the_formula() -> None:
     assert inert == {InertNumber(sp.Rational(300123456789, 10**11))}
 
 
+@pytest.mark.slow
 def test_projected_by_two_methods() -> None:
     trial, numbers = [[0.3, 0.4], [-0.5, 0.01]], {name: float(value) for name, value in LAW.items()}
     newton, cvxpy = (project(load("superellipse"), trial, -1.0, [1.0, 2.0], numbers, method=m) for m in ("newton", "cvxpy"))

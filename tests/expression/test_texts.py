@@ -28,6 +28,7 @@ def read(text: str) -> sp.Expr:
     return parse_expression(text, SIGNED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", mostly_long([100, 300], 100))
 def test_drawn_texts_are_read_alike_and_read_back(count: int) -> None:
     found = texts(count, 5)

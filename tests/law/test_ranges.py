@@ -54,6 +54,7 @@ def test_claims_are_asked_within_the_ranges(law: Criterion, claim: str, verdict:
         assert values and all(value in law.domain[name] for name, value in values)
 
 
+@pytest.mark.slow
 def test_what_is_violated_out_of_range_alone_is_not_refuted() -> None:
     assert duhem.verify(_law(FLARED, a=Domain.between(-1)), claims=["convexity"])["convexity"].verdict.value != "refuted"
     assert duhem.verify(_law("norm(a, b) + sigma_n", a=Domain.between(-1)), claims=["convexity"])["convexity"].verdict.value == "proved"

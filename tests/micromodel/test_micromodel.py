@@ -36,6 +36,7 @@ def micro() -> Derivation:
 # -- numbers ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_exact_values() -> None:
     assert facets.exact_coefficients(EXACT) == (sp.Rational(1, 3), sp.Rational(23, 75))
     np.testing.assert_allclose(coefficients(*STEEL), [1 / 3, 23 / 75], rtol=1e-15)

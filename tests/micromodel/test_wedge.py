@@ -91,6 +91,7 @@ def verdicts(verification: Verification) -> dict[str, Verdict]:
     return {r.claim: r.verdict for r in verification.results}
 
 
+@pytest.mark.slow
 def test_the_specimen() -> None:
     assert verdicts(found("specimen")) == {
         "origin": PROVED,

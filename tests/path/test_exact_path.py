@@ -269,6 +269,7 @@ def test_a_cap_on_the_load_has_a_slope() -> None:
     assert np.abs(done.balance).max() < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("waist", "convex"), [("20", True), ("1/5", False)])
 def test_a_set_that_is_not_convex_is_said_to_be_none(waist: str, convex: bool) -> None:
     """Cassini's ovals round the foci +-1: they are convex from (1 + c)^2 = 4 on."""

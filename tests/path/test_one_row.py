@@ -36,6 +36,7 @@ def tables(case: str, method: str, substeps: int) -> Any:
     return duhem.simulate(law, path, stiffness=stiffness, parameters=parameters, method=method, substeps=substeps).to_array()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["implicit", "extrapolated"])
 @pytest.mark.parametrize("case", CASES)
 def test_plain_numbers_take_the_steps_of_arrays(case: str, method: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -97,6 +97,7 @@ def test_a_law_with_cohesion_needs_nothing_special():
     assert np.abs(one.stress - three.stress[::3]).max() < 1e-13 and one.stress[2].any()
 
 
+@pytest.mark.slow
 def test_a_set_that_does_not_shrink_to_the_origin_is_refused():
     """Without pressure K is a line: no stress of it is called right."""
     law = Criterion("line", "norm(sigma_b, sigma_n*sigma_a) + sigma_n", {})

@@ -172,6 +172,7 @@ def mistakes(text, folder="."):
     return set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", OF_PATHS, ids=lambda path: path.split('"')[1])
 def test_two_mistakes_are_told_together_and_nothing_else_is(path):
     assert mistakes(WHOLE + path) == set()
@@ -310,6 +311,7 @@ def test_a_part_cut_short_is_refused_or_resumes_to_the_same_last_digit(tmp_path)
     assert resumed == 1
 
 
+@pytest.mark.slow
 def test_the_picture_is_in_the_units_that_the_scene_names(folder, monkeypatch):
     pytest.importorskip("matplotlib")
     seen = {}

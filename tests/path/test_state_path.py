@@ -112,6 +112,7 @@ def recall(found: StateHistory) -> Any:
     return -found["X"] - C / GAMMA * (1.0 - np.exp(-GAMMA * found["u_in"]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "order"), [("implicit", 1), ("extrapolated", 2)])
 def test_armstrong_and_frederick(method: str, order: int) -> None:
     found = order_of(FREDERICK, recall, None, method, MOST[order], parameters=ONE | {"C": C, "gamma": GAMMA})
@@ -139,6 +140,7 @@ def test_norton_creeps_at_constant_stress() -> None:
     assert found.dissipation[-1] == pytest.approx(2.0 * a * 0.5 ** (n + 1), rel=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "order"), [("implicit", 1), ("extrapolated", 2)])
 def test_norton_relaxes(method: str, order: int) -> None:
     def exact(found: StateHistory) -> Any:
@@ -285,6 +287,7 @@ def test_a_prescribed_temperature_takes_heat_out() -> None:
     assert risen["sigma"][-1] == pytest.approx(R / 2, rel=1e-13) and balanced(risen) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "order"), [("implicit", 1), ("extrapolated", 2)])
 def test_bodies_warm_an_interface_at_rest(method: str, order: int) -> None:
     """c T' = h (T1 - T)."""
@@ -350,6 +353,7 @@ def test_a_wrong_step_is_caught(old: str, new: str, monkeypatch: pytest.MonkeyPa
         conditions([1.0, -0.5], R, C, GAMMA)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new"), [("- heat.sum(axis=1) - inflow", "- 2 * heat.sum(axis=1) - inflow"), ("(t * gained - ", "(0 * gained - ")]
 )
@@ -369,6 +373,7 @@ def mutate(old: str, new: str, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(state_path, name, getattr(mutant, name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "path", "asked"),
     [
@@ -462,6 +467,7 @@ def test_misuse_is_named(change: dict[str, Any], message: str) -> None:
         duhem.simulate(asked.pop("law"), asked.pop("path"), **asked)
 
 
+@pytest.mark.slow
 def test_increments_take_the_variables_that_the_criterion_names() -> None:
     worn = made("abs(sigma) - R*(1 + h*w)", None, SLIP | {"w": Variable()}, names=("h",), unforced={"w": "1"})
     for w in (0.0, 1.0):

@@ -175,6 +175,7 @@ def test_slips_of_a_round_apex_are_told_from_those_beside(formula: str, apex: fl
 ANGLED = Criterion("angled", "norm(sigma_a, sigma_b)*(1 + cos(2*atan2(sigma_b, sigma_a))/10) + 3/10*sigma_n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compiled", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_a_law_that_takes_an_angle_has_its_limit_at_no_stress(compiled: bool) -> None:
     done = duhem.project(ANGLED, [[0.0, 0.0], [1e-300, 0.0], [0.1, 0.0], [1.0, 0.3]], -1.0, method="newton", compiled=compiled)

@@ -85,6 +85,7 @@ ON_THE_BOUNDARY = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ON_THE_BOUNDARY)
 def test_where_no_stress_is_on_the_boundary_k_is_seen_from_within(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Ordinary points pass both looks, and what is off by more than is vouched for passes neither."""

@@ -254,6 +254,7 @@ def test_what_stands_in_the_way_in_the_folder_is_written_anew(monkeypatch: pytes
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 
+@pytest.mark.slow
 def test_few_texts_serve_all_values_of_the_parameters() -> None:
     texts = set()
     for shift in np.linspace(0.01, 0.3, 12).tolist():

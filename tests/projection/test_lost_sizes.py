@@ -37,6 +37,7 @@ def asked(formula: str, trial: Any, pressure: float, copies: int, **parameters: 
     return duhem.project(law, np.repeat([trial], copies, axis=0), pressure, parameters=parameters or None, convex="assume")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "exact"), long_but([1, 3], SIZES))
 def test_a_size_in_which_digits_cancel_is_known(size: str, exact: Any) -> None:
     for pressure in (1e-4, 1e-9, 1e-17):
@@ -47,6 +48,7 @@ def test_a_size_in_which_digits_cancel_is_known(size: str, exact: Any) -> None:
             np.testing.assert_allclose(done.stress[0], WAY * radius * min(far, 1.0), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_so_is_one_of_parameters() -> None:
     done = asked(f"{N} - log(1 + mu)*{X}", WAY * 1e-8, -1.0, 1, mu=1e-17)
     assert done.status[0] == Status.SLIP
@@ -60,6 +62,7 @@ SATURATED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("copies", [1, 40])
 @pytest.mark.parametrize(("formula", "trial", "pressure"), SATURATED)
 def test_nothing_sticks_where_g_is_flat(formula: str, trial: Any, pressure: float, copies: int) -> None:
@@ -111,6 +114,7 @@ def test_what_leaves_the_range_of_doubles_warns_of_nothing() -> None:
     assert duhem.project(Criterion("law", f"atan2({X}, {N}) - pi/4"), [1.0, 2.0], -1e300).status[0] in REFUSED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "status"),
     [("atan(log(x)) - 1/2", Status.SLIP), ("atan(1/x) - 1/2", Status.STICK), ("atan(log(abs(x))) - 1/2", Status.SLIP)],

@@ -293,6 +293,7 @@ def test_sets_that_are_not_convex_end_in_stationary_points_or_failures():
     np.testing.assert_allclose((got.stress + got.slip)[kept], trial[kept], atol=1e-11)
 
 
+@pytest.mark.slow
 def test_a_set_without_points_and_one_of_a_single_point():
     empty = Criterion("empty", "norm(a, b) + 1", forces=("a", "b"), pressure=None)
     trials = np.array([[0.0, 0.0], [1.0, 0.0], [0.3, -0.4]])
@@ -392,6 +393,7 @@ CAPPED = [  # cones without roots, cut off: the slope of their sides grows along
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "forces", "trial", "corner", "weight"), CAPPED)
 def test_multipliers_at_a_corner_are_those_of_the_slopes_there(g, forces, trial, corner, weight):
     law = Criterion(name="capped-cone", g=g, forces=forces, pressure=None)

@@ -62,6 +62,7 @@ def test_a_side_that_hardly_presses_holds_the_corner():
     np.testing.assert_allclose(of_u, [np.zeros((2, 2)), np.zeros((2, 2)), np.diag([0.0, 1.0])], atol=1e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["mujoco-pyramidal", "rankine"])
 def test_a_tip_under_more_normals_than_the_push_needs_stays(name: str) -> None:
     """|a| + |b| + |c| <= 1 pushed along an axis: two of the four normals at the tip make the push, and none lets it go."""
@@ -140,6 +141,7 @@ def test_a_tip_moves_with_the_pressure(push):
     np.testing.assert_allclose(done.tangent_pressure[0], [-1.0, 0.0, 0.0], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_an_edge_of_equal_principal_stresses_has_no_tangent_that_is_known():
     law = duhem.load("tresca-tensor").fix({"s0": 1})
     done = duhem.project(law, [2.0, 1.9, 0.0, 0.0, 0.0, 0.0], tangent=True)  # on the edge s1 = s2

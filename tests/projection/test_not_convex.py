@@ -145,6 +145,7 @@ def test_the_end_of_a_slot_is_not_closest_however_narrow(width: float) -> None:
     assert done.status.tolist() == [Status.INACCURATE, Status.SLIP, Status.SLIP]
 
 
+@pytest.mark.slow
 def test_three_forces() -> None:
     two = Criterion("two", "min(norm(a, b, c), norm(a + 3, b, c)) - 1", {}, forces=("a", "b", "c"), pressure=None)
     dent = Criterion("dent", "norm(a, b, c)**2 - (norm(a, b, c) + 3*a/5)", {}, forces=("a", "b", "c"), pressure=None)

@@ -47,6 +47,7 @@ def test_families_of_extremes(name: str, every: int, right: int) -> None:
     assert (seen.wrong_stress, seen.wrong_slip, seen.right_flagged, seen.unvouched_flagged) == (0, 0, 0, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", mostly_long([1, 29], 29))
 def test_ellipses_that_nearly_touch_no_stress_are_right_or_flagged(every: int) -> None:
     seen = total(list(tally(iter(family("grazing", every)), ["closed-form", "newton"]).values()))

@@ -158,6 +158,7 @@ def test_what_newtons_text_leaves_the_search_takes(monkeypatch: pytest.MonkeyPat
     np.testing.assert_allclose(found.stress, expected.stress, rtol=1e-14)
 
 
+@pytest.mark.slow
 def test_what_the_judge_refuses_of_few_points_is_searched_for() -> None:
     """Newton's loop goes from where the way to the trial leaves K to the end of a slot; the search finds the side beside it."""
     slot = Criterion("slot", "max(norm(a, b) - 1, min(2/5 - abs(b), a - 1/2))", forces=("a", "b"), pressure=None)

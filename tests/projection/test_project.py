@@ -124,6 +124,7 @@ def test_arguments_are_left_as_they_were() -> None:
 # -- method ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_auto_takes_the_cheapest_and_says_why() -> None:
     done = duhem.project("antoni2007", [1, 1], -1, parameters=MU)
     assert (done.method, done.why) == ("closed-form", "the cheapest method that applies")

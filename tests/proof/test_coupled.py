@@ -237,6 +237,7 @@ def power(s: State) -> Fraction:
     return s["a"] * s["d_a"] + s["b"] * s["d_b"]
 
 
+@pytest.mark.slow
 def test_wrong_bipotentials_are_refuted_by_exact_states() -> None:
     mu = Fraction(1, 2)
     coupled = asked("coulomb").coupled
@@ -310,6 +311,7 @@ def test_nobody_who_did_not_ask_is_told() -> None:
 Run = Callable[..., tuple[int, str, str]]
 
 
+@pytest.mark.slow
 def test_the_command_decides_it_and_ends_by_it(run: Run) -> None:
     code, told, _ = run("verify", "coulomb", "--claims", "origin", "--coupled")
     assert code == 0 and "bipotential  proved   checked  polar-gauge" in told and "\nCoupled\n" in told

@@ -261,6 +261,7 @@ def test_a_violation_of_a_clockwise_curve_is_told_in_its_own_angle() -> None:
     assert low <= -2 * t / (1 + t * t) <= high
 
 
+@pytest.mark.slow
 def test_a_flow_that_is_wrong_in_a_thin_range_of_a_parameter_is_refuted_there() -> None:
     found = verify(ParametricCriterion("thin", (C, S), {"e": Domain.between("-1e-20", 1)}, flow=(f"e*{C}", f"e*{S}")))  # type: ignore[arg-type]
     assert found["dissipation"].verdict is Verdict.REFUTED and found["convexity"].verdict is Verdict.PROVED
@@ -309,6 +310,7 @@ def test_a_fixed_parameter_is_no_weaker_than_its_range_however_near_the_limit(k:
     assert verify(beyond, claims=["convexity"])["convexity"].verdict is not Verdict.PROVED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", long_but([2], ["1 - 2*cos(phi)", "cos(phi) + 1/2", "(cos(phi) - 1)**3"]))
 def test_a_flow_that_points_into_k_is_not_in_the_normal_cone(share: str) -> None:
     """T . d < 0 at some angle, and zero force is in K."""
@@ -317,6 +319,7 @@ def test_a_flow_that_points_into_k_is_not_in_the_normal_cone(share: str) -> None
     assert found["normality"] is found["dissipation"] is Verdict.REFUTED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", long_but([2], ["atan2(sin(phi), cos(phi))", "asin(2*cos(phi))", "log(sin(phi)**2)"]))
 def test_a_flow_without_a_value_somewhere_ends_in_no_crash(share: str) -> None:
     law = ParametricCriterion("parted", (C, S), flow=(f"{C}*{share}", f"{S}*{share}"))

@@ -149,6 +149,7 @@ def test_a_law_with_heat_is_written_as_a_file_that_says_it() -> None:
         criterion_text(law.fix({"T1": 300}))
 
 
+@pytest.mark.slow
 def test_only_a_law_with_heat_makes_the_claim() -> None:
     heated, plain = with_conductance("h1"), reads(BRAKE.partition("[heat]")[0])
     assert "thermal" in [r.claim for r in duhem.verify(heated, effort="quick")]

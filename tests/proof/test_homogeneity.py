@@ -87,6 +87,7 @@ def test_nothing_of_an_exponential_is_proved_beyond_that(one):
     assert verify(one, claims=["origin"])["origin"].verdict is not Verdict.PROVED
 
 
+@pytest.mark.slow
 def test_where_the_exponent_may_be_0_the_tip_may_be_on_the_boundary():
     found = verify(load(LOADED, Domain.between(0, Fraction(1))), claims=["origin", "smoothness"])
     assert found["origin"].verdict is Verdict.PROVED and found["smoothness"].verdict is not Verdict.PROVED

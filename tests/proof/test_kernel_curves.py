@@ -130,6 +130,7 @@ def test_names_of_a_curve_are_declared() -> None:
         curve(*CIRCLE, phi={"positive": True, "max": None})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", mostly_long([2, 8], 2))
 def test_star_shapes_of_random_harmonics_agree_with_their_own_curvature(count: int) -> None:
     """r = 1 + e cos n phi: convex exactly while r^2 + 2 r'^2 - r r'' >= 0, seen on a grid of the angle."""

@@ -60,12 +60,14 @@ def test_what_refutes_a_potential_says_what_k_is() -> None:
     assert "none is looked for of the conjugate" in found["duality"].detail
 
 
+@pytest.mark.slow
 def test_a_potential_without_a_value_is_not_refuted_there() -> None:
     bent = viscous("a**2 + b**2 + where(a < 0, -10, 1)*(log(a) - log(a) + 0*a) - 4*neg(a)**2 + sqrt(a)*0")
     found = duhem.verify(bent, claims=["convexity"], effort="quick")["convexity"]
     assert found.witness is None or all(sp.Rational(point["a"]) >= 0 for point in found.witness.points.values())
 
 
+@pytest.mark.slow
 def test_rates_without_a_value_dissipate_nothing() -> None:
     """grad (a^2 + b^2)^n is infinite at 0 for n < 1/2."""
     given = Criterion("steep", "(a**2 + b**2)**n - 1", {"n": AT_LEAST_0}, ("a", "b"), None, viscous=True)

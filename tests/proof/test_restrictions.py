@@ -19,6 +19,7 @@ from tests.long import long_but, mostly_long
 QUICK = ("antoni2007", "box", "coulomb", "cohesive", "orthotropic", "quartic", "superellipse", "tresca", "von-mises")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", mostly_long([4, 12], 4))
 def test_restrictions_of_quick_laws_are_not_weaker(count: int) -> None:
     whole: dict[str, Any] = {}

@@ -17,12 +17,14 @@ from tests.proof.laws_with_state import ABOVE_0, AT_LEAST_0, ONE, PRAGER, QUADRA
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
 
 
+@pytest.mark.slow
 def test_forces_that_no_state_has_refute_nothing() -> None:
     """An associated law whose K leaves 0 out dissipates less than 0 at forces that this energy never gives together."""
     away = law("(sigma - 2)**2 + (Y - 2)**2 - 1", f"{QUADRATIC} + C/2*alpha**2", C=ABOVE_0)
     assert duhem.verify(away, claims=["dissipation"])["dissipation"].verdict is not REFUTED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("given", "turned"),
     [
@@ -47,6 +49,7 @@ def test_rates_of_associated_laws_are_refuted_by_a_state(given: Any, turned: str
     assert duhem.verify(other, claims=["dissipation"])["dissipation"].verdict is not REFUTED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("flow", "verdict"), [("Y - gamma*alpha", PROVED), ("Y + gamma*alpha", REFUTED), ("-Y", REFUTED)])
 @pytest.mark.parametrize("observed", [True, False])
 def test_a_criterion_of_forces_that_no_observable_moves(flow: str, verdict: Verdict, observed: bool) -> None:
@@ -62,6 +65,7 @@ def test_a_criterion_of_forces_that_no_observable_moves(flow: str, verdict: Verd
         violated(given, "dissipation", found.witness)
 
 
+@pytest.mark.slow
 def test_rates_without_an_energy_are_refuted_by_any_forces() -> None:
     own = {"name": "own", "g": "norm(sigma, Y) - R", "parameters": {"R": ABOVE_0}, "forces": ("sigma", "Y"), "pressure": None}
     spends = Criterion(**own, variables={"alpha": Variable("Y")}, rates={"alpha": "-Y"})
@@ -70,6 +74,7 @@ def test_rates_without_an_energy_are_refuted_by_any_forces() -> None:
     assert duhem.verify(tied, claims=["dissipation"])["dissipation"].verdict is not REFUTED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("nothing", "verdict"), [("0*sqrt(alpha - 100)", False), ("log(alpha)*0", False), ("alpha*0", True)])
 def test_an_energy_without_a_value_refutes_nothing_there(nothing: str, verdict: bool) -> None:
     """As it is written it has none where alpha < 0, and there alone the rates cost energy."""
@@ -100,6 +105,7 @@ def test_an_energy_that_gives_two_forces_for_one(energy: str) -> None:
     assert (given.energy.diff(table["u"]) + given.energy.diff(table["u_in"])).subs(here) != 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("heat", "convex"), [("C*T**2", True), ("C*T*log(T)", True), ("-C*T*(log(T) - 1)", False), ("-C*T**2", False)])
 @pytest.mark.parametrize("bounds", ["min = 300, max = 301", "positive = true"])
 def test_an_energy_that_is_not_concave_in_the_temperature(heat: str, convex: bool, bounds: str) -> None:
@@ -115,6 +121,7 @@ def test_an_energy_that_is_not_concave_in_the_temperature(heat: str, convex: boo
         assert float(psi[2] - (psi[0] + psi[1]) / 2) < 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "energy", ["exp(alpha**9)", "-exp(exp(exp(alpha)))", "C/(alpha - 1)", "1e300*alpha**2 - 1e300*alpha**4", "alpha**301"]
 )
@@ -137,6 +144,7 @@ def maxwell(**changed: Any) -> Criterion:
     return law(PRAGER, f"{QUADRATIC} + C/2*alpha**2", flow=("sigma", "Y"), C=ABOVE_0, **changed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "given",
     [
@@ -158,6 +166,7 @@ def test_a_displacement_with_a_range_bounds_the_force() -> None:
     assert duhem.verify(given, claims=["dissipation"])["dissipation"].verdict is not REFUTED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ranged", ['w = { force = "W", min = 1, max = 2 }', 'w = { force = "W", value = 2 }', 'w = { force = "W", positive = true }']
 )

@@ -62,12 +62,14 @@ def test_no_more_is_spent_than_is_given(name: str, steps: int, counted: Callable
     assert counted(LAWS[name], steps) <= steps + ONE_MORE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["hoffman", "lobes"])
 def test_one_that_is_endless_would_be_seen(name: str, counted: Callable[[Criterion, int], int], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verification, "Budget", lambda steps: Budget(ANY_STEPS))
     assert counted(LAWS[name], 200_000) > 200_000 + ONE_MORE
 
 
+@pytest.mark.slow
 def test_more_steps_prove_more() -> None:
     assert [verdict_within(ROUND, "convexity", steps) for steps in (0, 100, 100_000)] == [Verdict.UNDECIDED] * 2 + [Verdict.PROVED]
     assert [verdict_within(LAWS["puck"], "convexity", steps) for steps in (100_000, 600_000)] == [Verdict.UNDECIDED, Verdict.PROVED]
@@ -98,6 +100,7 @@ for name in ("von-mises", "gotoh", "hoffman", "lobes", "limacon"):
 """
 
 
+@pytest.mark.slow
 def test_two_processes_spend_the_same_and_find_the_same() -> None:
     done = [
         subprocess.run([sys.executable, "-c", PROCESS, seed], capture_output=True, text=True, env={**os.environ, "PYTHONHASHSEED": seed})

@@ -10,6 +10,7 @@ from tests.campaigns.trusted import trusted
 MOST = 3_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["antoni2007", pytest.param("willam-warnke-tensor", marks=pytest.mark.long)])
 def test_a_proof_rests_on_a_part_of_the_kernel(name: str) -> None:
     found = {proof.claim: proof for proof in trusted(name, verify(load(name)).certificate())}

@@ -136,6 +136,7 @@ def test_the_conditions_of_a_slip_are_read_whatever_the_evidence_is() -> None:
         assert not _power_is_confirmed(law(DISC, flow=[f"where({condition}, t1, 2*t1)", "t2"]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("honest", "undefined", "reads"), long_but([0, *range(2, 7)], AUDIT))
 def test_a_certificate_of_such_a_law_is_refused(honest: dict[str, Any], undefined: dict[str, Any], reads: str) -> None:
     """With the proofs of the law as it should be, whatever the certificate says of them."""
@@ -329,6 +330,7 @@ OVAL = ParametricCriterion("oval", ("c*cos(phi)", "sin(phi)"), {"c": Domain.betw
 FEW = ("coulomb", "antoni2007", "radial-flow", "limacon", OVAL)  # with a part of each kind, in seconds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("laws", "seed"), mostly_long([(FEW, 3), *((undefined_parts.SMALL, seed) for seed in range(1, 9))], (FEW, 3)))
 def test_no_claim_about_a_text_without_a_value_is_confirmed(laws: tuple[str | Law, ...], seed: int) -> None:
     found = undefined_parts.undefined_parts(undefined_parts.made(laws), 12, seed)

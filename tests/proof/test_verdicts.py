@@ -50,6 +50,7 @@ def _holds_elsewhere(verification: Verification) -> bool:
 # -- the whole domain -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_slow(KNOWN, *QUICK))
 def test_verdicts_over_the_whole_domain(name: str) -> None:
     assert {claim: verified(name)[claim].verdict for claim in KNOWN[name]} == KNOWN[name]

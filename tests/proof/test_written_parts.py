@@ -68,6 +68,7 @@ def proved(law: Law) -> set[str]:
     return {r.claim for r in found.results if r.verdict is Verdict.PROVED} - {"state_laws"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", mostly_long([from_python, from_a_file], from_a_file))
 @pytest.mark.parametrize(
     ("part", "place"),  # of a formula's constraint every run asks below
@@ -98,6 +99,7 @@ def test_what_has_a_value_stays_proved(make: Callable[..., Law], place: str, par
         assert checked == proofs or "log" in part or "sqrt" in part  # of logarithms and of some roots in a curve the kernel knows nothing
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("constraint", mostly_long(["e/e <= 1", "0*log(e) <= 1", "0 <= 0/e"], "e/e <= 1"))
 def test_a_constraint_that_holds_of_itself_is_handed_on(constraint: str) -> None:
     law = Criterion("law", "norm(sigma_a, sigma_b) - 1", {"e": Domain.between(0, 1)}, pressure=None, constraints=(constraint,))  # type: ignore[arg-type]

@@ -130,6 +130,7 @@ def test_a_summary_draws_as_many_marks_as_there_are_verdicts():
     assert drawn == {"proved": 1, "refuted": 3, "undecided": 1, "no verdict": 1}
 
 
+@pytest.mark.slow
 def test_axes_have_the_units_of_the_parameters():
     def labels(law, *names):
         rows = [

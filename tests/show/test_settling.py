@@ -47,6 +47,7 @@ def test_numbers_do_not_touch_where_another_resolution_gives_an_axis_a_little_mo
         assert not faults(sheet)
 
 
+@pytest.mark.slow
 def test_a_title_wider_than_its_axes_does_not_reach_into_those_beside_it() -> None:
     def paint(*places: Axes) -> None:
         for axes in places:

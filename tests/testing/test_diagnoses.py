@@ -300,6 +300,7 @@ def test_what_is_wrong_without_stress_too_is_shown_where_its_cause_can_be_told(f
     assert failure.diagnosis and failure.case.trial.any() and unrounded(failure.case) <= 1, str(report)
 
 
+@pytest.mark.slow
 def test_an_answer_that_is_no_number_is_shown_where_it_is_none() -> None:
     def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
         with np.errstate(all="ignore"):

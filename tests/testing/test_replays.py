@@ -142,6 +142,7 @@ def test_a_routine_without_a_name_has_a_stub_that_says_so(tmp_path: Path) -> Non
         runpy.run_path(str(file))["test_feasibility"]()
 
 
+@pytest.mark.slow
 def test_a_law_made_in_python_is_written_out(tmp_path: Path) -> None:
     law = duhem.Criterion(
         name="my-disk", g="sqrt(a**2 + b**2) - r", forces=("a", "b"), pressure=None, parameters={"r": duhem.Domain(positive=True)}
@@ -168,6 +169,7 @@ def ellipse_of_its_own(sigma_a, sigma_b, sigma_n, mu):
     return Norm(2 * sigma_a, sigma_b) - mu * abs(sigma_n)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", long_at([0, 3], ["a file", "a value", "fixed", "registered", "closed form"]))
 def test_what_is_printed_takes_the_law_that_was_tested(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
