@@ -22,7 +22,7 @@ from duhem.expression.scalar_bounds import scalar_bounds
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.expression.vocabulary import Norm
 from duhem.projection import judge_kernel, slip_kernel
-from duhem.projection.code_cache import compiled_text, only_read
+from duhem.projection.code_cache import CompiledText, compiled_text, only_read
 from duhem.projection.in_blocks import in_blocks, keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
@@ -58,7 +58,7 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
     n, loop = len(solution.multiplier), _text(judge.level, increment.law.force_symbols(), judge.known.convex)
     if loop is None or not judge.known.around_origin:
         return Told.nothing(n)
-    run = compiled_text(loop.text, "judge", judge_kernel.INLINED)
+    run = _compiled(loop)
     packed = _packed(loop, judge.level, increment.stiffness, judge.known)
     keep_freed_memory(n)
     dissipation, status, residuals = _room(n)
@@ -109,7 +109,7 @@ def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array, kn
     loop, d = _text(level, forces, known.convex), len(forces)
     if loop is None or not known.around_origin:
         return None
-    run = interpreted(loop.text, "chunk", CHUNK=1)
+    run = interpreted(pasted(loop.text, judge_kernel.INLINED, ("chunk",)), "chunk", CHUNK=1)
     seen = _seen(known.tips.tobytes(), known.metric.of_stress.tobytes(), d)
     tables = [x.tolist() for x in (*_matrices(stiffness, known.metric), beside(d), *seen)]
     constants = *loop.constants, *tables, *_figures(level, known.metric)
@@ -133,7 +133,7 @@ def compiled_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array,
     if loop is None or not known.around_origin:
         return None
     numbers, rows = _packed(loop, level, stiffness, known)
-    compiled, nothing = compiled_text(loop.text, "judge", judge_kernel.INLINED), (np.zeros((1, d)), np.zeros(1))
+    compiled, nothing = _compiled(loop), (np.zeros((1, d)), np.zeros(1))
     work, status, off = _room(1)
     run = compiled.specialised(*map(only_read, nothing), numbers, rows, np.zeros((1, d)), *nothing, work, status, tuple(off))
 
@@ -143,6 +143,10 @@ def compiled_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array,
         return work.item(), status.item(), off[:, 0]
 
     return look
+
+
+def _compiled(loop: _Loop) -> CompiledText:
+    return compiled_text(pasted(loop.text, judge_kernel.INLINED), "judge", judge_kernel.INLINED)
 
 
 def _matrices(stiffness: Array, metric: Metric) -> tuple[Array, ...]:
@@ -198,8 +202,7 @@ def _text(level: Level, forces: tuple[sp.Symbol, ...], convex: bool) -> _Loop | 
     rest = formula.expr.replace(Norm, lambda *_: sp.Dummy(real=True))  # with a tip where norms are 0 and forces are left to hold them up
     corners = rest.has(*KINKED) or not rest.free_symbols.isdisjoint(forces)
     known = {"CONVEX": int(convex), "CORNERS": int(corners)}
-    text = pasted(module_text(formula, len(forces), jets, functions, sources, ("judge", "chunk"), **known), judge_kernel.INLINED)
-    return _Loop(text, constants)
+    return _Loop(module_text(formula, len(forces), jets, functions, sources, ("judge", "chunk"), **known), constants)
 
 
 def _data(formula: ScaledFormula) -> tuple[str, Numbers, Numbers]:

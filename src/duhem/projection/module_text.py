@@ -54,7 +54,7 @@ def module_text(
     parts = [part for text in ("\n".join([*functions, resized]), ours) for part in _parts(text, tuple(constants.items()))]
     named = {part.name: part for part in parts if part.name}
     kept = called(named, lambda name: named[name].names, entries)
-    return "\n".join([*head, *(part.text for part in parts if not part.name or part.name in kept)])
+    return "\n".join([*head, "\n".join(part.text for part in parts if not part.name or part.name in kept).lstrip()])
 
 
 class _Part:
@@ -141,17 +141,18 @@ def over_unit(name: str, weight: sp.Expr) -> str:
 # -- bodies in the places of calls, for a compiler that works through every function by itself --------------------------
 
 
-def pasted(text: str, names: Collection[str]) -> str:
+@lru_cache(maxsize=128)
+def pasted(text: str, names: tuple[str, ...], entries: tuple[str, ...] = ()) -> str:
     """The text with the bodies of these functions, where a call of them is a statement, or all that is assigned.
 
     Such a function is worked through once where it is called, not by itself, then in the caller and then in whatever calls that.
-    One that returns before its end stays as it is.
+    One that returns before its end stays as it is.  Of functions that no entry calls any more nothing is left, where ``entries`` are given.
     """
     tree = ast.parse(text)
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     into = _Pasted({name: functions[name] for name in names if name in functions and _ends(functions[name])})
-    for function in functions.values():
-        into.fill(function)
+    kept = called(functions, lambda name: names_in(into.fill(functions[name])), entries or functions)
+    tree.body = [node for node in tree.body if not isinstance(node, ast.FunctionDef) or node.name in kept]
     return ast.unparse(tree)
 
 
