@@ -45,6 +45,9 @@ LAWS = {
     "isotropic": law("abs(sigma) + A - R", f"{QUADRATIC} + H/2*alpha**2", SLIP | {"alpha": Variable("A")}, "H"),
     "quartic": law("sigma**4 + X**2 - R", STORED, BACK, "C"),
     "bingham": law("pos(norm(sigma) - R)**2/(2*eta)", names="eta", viscous=True),
+    "creeping": law(
+        "pos(norm(sigma) - R)**2/(2*eta)", STORED, BACK, "C c eta", viscous=True, rates={"u_in": "c*sigma/10", "alpha": "c*X + c*sigma/5"}
+    ),
     "worn": law("norm(sigma) - R - w/10", variables=SLIP | {"w": Variable()}, unforced={"w": "abs(sigma)"}),
     "oval": plane("norm(a, 3*b) - R", ROUND),
     "corners": plane("max(abs(a) - R, abs(b) - R, abs(a + b)/1.2 - R)", ROUND),

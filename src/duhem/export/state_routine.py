@@ -95,7 +95,7 @@ def step(
             tangent[i * SEEN + j] = nan
     if not sound:
         return 3
-    cleared(f, h, slope, flows, turn, rate, change)
+    cleared(f, h, slope, flows, turn)
     value = ended(
         at, start, held, active, dt, order, low, high, q, v, m, choices, f, h, y, both, slope, flows, turn, rate, change, total, made,
         moved, by, g, known, r, size, a, now, much, point,

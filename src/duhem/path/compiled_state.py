@@ -128,7 +128,7 @@ class _Functions:
 
     def rates(self, law: StateLaw) -> str:
         """The rates without a multiplier and their derivatives."""
-        lines: list[str] = []
+        lines = ["for i in range(INNER):", "    rate[i] = 0.0", "    for z in range(D + Z):", "        change[i, z] = 0.0"]
         if law.potential is not None:
             bent, slopes = self.lines(law.potential, 2, "")
             lines += bent
@@ -138,9 +138,7 @@ class _Functions:
                     lines += [f"change[{law.order[k]}, {z}] = m[0, {a}, {b}]" for b, (z, _) in enumerate(slopes)]
         for i, component in law.rates.items():
             own, slopes = self.lines(component, 1, "own")
-            first = law.potential is None or i not in law.order
-            sign = "=" if first else "+="
-            lines += [*own, f"rate[{i}] {sign} own", *(f"change[{i}, {z}] {sign} {name}" for z, name in slopes)]
+            lines += [*own, f"rate[{i}] += own", *(f"change[{i}, {z}] += {name}" for z, name in slopes)]
         return _function("rates(y, q, v, m, choices, rate, change)", [*lines, "return"])
 
 

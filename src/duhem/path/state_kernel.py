@@ -79,7 +79,7 @@ def advance(
     held, active, g, known = np.empty(S + 1), np.empty(S + 1, np.int8), np.empty(S + 1), np.empty(S + 1)
     r, size, now, much = np.empty(INNER + S), np.empty(INNER + S), np.empty(INNER + S), np.empty(INNER + S)
     point, made, moved, a = np.empty(Z + S), np.empty(Z), np.empty(INNER), np.empty((INNER + S, INNER + S + 1))
-    cleared(f, h, slope, flows, turn, rate, change)
+    cleared(f, h, slope, flows, turn)
     for j in range(CONSTANTS):
         q[OTHERS + j] = constants[j]
     for n in range(base.shape[0]):
@@ -115,21 +115,17 @@ def advance(
             entropy[n] -= f[i]
 
 
-def cleared(f: Any, h: Any, slope: Any, flows: Any, turn: Any, rate: Any, change: Any) -> None:
+def cleared(f: Any, h: Any, slope: Any, flows: Any, turn: Any) -> None:
     """Zeros where the formulas write nothing."""
     for i in range(Z):
         f[i] = 0.0
         for j in range(Z):
             h[i, j] = 0.0
-    for i in range(INNER):
-        rate[i] = 0.0
-        for z in range(D + Z):
-            change[i, z] = 0.0
-            for s in range(S):
-                turn[s, i, z] = 0.0
     for s in range(S):
         for z in range(D + Z):
             slope[s, z] = 0.0
+            for i in range(INNER):
+                turn[s, i, z] = 0.0
         for i in range(INNER):
             flows[s, i] = 0.0
 
