@@ -36,10 +36,9 @@ def export(law: str, settings: Sequence[str], language: str, out: str | None) ->
     if out is not None:
         check_place(out, [law])
 
-    from duhem.law.state import evolves
     from duhem.proof.verification import verify
 
-    if evolves(fixed):
+    if fixed.variables:
         from duhem.export.state_file import state_c_file as c_file
         from duhem.export.state_file import state_fortran_file as fortran_file
         from duhem.export.state_routine import state_routine as routine

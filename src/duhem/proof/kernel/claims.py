@@ -68,8 +68,10 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
     rules = _rules(law)
     if (claim, rule) not in rules:
         return f"no rule {rule!r} for this claim"
-    if isinstance(law, StatedLaw) and law.of_rates != (rule in _RULES_OF_RATES) and claim not in _OF_THE_STATE:
-        return "a law whose forces are functions of the rates has no K" if law.of_rates else "no force is a function of the rates"
+    if not _suits(claim, rule, law):
+        return (
+            "no force is a function of the rates" if rule in _RULES_OF_RATES else "a law whose forces are functions of the rates has no K"
+        )
     needed, check, reads = rules[claim, rule][:3]
     if not needed <= settled:
         return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
@@ -81,6 +83,11 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
     except UNREADABLE as fault:
         undecided = f"the law cannot be read: {in_words(fault)}"
     return undecided or _objection_in_cases(claim, rule, check, law, evidence)
+
+
+def _suits(claim: str, rule: str, law: StatedLaw | StatedCurve) -> bool:
+    """Whether the rule is for laws that have a K, or a potential, or for those whose forces are functions of the rates, as this one is."""
+    return not isinstance(law, StatedLaw) or law.of_rates == (rule in _RULES_OF_RATES) or claim in _OF_THE_STATE
 
 
 def _objection_in_cases(
@@ -133,7 +140,7 @@ def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCur
 
 def rules_of(claim: str, law: StatedLaw | StatedCurve) -> tuple[str, ...]:
     """The rules that may prove a claim of such a law without evidence, in order."""
-    rows = ((rule, row) for (name, rule), row in _rules(law).items() if name == claim)
+    rows = ((rule, row) for (name, rule), row in _rules(law).items() if name == claim and _suits(claim, rule, law))
     return tuple(rule for rule, row in rows if not row.by_evidence and len(law.forces) <= row.most_forces)
 
 
