@@ -12,7 +12,7 @@ from duhem.export.c_file import exported, header, identifier
 from duhem.law.formula_law import Criterion
 from duhem.proof.verification import Verification
 
-__all__ = ["fortran_file", "places"]
+__all__ = ["UMAT_HEAD", "fortran_file", "places"]
 
 _ABAQUS = ("xx", "yy", "zz", "xy", "xz", "yz")  # its order of the components of a stress
 
@@ -83,22 +83,26 @@ subroutine fric(lm, tau, ddtddg, ddtddp, dslip, sed, sfd, ddtddt, pnewdt, statev
   if ((below <= 1 .or. below == 5) .and. (above <= 1 .or. above == 5)) ddtddp = (high - low) / (2 * h)
 end subroutine"""
 
-_UMAT = """\
-! PROPS: the stiffness row by row, then the parameters; the stress in the order {order}, shear strains those of engineers.
-! SSE and SPD are increased.  Where the increment is not solved PNEWDT asks for half the step.  Where its tangent alone is not
-! known (status 5) the answer stands, and the tangent is the stiffness, as where nothing slips.
+UMAT_HEAD = """\
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
     predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
     layer, kspt, jstep, kinc)
   use, intrinsic :: iso_c_binding, only: c_double, c_int
-  use {name}_law, only: {name}_increment
+  use {name}_law, only: {name}_{entry}
   implicit none
   integer :: ndi, nshr, ntens, nstatv, nprops, noel, npt, layer, kspt, jstep(4), kinc
   character(len=80) :: cmname
   real(c_double) :: stress(ntens), statev(*), ddsdde(ntens, ntens), sse, spd, scd, rpl, ddsddt(ntens), drplde(ntens), drpldt, &
     stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(*), dpred(*), props(nprops), coords(3), drot(3, 3), pnewdt, &
     celent, dfgrd0(3, 3), dfgrd1(3, 3)
-  integer, parameter :: place({d}) = [{places}]
+"""
+"""The arguments of UMAT, as Abaqus declares them, for a routine NAME_ENTRY."""
+
+_UMAT = """\
+! PROPS: the stiffness row by row, then the parameters; the stress in the order {order}, shear strains those of engineers.
+! SSE and SPD are increased.  Where the increment is not solved PNEWDT asks for half the step.  Where its tangent alone is not
+! known (status 5) the answer stands, and the tangent is the stiffness, as where nothing slips.
+{head}  integer, parameter :: place({d}) = [{places}]
   real(c_double) :: k({d}, {d}), trial({d}), found({d}), slip({d}), tangent({d}, {d}), loss
   integer(c_int) :: status
   if (ntens /= {d} .or. nprops < {props}) error stop "{name}: {d} components, {props} numbers in PROPS"
@@ -124,6 +128,7 @@ def fortran_file(verification: Verification) -> str:
     where = places(law, law.forces)
     order = [law.forces[where.index(i)] for i in range(d)]
     wrapper = (_FRIC if law.pressure else _UMAT).format(
+        head=UMAT_HEAD.format(name=name, entry="increment"),
         name=name,
         d=d,
         square=d * d,

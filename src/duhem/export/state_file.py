@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from duhem.errors import InputError
 from duhem.export.c_file import GUARD, check_convex, comment, identifier
-from duhem.export.fortran_file import places
+from duhem.export.fortran_file import UMAT_HEAD, places
 from duhem.export.state_routine import state_law, state_routine
 from duhem.law.formula_law import Criterion
 from duhem.law.state import prescribed
@@ -82,18 +82,7 @@ end module
 ! PROPS: the parameters.  STATEV: {inner}, 0 at the start unless the range of a variable excludes it.
 ! Strains in the order {order}, shear strains those of engineers.  SSE is psi, and SPD is increased.
 ! Where the step is not solved PNEWDT asks for half of it.
-subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
-    predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
-    layer, kspt, jstep, kinc)
-  use, intrinsic :: iso_c_binding, only: c_double, c_int
-  use {name}_law, only: {name}_step
-  implicit none
-  integer :: ndi, nshr, ntens, nstatv, nprops, noel, npt, layer, kspt, jstep(4), kinc
-  character(len=80) :: cmname
-  real(c_double) :: stress(ntens), statev(nstatv), ddsdde(ntens, ntens), sse, spd, scd, rpl, ddsddt(ntens), drplde(ntens), drpldt, &
-    stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(*), dpred(*), props(nprops), coords(3), drot(3, 3), pnewdt, &
-    celent, dfgrd0(3, 3), dfgrd1(3, 3)
-  integer, parameter :: place({o}) = [{places}]
+{head}  integer, parameter :: place({o}) = [{places}]
   real(c_double) :: state({i}), found({o}), slope({o}, {o}), psi, loss
   integer(c_int) :: status
   if (ntens /= {o} .or. nstatv < {i} .or. nprops < {props}) &
@@ -123,6 +112,7 @@ def state_fortran_file(verification: Verification) -> str:
     forces = prescribed(law)
     where = places(law, forces)
     text = _UMAT.format(
+        head=UMAT_HEAD.format(name=name, entry="step"),
         name=name,
         o=own.observables,
         i=own.internal,
