@@ -17,7 +17,7 @@ import flint
 import sympy as sp
 
 from duhem.expression.elementary import ELEMENTARY, Elementary
-from duhem.expression.fold import Table, bound, fold, recorded
+from duhem.expression.fold import Table, bound, fold, once_a_precision, recorded
 from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, deviator
 
 __all__ = ["TABLE", "ball", "certain_sign", "compiled", "constant", "enclose", "precision"]
@@ -58,20 +58,8 @@ def enclose(expr: sp.Basic, values: Mapping[sp.Symbol, Any]) -> Any:
 
 def compiled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Callable[..., Any]:
     """:func:`enclose` as a function of one ball a symbol, in their order; walk once, call often, in any working precision."""
-    recording = recorded(expr, symbols, bound(TABLE), _constant_step)
+    recording = recorded(expr, symbols, bound(TABLE), lambda node: once_a_precision(lambda: flint.ctx.prec, partial(_leaf, node, {})))
     return lambda *values: recording.value(values)
-
-
-def _constant_step(node: Any) -> Callable[[], Any]:
-    """A constant as a step, worked out once a precision."""
-    known: dict[int, Any] = {}
-
-    def step() -> Any:
-        if (bits := flint.ctx.prec) not in known:
-            known[bits] = _leaf(node, {})
-        return known[bits]
-
-    return step
 
 
 def constant(node: Any) -> Any:

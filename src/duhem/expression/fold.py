@@ -17,7 +17,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.inert_number import InertNumber
 
-__all__ = ["Recording", "Table", "bound", "fold", "recorded", "same"]
+__all__ = ["Recording", "Table", "bound", "fold", "once_a_precision", "recorded", "same"]
 
 T = TypeVar("T")
 Table = Mapping[type, Callable[..., T]]
@@ -119,6 +119,18 @@ def _taking(places: tuple[int, ...]) -> Callable[[list[Any]], Sequence[Any]]:
 def same(value: Any, *_: Any) -> Any:
     """The step of a number that does not depend on what holds when it runs."""
     return value
+
+
+def once_a_precision(precision: Callable[[], int], worked_out: Callable[[], Any]) -> Step:
+    """The step of a number that is worked out anew at each precision, and once at that."""
+    known: dict[int, Any] = {}
+
+    def step() -> Any:
+        if (bits := precision()) not in known:
+            known[bits] = worked_out()
+        return known[bits]
+
+    return step
 
 
 def bound(table: Table[Any]) -> Table[Step]:

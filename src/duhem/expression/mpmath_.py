@@ -19,7 +19,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY, Elementary
-from duhem.expression.fold import Table, bound, fold, recorded
+from duhem.expression.fold import Table, bound, fold, once_a_precision, recorded
 from duhem.expression.vocabulary import COMPARISONS, Atan2, EigMax, Neg, Norm, Pos, Where, rows
 
 __all__ = ["compiled", "constant", "digits", "doubles", "evaluate", "kept_digits", "number", "reach", "table"]
@@ -41,25 +41,15 @@ def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> 
 def compiled(exprs: Sequence[sp.Basic], symbols: Iterable[sp.Symbol], context: Any) -> Callable[..., list[Any]]:
     """The formulas as one function of the symbols' values; walked once, run in the precision ``context`` has at each call."""
     rows = {sp.Tuple: lambda _, *parts: list(parts), **table(context)}
-    recording = recorded(sp.Tuple(*exprs), symbols, bound(rows), partial(_constant_step, context))
+    recording = recorded(
+        sp.Tuple(*exprs), symbols, bound(rows), lambda node: once_a_precision(lambda: context.prec, partial(constant, context, node))
+    )
 
     def run(*values: Any) -> list[Any]:
         found: list[Any] = recording.value([number(context, v) for v in values])
         return found
 
     return run
-
-
-def _constant_step(context: Any, node: Any) -> Callable[[], Any]:
-    """A constant as a step, worked out once a precision."""
-    known: dict[int, Any] = {}
-
-    def step() -> Any:
-        if (bits := context.prec) not in known:
-            known[bits] = constant(context, node)
-        return known[bits]
-
-    return step
 
 
 def digits(count: int) -> Any:
