@@ -113,10 +113,7 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
 
     What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.
     """
-    if isinstance(law, StatedCurve):
-        yield law
-        return
-    if law.of_rates:
+    if isinstance(law, StatedCurve) or law.of_rates:
         yield law
         return
     if law.viscous and claim not in _OF_THE_STATE:
