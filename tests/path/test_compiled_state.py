@@ -149,7 +149,7 @@ def test_what_the_loop_does_not_know_is_taken_by_arrays(monkeypatch: pytest.Monk
     plain = duhem.simulate(LAWS["worn"], path, parameters=numbers, tangent=True)
     found = duhem.simulate(LAWS["worn"], path, parameters=numbers, tangent=True, compiled=True)
     assert isinstance(found, StateHistory) and isinstance(plain, StateHistory) and found.tangent is not None
-    assert np.array_equal(found.tangent, plain.tangent, equal_nan=True)  # type: ignore[arg-type]
+    assert "compiled" not in found.why and np.array_equal(found.tangent, plain.tangent, equal_nan=True)  # type: ignore[arg-type]
     stressed = Path.linear([[0.0], [0.9], [-0.5]], control="stress")
     driven = duhem.simulate(LAWS["worn"], stressed, parameters=numbers, compiled=True)
     assert "compiled" not in driven.why and driven.state[-1, 0] == pytest.approx(-0.005, rel=1e-12)  # type: ignore[union-attr]

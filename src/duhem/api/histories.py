@@ -104,9 +104,9 @@ def simulate(
     variables that do not begin at 0. An energy contains the stiffness; ``stiffness`` is for laws without one. A law with rates or a
     potential of rates needs the times of the path. ``tangent`` adds d sigma/du at each knot. At a bound of a variable its evolution
     stops, and ``remark()`` says so. ``method`` is ``implicit`` or ``extrapolated``; ``projection``, ``threads``, ``convex`` and
-    ``checkpoint`` do not matter. ``compiled`` makes steps 4 to 20 times as fast (some 13 microseconds each for six components),
-    unless forces are prescribed, heat decides the temperature or ``tangent`` is asked for. :class:`NoAnswer`, an InputError with the
-    history so far, ends a path with a step that is not solved to a residual of 1e-10.
+    ``checkpoint`` do not matter. ``compiled`` makes steps 4 to 16 times as fast (some 12 microseconds each for six components) unless
+    forces are prescribed, heat decides the temperature or ``tangent`` is asked for; ``why`` says whether it did. :class:`NoAnswer`, an
+    InputError with the history so far, ends a path with a step that is not solved to a residual of 1e-10.
     """
     check_convex(convex)
     known = load_formula(law)

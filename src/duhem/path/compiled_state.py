@@ -49,11 +49,9 @@ class StateLoop:
             return None
         return cls(law, compiled_text(text, "advance"), constants)
 
-    def advance(self, base: Array, given: Array, dt: float, others: Sequence[Array], tangent: bool = False) -> Advanced:
-        """As :meth:`duhem.path.state_step.StateLaw.advance`, which also takes the steps with a ``tangent``."""
+    def advance(self, base: Array, given: Array, dt: float, others: Sequence[Array]) -> Advanced:
+        """As :meth:`duhem.path.state_step.StateLaw.advance`, without a tangent."""
         law, n = self.law, len(base)
-        if tangent:
-            return law.advance(base, given, dt, others, tangent)
         d, i, o, many = len(law.order), law.internal, law.observables, len(law.criteria)
         numbers = np.stack([np.broadcast_to(x, n) for x in others], axis=1) if others else np.zeros((n, 0))
         shapes = ((n, len(law.names)), (n, many), (n,), (n, d), (n, o), (n,), (n, i), (n,), (n,))
@@ -75,23 +73,24 @@ class _Functions:
     """The formulas of a law as functions over numbers, which take the others and then the fractions of all of them in ``q``."""
 
     def __init__(self) -> None:
-        self.texts: list[str] = []
-        self.jets: list[ScalarJets] = []
+        self.known: dict[StateFormula, tuple[int, ScalarJets, int]] = {}
+        self.texts: dict[str, None] = {}
         self.constants: list[float] = []
 
     def lines(self, formula: StateFormula, order: int, value: str, at: str = "y") -> tuple[list[str], list[tuple[int, str]]]:
         """Lines that let ``value`` be that of the formula at ``at``; for ``order`` 1 the slopes too, by column, and for 2 also ``m``."""
-        made, k = scalar_jets(formula.expr, formula.names, formula.others), len(self.jets)
-        self.jets.append(made)
-        own = len(formula.others)
+        if formula not in self.known:
+            made = scalar_jets(formula.expr, formula.names, formula.others)
+            self.known[formula] = len(self.known), made, len(self.constants)
+            self.constants += made.constants
+        k, made, before = self.known[formula]
 
         def moved(number: re.Match[str]) -> str:
             place = int(number[1])
-            return f"q[{place + len(self.constants) if place >= own else place}]"
+            return f"q[{place + before if place >= len(formula.others) else place}]"
 
         for text in ((made.level,), (made.level, made.gradient), (made.piece,))[order]:
-            self.texts.append(re.sub(r"\bq\[(\d+)\]", moved, re.sub(r"^def (\w+)\(", rf"def \g<1>_{k}(", text)))
-        self.constants += made.constants
+            self.texts[re.sub(r"\bq\[(\d+)\]", moved, re.sub(r"^def (\w+)\(", rf"def \g<1>_{k}(", text))] = None
         columns = formula.columns.tolist()
         lines = [f"v[0, {j}] = {at}[{column}]" for j, column in enumerate(columns)]
         if order == 2:
@@ -159,8 +158,8 @@ def loop_text(law: StateLaw) -> tuple[str, Array]:
         "D": len(law.order), "Z": len(law.names), "S": len(law.criteria),
         "SEEN": law.observables, "INNER": law.internal,
         "W": len(law.order) + len(law.names), "OTHERS": len(law.others), "CONSTANTS": len(constants),
-        "KINKS": max(1, *(jets.kinks for jets in made.jets)),
-        "TIMED": int(law.law.viscous or bool(law.rates)),
+        "KINKS": max(1, *(jets.kinks for _, jets, _ in made.known.values())),
+        "TIMED": int(law.timed),
     }  # fmt: skip
     head = [
         "from math import floor, frexp, isfinite, ldexp",
@@ -171,5 +170,9 @@ def loop_text(law: StateLaw) -> tuple[str, Array]:
         *(f"{name} = {value!r}" for name, value in {**sizes, **NUMBERS}.items()),
     ]
     sources = [inspect.getsource(state_kernel).partition(MARK)[2].partition("\n")[2], inspect.getsource(eliminated)]
-    axes = [inspect.getsource(function) for function in principal_axes.FUNCTIONS] if any(jets.pairs for jets in made.jets) else []
+    axes = (
+        [inspect.getsource(function) for function in principal_axes.FUNCTIONS]
+        if any(jets.pairs for _, jets, _ in made.known.values())
+        else []
+    )
     return "\n".join([*head, *axes, *made.texts, *wired, *sources]), constants

@@ -2,7 +2,7 @@
 
 The source below the mark is compiled together with the functions of one law (:mod:`duhem.path.compiled_state`), whose names stand here
 without a body.  The observables, and a temperature if there is one, are prescribed; a point that comes to a bound of a variable, or
-that Newton's method does not solve at once, is left to :mod:`duhem.path.state_step`, whose thresholds these are.
+that Newton's method does not solve at once, is left to :mod:`duhem.path.state_step`, whose thresholds are used.
 """
 
 from __future__ import annotations
@@ -13,13 +13,7 @@ from typing import Any
 import numpy as np
 from numpy import inf, nan
 
-from duhem.path.state_step import _GOAL as GOAL
-from duhem.path.state_step import _HALVINGS as HALVINGS
-from duhem.path.state_step import _MOST as MOST
-from duhem.path.state_step import _ROUNDED as ROUNDED
-from duhem.path.state_step import _SPOILT as SPOILT
-from duhem.path.state_step import _UNTRUE as UNTRUE
-from duhem.path.state_step import KKT
+from duhem.path.state_step import GOAL, HALVINGS, KKT, MOST, ROUNDED, SPOILT, UNTRUE
 from duhem.projection.newton_step import eliminated
 
 __all__ = ["LEFT", "NUMBERS", "advance"]

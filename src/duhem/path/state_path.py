@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -177,7 +178,7 @@ class StateQuestion:
     alone: bool
     knots: NDArray[np.intp]
     tangent: bool
-    loop: StateLoop | None
+    compiled: bool
 
     @classmethod
     def of(cls, run: Run) -> StateQuestion:
@@ -224,8 +225,7 @@ class StateQuestion:
             what = f"a pressure lies outside the range of {law.domain[name].stated(name)}"
             raise InputError(what, where="path", remedy="keep to the range, or declare a wider one in the law's domain")
         others = _numbers(law, run.parameters, len(paths))
-        loop = StateLoop.of(own) if run.compiled else None
-        made = cls(own, paths, others, np.zeros((len(paths), len(own.names))), order, alone, knots, run.tangent, loop)
+        made = cls(own, paths, others, np.zeros((len(paths), len(own.names))), order, alone, knots, run.tangent, run.compiled)
         return made._started(run.state)
 
     def _started(self, given: Mapping[str, Any] | None) -> StateQuestion:
@@ -282,9 +282,14 @@ class StateQuestion:
             named[self.law.law.pressure] = self.paths.pressure_at(knot, np.arange(len(self.paths)))
         return [np.broadcast_to(named[name], len(self.paths))[which] for name in self.law.others]
 
-    def advance(self, *given: Any) -> Advanced:
-        """A step, by machine code where that was asked for and the law has some."""
-        return (self.law if self.loop is None else self.loop).advance(*given)
+    @cached_property
+    def loop(self) -> StateLoop | None:
+        """Machine code for the steps, where that was asked for and the law has some; MissingExtraError without numba."""
+        return StateLoop.of(self.law) if self.compiled and not self.tangent else None
+
+    def advance(self, base: Array, given: Array, dt: float, others: Sequence[Array], tangent: bool) -> Advanced:
+        """A step, by machine code where there is some."""
+        return self.law.advance(base, given, dt, others, tangent) if self.loop is None else self.loop.advance(base, given, dt, others)
 
     @property
     def why(self) -> str:

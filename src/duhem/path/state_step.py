@@ -36,16 +36,18 @@ from duhem.law.formula_law import Criterion
 from duhem.law.state import Variables, prescribed
 from duhem.projection.result import ACCURACY, Array, Pointwise
 
-__all__ = ["KKT", "Advanced", "StateLaw", "own_dissipation"]
+__all__ = [
+    "GOAL", "HALVINGS", "KKT", "MOST", "ROUNDED", "SPOILT", "UNTRUE", "Advanced", "StateFormula", "StateLaw", "own_dissipation",
+]  # fmt: skip
 
 _EPS = float(np.finfo(np.float64).eps)
 KKT = 1e-3 * ACCURACY  # the largest residual of an answer, relative to the sizes that the law has there
-_ROUNDED = 16 * _EPS  # of the terms of which a force is made
-_GOAL = 16 * _EPS  # of the same: more is not asked for
-_MOST = 100  # steps of Newton's method, of all sets of criteria and bounds together
-_HALVINGS = 30
-_UNTRUE = 1e-6  # of the energies of a step: right answers miss it by rounding, and wrong ones by much of the energies
-_SPOILT = 64 * _EPS  # of Y . alpha: an energy that is less says nothing, since alpha is rounded
+ROUNDED = 16 * _EPS  # of the terms of which a force is made
+GOAL = 16 * _EPS  # of the same: more is not asked for
+MOST = 100  # steps of Newton's method, of all sets of criteria and bounds together
+HALVINGS = 30
+UNTRUE = 1e-6  # of the energies of a step: right answers miss it by rounding, and wrong ones by much of the energies
+SPOILT = 64 * _EPS  # of Y . alpha: an energy that is less says nothing, since alpha is rounded
 _PARTS = 16  # of the load, along which a step is followed that Newton's method does not find at once
 
 Flags = NDArray[np.bool_]
@@ -331,12 +333,12 @@ class StateLaw:
         by = -change @ both
         by[:, np.arange(self.internal), self.observables + np.arange(self.internal)] += 1.0
         made = np.einsum("nij,nj->ni", np.abs(hessian), np.abs(at.chi))  # of what a force is the small difference
-        rounding = _ROUNDED / KKT * (made[:, place] + np.abs(at.reaction[:, self.order]))
+        rounding = ROUNDED / KKT * (made[:, place] + np.abs(at.reaction[:, self.order]))
         sizes = np.einsum("ns,nsi->ni", np.abs(at.multiplier), np.abs(flow)) + np.abs(steps)
         sizes = np.maximum(np.maximum(sizes, np.abs(at.chi[:, inner])), np.abs(base[:, inner]))
         sizes = sizes + np.einsum("nid,nd->ni", np.abs(change[:, :, :d]), rounding)
         bend = np.abs(np.einsum("nii->ni", hessian))[:, inner]  # what changes no force by more than rounding is no error
-        sizes = sizes + np.where(bend > 0.0, _ROUNDED / KKT * made[:, inner] / np.where(bend > 0.0, bend, 1.0), 0.0)
+        sizes = sizes + np.where(bend > 0.0, ROUNDED / KKT * made[:, inner] / np.where(bend > 0.0, bend, 1.0), 0.0)
         weight = np.abs(slope[:, :, :d])
         within = np.einsum("nsd,nd->ns", slope[:, :, :d], forces)
         known = np.maximum(np.einsum("nsd,nd->ns", weight, np.abs(forces)), np.abs(g - within))
@@ -475,9 +477,9 @@ class StateLaw:
 
         system = asked(at, np.arange(n))
         failed, still, todo = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_), np.arange(n)
-        for _ in range(_MOST):
+        for _ in range(MOST):
             worst = _worst(system.residual, system.size)
-            settled = (worst[todo] <= _GOAL) | ((worst[todo] <= KKT) & still[todo])
+            settled = (worst[todo] <= GOAL) | ((worst[todo] <= KKT) & still[todo])
             if (who := todo[settled]).size:
                 new, changed = self._exchanged(at.of(who), system.of(who))
                 todo = np.setdiff1d(todo, who[~changed], assume_unique=True)
@@ -511,7 +513,7 @@ class StateLaw:
         change, flow = by[:, inner][:, self.order], system.flow[:, self.order]
         energies = (force * (np.abs(change) + np.abs(flow))).sum(axis=1) + np.abs(system.observed * by[:, u]).sum(axis=1)
         rounding = (force * np.abs(at.chi[:, inner][:, self.order])).sum(axis=1)
-        return ~((force * np.abs(change - flow)).sum(axis=1) <= _UNTRUE * energies + _SPOILT * rounding)
+        return ~((force * np.abs(change - flow)).sum(axis=1) <= UNTRUE * energies + SPOILT * rounding)
 
     def _damped(self, at: Guess, system: StepEquations, asked: Any) -> tuple[Guess, StepEquations, Flags]:
         """A step of Newton's method, halved until the residuals fall; where it ends, and where they fell."""
@@ -519,7 +521,7 @@ class StateLaw:
         near = _worst(system.residual, system.size) <= KKT
         reached, ended, better = at.copy(), system.copy(), np.zeros(len(by), dtype=np.bool_)
         left = np.arange(len(by))
-        for _ in range(_HALVINGS):
+        for _ in range(HALVINGS):
             new = self._moved(at.of(left), by[left])
             then = asked(new, left)
             size = np.maximum(system.size[left], then.size)  # what was at rest has none
