@@ -73,3 +73,9 @@ def test_rates_without_a_value_dissipate_nothing() -> None:
     given = Criterion("steep", "(a**2 + b**2)**n - 1", {"n": AT_LEAST_0}, ("a", "b"), None, viscous=True)
     assert duhem.verify(given, claims=["dissipation"])["dissipation"].verdict is not Verdict.PROVED
     assert refused(given, "dissipation", "boundary-power")
+
+
+@pytest.mark.parametrize("rule", ["boundary-power", "euler", "homogeneity", "fenchel"])
+def test_a_potential_of_which_no_gradient_is_known_is_objected_to(rule: str) -> None:
+    given = viscous("A*(a**2 + b**2)*(4 + atan2(b, 1 + a**2))")  # the power that the epigraph is asked for needs its gradient
+    assert refused(given, "dissipation", rule, settled=("origin", "convexity", "normality"))

@@ -94,7 +94,7 @@ def _objection_in_cases(
     claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, depth: int = 0
 ) -> str:
     """The objection to a law, and to each of those that it is where a choice of constants goes one way."""
-    reasons = set[str]()
+    reasons, unread = set[str](), ""
     try:
         for form in _forms(claim, law):
             reasons.add(_objection(rule, check, form, evidence))
@@ -103,9 +103,9 @@ def _objection_in_cases(
         parts = cases(law) if isinstance(law, StatedLaw) and not law.of_rates and depth < _MOST_CASES else ()
         if parts and not any(_objection_in_cases(claim, rule, check, part, evidence, depth + 1) for part in parts):
             return ""
-    except UNREADABLE:
-        pass  # there is no simpler form
-    return max(reasons)
+    except UNREADABLE as fault:
+        unread = f"the law cannot be read: {in_words(fault)}"  # what it can be read as has been examined
+    return max(reasons, default=unread)
 
 
 def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
