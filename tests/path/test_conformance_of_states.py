@@ -26,7 +26,7 @@ from duhem.expression.branches import gradient
 from duhem.expression.numpy_ import compiled
 from duhem.law.atlas.entry import entry, groups
 from duhem.law.state import prescribed
-from duhem.path import state_path, state_step
+from duhem.path import state_path, state_question, state_step, state_steps
 from duhem.path.state_path import StateHistory
 from duhem.path.state_step import StateLaw
 from tests.long import mostly_long
@@ -418,17 +418,17 @@ MUTANTS = [
     ),
     (state_step, "norton-hoff", "dt[:, None] * rate, 0.0)", "2.0 * dt[:, None] * rate, 0.0)"),
     (state_step, "chaboche-static-recovery", "rate[:, i] += own", "rate[:, i] += 0.5 * own"),
-    (state_step, "frictional-heating", "entropy = -psi.gradient", "entropy = psi.gradient"),
+    (state_step, "frictional-heating", "entropy = -force[:, warm]", "entropy = force[:, warm]"),
     (state_step, "frictional-heating", "- heat.sum(axis=1) - inflow", "- 2 * heat.sum(axis=1) - inflow"),
-    (state_step, "frictional-heating", "inflow, by_taken = dt * jet.value,", "inflow, by_taken = 2 * dt * jet.value,"),
+    (state_step, "frictional-heating", "inflow, by_taken = dt * flowing,", "inflow, by_taken = 2 * dt * flowing,"),
     (state_step, "adhesion", "excess[rows, most] > KKT", "excess[rows, most] > 2.0"),
     (state_step, "lemaitre-damage", "ends[held], True, True", "0.9 * ends[held], True, True"),
     (state_step, "lemaitre-damage", "at.reaction < 0.0, at.reaction > 0.0", "at.reaction > 0.0, at.reaction < 0.0"),
     (state_step, "perzyna", "begun - end +", "2.0 * (begun - end) +"),
-    (state_path, "lemaitre-damage", "+ (end.reaction * inner).sum(axis=1)", ""),
-    (state_path, "prager", "work = (end.observed * by", "work = 2.0 * (end.observed * by"),
-    (state_path, "bingham", "(end.forces * end.flow[:, law.order])", "(0.5 * end.forces * end.flow[:, law.order])"),
-    (state_path, "frictional-heating", "heat = end.chi[:, -1] *", "heat = base[:, -1] *"),
+    (state_steps, "lemaitre-damage", "+ (end.reaction * inner).sum(axis=1)", ""),
+    (state_steps, "prager", "work = (end.observed * by", "work = 2.0 * (end.observed * by"),
+    (state_steps, "bingham", "(end.forces * end.flow[:, law.order])", "(0.5 * end.forces * end.flow[:, law.order])"),
+    (state_steps, "frictional-heating", "heat = end.chi[:, -1] *", "heat = base[:, -1] *"),
 ]
 
 QUICK = ("adhesion", "bingham", "chaboche-static-recovery", "perzyna", "prager")
@@ -461,8 +461,9 @@ def mutate(module: Any, old: str, new: str, monkeypatch: pytest.MonkeyPatch) -> 
     mutant = ModuleType("mutant")
     monkeypatch.setitem(sys.modules, "mutant", mutant)
     exec(compile(source.replace(old, new), "mutant", "exec"), mutant.__dict__)
-    for name in ("StateLaw", "own_dissipation") if module is state_step else ("_implicit",):
-        monkeypatch.setattr(state_path, name, getattr(mutant, name))
+    taken = ((state_question, "StateLaw"), (state_steps, "own_dissipation"))
+    for place, name in taken if module is state_step else ((state_path, "implicit"), (state_steps, "implicit")):
+        monkeypatch.setattr(place, name, getattr(mutant, name))
 
 
 @pytest.mark.long

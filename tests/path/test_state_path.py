@@ -20,7 +20,7 @@ from duhem import Criterion, Domain, InputError, Path, Paths, Status, YieldSurfa
 from duhem.cli import cli
 from duhem.expression.numpy_ import compiled
 from duhem.law.state import Variable
-from duhem.path import scene_file, state_path, state_step
+from duhem.path import scene_file, state_question, state_step, state_steps
 from duhem.path.history import LeftDomain
 from duhem.path.state_path import NoAnswer, StateHistory
 
@@ -369,8 +369,8 @@ def mutate(old: str, new: str, monkeypatch: pytest.MonkeyPatch) -> None:
     mutant = ModuleType("mutant")
     monkeypatch.setitem(__import__("sys").modules, "mutant", mutant)
     exec(compile(source.replace(old, new), "mutant", "exec"), mutant.__dict__)
-    for name in ("StateLaw", "own_dissipation"):
-        monkeypatch.setattr(state_path, name, getattr(mutant, name))
+    for module, name in ((state_question, "StateLaw"), (state_steps, "own_dissipation")):
+        monkeypatch.setattr(module, name, getattr(mutant, name))
 
 
 @pytest.mark.slow

@@ -34,14 +34,14 @@ def simulate(
     law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike | None = ..., parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    checkpoint: Checkpoint | None = ..., convex: str = ..., state: Mapping[str, Any] | None = ..., tangent: bool = ...,
+    checkpoint: Checkpoint | None = ..., convex: str = ..., state: Mapping[str, Any] | None = ..., tangent: bool = ..., accuracy: float | None = ...,
 ) -> History | Any: ...  # fmt: skip
 @overload
 def simulate(
     law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike | None = ..., parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    checkpoint: Checkpoint | None = ..., convex: str = ..., state: Mapping[str, Any] | None = ..., tangent: bool = ...,
+    checkpoint: Checkpoint | None = ..., convex: str = ..., state: Mapping[str, Any] | None = ..., tangent: bool = ..., accuracy: float | None = ...,
 ) -> Histories | Any: ...  # fmt: skip
 def simulate(
     law: Criterion | str | pathlib.Path,
@@ -62,6 +62,7 @@ def simulate(
     convex: str = "ask",
     state: Mapping[str, Any] | None = None,
     tangent: bool = False,
+    accuracy: float | None = None,
 ) -> History | Histories | StateHistory:
     """Compute the path of a law: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
 
@@ -110,7 +111,7 @@ def simulate(
     """
     check_convex(convex)
     known = load_formula(law)
-    run = Run(known, path, stiffness, parameters, method, projection, substeps, stress, keep, threads, compiled, None, state, tangent)
+    run = Run(known, path, stiffness, parameters, method, projection, substeps, stress, keep, threads, compiled, None, state, tangent, accuracy)
     return driven(replace(run, convexity=_known(run, convex)), start, on_step, checkpoint)
 
 

@@ -31,7 +31,7 @@ __all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "columns
 class Run:
     """The arguments of :func:`duhem.simulate` that determine numbers, as given and not yet checked; ``threads``, which do not, too.
 
-    ``convexity`` is what is known of K where somebody has asked, None where nobody has.  ``state`` and ``tangent`` are of laws that evolve
+    ``convexity`` is what is known of K where somebody has asked, None where nobody has.  ``state``, ``tangent`` and ``accuracy`` are of laws that evolve
     (:func:`duhem.law.state.evolves`).
     """
 
@@ -49,6 +49,7 @@ class Run:
     convexity: Convexity | None = None
     state: Mapping[str, Any] | None = None
     tangent: bool = False
+    accuracy: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,8 @@ from duhem.path.history import Histories, History, Interrupted, LeftDomain, Left
 from duhem.path.loading import Path, Paths
 from duhem.path.run import Batch, Plan, Run
 from duhem.path.simulate import driven
-from duhem.path.state_path import NoAnswer, StateHistory, StateQuestion
+from duhem.path.state_path import NoAnswer, StateHistory
+from duhem.path.state_question import StateQuestion
 from duhem.projection.result import NOT_SHOWN, Status
 from duhem.show import figure
 from duhem.show.growing_file import DAMAGED, MARK, UNREADABLE, GrowingFile, another, beside, check_growing, check_kept

@@ -30,7 +30,7 @@ from duhem.path.run import Batch, Plan, Run
 from duhem.path.scene import Scene
 from duhem.path.scene_keys import CHOICES, KINDS, SECTIONS, VALUES
 from duhem.path.simulate import check_compiled, first_stress
-from duhem.path.state_path import StateQuestion
+from duhem.path.state_question import StateQuestion
 from duhem.show import figure
 from duhem.show.place import check_place
 

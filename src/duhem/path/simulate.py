@@ -71,8 +71,7 @@ def driven(
             what = "a run of a law with a state or a flow of its own cannot be continued with start"
             raise InputError(what, where="start", remedy="give the variables of its last knot as state=, and run the rest of the path")
         return state_history(run, on_step)
-    if run.state is not None or run.tangent:
-        key = "tangent" if run.state is None else "state"
+    if (key := next((key for key, given in (("state", run.state), ("tangent", run.tangent or None), ("accuracy", run.accuracy)) if given is not None), None)):
         what = f"{law.name} has no state, and {key} applies only to laws with one"
         raise InputError(what, where=key, remedy="remove it; stress= is the initial stress, and duhem.project gives tangents")
     if start is not None and not isinstance(start, History):
