@@ -17,11 +17,11 @@ from duhem.law.convex import check_convex
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.law.state import evolves
-from duhem.path.history import Histories, History
+from duhem.path.history import Checkpoint, Histories, History
 from duhem.path.loading import Path, Paths
 from duhem.path.run import Run
 from duhem.path.scene import Scene
-from duhem.path.simulate import Checkpoint, driven
+from duhem.path.simulate import driven
 from duhem.path.state_path import StateHistory
 from duhem.projection.increment import Convexity
 from duhem.projection.projector import Projector
@@ -32,16 +32,18 @@ __all__ = ["looked_into", "simulate"]
 @overload
 def simulate(
     law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike | None = ..., parameters: Mapping[str, Any] | None = ...,
-    method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
+    method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: Any = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    checkpoint: Checkpoint | None = ..., convex: str = ..., state: Mapping[str, Any] | None = ..., tangent: bool = ..., accuracy: float | None = ...,
+    checkpoint: Checkpoint[Any] | None = ..., convex: str = ..., state: Mapping[str, Any] | None = ..., tangent: bool = ...,
+    accuracy: float | None = ...,
 ) -> History | Any: ...  # fmt: skip
 @overload
 def simulate(
     law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike | None = ..., parameters: Mapping[str, Any] | None = ...,
-    method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
+    method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: Any = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    checkpoint: Checkpoint | None = ..., convex: str = ..., state: Mapping[str, Any] | None = ..., tangent: bool = ..., accuracy: float | None = ...,
+    checkpoint: Checkpoint[Any] | None = ..., convex: str = ..., state: Mapping[str, Any] | None = ..., tangent: bool = ...,
+    accuracy: float | None = ...,
 ) -> Histories | Any: ...  # fmt: skip
 def simulate(
     law: Criterion | str | pathlib.Path,
@@ -53,12 +55,12 @@ def simulate(
     projection: str = "auto",
     substeps: int = 1,
     stress: ArrayLike | None = None,
-    start: History | None = None,
+    start: History | StateHistory | None = None,
     on_step: Callable[[int, int], None] | None = None,
     keep: int | str = 1,
     threads: int = 1,
     compiled: bool = False,
-    checkpoint: Checkpoint | None = None,
+    checkpoint: Checkpoint[Any] | None = None,
     convex: str = "ask",
     state: Mapping[str, Any] | None = None,
     tangent: bool = False,
@@ -111,7 +113,9 @@ def simulate(
     """
     check_convex(convex)
     known = load_formula(law)
-    run = Run(known, path, stiffness, parameters, method, projection, substeps, stress, keep, threads, compiled, None, state, tangent, accuracy)
+    run = Run(
+        known, path, stiffness, parameters, method, projection, substeps, stress, keep, threads, compiled, None, state, tangent, accuracy
+    )
     return driven(replace(run, convexity=_known(run, convex)), start, on_step, checkpoint)
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import io
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from time import monotonic
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,8 @@ from duhem.show.place import AnyPath, parquet_packages, write, written
 from duhem.show.printing import Shown, draw
 
 __all__ = [
-    "STATES", "SUMS", "Histories", "History", "Interrupted", "LeftDomain", "LeftPrecision", "Recorded", "Tabled", "columns",
+    "STATES", "SUMS", "Checkpoint", "Due", "H", "Histories", "History", "Interrupted", "LeftDomain", "LeftPrecision", "Recorded", "Tabled",
+    "columns",
 ]  # fmt: skip
 
 SUMS = ("multiplier", "psi", "dissipation", "work", "numerical", "balance")
@@ -228,6 +230,24 @@ class Histories(Recorded, Shown):
         with written(file) as beside, open(beside, "w", encoding="utf-8", newline="") as stream:
             stream.write(",".join(self.columns()) + "\n")
             stream.writelines(self.rows())
+
+
+H = TypeVar("H", bound=Tabled)
+Checkpoint = tuple[float, Callable[[H], object]]  # seconds, and who is given what is done
+
+
+class Due:
+    """A checkpoint of a run: who is given the history so far, not more often than so many seconds and in a tenth of the time at most."""
+
+    def __init__(self, checkpoint: Checkpoint[Any] | None) -> None:
+        self.checkpoint, self.since, self.took = checkpoint, monotonic(), 0.0
+
+    def __call__(self, history: Callable[[], Any]) -> None:
+        """Hand over the ``history`` if it is time."""
+        if self.checkpoint is not None and (now := monotonic()) - self.since >= max(self.checkpoint[0], 9.0 * self.took):
+            self.checkpoint[1](history())
+            self.since = monotonic()
+            self.took = self.since - now
 
 
 # -- runs that do not come to the end of their path ----------------------------------------------------------------------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import pathlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.law.outline import outline
 from duhem.path.history import Histories, History, Tabled
+from duhem.path.state_path import StateHistory
 from duhem.projection.result import Array, Status
 from duhem.show import figure
 from duhem.show.notation import latex_name
@@ -66,13 +67,51 @@ def picture(
     if ax is not None:
         return figure.drawn(lambda place: stress_path(place, seen, over, parameters, units[0]), file, [ax])[0]
 
+    return _three(seen, over, parameters, units, None, file, axes)
+
+
+def _three(
+    seen: Trajectory,
+    law: Criterion | None,
+    parameters: Mapping[str, float],
+    units: tuple[str, str],
+    shifts: Sequence[str] | None,
+    file: figure.Target | None,
+    axes: Iterable[Axes] | None,
+) -> tuple[Axes, ...]:
     def paint(left: Axes, middle: Axes, right: Axes) -> None:
-        stress_path(left, seen, over, parameters, units[0])
-        hysteresis(middle, seen, units)
+        stress_path(left, seen, law, parameters, units[0])
+        hysteresis(middle, seen, units, shifts)
         energies(right, seen, units)
 
-    title = f"{history.law}: {history.method}, {history.why}"
+    title = f"{seen.states.law}: {seen.states.method}, {seen.states.why}"
     return figure.drawn(paint, file, axes, panels=3, size=(4.6, 4.4), title=title)
+
+
+@draw.register(StateHistory)
+def picture_of_state(
+    history: StateHistory,
+    file: figure.Target | None = None,
+    *,
+    axes: Iterable[Axes] | None = None,
+    units: tuple[str, str] = _UNITS,
+) -> Axes | tuple[Axes, ...]:
+    """The same three pictures, without K, which may change with the state; errors are those of :func:`picture`."""
+    if history.many:
+        raise InputError("a picture can show only one point", where="plot", remedy="draw history.point(i)")
+    o, moved = len(history.stresses), np.any(np.diff(history.state[:, len(history.stresses) :], axis=0) != 0.0, axis=1)
+    from duhem.path.trajectory import trajectory
+
+    names = ("psi", "dissipation", "work", "numerical", "balance", "time", "pressure", "law", "pressure_name", "method", "why", "timed")
+    seen = History(
+        **{name: getattr(history, name) for name in names},
+        forces=history.stresses,
+        stress=history.stress,
+        displacement=history.state[:, :o],
+        slip=np.zeros_like(history.stress),
+        multiplier=np.append(0.0, np.cumsum(moved)),  # it grows where the state moves
+    )
+    return _three(trajectory(seen), None, {}, units, history.variables[:o], file, axes)
 
 
 def _over(history: History, law: Criterion | str | os.PathLike[str] | None, parameters: dict[str, Any]) -> Criterion | None:
@@ -126,10 +165,10 @@ def stress_path(
     figure.legend(axes)
 
 
-def hysteresis(axes: Axes, seen: Trajectory, units: tuple[str, str] = _UNITS) -> None:
-    """Each force over its own displacement, in their units."""
+def hysteresis(axes: Axes, seen: Trajectory, units: tuple[str, str] = _UNITS, shifts: Sequence[str] | None = None) -> None:
+    """Each force over its own displacement, in their units; ``shifts`` are the names of these."""
     states = seen.states
-    forces, shifts = states.forces, [f"u_{name.removeprefix('sigma_')}" for name in states.forces]
+    forces, shifts = states.forces, shifts or [f"u_{name.removeprefix('sigma_')}" for name in states.forces]
     size, reach = float(np.abs(states.stress).max()), float(np.abs(states.displacement).max())
     stress, displacement = states.stress / figure.outsize(size), states.displacement / figure.outsize(reach)
     for i, (force, shift) in enumerate(zip(forces, shifts, strict=True)):

@@ -31,8 +31,8 @@ __all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "columns
 class Run:
     """The arguments of :func:`duhem.simulate` that determine numbers, as given and not yet checked; ``threads``, which do not, too.
 
-    ``convexity`` is what is known of K where somebody has asked, None where nobody has.  ``state``, ``tangent`` and ``accuracy`` are of laws that evolve
-    (:func:`duhem.law.state.evolves`).
+    ``convexity`` is what is known of K where somebody has asked, None where nobody has.  ``state``, ``tangent`` and ``accuracy`` are of
+    laws that evolve (:func:`duhem.law.state.evolves`).
     """
 
     law: Criterion | str | pathlib.Path

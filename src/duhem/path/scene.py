@@ -6,6 +6,7 @@ import hashlib
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import islice
 from pathlib import Path as File
 from types import TracebackType
@@ -19,18 +20,30 @@ from duhem.law.shapes import Interval
 from duhem.law.state import evolves
 from duhem.omitted import LeftOut
 from duhem.path.batch_run import parts
-from duhem.path.history import Histories, History, Interrupted, LeftDomain, LeftPrecision, Tabled, columns
+from duhem.path.history import H, Histories, History, Interrupted, LeftDomain, LeftPrecision, Tabled, columns
 from duhem.path.loading import Path, Paths
 from duhem.path.run import Batch, Plan, Run
 from duhem.path.simulate import driven
-from duhem.path.state_path import NoAnswer, StateHistory
+from duhem.path.state_path import NoAnswer, StateHistory, recalled
 from duhem.path.state_question import StateQuestion
-from duhem.projection.result import NOT_SHOWN, Status
+from duhem.projection.result import NOT_SHOWN, Array, Status
 from duhem.show import figure
 from duhem.show.growing_file import DAMAGED, MARK, UNREADABLE, GrowingFile, another, beside, check_growing, check_kept
 from duhem.show.place import AnyPath, check_parquet, check_place, check_places, parquet_packages, written
 
-__all__ = ["GrowingTable", "Needed", "PointCounts", "Scene", "Stopped", "check_outputs", "keep", "perform", "perform_many", "recall"]
+__all__ = [
+    "GrowingTable",
+    "Needed",
+    "PointCounts",
+    "Scene",
+    "Stopped",
+    "check_outputs",
+    "history_of",
+    "keep",
+    "perform",
+    "perform_many",
+    "recall",
+]
 
 
 @dataclass(frozen=True)
@@ -61,9 +74,9 @@ class Scene(Run):
 
     def run(
         self,
-        start: History | None = None,
+        start: History | StateHistory | None = None,
         on_step: Callable[[int, int], None] | None = None,
-        keep: Callable[[History], object] | None = None,
+        keep: Callable[[Any], object] | None = None,
     ) -> History | StateHistory:
         """The history of one point; ``start`` and ``on_step`` as in :func:`duhem.simulate`, ``keep`` its checkpoint."""
         self.check_asked()
@@ -108,7 +121,8 @@ class Scene(Run):
             given = (*given, path.control)
             arrays = [path.values, *([path.arc.angle] if path.arc else [])]
         arrays += [path.time, *([] if path.pressure is None else [path.pressure])]
-        more = [*(["compiled"] if self.compiled else []), *([sorted(self.state.items())] if self.state else [])]
+        more: list[Any] = [*(["compiled"] if self.compiled else []), *([sorted(self.state.items())] if self.state else [])]
+        more += [] if self.accuracy is None else [self.accuracy]
         digest = hashlib.sha256(repr((*given, *more)).encode())
         for array in arrays:
             digest.update(repr(array.shape).encode())
@@ -199,13 +213,11 @@ def check_outputs(
     """Whether the files can be written in these formats with what is installed, before a long run and not after it.
 
     None is one of the ``inputs``, and what may stand where the part of a run is kept is such a part.  Of ``many`` points the table
-    grows as they are done, and there is no picture; nor is there one of a ``law`` with a state, whose run is not continued.
+    grows as they are done, but not that of a ``law`` with a state, and there is no picture.
     """
-    if law is not None and evolves(law) and (plot is not None or resume):
-        cannot = "draws no picture of it" if plot is not None else "does not continue its run"
-        what = f"{law.name} has a state or a flow of its own: duhem {cannot}"
-        remedy = "remove the plot, and draw the table" if plot is not None else "run it again without --resume"
-        raise InputError(what, where=plot or "--resume", remedy=remedy)
+    if law is not None and evolves(law) and many and resume:
+        what = f"{law.name} has a state or a flow of its own: duhem does not continue its run of many points"
+        raise InputError(what, where="--resume", remedy="run it again without --resume")
     if many and plot is not None:
         raise InputError("a picture can show only one point", where=plot, remedy="remove the plot, or draw the history of one point")
     if table is not None and not table.endswith((".csv", ".parquet")):
@@ -226,8 +238,10 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
 
     From there ``resume`` goes on, and from what was kept every ``scene.checkpoint`` seconds if the process was killed.
     """
-    start = recall(table, scene.plan(), scene.fingerprint) if table is not None and resume else None
-    fingerprint = scene.fingerprint
+    fingerprint, start = scene.fingerprint, None
+    read: Any = partial(recalled, scene) if evolves(scene.law) else lambda column: history_of(scene.plan(), column)
+    if table is not None and resume:
+        start = recall(table, read, fingerprint)
     try:
         history = scene.run(start, on_step, None if table is None else lambda done: keep(done, table, fingerprint))
     except Interrupted as stop:
@@ -237,7 +251,7 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
         if table is None:
             raise Stopped(f"{done}; name a table with --out to keep what is done") from None
         kept = keep(stop.history, table, fingerprint)
-        raise Stopped(f"{done}, kept in {kept}{'' if evolves(scene.law) else '; continue with --resume'}") from None
+        raise Stopped(f"{done}, kept in {kept}; continue with --resume") from None
     except (LeftPrecision, LeftDomain, NoAnswer) as fault:
         if table is None:
             raise
@@ -293,8 +307,8 @@ def keep(history: Tabled, file: str | os.PathLike[str], fingerprint: str) -> Fil
     return place
 
 
-def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> History | None:
-    """The part kept of the run ``fingerprint``, or None if there is none.  InputError if it is of another run or damaged."""
+def recall(file: str | os.PathLike[str], read: Callable[[dict[str, Array]], H], fingerprint: str) -> H | None:
+    """The part kept of the run ``fingerprint``, ``read`` from its columns, or None.  InputError if it is of another run or damaged."""
     place = beside(file)
     try:
         text = place.read_text(encoding="utf-8")
@@ -313,7 +327,7 @@ def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> Histor
         if not np.isfinite(rows).all():
             raise ValueError
         column = dict(zip(header.split(","), rows.T, strict=True))
-        return _history(plan, column)
+        return read(column)
     except (ValueError, KeyError, IndexError):
         raise InputError("the file of an interrupted run is damaged", where=f"{place}", remedy=DAMAGED) from None
 
@@ -322,7 +336,8 @@ def _sum(table: str) -> str:
     return hashlib.sha256(table.encode()).hexdigest()
 
 
-def _history(plan: Plan, column: dict[str, np.ndarray]) -> History:
+def history_of(plan: Plan, column: dict[str, Array]) -> History:
+    """The history of a run from the columns of its table."""
     law, n = plan.increment.law, len(column["time"])
     tails = [force.removeprefix("sigma_") for force in law.forces]
     return History(

@@ -53,7 +53,7 @@ _MISFITS = {  # what a check of the run names: section and key of it
     "path": ("", "path"),
 }
 
-_ASKED = ("method", "substeps", "keep", "threads", "stress", "state", "compiled")
+_ASKED = ("method", "substeps", "keep", "threads", "stress", "state", "compiled", "accuracy")
 
 
 class SceneFaults(InputError):

@@ -32,6 +32,8 @@ SECTIONS: Mapping[str, Mapping[str, str]] = {  # beside [parameters], whose keys
         "exact: each straight piece in one step, without discretisation error",
         "projection": "the method that finds the closest point; auto chooses the cheapest method that applies",
         "substeps": "number of substeps in each step of the path (default 1)",
+        "accuracy": "of a law with a state, with extrapolated steps: each step is divided until the estimated error, relative to "
+        "the state, is as small; for example 1e-8",
         "compiled": "true: compile with numba (extra fast)",
         "threads": "number of threads for many points (default 1); the results do not depend on it",
         "convex": "ask: look for a proof that K is convex; require: reject the law without such a proof; assume: do not look for one",
@@ -49,6 +51,7 @@ SECTIONS: Mapping[str, Mapping[str, str]] = {  # beside [parameters], whose keys
 VALUES: Mapping[str, tuple[Any, Any, str]] = {  # keys that hold a value: its type, what is meant where it is left out, and the remedy
     "compiled": (bool, False, "write true or false"),
     "substeps": (int, 1, "give a whole number >= 1"),
+    "accuracy": ((int, float), None, "give a number such as 1e-8"),
     "threads": (int, 1, "give a whole number >= 1"),
     "stress_unit": (str, "Pa", 'write for example stress_unit = "MPa"'),
     "length_unit": (str, "m", 'write for example length_unit = "mm"'),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pathlib
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from time import monotonic
 from typing import Any, overload
 
 import numpy as np
@@ -18,7 +17,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.state import evolves
 from duhem.path.batch_run import histories
 from duhem.path.closest import outside
-from duhem.path.history import Histories, History, Interrupted, LeftDomain, LeftPrecision
+from duhem.path.history import Checkpoint, Due, Histories, History, Interrupted, LeftDomain, LeftPrecision
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, Paths, checked_count
@@ -29,8 +28,6 @@ from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.result import Array
 
 __all__ = ["check_compiled", "driven", "first_stress", "simulate"]
-
-Checkpoint = tuple[float, Callable[[History], object]]  # seconds, and who is given what is done
 
 _SAME = 1e-9  # of the largest stress that is added up: rounding is less, and another stiffness more
 
@@ -43,9 +40,9 @@ def simulate(
     law: Criterion | str | pathlib.Path,
     path: Path | Paths,
     *,
-    start: History | None = None,
+    start: History | StateHistory | None = None,
     on_step: Callable[[int, int], None] | None = None,
-    checkpoint: Checkpoint | None = None,
+    checkpoint: Checkpoint[Any] | None = None,
     **asked: Any,
 ) -> History | Histories | StateHistory:
     """:func:`duhem.simulate` where nobody asks whether K is convex: ``asked`` are the other fields of :class:`Run`."""
@@ -54,9 +51,9 @@ def simulate(
 
 def driven(
     run: Run,
-    start: History | None = None,
+    start: History | StateHistory | None = None,
     on_step: Callable[[int, int], None] | None = None,
-    checkpoint: Checkpoint | None = None,
+    checkpoint: Checkpoint[Any] | None = None,
 ) -> History | Histories | StateHistory:
     """What a run leaves behind: a history of one path, histories of many; arguments and errors are those of :func:`duhem.simulate`."""
     method = run.method
@@ -67,11 +64,13 @@ def driven(
     law = load_formula(run.law)
     run = replace(run, law=law)
     if evolves(law):
-        if start is not None:
-            what = "a run of a law with a state or a flow of its own cannot be continued with start"
-            raise InputError(what, where="start", remedy="give the variables of its last knot as state=, and run the rest of the path")
-        return state_history(run, on_step)
-    if (key := next((key for key, given in (("state", run.state), ("tangent", run.tangent or None), ("accuracy", run.accuracy)) if given is not None), None)):
+        if start is not None and not (isinstance(start, StateHistory) and isinstance(run.path, Path)):
+            raise InputError("this is no part of a path of a law with a state", where="start", remedy="give the history of its first part")
+        return state_history(run, start, on_step, checkpoint)
+    if key := next(
+        (key for key, given in (("state", run.state), ("tangent", run.tangent or None), ("accuracy", run.accuracy)) if given is not None),
+        None,
+    ):
         what = f"{law.name} has no state, and {key} applies only to laws with one"
         raise InputError(what, where=key, remedy="remove it; stress= is the initial stress, and duhem.project gives tangents")
     if start is not None and not isinstance(start, History):
@@ -99,14 +98,12 @@ def driven(
     steps = len(plan.path.time) - 1
     try:
         rows = advance(plan, ledger)
-        due, took = monotonic(), 0.0
+        due = Due(checkpoint)
         while (done := _next(rows)) is not None and np.isfinite(ledger.balance[done - 1]):
             if on_step is not None:
                 on_step(done - 1, steps)
-            if checkpoint is not None and (now := monotonic()) - due >= max(checkpoint[0], 9.0 * took) and done <= steps:
-                checkpoint[1](ledger.history(plan, method, why))
-                due = monotonic()
-                took = due - now
+            if done <= steps:
+                due(lambda: ledger.history(plan, method, why))
     except KeyboardInterrupt:
         raise Interrupted(ledger.history(plan, method, why)) from None
     except ArithmeticError:

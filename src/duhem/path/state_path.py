@@ -5,23 +5,26 @@ What a step is stands in :mod:`duhem.path.state_steps`, what is asked in :mod:`d
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.path.history import SUMS, Interrupted, LeftDomain, Tabled
+from duhem.law.state import prescribed
+from duhem.path.history import SUMS, Checkpoint, Due, Interrupted, LeftDomain, Tabled
 from duhem.path.run import Run
 from duhem.path.state_question import StateQuestion, inside
 from duhem.path.state_step import KKT
 from duhem.path.state_steps import Made, accurate, extrapolated, implicit
 from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.result import Array, Status
+from duhem.show.printing import draw
 
-__all__ = ["NoAnswer", "StateHistory", "state_history"]
+__all__ = ["NoAnswer", "StateHistory", "recalled", "state_history"]
 
 _BLOCK = 2048  # points whose steps are taken together
 _SUMS = SUMS[1:]  # all but the multiplier, of which each surface has one
@@ -32,9 +35,10 @@ class StateHistory(Tabled):
     """The states of a law at the m knots of a path, knot 0 being the start; of N paths each array has N as its first axis.
 
     ``state`` (m, variables): observables, internal variables, and the temperature if there is one; ``force`` (m, forces): the Y (sigma of a
-    slip) that criterion and flow take; ``multiplier`` lambda (m, surfaces), accumulated; ``psi`` the free energy; ``dissipation`` the
-    integral of Y . d alpha as the law's flow has it, ``work`` that of sigma . du, ``numerical`` what the steps themselves lose, all
-    accumulated; ``balance`` the residual of each step, d work - d psi - s dT - d dissipation - d numerical.  With a temperature there are
+    slip) that criterion and flow take; ``stress`` (m, o): d psi/du of the observables, with the names ``stresses``; ``multiplier`` lambda
+    (m, surfaces), accumulated; ``psi`` the free energy; ``dissipation`` the integral of Y . d alpha as the law's flow has it, ``work`` that
+    of sigma . du, ``numerical`` what the steps themselves lose, all accumulated; ``balance`` the residual of each step,
+    d work - d psi - s dT - d dissipation - d numerical.  With a temperature there are
     its ``entropy`` s, and the ``heat`` that flows in, the integral of T ds - dissipation, which is 0 but for rounding of an adiabatic path
     and sum h_k (T_k - T) dt where bodies exchange it.
     ``residual`` is the worst of the optimality conditions of each step, relative to the sizes that the law has there, at most 1e-10.
@@ -47,10 +51,12 @@ class StateHistory(Tabled):
     law: str
     variables: tuple[str, ...]
     forces: tuple[str, ...]
+    stresses: tuple[str, ...]
     pressure_name: str | None
     time: Array
     state: Array
     force: Array
+    stress: Array
     pressure: Array
     multiplier: Array
     psi: Array
@@ -83,7 +89,8 @@ class StateHistory(Tabled):
 
     def __getitem__(self, name: str) -> Array:
         """A variable or a force, at each knot."""
-        named = {**dict(zip(self.forces, np.moveaxis(self.force, -1, 0), strict=True))}
+        named = dict(zip(self.stresses, np.moveaxis(self.stress, -1, 0), strict=True))
+        named |= dict(zip(self.forces, np.moveaxis(self.force, -1, 0), strict=True))
         named |= dict(zip(self.variables, np.moveaxis(self.state, -1, 0), strict=True))
         if name not in named:
             raise InputError(f"there is no {name!r}", where=f"history of {self.law}", remedy=f"it has {', '.join(named)}")
@@ -105,12 +112,21 @@ class StateHistory(Tabled):
         warm = () if self.entropy is None else ("entropy", "heat")
         pressure = () if self.pressure_name is None else (self.pressure_name,)
         point = ("point",) if self.many else ()
-        return (*point, "time", *self.variables, *self.forces, *pressure, *multipliers, *_SUMS, *warm)
+        return (*point, "time", *self.variables, *self.forces, *self._others(), *pressure, *multipliers, *_SUMS, *warm)
+
+    def _others(self) -> tuple[str, ...]:
+        """The stresses that are no forces of internal variables too."""
+        return tuple(name for name in self.stresses if name not in self.forces)
+
+    def plot(self, file: Any = None, **options: Any) -> Any:
+        """Draw stress path, hysteresis loops and energies of one path, as :meth:`duhem.History.plot` does, without K, which may change."""
+        return draw(self, file, **options)
 
     def _table(self) -> tuple[tuple[str, ...], list[Array]]:
         pressure = [] if self.pressure_name is None else [self.pressure]
         warm = [] if self.entropy is None or self.heat is None else [self.entropy, self.heat]
-        states = [self.state, self.force, *pressure, self.multiplier, *(getattr(self, name) for name in _SUMS), *warm]
+        others = self.stress[..., [self.stresses.index(name) for name in self._others()]]
+        states = [self.state, self.force, others, *pressure, self.multiplier, *(getattr(self, name) for name in _SUMS), *warm]
         if not self.many:
             return self.columns(), [self.time, *states]
         n, m = self.psi.shape  # point by point, each knot by knot, with nan where it did not come
@@ -133,7 +149,7 @@ class StateHistory(Tabled):
         return "; ".join(said) or None
 
 
-_LONG = ("state", "force", "pressure", "multiplier", *_SUMS, "residual", "held", "entropy", "heat", "tangent")
+_LONG = ("state", "force", "stress", "pressure", "multiplier", *_SUMS, "residual", "held", "entropy", "heat", "tangent")
 
 
 class NoAnswer(InputError):
@@ -154,7 +170,12 @@ class NoAnswer(InputError):
         super().__init__(what, where=f"path, step {len(history)}", remedy=remedy)
 
 
-def state_history(run: Run, on_step: Callable[[int, int], None] | None = None) -> StateHistory:
+def state_history(
+    run: Run,
+    start: StateHistory | None = None,
+    on_step: Callable[[int, int], None] | None = None,
+    checkpoint: Checkpoint[StateHistory] | None = None,
+) -> StateHistory:
     """What a run of a law with a state leaves behind; errors are those of :func:`duhem.simulate`.
 
     Raises :class:`NoAnswer` for one path with a step that is not solved; of many such a point ends there, and its status says so.
@@ -166,10 +187,15 @@ def state_history(run: Run, on_step: Callable[[int, int], None] | None = None) -
     for first in range(0, n, size):
         which = np.arange(first, min(first + size, n))
         block = _Block(question, which)
+        if start is not None:
+            block.resume(start, run.method)
+        due = Due(checkpoint)
         try:
             for done in block.advanced():
                 if on_step is not None and question.alone:
                     on_step(done, steps)
+                if question.alone and done < steps:
+                    due(partial(block.reached_by, run.method, done + 1))
         except KeyboardInterrupt:
             made = block.history(run.method)
             raise Interrupted(made.point(0).upto(done + 1) if question.alone else None) from None
@@ -190,6 +216,23 @@ def state_history(run: Run, on_step: Callable[[int, int], None] | None = None) -
     return one
 
 
+def recalled(run: Run, column: Mapping[str, Array]) -> StateHistory:
+    """The history of one path of which the columns of the table were read; which bounds held variables is not among them."""
+    block = _Block(StateQuestion.of(run), np.zeros(1, dtype=np.intp))
+    n, many = len(column["time"]), block.arrays["multiplier"].shape[2]
+    named = block.history(run.method)
+    columns = {
+        "state": named.variables, "force": named.forces, "stress": named.stresses,
+        "multiplier": ("lambda",) if many == 1 else tuple(f"lambda_{i + 1}" for i in range(many)),
+    }  # fmt: skip
+    for name, array in block.arrays.items():
+        if name in columns:
+            array[0, :n] = np.array([column[each] for each in columns[name]]).reshape(-1, n).T
+        else:
+            array[0, :n] = column.get(name, 0.0)
+    return replace(block.history(run.method).point(0), time=column["time"], method="").upto(n)
+
+
 class _Block:
     """Some points of a run, their arrays over all knots filled step by step."""
 
@@ -198,7 +241,8 @@ class _Block:
         n, m = len(which), len(question.paths.time)
         many, d = len(own.criteria), len(own.order)
         shapes = {
-            "state": (len(own.names),), "force": (d,), "multiplier": (many,), **dict.fromkeys((*_SUMS, "residual", "entropy", "heat"), ()),
+            "state": (len(own.names),), "force": (d,), "stress": (own.observables,), "multiplier": (many,),
+            **dict.fromkeys((*_SUMS, "residual", "entropy", "heat"), ()),
             "tangent": (own.observables, own.observables),
         }  # fmt: skip
         self.arrays = {name: np.full((n, m, *shape), np.nan) for name, shape in shapes.items() if name != "tangent" or question.tangent}
@@ -207,15 +251,40 @@ class _Block:
         self.left, self.lost = "", np.inf
         with np.errstate(all="ignore"):
             psi, forces, entropy = own.stored(question.begun[which], question.at(0, which))
-        first = {"state": question.begun[which], "force": forces, "psi": psi, "entropy": entropy, "tangent": np.nan}
+            stress = own.free_energy.first(question.begun[which], question.at(0, which))[1][:, : own.observables]
+        first = {"state": question.begun[which], "force": forces, "stress": stress, "psi": psi, "entropy": entropy, "tangent": np.nan}
         for name, array in self.arrays.items():
             array[:, 0] = first.get(name, 0.0)
+
+    def resume(self, start: StateHistory, method: str) -> None:
+        """Take the rows of an earlier part of the run; InputError where it is none, as far as it tells."""
+        question, n, arrays = self.question, len(start.time), self.arrays
+        here = self.history(method).point(0)
+        same = (
+            isinstance(start, StateHistory)
+            and not start.many
+            and all(getattr(start, name) == getattr(here, name) for name in ("law", "variables", "forces", "stresses", "timed"))
+            and start.method in ("", method)  # a part that was read does not say how it was integrated
+            and 1 <= n <= len(here.time)
+            and all(np.array_equal(getattr(start, name), getattr(here, name)[:n]) for name in ("time", "pressure"))
+            and np.array_equal(start.state[0], here.state[0])
+            and (question.tangent is False or start.tangent is not None)
+        )
+        seen = slice(question.law.observables)
+        if same and not question.law.stressed:
+            same = all(np.array_equal(start.state[k, seen], question.paths.at(k)[0, seen]) for k in range(n))
+        if not same:
+            raise InputError("the given history belongs to another run", where="start", remedy="start afresh")
+        for name in arrays:
+            if (old := getattr(start, name)) is not None:
+                arrays[name][0, :n] = old
+        self.held[0, :n], self.reached[0] = start.held, n - 1
 
     def advanced(self) -> Iterator[int]:
         """The steps, and how many are done."""
         question, own, alive = self.question, self.question.law, np.arange(len(self.which))
         time = question.paths.time
-        for k in range(1, self.arrays["psi"].shape[1]):
+        for k in range(int(self.reached[0]) + 1, self.arrays["psi"].shape[1]):
             if not alive.size:
                 return
             who, base = self.which[alive], self.arrays["state"][alive, k - 1]
@@ -252,7 +321,8 @@ class _Block:
         go, part = alive[good], made.end.of(good)
         dissipation, work, numerical, warmed, heat = (x[good] for x in made.added)
         a = self.arrays
-        a["state"][go, k], a["force"][go, k], a["psi"][go, k], a["entropy"][go, k] = part.chi, part.forces, part.psi, part.entropy
+        a["state"][go, k], a["force"][go, k], a["stress"][go, k] = part.chi, part.forces, part.observed
+        a["psi"][go, k], a["entropy"][go, k] = part.psi, part.entropy
         for name, gain in (
             ("multiplier", made.multiplier[good]),
             ("dissipation", dissipation),
@@ -269,6 +339,10 @@ class _Block:
         self.status[go], self.reached[go] = np.where(moved, Status.SLIP, Status.STICK), k
         return go
 
+    def reached_by(self, method: str, knots: int) -> StateHistory:
+        """The first knots of the one path of which this is."""
+        return self.history(method).point(0).upto(knots)
+
     def history(self, method: str) -> StateHistory:
         """The knots that are kept."""
         question, own = self.question, self.question.law
@@ -282,6 +356,7 @@ class _Block:
             law=law.name,
             variables=own.names,
             forces=law.forces,
+            stresses=tuple(prescribed(law)),
             pressure_name=law.pressure,
             time=question.paths.time[knots],
             pressure=pressures,

@@ -103,7 +103,9 @@ def _joined(asked: StateQuestion, runs: Sequence[_Divided], to: Drive) -> Made:
     beside[stopped], weights[:, stopped] = finest[stopped], 0.0
     weights[-1, stopped] = 1.0
     back = implicit(asked, beside, given, 0.0, others)
-    added = [np.einsum("jn,jn->n", weights, gains) + more for *gains, more in zip(*(run.made.added for run in runs), back.added, strict=True)]
+    added = [
+        np.einsum("jn,jn->n", weights, gains) + more for *gains, more in zip(*(run.made.added for run in runs), back.added, strict=True)
+    ]
     added[2] += sum(w * own_dissipation(law, end.chi, beside, others) for w, end in zip(weights, ends, strict=True))
     sums = np.einsum("jn,jns->ns", weights, [run.made.multiplier for run in runs]) + back.multiplier
     ended = replace(

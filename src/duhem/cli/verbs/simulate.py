@@ -36,7 +36,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     """
     from duhem.api.histories import looked_into
     from duhem.omitted import LeftOut
-    from duhem.path import History, scene_file
+    from duhem.path import scene_file
     from duhem.path.scene import Stopped, check_outputs, perform, perform_many
     from duhem.projection.result import NOT_SHOWN
 
@@ -84,7 +84,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
             return INTERRUPTED
     if table is None:
         say(history.to_text().removesuffix("\n"))
-    if figure is not None and isinstance(history, History):
+    if figure is not None:
         history.plot(figure, units=(chosen.stress_unit, chosen.length_unit))
     wrote(f"the history of {len(history)} knots", table)
     wrote("the picture", figure)

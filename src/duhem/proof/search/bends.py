@@ -25,7 +25,7 @@ _MOST, _VALUES = 4_000, 6  # states, of which each has a matrix, and plain value
 _CHOICES = 12
 _LEAST = 1e-200  # heights of a chord, whose inverse is a double
 _PARTS = (4, 16, 128)  # to whole shares of which a direction is rounded
-_SIZES = (Fraction(1), Fraction(1, 2), Fraction(1, 8), Fraction(1, 2000))  # of a chord, in the units of the variables or in half the least range
+_SIZES = (Fraction(1), Fraction(1, 2), Fraction(1, 8), Fraction(1, 2000))  # of a chord, in units of the variables or half the least range
 _ROUNDING, _HUGE = 1e-9, 1e200  # of second derivatives
 
 

@@ -17,7 +17,7 @@ from duhem.law.domain import Domain
 
 __all__ = ["plain_states", "states_of_negative"]
 
-_PLAIN = tuple(map(Fraction, "0 1/2 1 -1 2 -2 10 -10 1/10 -1/2 1/2000 -1/2000 2000 -2000".split()))
+_PLAIN = tuple(map(Fraction, ("0", "1/2", "1", "-1", "2", "-2", "10", "-10", "1/10", "-1/2", "1/2000", "-1/2000", "2000", "-2000")))
 _TOUCHING = 1e-9
 _TRIED = 8
 
