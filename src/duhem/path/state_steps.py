@@ -29,6 +29,7 @@ _LEAST = 2.0**-27  # of a step of the path: no part is shorter, and the first is
 _MOST_PARTS = 4_000
 _SAFE = 0.1  # of the accuracy, which one part may be off by as it seems
 _ROUNDED = 1e-13  # of a variable: no difference
+_SEEN = 1e-10  # of all the energies of which psi is made: of a change that is less, rounding hides a part
 
 
 class Made(NamedTuple):
@@ -145,7 +146,7 @@ def accurate(asked: StateQuestion, base: Array, to: Drive, dt: float, accuracy: 
         elif (lost := bool(runs[-1].made.end.failed[0])) or apart > _SAFE * accuracy:
             if shortest:
                 return _failed(runs[-1].made, runs[-1].made.end.worst if lost else np.full(1, np.nan))
-            size = max(_LEAST, 0.4 * size)
+            size = max(_LEAST, (0.1 if lost else 0.4) * size)
         else:
             made = _joined(asked, runs, within)
             total = made if total is None else _after(total, made)
@@ -183,12 +184,14 @@ def _apart(asked: StateQuestion, base: Array, runs: Sequence[_Divided], to: Driv
     free, warm = ~bent.any(axis=1), np.zeros(len(size), dtype=np.bool_)
     warm[law.observables + law.internal :] = True
     alone = free | warm
-    size = np.maximum(size, np.abs(whole - base[0]) / part)
-    own = np.divide(apart, size, out=np.zeros_like(size), where=alone & (size > 0.0)).max()
-    lost, most = float(np.where(alone, 0.0, apart) @ bent @ np.where(alone, 0.0, apart)), 2.0 * max(stored, abs(float(psi[0]) - begun))
+    come = np.maximum(size, np.abs(whole - base[0]) / part)
+    own = np.divide(apart, come, out=np.zeros_like(size), where=alone & (come > 0.0)).max()
+    bent[alone], bent[:, alone] = 0.0, 0.0
+    lost, most = float(apart @ bent @ apart), max(2.0 * max(stored, abs(float(psi[0]) - begun)), _SEEN * float(size @ bent @ size))
     spent = np.array([run.made.added[0][0] for run in runs])
-    missed = abs(float(_weights(counts) @ spent - _weights(counts[1:]) @ spent[1:])) - _ROUNDED * float(np.abs(spent).max())
+    missed, most_spent = abs(float(_weights(counts) @ spent - _weights(counts[1:]) @ spent[1:])), float(np.abs(spent).max())
     with np.errstate(divide="ignore", invalid="ignore"):
-        energies = [0.0 if part <= 0.0 else part / most for part in (lost, missed)]
+        pairs = (lost, most), (missed - _ROUNDED * most_spent, max(most, most_spent / part))
+        energies = [0.0 if less <= 0.0 else less / much for less, much in pairs]
     found = float(max(own, np.sqrt(energies[0]), energies[1]))
     return found if np.isfinite(found) else np.inf

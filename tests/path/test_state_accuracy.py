@@ -1,0 +1,212 @@
+"""Laws with a state to an accuracy that is asked for, and paths that are continued: closed forms, events, and what must not pass."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import duhem
+from duhem import InputError, Path, Paths, Status
+from duhem.cli import cli
+from duhem.path import scene, scene_file, state_steps
+from duhem.path.state_path import NoAnswer, StateHistory, state_history
+from duhem.show.growing_file import beside
+
+R, K, C, GAMMA = 1.0, 100.0, 20.0, 3.0
+FREDERICK = {"R": R, "k": K, "C": C, "gamma": GAMMA}
+PRAGER = {"R": R, "k": K, "C": C}
+
+
+def run(law: str, path: Any, accuracy: float | None = 1e-8, **asked: Any) -> StateHistory:
+    found = duhem.simulate(law, path, method="extrapolated", accuracy=accuracy, **asked)
+    assert isinstance(found, StateHistory)
+    return found
+
+
+def back_and_forth(u: tuple[float, float]) -> tuple[float, float]:
+    """The stress of Armstrong and Frederick's law at two turns of a shear: X = X_end + (X_0 - X_end) exp(-gamma p)."""
+    most, at, slip, found = C / GAMMA, 0.0, 0.0, []
+    for sign, end in zip((1.0, -1.0), u, strict=True):
+
+        def back(p: float, sign: float = sign, at: float = at) -> float:
+            return sign * most + (at - sign * most) * np.exp(-GAMMA * p)
+
+        def missed(p: float, sign: float = sign, end: float = end, slip: float = slip, back: Any = back) -> float:
+            return float((back(p) + sign * R) / K + slip + sign * p - end)
+
+        p = brentq(missed, 0.0, 10.0, xtol=1e-15)
+        at, slip = back(p), slip + sign * p
+        found.append(at + sign * R)
+    return found[0], found[1]
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-8])
+def test_armstrong_and_frederick_turned_between_knots(accuracy: float) -> None:
+    found = run("armstrong-frederick-recall", Path.linear([0.0, 0.1, -0.05]), accuracy, parameters=FREDERICK)
+    exact = np.array(back_and_forth((0.1, -0.05)))
+    assert (np.abs(found["sigma"][1:] - exact) <= accuracy * np.abs(exact).max()).all()
+    assert np.abs(found.balance).max() <= 1e-12 * found.work.max() and found.status == Status.SLIP
+    assert f"at most {accuracy:g}" in found.why
+
+
+@pytest.mark.slow(4)
+def test_creep_and_relaxation_to_an_accuracy() -> None:
+    """Norton: u' constant, then held, where sigma' = -k A sigma^n has the closed form sigma^(1-n) = sigma_0^(1-n) + (n - 1) k A t."""
+    path = Path.linear([[0.0, 0.0], [0.02, 0.0], [0.02, 0.0]], time=[0.0, 1.0, 3.0])
+    found = run("norton-hoff", path, parameters={"A": 0.5, "n": 3}, stiffness=K)
+    start, end = found["sigma_a"][1:]
+    assert end == pytest.approx((start**-2 + 2.0 * K * 0.5 * 2.0) ** -0.5, rel=1e-8)
+    assert not found["sigma_b"].any() and np.abs(found.balance).max() <= 1e-11 * found.work.max()
+
+
+def test_the_onset_of_viscous_flow_within_a_step() -> None:
+    """Bingham at a constant rate v: the excess over R relaxes to eta v, x = eta v (1 - exp(-k t/eta)) from where R is reached."""
+    found = run("bingham", Path.linear([[0.0, 0.0], [0.05, 0.0]], time=[0.0, 1.0]), parameters={"R": R, "eta": 2.0}, stiffness=K)
+    excess = 2.0 * 0.05 * (1.0 - np.exp(-K * (1.0 - R / (K * 0.05)) / 2.0))
+    assert found["sigma_a"][-1] == pytest.approx(R + excess, rel=1e-8)
+
+
+@pytest.mark.slow(2)
+def test_two_components_against_an_equation_of_their_own() -> None:
+    found = run("prager", Path.linear([[0.02, 0.0], [0.05, 0.03]]), parameters=PRAGER, state={"u_in": 0.01})
+    slope = K * np.array([0.03, 0.03])
+
+    def rate(_: float, xi: Any) -> Any:  # xi = sigma + Y, on |xi| = R
+        n = xi / np.hypot(*xi)
+        return slope - n * (n @ slope)
+
+    at = np.array([1.0, 0.0])
+    xi = solve_ivp(rate, (0.0, 1.0), at, rtol=1e-12, atol=1e-13).y[:, -1]
+    assert np.allclose(found.force[-1, :2] + found.force[-1, 2:], xi, rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.long
+def test_heat_of_slip_to_an_accuracy() -> None:
+    """mu(T) N = mu N exp(-a (T - T_0)) at a constant slip rate: c T' = mu N exp(-a (T - T_0)) v, but for the elastic part."""
+    given = {"mu": 0.3, "a": 0.01, "k": 1e4, "c": 2.0, "T_0": 300.0, "h_1": 0.0, "h_2": 0.0, "T_1": 300.0, "T_2": 300.0}
+    path = Path.linear([[0.0, 0.0], [5.0, 0.0]], time=[0.0, 1.0], pressure=-1.0)
+    found = run("frictional-heating", path, parameters=given, state={"T": 300.0})
+    slip = found["u_in"][-1]
+    assert found["T"][-1] - 300.0 == pytest.approx(100.0 * np.log1p(0.01 * 0.3 * slip / 2.0), rel=1e-8)
+
+
+def test_many_points_are_each_by_itself() -> None:
+    paths = Paths.linear(np.array([[[0.0], [0.02]], [[0.0], [0.005]]]))
+    found = run("armstrong-frederick-recall", paths, 1e-2, parameters=FREDERICK)
+    for i in range(2):
+        alone = run("armstrong-frederick-recall", paths.path(i), 1e-2, parameters=FREDERICK)
+        assert np.array_equal(found.state[i], alone.state)
+
+
+@pytest.mark.slow(2)
+def test_a_step_from_which_newton_does_not_come_is_divided() -> None:
+    with pytest.raises(NoAnswer):
+        duhem.simulate("armstrong-frederick-recall", Path.linear([0.0, 1e4]), parameters=FREDERICK)
+    found = run("armstrong-frederick-recall", Path.linear([0.0, 1e4]), 1e-2, parameters=FREDERICK)
+    assert found["sigma"][-1] == pytest.approx(R + C / GAMMA, rel=1e-2)
+
+
+def test_wrong_weights_do_not_come_to_the_accuracy(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = state_steps._weights
+    monkeypatch.setattr(state_steps, "_weights", lambda parts: np.eye(len(parts))[-1] + 1e-3 * (right(parts) - np.eye(len(parts))[-1]))
+    monkeypatch.setattr(state_steps, "_MOST_PARTS", 40)
+    with pytest.raises(NoAnswer, match="do not come to the accuracy"):
+        run("armstrong-frederick-recall", Path.linear([0.0, 0.1]), parameters=FREDERICK)
+
+
+@pytest.mark.parametrize(
+    ("asked", "where"),
+    [
+        ({"accuracy": 0.0}, "accuracy"), ({"accuracy": 1e-15}, "accuracy"), ({"accuracy": float("nan")}, "accuracy"),
+        ({"accuracy": "small"}, "accuracy"), ({"accuracy": 1e-8, "method": "implicit"}, "accuracy"),
+        ({"projection": "newton"}, "projection"),
+        ({"threads": 0}, "path"), ({"state": {"alpha": float("nan")}}, "state"), ({"start": 3}, "start"),
+    ],
+)  # fmt: skip
+def test_what_is_asked_in_vain_is_refused(asked: Any, where: str) -> None:
+    with pytest.raises(InputError) as fault:
+        duhem.simulate("armstrong-frederick-recall", Path.linear([0.0, 0.1]), parameters=FREDERICK, **{"method": "extrapolated", **asked})
+    assert fault.value.where == where
+    with pytest.raises(InputError, match="has no state"):
+        duhem.simulate(
+            "coulomb", Path.linear([[0.0, 0.0], [1.0, 0.0]], pressure=-1.0), parameters={"mu": 0.3}, stiffness=1.0, accuracy=1e-8
+        )
+
+
+# -- runs in parts ------------------------------------------------------------------------------------------------------
+
+SCENE = """
+law = "{law}"
+[parameters]
+{numbers}
+[path]
+kind = "linear"
+points = {points}
+{more}
+[method]
+substeps = 4
+integrator = "{method}"
+"""
+SCENES = {
+    "armstrong-frederick-recall": ("R = 1\nk = 100\nC = 20\ngamma = 3", "[0, 0.1, -0.05]", ""),
+    "adhesion": ("mu = 0.3\nC = 10\nk = 100\nw = 0.02", "[[0, 0], [0.1, 0.05], [0, 0]]", "pressure = -1\n[state]\nbeta = 1"),
+    "perzyna": ("R = 1\neta = 2\nn = 2", "[[0, 0], [0.1, 0.05], [0, 0]]", "time = [0, 1, 3]"),
+}
+
+
+@pytest.mark.parametrize("method", ["implicit", "extrapolated"])
+@pytest.mark.parametrize("law", SCENES)
+def test_a_run_that_is_continued_is_the_whole_to_the_last_bit(law: str, method: str, tmp_path: Any) -> None:
+    numbers, points, more = SCENES[law]
+    text = SCENE.format(law=law, numbers=numbers, points=points, more=more, method=method)
+    text = text if law != "perzyna" else f"stiffness = 100\n{text}"
+    (tmp_path / "scene.toml").write_text(text)
+    asked = scene_file.read(tmp_path / "scene.toml")
+    whole, parts = state_history(asked), list[StateHistory]()
+    assert isinstance(whole, StateHistory)
+    state_history(asked, checkpoint=(0.0, parts.append))
+    assert parts and all(np.array_equal(part.to_array(), whole.upto(len(part)).to_array()) for part in parts)
+    for part in (whole.upto(n) for n in (1, 3, len(whole) - 1)):
+        again = state_history(asked, part)
+        assert np.array_equal(again.to_array(), whole.to_array()) and again.remark() == whole.remark()
+    table = str(tmp_path / "h.csv")
+    scene.keep(whole.upto(4), table, asked.fingerprint)
+    done = CliRunner().invoke(cli, ["simulate", str(tmp_path / "scene.toml"), "--out", table, "--resume"])
+    assert done.exit_code == 0 and not beside(table).exists()
+    whole.to_csv(tmp_path / "w.csv")
+    assert (tmp_path / "w.csv").read_bytes() == (tmp_path / "h.csv").read_bytes()
+
+
+def test_a_part_of_another_run_is_refused() -> None:
+    path, asked = Path.linear([0.0, 0.1, -0.05]), {"parameters": FREDERICK, "substeps": 3}
+    law = "armstrong-frederick-recall"
+    part = duhem.simulate(law, path, **asked).upto(3)
+    others = {
+        "another path": (law, Path.linear([0.0, 0.2, -0.05]), asked),
+        "another start": (law, path, asked | {"state": {"alpha": 0.01}}),
+        "another method": (law, path, asked | {"method": "extrapolated"}),
+        "another law": ("slip-hardening", Path.linear([0.0, 0.1, -0.05], pressure=-1.0), {"parameters": {"mu": 0.3, "k": K, "H": 1}}),
+        "a tangent": (law, path, asked | {"tangent": True}),
+        "no tangent, but fewer knots": (law, path, asked | {"substeps": 1}),
+    }  # fmt: skip
+    for other, where, more in others.values():
+        with pytest.raises(InputError, match="another run"):
+            duhem.simulate(other, where, start=part, **more)
+
+
+def test_the_stress_of_damage_stands_in_the_table_and_is_drawn(tmp_path: Any) -> None:
+    found = duhem.simulate("at1-damage", Path.linear([0.0, 0.2, 0.0]), parameters={"E": 100, "w_1": 0.5}, substeps=5)
+    d, eps = found["d"], found["eps"]
+    assert np.allclose(found["sigma"], (1.0 - d) ** 2 * 100.0 * eps, rtol=1e-12, atol=1e-14) and d[-1] > 0.5
+    assert found.columns()[3:5] == ("Y", "sigma") and np.array_equal(found.to_dict()["sigma"], found["sigma"])
+    axes = found.plot(tmp_path / "d.svg")
+    assert len(axes) == 3 and "eps" in axes[1].get_xlabel()
+    many = duhem.simulate("at1-damage", Paths.linear(np.array([[[0.0], [0.2]]] * 2)), parameters={"E": 100, "w_1": 0.5})
+    with pytest.raises(InputError, match="one point"):
+        many.plot()
+    assert many.point(1).plot()
