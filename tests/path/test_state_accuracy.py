@@ -183,10 +183,12 @@ def test_a_run_that_is_continued_is_the_whole_to_the_last_bit(law: str, method: 
 
 
 def test_a_part_of_another_run_is_refused() -> None:
-    path, asked = Path.linear([0.0, 0.1, -0.05]), {"parameters": FREDERICK, "substeps": 3}
+    path = Path.linear([0.0, 0.1, -0.05])
+    asked: dict[str, Any] = {"parameters": FREDERICK, "substeps": 3}
     law = "armstrong-frederick-recall"
-    part = duhem.simulate(law, path, **asked).upto(3)
-    others = {
+    part: Any = duhem.simulate(law, path, **asked)
+    part = part.upto(3)
+    others: dict[str, Any] = {
         "another path": (law, Path.linear([0.0, 0.2, -0.05]), asked),
         "another start": (law, path, asked | {"state": {"alpha": 0.01}}),
         "another method": (law, path, asked | {"method": "extrapolated"}),
@@ -200,13 +202,13 @@ def test_a_part_of_another_run_is_refused() -> None:
 
 
 def test_the_stress_of_damage_stands_in_the_table_and_is_drawn(tmp_path: Any) -> None:
-    found = duhem.simulate("at1-damage", Path.linear([0.0, 0.2, 0.0]), parameters={"E": 100, "w_1": 0.5}, substeps=5)
+    found: Any = duhem.simulate("at1-damage", Path.linear([0.0, 0.2, 0.0]), parameters={"E": 100, "w_1": 0.5}, substeps=5)
     d, eps = found["d"], found["eps"]
     assert np.allclose(found["sigma"], (1.0 - d) ** 2 * 100.0 * eps, rtol=1e-12, atol=1e-14) and d[-1] > 0.5
     assert found.columns()[3:5] == ("Y", "sigma") and np.array_equal(found.to_dict()["sigma"], found["sigma"])
     axes = found.plot(tmp_path / "d.svg")
     assert len(axes) == 3 and "eps" in axes[1].get_xlabel()
-    many = duhem.simulate("at1-damage", Paths.linear(np.array([[[0.0], [0.2]]] * 2)), parameters={"E": 100, "w_1": 0.5})
+    many: Any = duhem.simulate("at1-damage", Paths.linear(np.array([[[0.0], [0.2]]] * 2)), parameters={"E": 100, "w_1": 0.5})
     with pytest.raises(InputError, match="one point"):
         many.plot()
     assert many.point(1).plot()

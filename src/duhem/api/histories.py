@@ -108,9 +108,10 @@ def simulate(
     potential of rates needs the times of the path. ``tangent`` adds d sigma/du at each knot. At a bound of a variable its evolution
     stops, and ``remark()`` says so. ``method`` is ``implicit`` or ``extrapolated``; with the latter, ``accuracy`` (from 1e-11 to 1)
     divides each step of the path until the estimated error of each part, relative to the state, is at most a tenth of it; it finds where
-    flow begins or ends. ``threads`` and ``convex`` do not matter, and ``start`` is the :class:`duhem.StateHistory` of a part of one path. ``compiled`` makes steps 4 to 16 times as fast (some 12 microseconds each for six components) unless
-    forces are prescribed, heat decides the temperature or ``tangent`` is asked for; ``why`` says whether it did. :class:`NoAnswer`, an
-    InputError with the history so far, ends a path with a step that is not solved to a residual of 1e-10.
+    flow begins or ends. ``threads`` and ``convex`` do not matter, and ``start`` is the :class:`duhem.StateHistory` of a part of one path.
+    ``compiled`` makes steps 4 to 16 times as fast (some 12 microseconds each for six components) unless forces are prescribed, heat
+    decides the temperature or ``tangent`` is asked for; ``why`` says whether it did. :class:`NoAnswer`, an InputError with the history
+    so far, ends a path with a step that is not solved to a residual of 1e-10, or not to the accuracy.
     """
     check_convex(convex)
     known = load_formula(law)
