@@ -19,6 +19,7 @@ from duhem.errors import InputError, MissingExtraError
 from duhem.micromodel.figures import FIGURES, Figure, Table
 from duhem.micromodel.figures.paper import boundary
 from duhem.micromodel.figures.value import Arrows, Curve
+from duhem.micromodel.wedge import coefficients
 from tests.long import long_but, mostly_long
 
 DRAWN = [name for name, recipe in FIGURES.items() if name != "8"]
@@ -148,6 +149,41 @@ def test_a_boundary_that_is_not_closed_is_an_error() -> None:
     strip = duhem.Criterion(name="strip", g="abs(sigma_a) - abs(sigma_n)")
     with pytest.raises(InputError, match="does not leave K"):
         boundary(strip, {}, [0.0, math.pi / 2])
+
+
+# ---- 2, 3, 6, 7
+
+
+@pytest.mark.parametrize("tan_alpha", [1.0, 0.5, 3.0])
+@pytest.mark.parametrize("mu", [0.1, 0.25])
+def test_the_sides_and_forces_of_the_sketches_are_those_of_the_model(tan_alpha: float, mu: float) -> None:
+    surface, model, steel = (FIGURES[name](tan_alpha=tan_alpha) for name in ("2", "3", "6"))
+    assert isinstance(surface, Figure) and isinstance(model, Figure) and isinstance(steel, Figure)
+    for name, sign in (("alpha", 1.0), ("beta", -1.0)):
+        side = surface.panels[0][f"Gamma_{name}"]
+        slope = np.diff(side.y)[0] / np.diff(side.x)[0]
+        assert sign * np.degrees(np.arctan(slope)) == pytest.approx(surface[name], rel=1e-12) and surface[name] == steel[name]
+    assert 1.0 / tan_alpha + 1.0 / np.tan(np.radians(surface["beta"])) == pytest.approx(5.0, rel=1e-12)
+    model = FIGURES["3"](tan_alpha=tan_alpha, mu=mu)
+    plus, _ = coefficients(np.arctan(tan_alpha), np.radians(surface["beta"]), mu, mu)
+    assert isinstance(model, Figure) and model["mean tangential over mean normal force"] == pytest.approx(float(plus), rel=1e-12)
+    for name, slope in (("alpha", tan_alpha), ("beta", -np.tan(np.radians(surface["beta"])))):
+        along, normal = model.panels[0][f"F_{name}"].along[0], np.array([slope, -1.0]) / np.hypot(slope, 1.0)  # into body (2)
+        pressed = along @ normal
+        assert np.hypot(*(along - pressed * normal)) == pytest.approx(mu * pressed, rel=1e-12)  # Coulomb's law on the side
+    assert FIGURES["6"](roughness=3e-5)["average height of the asperities of aluminium"] == pytest.approx(30.0)  # type: ignore[index]
+    shown = FIGURES["7"](normal_load=500.0)
+    assert isinstance(shown, Figure)
+    lengths = [layer.length for layer in shown.panels[0].layers if isinstance(layer, Arrows)]
+    assert np.allclose(np.array(lengths) / lengths[0] * 500.0, [500.0, 165.0, 145.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"), [("3", {"pressed": 0.5}), ("3", {"mu": 1.0}), ("6", {"roughness": 0.0}), ("2", {"height": 0.0})]
+)
+def test_what_cannot_be_sketched_is_an_error(name: str, wrong: dict[str, float]) -> None:
+    with pytest.raises(InputError):
+        FIGURES[name](**wrong)
 
 
 # ---- 8
@@ -311,7 +347,7 @@ def test_every_figure_names_its_axes_and_its_source(name: str) -> None:
     assert isinstance(figure, Figure) and "Antoni" in figure.source
     for panel in figure.panels:
         assert panel.x.symbol and panel.y.symbol
-        assert panel.equal == (panel.x.name == "sigma_a/|sigma_n|")  # as long as wide where both axes are stresses
+        assert panel.equal == (panel.x.name in ("sigma_a/|sigma_n|", "x"))  # as long as wide where both axes are stresses or lengths
         assert [layer for layer in panel.layers if isinstance(layer, (Curve, Arrows)) and layer.label]
 
 

@@ -15,7 +15,12 @@ if TYPE_CHECKING:
 __all__ = ["draw", "save"]
 
 _DOTS = show.pen(3)["linestyle"]  # grey is told from the first of the palette by its dots
-_SIDES = {"left": ((-7, 0), "right", "center"), "above left": ((-4, 4), "right", "bottom"), "below right": ((5, -2), "left", "top")}
+_SIDES = {
+    "centre": ((0, 0), "center", "center"),
+    "left": ((-7, 0), "right", "center"),
+    "above left": ((-4, 4), "right", "bottom"),
+    "below right": ((5, -2), "left", "top"),
+}
 
 
 def draw(figure: Figure) -> Sheet:
@@ -38,7 +43,7 @@ def _drawn(figure: Figure, file: str | os.PathLike[str] | None = None) -> tuple[
         for axes, panel in zip(places, figure.panels, strict=True):
             _panel(axes, panel)
 
-    width = 5.3 if figure.panels[0].equal else 6.0
+    width = 5.3 if figure.panels[0].equal else 6.0  # of a panel
     return show.drawn(paint, file, panels=len(figure.panels), size=(width, 4.4), title=figure.title)
 
 

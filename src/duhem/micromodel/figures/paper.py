@@ -16,6 +16,7 @@ from duhem.expression.rays import exits
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
 from duhem.micromodel.experiment import STEEL_ON_ALUMINIUM, Experiment
+from duhem.micromodel.figures.sketches import bench, contact, specimens, texture
 from duhem.micromodel.figures.value import Array, Arrows, Axis, Band, Curve, Fact, Figure, Layer, Marks, Note, Panel, Recipe, Rule, Table
 from duhem.micromodel.wedge import associated_fit, coefficients, limit_point, slip_direction
 
@@ -370,6 +371,8 @@ def _turn(start: Array, end: Array) -> Array:
 
 _RECIPES = (
     Recipe("1", "Asymmetric friction along a line: one cycle of displacement", "Antoni et al. (2007), Fig. 1, Eq. (1)", law_1d),
+    Recipe("2", "Wedges on the surface of a body, and their two sides", "Antoni et al. (2007), Fig. 2", texture),
+    Recipe("3", "Springs on a wedge, and their forces", "Antoni et al. (2007), Fig. 3, Eqs. (2)-(12)", contact),
     Recipe(
         "4",
         "Asymmetry of friction against the slope of a wedge of given height and period",
@@ -377,6 +380,8 @@ _RECIPES = (
         asymmetry,
     ),
     Recipe("5", "Asymmetric friction criterion beside an isotropic one", "Antoni et al. (2007), Fig. 5, Eq. (35)", criterion),
+    Recipe("6", "Surfaces of the two specimens", "Antoni et al. (2007), Fig. 6", specimens),
+    Recipe("7", "Parts of the test bench", "Antoni et al. (2007), Fig. 7", bench),
     Recipe(
         "8",
         "Tangential loads measured on the wedge specimen beside the predicted ones",

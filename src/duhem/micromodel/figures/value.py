@@ -144,7 +144,7 @@ class Note:
     text: str
     x: float
     y: float
-    side: Literal["left", "above left", "below right"]
+    side: Literal["left", "above left", "below right", "centre"]
 
     def rows(self) -> Iterator[Row]:
         return iter(())
