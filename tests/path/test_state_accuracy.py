@@ -103,12 +103,34 @@ def test_many_points_are_each_by_itself() -> None:
         assert np.array_equal(found.state[i], alone.state)
 
 
-@pytest.mark.slow(2)
-def test_a_step_from_which_newton_does_not_come_is_divided() -> None:
-    with pytest.raises(NoAnswer):
-        duhem.simulate("armstrong-frederick-recall", Path.linear([0.0, 1e4]), parameters=FREDERICK)
-    found = run("armstrong-frederick-recall", Path.linear([0.0, 1e4]), 1e-2, parameters=FREDERICK)
-    assert found["sigma"][-1] == pytest.approx(R + C / GAMMA, rel=1e-2)
+@pytest.mark.slow(3)
+@pytest.mark.parametrize("u", [1e1, 1e4])
+def test_a_step_far_beyond_saturation_has_its_answer(u: float) -> None:
+    """sigma = k (u - p) = R + C p/(1 + gamma p), and of two back stresses and a radius likewise: p is the root of one equation."""
+    chaboche = {"R": 1, "k": K, "C_1": 20, "C_2": 5, "gamma_1": 8, "gamma_2": 0.5, "Q": 0.5, "b": 4}
+    parts = {"armstrong-frederick-recall": [(C, GAMMA)], "chaboche": [(20.0, 8.0), (5.0, 0.5), (4 * 0.5, 4.0)]}
+    for law, parameters in (("armstrong-frederick-recall", FREDERICK), ("chaboche", chaboche)):
+        found: Any = duhem.simulate(law, Path.linear([0.0, u]), parameters=parameters)
+
+        def stress(p: float, law: str = law) -> float:
+            return R + sum(c * p / (1.0 + gamma * p) for c, gamma in parts[law])
+
+        p = brentq(lambda p: K * (u - p) - stress(p), 0.0, u, xtol=1e-14 * u)
+        assert found["sigma"][-1] == pytest.approx(stress(p), rel=1e-7) and found.residual.max() <= 1e-10
+
+
+@pytest.mark.parametrize(("a", "c", "u"), [(0.1, 2.0, 100.0), (1.0, 0.02, 10.0)])
+def test_a_long_adiabatic_step_of_softening_friction_has_its_answer(a: float, c: float, u: float) -> None:
+    """c T ln(T/T_0) = mu exp(-a (T - T_0)) N p with the slip p = u - sigma/k of the step."""
+    given = {"mu": 0.3, "a": a, "k": K, "c": c, "T_0": 300.0, "h_1": 0, "h_2": 0, "T_1": 300.0, "T_2": 300.0}
+    path = Path.linear([[0.0, 0.0], [u, 0.0]], pressure=-1.0, time=[0.0, 1.0])
+    found: Any = duhem.simulate("frictional-heating", path, parameters=given, state={"T": 300.0})
+
+    def missed(t: float) -> float:
+        limit = 0.3 * np.exp(-a * (t - 300.0))
+        return float(c * t * np.log(t / 300.0) - limit * (u - limit / K))
+
+    assert found["T"][-1] == pytest.approx(brentq(missed, 300.0, 1000.0, xtol=1e-11), rel=1e-9)
 
 
 def test_wrong_weights_do_not_come_to_the_accuracy(monkeypatch: pytest.MonkeyPatch) -> None:

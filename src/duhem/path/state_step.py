@@ -48,7 +48,7 @@ MOST = 100  # steps of Newton's method, of all sets of criteria and bounds toget
 HALVINGS = 30
 UNTRUE = 1e-6  # of the energies of a step: right answers miss it by rounding, and wrong ones by much of the energies
 SPOILT = 64 * _EPS  # of Y . alpha: an energy that is less says nothing, since alpha is rounded
-_PARTS = 16  # of the load, along which a step is followed that Newton's method does not find at once
+_SHARES = np.union1d(2.0 ** np.arange(-20, -4), np.arange(1, 17) / 16)  # of a load along which a step is followed
 
 Flags = NDArray[np.bool_]
 
@@ -447,12 +447,17 @@ class StateLaw:
         )  # fmt: skip
 
     def _followed(self, at: Guess, base: Array, given: Array, dt: float, others: Sequence[Array]) -> _Found:
-        """The end of the same step, found along those of steps from the same ``base`` to a part of the load, each from the one before."""
+        """The end of the same step, found along those of steps from the same ``base`` to a part of the load, each from the two before."""
         u, _, warm = self._unknown
         start = self.free_energy.first(base, others)[1][:, u] if self.stressed else base[:, u]
         start = np.concatenate([start, base[:, warm]], axis=1)[:, : given.shape[1]]
-        for share in np.linspace(0.0, 1.0, _PARTS + 1)[1:]:
-            at, system, failed = self._ended(at, base, start + share * (given - start), share * dt, others)
+        before, first, last = at, 0.0, 0.0
+        for share in _SHARES:
+            ahead = (share - last) / (last - first) if last else 0.0  # of the way from the share before, by which both go on
+            chi, multiplier = (now + ahead * (now - then) for now, then in ((at.chi, before.chi), (at.multiplier, before.multiplier)))
+            guess = Guess(chi, np.maximum(multiplier, 0.0), at.reaction, at.active, at.held)
+            before, first, last = at, last, share
+            at, system, failed = self._ended(guess, base, start + share * (given - start), share * dt, others)
             if failed.all():
                 break
         return at, system, failed

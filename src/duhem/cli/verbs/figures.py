@@ -40,8 +40,8 @@ __all__ = ["figures"]
 def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: str, data: bool, listing: bool) -> int:
     """Compute the figures of the source paper.
 
-    NAMES are 1, 2, 3, 4, 5, 6, 7, 8, 9 and oblique. Without NAMES, duhem computes all of them. Each figure is computed from the model and written
-    as figure-NAME, and its main numbers are printed. Figure 8 is a table: duhem prints it and writes it as CSV.
+    NAMES are 1, 2, 3, 4, 5, 6, 7, 8, 9 and oblique. Without NAMES, duhem computes all of them. Each figure is computed from the model
+    and written as figure-NAME, and its main numbers are printed. Figure 8 is a table: duhem prints it and writes it as CSV.
     """
     from duhem.micromodel.figures import FIGURES, Figure, Table, unknown
 

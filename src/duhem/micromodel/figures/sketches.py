@@ -104,7 +104,8 @@ def specimens(period: float = _PERIOD, height: float = _HEIGHT, tan_alpha: float
         raise InputError(f"the average height {roughness:g} is not positive", where="roughness", remedy="give a positive number")
     steel = replace(_profile("steel", 0, max(1, round(_SEEN / long)), long, high, foot, 0), label="steel")
     draw = np.random.default_rng(2007)
-    x = np.sort(np.append(draw.uniform(0.0, _SEEN, 2 * _PEAKS - 1), [0.0, _SEEN]))
+    x = np.linspace(0.0, _SEEN, 2 * _PEAKS + 1)
+    x[1:-1] += draw.uniform(-0.3, 0.3, 2 * _PEAKS - 1) * x[1]
     peaks = draw.lognormal(0.0, 0.4, _PEAKS)
     z = np.zeros(len(x))
     z[1::2] = _UM * roughness * peaks / peaks.mean()
@@ -142,8 +143,8 @@ def bench(
         ("tangential, -t_a", (1.7, 2.6), (-1.0, 0.0)),
     )
     for hue, ((name, start, way), load) in enumerate(zip(arrows, loads, strict=True)):
-        said = name.replace("t_a", "$t_a$")
-        layers.append(Arrows(name, np.array([start]), np.array([way]), size * load, hue, f"{said}: {load:g} N"))
+        said = f"{name}: {load:g} N"
+        layers.append(Arrows(said, np.array([start]), np.array([way]), size * load, hue, said.replace("t_a", "$t_a$")))
     axes = (Axis("x", "along $t_a$, not to scale", "", (-0.5, 17.5)), Axis("z", "along $n$, not to scale", "", (-0.5, 8.0)))
     names = ("normal load", "steady tangential load along +t_a", "steady tangential load along -t_a")
     facts = (*(Fact(name, load, "N") for name, load in zip(names, loads, strict=True)), Fact("velocity of the jack", velocity, "m/s"))
