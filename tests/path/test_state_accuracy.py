@@ -234,3 +234,10 @@ def test_the_stress_of_damage_stands_in_the_table_and_is_drawn(tmp_path: Any) ->
     with pytest.raises(InputError, match="one point"):
         many.plot()
     assert many.point(1).plot()
+
+
+@pytest.mark.long
+def test_a_path_that_ends_where_a_bound_begins_to_hold() -> None:
+    """Of brittle damage, which is whole here, the force is at its threshold at the last knot: another part begins there, and is short."""
+    found = run("lemaitre-damage", Path.linear([0.2, 0.1]), 1e-4, parameters={"E": 100, "Y_0": 0.5}, state={"D": 1.0})
+    assert found["D"][-1] == 1.0 and not found["sigma"].any()

@@ -106,7 +106,7 @@ def simulate(
     column the temperature; without that column it follows from the heat that is dissipated and that bodies exchange. ``state`` has the
     variables that do not begin at 0. An energy contains the stiffness; ``stiffness`` is for laws without one. A law with rates or a
     potential of rates needs the times of the path. ``tangent`` adds d sigma/du at each knot. At a bound of a variable its evolution
-    stops, and ``remark()`` says so. ``method`` is ``implicit`` or ``extrapolated``; with the latter, ``accuracy`` (from 1e-11 to 1)
+    stops, and ``remark()`` says so. ``method`` is ``implicit`` or ``extrapolated``; with the latter, ``accuracy`` (from 1e-10 to 1)
     divides each step of the path until the estimated error of each part, relative to the state, is at most a tenth of it; it finds where
     flow begins or ends. ``threads`` and ``convex`` do not matter, and ``start`` is the :class:`duhem.StateHistory` of a part of one path.
     ``compiled`` makes steps 4 to 16 times as fast (some 12 microseconds each for six components) unless forces are prescribed, heat

@@ -28,7 +28,7 @@ from duhem.projection.result import Array
 __all__ = ["Drive", "StateQuestion", "inside"]
 
 _METHODS = "implicit", "extrapolated"
-_FINEST = 1e-11  # below which rounding hides what a step is off by
+_FINEST = 1e-10  # below which rounding hides what a step is off by
 
 Drive = Callable[[float], tuple[Array, Sequence[Array]]]
 """What is prescribed at a part from 0 to 1 of a step, (N, columns), and the numbers of the formulas."""

@@ -130,7 +130,7 @@ def accurate(asked: StateQuestion, base: Array, to: Drive, dt: float, accuracy: 
     (psi,) = asked.law.stored(base, to(0.0)[1])[0]
     for _ in range(_MOST_PARTS):
         size = 1.0 - part if part + size > 1.0 - _LEAST else size
-        runs, apart, same, shortest = list[_Divided](), np.inf, [True], size <= _LEAST
+        runs, apart, same, shortest = list[_Divided](), np.inf, [True], size <= 2.0 * _LEAST
 
         def within(share: float, part: float = part, size: float = size) -> tuple[Array, Sequence[Array]]:
             return to(min(1.0, part + size * share))
