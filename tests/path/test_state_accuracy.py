@@ -133,6 +133,16 @@ def test_a_long_adiabatic_step_of_softening_friction_has_its_answer(a: float, c:
     assert found["T"][-1] == pytest.approx(brentq(missed, 300.0, 1000.0, xtol=1e-11), rel=1e-9)
 
 
+@pytest.mark.slow(6)
+def test_compiled_parts_come_to_the_same() -> None:
+    pytest.importorskip("numba")
+    path = Path.linear([0.0, 0.1, -0.05])
+    plain, machine = (
+        run("armstrong-frederick-recall", path, 1e-6, parameters=FREDERICK, compiled=compiled) for compiled in (False, True)
+    )
+    assert np.allclose(plain.to_array(), machine.to_array(), rtol=1e-6, atol=1e-8) and "compiled" in machine.why
+
+
 def test_wrong_weights_do_not_come_to_the_accuracy(monkeypatch: pytest.MonkeyPatch) -> None:
     right = state_steps._weights
     monkeypatch.setattr(state_steps, "_weights", lambda parts: np.eye(len(parts))[-1] + 1e-3 * (right(parts) - np.eye(len(parts))[-1]))

@@ -211,15 +211,11 @@ class StateQuestion:
 
 def _accuracy(run: Run) -> float:
     """The accuracy asked for; InputError where it is none, or nothing has one."""
-    try:
-        accuracy = float(exact_number(run.accuracy))
-    except (InputError, TypeError, ValueError):
-        accuracy = np.nan
-    if not _FINEST <= accuracy < 1.0:
+    if not isinstance(run.accuracy, int | float) or not _FINEST <= run.accuracy < 1.0:
         raise InputError(f"accuracy = {str(run.accuracy)[:40]}", where="accuracy", remedy=f"give a number from {_FINEST:g} to 1")
     if run.method != "extrapolated":
         raise InputError(f"an {run.method} step has no accuracy", where="accuracy", remedy='use method="extrapolated"')
-    return accuracy
+    return float(run.accuracy)
 
 
 def inside(domain: Domain, values: Array) -> NDArray[np.bool_]:
