@@ -2,7 +2,7 @@
 
 ``norm``, ``pos``, ``neg``, ``where`` and ``atan2`` are ours; the rest are SymPy's own.  ``WORDS`` is the single list from
 which the parser takes its names; every interpreter has one row per node class of ``NODES``.  A word that others say as well
-is built of them and needs no row: ``sqrt``, ``log10``, ``sign``, and a ``where`` whose condition joins comparisons.
+is built of them and needs no row: ``sqrt``, ``log10``, ``sign``, ``softplus``, ``logsumexp``, and a ``where`` whose condition joins comparisons.
 """
 
 from __future__ import annotations
@@ -249,6 +249,16 @@ def _log10(x: sp.Expr, evaluate: bool = True) -> sp.Expr:
     return sp.log(x, 10) if evaluate else sp.Mul(sp.log(x, evaluate=False), sp.Pow(sp.log(10), -1), evaluate=False)
 
 
+def _log_sum_exp(*args: sp.Expr, evaluate: bool = True) -> sp.Expr:
+    """log(exp(x) + exp(y) + ...)."""
+    return sp.log(sp.Add(*(sp.exp(x, evaluate=evaluate) for x in args), evaluate=evaluate), evaluate=evaluate)
+
+
+def _softplus(x: sp.Expr, evaluate: bool = True) -> sp.Expr:
+    """log(1 + exp(x))."""
+    return sp.log(sp.Add(sp.S.One, sp.exp(x, evaluate=evaluate), evaluate=evaluate), evaluate=evaluate)
+
+
 def adopted(expr: sp.Basic) -> sp.Basic:
     """A SymPy expression with SymPy's own sign and atan2 as words of ours: their derivatives are formulas, without distributions."""
     return expr.replace(sp.sign, _sign).replace(sp.atan2, Atan2) if expr.has(sp.sign, sp.atan2) else expr
@@ -270,6 +280,8 @@ WORDS: dict[str, Word] = {
     "sqrt": Word(sp.sqrt, 1, 1, "square root"),
     **{name: Word(word.node, 1, 1, word.meaning) for name, word in ELEMENTARY.items()},
     "log10": Word(_log10, 1, 1, "logarithm to base 10"),
+    "softplus": Word(_softplus, 1, 1, "log(1 + exp(x)), a smooth max(x, 0); x up to 700 in numbers"),
+    "logsumexp": Word(_log_sum_exp, 1, None, "log(exp(x) + exp(y) + ...), a smooth max; arguments up to 700 in numbers"),
     "atan2": Word(Atan2, 2, 2, "atan2(y, x), the angle (rad) of the point (x, y)"),
     "min": Word(sp.Min, 1, None, "least of its arguments"),
     "max": Word(sp.Max, 1, None, "greatest of its arguments"),

@@ -24,7 +24,7 @@ from itertools import combinations
 from duhem.proof.kernel.bounds import Facts, of_sum, signs_of_product
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw
 from duhem.proof.kernel.forms import Matrix, degree_at_most, determinant, multiple, quadratic, sign_within
 from duhem.proof.kernel.polynomial import Monomial, written
 from duhem.proof.kernel.signs import sign_of_constant
@@ -113,8 +113,8 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
         case "exp":
             return Facts(x.defined, POSITIVE, x.convex, False, x.quasiconvex)
         case "log":
-            above_one = domain.facts(Term("+", (term.args[0], number(-1)))).sign
-            return Facts(defined, above_one, False, x.concave, x.quasiconvex)
+            convex = _log_convex(term.args[0], domain)
+            return Facts(defined, _above_one(term.args[0], domain), convex, x.concave, convex or x.quasiconvex)
         case "asin" | "acos":
             shape = _risen(x if term.op == "asin" else x.negated())  # acos x = pi/2 + asin(-x)
             below = domain.facts(Term("+", (_ONE, minus(term.args[0]))))
@@ -174,6 +174,26 @@ def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
     if scale & NEGATIVE and scale & POSITIVE:
         return Facts(defined, sign, x.affine, x.affine, x.affine)
     return replace(x, defined=defined, sign=sign)
+
+
+def _above_one(term: Term, domain: StatedDomain) -> Sign:
+    """The sign of x - 1; of a sum its numbers are taken together, so that 1 + exp(x) is seen to be above 1."""
+    parts = term.args if term.op == "+" else (term,)
+    still = sum((a.value for a in parts if a.op == "number"), Fraction(-1))
+    return domain.facts(Term("+", (*(a for a in parts if a.op != "number"), number(still)))).sign
+
+
+def _log_convex(term: Term, domain: StatedDomain) -> bool:
+    """Whether log x is convex, or -inf: of exponentials of convex parts, their sums and products with constants >= 0.
+
+    Boyd, Vandenberghe (2004), 3.5.2: sums and products of log-convex functions are log-convex, so that softplus and log-sum-exp of
+    convex parts are convex.
+    """
+    if domain.constant(term):
+        return domain.facts(term).nonnegative
+    if term.op == "exp":
+        return domain.facts(term.args[0]).convex
+    return term.op in ("+", "*") and all(_log_convex(a, domain) for a in term.args)
 
 
 def _size_by_its_logarithm(term: Term, domain: StatedDomain) -> bool:

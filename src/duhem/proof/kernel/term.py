@@ -20,10 +20,11 @@ __all__ = [
 
 _OF_ONE = (
     "abs", "sign", "sqrt", "exp", "log", "log10", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "pos", "neg",
+    "softplus",
 )  # fmt: skip
 # least and greatest number of arguments
 WORDS = {
-    **dict.fromkeys(_OF_ONE, (1, 1)), **dict.fromkeys(("norm", "max", "min"), (1, 32)), "atan2": (2, 2), "eigmax": (6, 6), "where": (3, 3),
+    **dict.fromkeys(_OF_ONE, (1, 1)), **dict.fromkeys(("norm", "max", "min", "logsumexp"), (1, 32)), "atan2": (2, 2), "eigmax": (6, 6), "where": (3, 3),
 }  # fmt: skip
 COMPARISONS = ("<=", ">=", "<", ">")
 _JOINTS = ("and", "or")
@@ -69,7 +70,7 @@ class _Parts(NamedTuple):
 class Term(_Parts):
     """``op``: ``number`` (``value``), ``name`` (``name``), ``+``, ``*``, ``**`` (base, exponent), a comparison or a word.
 
-    ``sqrt``, ``log10``, ``sign`` and what joins comparisons are read as what they mean in the others.
+    ``sqrt``, ``log10``, ``sign``, ``softplus``, ``logsumexp`` and what joins comparisons are read as what they mean in the others.
     """
 
     _hash: int  # as both are asked for without end, each is found once
@@ -281,6 +282,8 @@ def _meaning(word: str, args: list[Term]) -> Term:
         return Term("**", (x, number(Fraction(1, 2))))
     if word == "log10":
         return Term("*", (Term("log", (x,)), Term("**", (Term("log", (number(10),)), number(-1)))))
+    if word in ("softplus", "logsumexp"):
+        return Term("log", (Term("+", (*([number(1)] if word == "softplus" else []), *(Term("exp", (a,)) for a in args))),))
     if word == "sign":
         below = Term("where", (Term("<", (x, number(0))), number(-1), number(0)))
         return bounded(Term("where", (Term(">", (x, number(0))), number(1), below)))
