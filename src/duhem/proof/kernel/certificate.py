@@ -143,6 +143,7 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
 def _texts(law: Mapping[str, Any]) -> Iterator[str]:
     """Every formula and comparison in the law of a certificate."""
     yield from law["constraints"]
+    yield from (text for _, text in law.get("define", ()))
     if "energy" in law:
         yield law["energy"]
     yield from (text for key in ("rates", "unforced", "heat", "forces_of_rates") for text in law.get(key, {}).values())

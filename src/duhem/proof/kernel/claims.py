@@ -61,6 +61,7 @@ _OF_THE_STATE = ("state_laws", "thermal")  # the claims that are about neither K
 _MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": potential_least_at_zero, "dissipation": stored_and_rates}
 _RULES_OF_RATES = ("resistance", "monotone-resistance")  # those of laws whose forces are functions of the rates
 _MOST_CASES = 4  # choices one after another
+_OF_GRAPHS = ("evaluation", "composition", "normality-rule", "fenchel", "by-construction", "conductances")  # they look at a part once
 
 
 def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
@@ -72,6 +73,8 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
         return (
             "no force is a function of the rates" if rule in _RULES_OF_RATES else "a law whose forces are functions of the rates has no K"
         )
+    if _large(law) and rule not in _OF_GRAPHS:
+        return f"g is too large for the rule {rule!r}"
     needed, check, reads = rules[claim, rule][:3]
     if not needed <= settled:
         return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
@@ -83,6 +86,10 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
     except UNREADABLE as fault:
         undecided = f"the law cannot be read: {in_words(fault)}"
     return undecided or _objection_in_cases(claim, rule, check, law, evidence)
+
+
+def _large(law: StatedLaw | StatedCurve) -> bool:
+    return isinstance(law, StatedLaw) and law.g.large
 
 
 def _suits(claim: str, rule: str, law: StatedLaw | StatedCurve) -> bool:
@@ -100,7 +107,7 @@ def _objection_in_cases(
             reasons.add(_objection(rule, check, form, evidence))
             if "" in reasons:
                 return ""
-        parts = cases(law) if isinstance(law, StatedLaw) and not law.of_rates and depth < _MOST_CASES else ()
+        parts = cases(law) if isinstance(law, StatedLaw) and not law.of_rates and not law.g.large and depth < _MOST_CASES else ()
         if parts and not any(_objection_in_cases(claim, rule, check, part, evidence, depth + 1) for part in parts):
             return ""
     except UNREADABLE as fault:
@@ -120,6 +127,8 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
         yield rate_epigraph(law, claim == "dissipation")
         return
     yield law
+    if law.g.large:
+        return
     if claim == "dissipation" and (inner := law.once(in_state)) is not None:
         yield inner
     if (simpler := law.once(without_outer_map)) != law:
@@ -138,7 +147,8 @@ def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCur
 def rules_of(claim: str, law: StatedLaw | StatedCurve) -> tuple[str, ...]:
     """The rules that may prove a claim of such a law without evidence, in order."""
     rows = ((rule, row) for (name, rule), row in _rules(law).items() if name == claim and _suits(claim, rule, law))
-    return tuple(rule for rule, row in rows if not row.by_evidence and len(law.forces) <= row.most_forces)
+    own = tuple(rule for rule, row in rows if not row.by_evidence and len(law.forces) <= row.most_forces)
+    return tuple(rule for rule in own if rule in _OF_GRAPHS) if _large(law) else own
 
 
 def needs_of(claim: str, law: StatedLaw | StatedCurve) -> frozenset[str]:
@@ -196,7 +206,7 @@ def origin(law: StatedLaw, _: Evidence) -> bool:
 def convexity(law: StatedLaw, evidence: Evidence) -> bool:
     """g is defined everywhere and quasiconvex, so that every {g <= 0} is convex; or it is so in a convex region that K lies in."""
     shape = _shape(law, evidence)
-    return (shape.defined and shape.quasiconvex) or convex_in_its_region(law)
+    return (shape.defined and shape.quasiconvex) or (not law.g.large and convex_in_its_region(law))
 
 
 def curved(law: StatedLaw, evidence: Evidence) -> bool:
@@ -215,9 +225,10 @@ def polyhedral(law: StatedLaw, _: Evidence) -> bool:
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
     shape = _shape(law, evidence)
-    if not (_inside(law, evidence) or boundary.falls_from_zero(law) or boundary.is_a_graph(law)):
+    if not (_inside(law, evidence) or (not law.g.large and (boundary.falls_from_zero(law) or boundary.is_a_graph(law)))):
         return False
-    return (shape.defined and shape.convex and smooth_near_the_boundary(law.g, over(law))) or round_at_its_ends(law)
+    smooth = shape.defined and shape.convex and smooth_near_the_boundary(law.g, over(law))
+    return smooth or (not law.g.large and round_at_its_ends(law))
 
 
 def regular(law: StatedLaw, evidence: Evidence) -> bool:

@@ -161,8 +161,11 @@ def _whole_root(x: int, k: int) -> int:
     return found
 
 
-def sign_over(term: Term, bounds: Mapping[str, Bounds]) -> Sign:
-    """The sign of a constant, < 0 or > 0, over the ranges of its names; all three where that is not shown."""
+def sign_over(term: Term, bounds: Mapping[str, Bounds], numbers: dict[Term, Enclosure] | None = None) -> Sign:
+    """The sign of a constant, < 0 or > 0, over the ranges of its names; all three where that is not shown.
+
+    ``numbers`` keeps enclosures of what has no names, where others are asked for later.
+    """
     names = sorted(term.names() - {"pi"})
     ends = [bounds[n][:2] if n in bounds else (None, None) for n in names]
     boxes, found = [[Enclosure.between(low, high) for low, high in ends if low is not None and high is not None]], 0
@@ -174,7 +177,7 @@ def sign_over(term: Term, bounds: Mapping[str, Bounds]) -> Sign:
         box = boxes.pop()
         pay(100)
         try:
-            sign = enclosed(term, dict(zip(names, box, strict=True))).sign
+            sign = enclosed(term, dict(zip(names, box, strict=True)), done=None if names else numbers).sign
         except (ValueError, ZeroDivisionError):
             sign = ANY
         if sign in (NEGATIVE, POSITIVE) and found in (0, sign):
@@ -190,11 +193,23 @@ def sign_over(term: Term, bounds: Mapping[str, Bounds]) -> Sign:
     return ANY
 
 
-def enclosed(term: Term, box: Mapping[str, Enclosure], unit: type[Enclosure] = Enclosure) -> Enclosure:
+def enclosed(
+    term: Term, box: Mapping[str, Enclosure], unit: type[Enclosure] = Enclosure, done: dict[Term, Enclosure] | None = None
+) -> Enclosure:
     """What holds every value of ``term``; ValueError or ZeroDivisionError where it may be undefined or is no formula.
 
-    In another unit only what is made of roots has one.
+    In another unit only what is made of roots has one.  ``done`` has what was enclosed over the box before.
     """
+    if not term.args:
+        return _enclosed(term, box, unit, {})
+    if done is None:
+        done = {}
+    if term not in done:
+        done[term] = _enclosed(term, box, unit, done)
+    return done[term]
+
+
+def _enclosed(term: Term, box: Mapping[str, Enclosure], unit: type[Enclosure], done: dict[Term, Enclosure]) -> Enclosure:
     if unit is not Enclosure and term.op not in _OF_ROOTS:
         return _refused(term)
     if term.op == "number":
@@ -202,11 +217,11 @@ def enclosed(term: Term, box: Mapping[str, Enclosure], unit: type[Enclosure] = E
     if term.op == "name":
         return _pi() if term.name == "pi" else box[term.name]
     if term.op == "where":
-        return _chosen(term, box)
+        return _chosen(term, box, done)
     if term.op == "**" and (n := _exponent(term)) is not None and (n.denominator <= 2 or unit is not Enclosure):
-        x = enclosed(term.args[0], box, unit)
+        x = enclosed(term.args[0], box, unit, done)
         return (x if n.denominator == 1 else x.root(n.denominator)).power(n.numerator)
-    x, *others = parts = [enclosed(a, box, unit) for a in term.args]
+    x, *others = parts = [enclosed(a, box, unit, done) for a in term.args]
     match term.op:
         case "+":
             return reduce(Enclosure.plus, parts)
@@ -233,12 +248,12 @@ def _refused(term: Term) -> Enclosure:
     raise ValueError(f"no enclosure of {term.op}")
 
 
-def _chosen(term: Term, box: Mapping[str, Enclosure]) -> Enclosure:
+def _chosen(term: Term, box: Mapping[str, Enclosure], done: dict[Term, Enclosure]) -> Enclosure:
     comparison, *values = term.args
-    left, right = (enclosed(a, box) for a in comparison.args)
+    left, right = (enclosed(a, box, done=done) for a in comparison.args)
     gap = left.plus(right.minus()).sign
     holds = {"<": NEGATIVE, "<=": NEGATIVE | ZERO, ">": POSITIVE, ">=": POSITIVE | ZERO}[comparison.op]
-    taken = [enclosed(v, box) for v, kept in zip(values, (holds, ANY & ~holds), strict=True) if gap & kept]
+    taken = [enclosed(v, box, done=done) for v, kept in zip(values, (holds, ANY & ~holds), strict=True) if gap & kept]
     return Enclosure(min(v.low for v in taken), max(v.high for v in taken))
 
 

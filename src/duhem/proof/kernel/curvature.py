@@ -56,7 +56,7 @@ def shown(term: Term, domain: StatedDomain) -> Facts:
         known = replace(domain.facts(plain), defined=known.defined)
     if domain.constant(term):
         known = Facts(known.defined, sign_of_constant(term, known.sign, domain), True, True, True)
-    elif not (known.defined and known.convex):
+    elif not (known.defined and known.convex) and not term.large:
         known = _of_parts_together(term, known, domain)
     if domain.sides and not domain.constant(term):
         known = replace(known, sign=known.sign & sign_within(term, known, domain))
@@ -156,6 +156,8 @@ def _risen(x: Facts) -> Facts:
 def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
     moving, still = ([p for a, p in zip(term.args, parts, strict=True) if domain.constant(a) is c] for c in (False, True))
     known = of_sum(moving, still)
+    if term.large:
+        return known
     if known.sign & NEGATIVE and nonnegative_when_bent(term, domain):
         known = replace(known, sign=known.sign & ~NEGATIVE)
     return known if known.convex or not convex_when_bent(term, domain) else replace(known, convex=True, quasiconvex=True)
@@ -189,11 +191,15 @@ def _log_convex(term: Term, domain: StatedDomain) -> bool:
     Boyd, Vandenberghe (2004), 3.5.2: sums and products of log-convex functions are log-convex, so that softplus and log-sum-exp of
     convex parts are convex.
     """
-    if domain.constant(term):
-        return domain.facts(term).nonnegative
-    if term.op == "exp":
-        return domain.facts(term.args[0]).convex
-    return term.op in ("+", "*") and all(_log_convex(a, domain) for a in term.args)
+    known: dict[Term, bool] = domain.kept.setdefault("log-convex", {})
+    if term not in known:
+        if domain.constant(term):
+            known[term] = domain.facts(term).nonnegative
+        elif term.op == "exp":
+            known[term] = domain.facts(term.args[0]).convex
+        else:
+            known[term] = term.op in ("+", "*") and all(_log_convex(a, domain) for a in term.args)
+    return known[term]
 
 
 def _size_by_its_logarithm(term: Term, domain: StatedDomain) -> bool:

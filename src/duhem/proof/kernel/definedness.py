@@ -82,7 +82,7 @@ class Reader(NamedTuple):
         """An innermost part that is not shown to have a value; None where the whole formula has one."""
         known: dict[object, Term | None] = self.domain.kept.setdefault("undecided", {})
         if (term, self.more) not in known:
-            known[term, self.more] = self._undecided(term) if asks(term) else None
+            known[term, self.more] = self._undecided(term) if self._asks(term) else None
         return known[term, self.more]
 
     def _undecided(self, term: Term) -> Term | None:
@@ -91,13 +91,16 @@ class Reader(NamedTuple):
             if (found := self.undecided(condition)) is not None:
                 return found
             branches = ((one, True), (two, False))
-            return next((x for a, holds in branches if asks(a) and (x := self._under(condition, holds, a)) is not None), None)
+            return next((x for a, holds in branches if self._asks(a) and (x := self._under(condition, holds, a)) is not None), None)
         if (found := next((x for a in term.args if (x := self.undecided(a)) is not None), None)) is not None:
             return found
         try:
             return None if has_value(term, self.sign, self.domain) else term
         except NotWritten:  # there is too much to multiply out
             return term
+
+    def _asks(self, term: Term) -> bool:
+        return asks(term, self.domain.kept.setdefault("asks", {}))
 
     def sign(self, term: Term) -> Sign:
         """The signs that a formula may have, all of whose parts have values."""
@@ -133,11 +136,17 @@ class Reader(NamedTuple):
         return sum_of(*(term for term in terms if self.sign(term) & POSITIVE))
 
 
-def asks(term: Term) -> bool:
-    """Whether some part asks for more than the values of its own parts."""
-    if term.op == "**" and term.args[1].op == "number" and term.args[1].value >= 0 and term.args[1].value.denominator == 1:
-        return asks(term.args[0])
-    return term.op in _PARTIAL or any(map(asks, term.args))
+def asks(term: Term, known: dict[Term, bool] | None = None) -> bool:
+    """Whether some part asks for more than the values of its own parts; ``known`` keeps what was found."""
+    known = {} if known is None else known
+    if not term.args:
+        return False
+    if term not in known:
+        root = term.op in _PARTIAL
+        if term.op == "**" and term.args[1].op == "number" and term.args[1].value >= 0 and term.args[1].value.denominator == 1:
+            root = False
+        known[term] = root or any(asks(a, known) for a in term.args)
+    return known[term]
 
 
 # -- limits --------------------------------------------------------------------------------------------------------------

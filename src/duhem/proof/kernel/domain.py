@@ -21,7 +21,7 @@ from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, bounded, factors, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, bounded, definitions, factors, minus, number, parse, product_of, sum_of
 
 __all__ = [
     "ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "StatedFace", "StatedLaw", "as_list", "as_object",
@@ -85,9 +85,14 @@ def declared(given: Mapping[str, Any], others: tuple[str, ...], formulas: Collec
 
 def without_angles(term: Term) -> Term:
     """The formula with the waves of whole multiples of an angle as quotients; NotWritten where that is too large."""
-    here = term._replace(args=tuple(map(without_angles, term.args)))
-    if here.op not in ("cos", "sin"):
-        return here
+    waves = [part for part in term.parts() if part.op in ("cos", "sin")]
+    swap = dict[Term, Term]()
+    for wave in waves:  # the inner ones first
+        swap[wave] = _without_angle(wave._replace(args=tuple(a.put(swap) for a in wave.args)))
+    return term.put(swap) if swap else term
+
+
+def _without_angle(here: Term) -> Term:
     (angle,) = here.args
     turns = prod((x.value for x in factors(angle) if x.op == "number"), start=Fraction(1))
     moving = [x for x in factors(angle) if x.op != "number"]
@@ -171,19 +176,20 @@ class StatedLaw(_Stated):
         forces, parameters, constraints, fixed = declared(
             given,
             () if pressure is None else (pressure,),
-            {"domain", *_OF_STATE, *({"surfaces"} if "surfaces" in given else {"g", "flow"})},
+            {"domain", *({"define"} if not {*given} & {"surfaces", *_OF_STATE} else _OF_STATE), *({"surfaces"} if "surfaces" in given else {"g", "flow"})},
         )
         if given.get("viscous", True) is not True or ("viscous" in given and ("surfaces" in given or given["flow"] is not None)):
             raise NotWritten("a potential of rates stands beside a flow")
         state = _state(given, forces, parameters, fixed) | {"viscous": "viscous" in given}
         names = {*forces, pressure, *parameters, "pi"}
         ranges = _ranges(given.get("domain", {}), forces, pressure)
+        defined = _defined(given, names)
 
         def bound(entry: Mapping[str, Any]) -> tuple[Term, tuple[Term, ...] | None]:
             given_flow = entry["flow"]
             by_potential = isinstance(given_flow, Mapping)  # {"potential": "..."}, the flow being its gradient
             texts = [without_more(given_flow, {"potential"})["potential"]] if by_potential else as_list(given_flow or [])
-            g, *flow = (without_angles(parse(text)).put(fixed) for text in (entry["g"], *texts))
+            g, *flow = (without_angles(parse(text, names_in)).put(fixed) for text, names_in in ((entry["g"], defined), *((t, {}) for t in texts)))
             if any(f.op in COMPARISONS or not f.names() <= names for f in (g, *flow)):
                 raise NotWritten("a name is not declared")
             slips = gradient(flow[0], forces) if by_potential else tuple(flow)
@@ -216,6 +222,14 @@ class StatedLaw(_Stated):
             return
         for i, (g, flow) in enumerate(self.surfaces):
             yield StatedFace(g, flow, tuple(other for j, (other, _) in enumerate(self.surfaces) if j != i))
+
+
+def _defined(given: Mapping[str, Any], taken: Collection[str | None]) -> dict[str, Term]:
+    """What the names stand for that g may use; NotWritten where they are no list of names with formulas."""
+    pairs = [tuple(as_list(pair)) for pair in as_list(given.get("define", []))]
+    if not all(len(pair) == 2 and all(isinstance(text, str) for text in pair) for pair in pairs):
+        raise NotWritten("a definition is no name with a formula")
+    return definitions(pairs, [name for name in taken if name is not None])
 
 
 def _of_rates(given: Mapping[str, Any]) -> StatedLaw:

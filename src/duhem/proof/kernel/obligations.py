@@ -78,7 +78,7 @@ def formula(law: StatedLaw) -> str:
 
 def limits(law: StatedLaw) -> tuple[Term, ...]:
     """What g is at a tip, as its parts may be read, by continuity; none where it may have no value elsewhere."""
-    return tuple(continued(law.g, over(law)))
+    return () if law.g.large else tuple(continued(law.g, over(law)))
 
 
 def formula_but_at_tips(law: StatedLaw) -> str:
@@ -89,8 +89,8 @@ def formula_but_at_tips(law: StatedLaw) -> str:
 
 def formula_where_loads_allow(law: StatedLaw) -> str:
     """g, where the loads in it allow it to be <= 0; at a tip by continuity."""
-    if not (found := law.once(formula_but_at_tips)):
-        return ""
+    if not (found := law.once(formula_but_at_tips)) or law.g.large:
+        return found
     loads, others, inside = where_loads_allow(law)
     if _everywhere("a load", loads, law):
         return found

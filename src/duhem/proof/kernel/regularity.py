@@ -79,11 +79,14 @@ def _switch(term: Term, domain: StatedDomain) -> Switch:
 
 
 def _regularity(term: Term, domain: StatedDomain) -> Kinks | None:
-    found = _of_parts(term, domain)
-    if term.op == "+" and (found is None or found.kinks or found.tips):
-        with suppress(NotWritten):
-            return _even_in_roots(term, domain) or found
-    return found
+    known: dict[Term, Kinks | None] = domain.kept.setdefault("regularity", {})
+    if term not in known:
+        found = _of_parts(term, domain)
+        if term.op == "+" and (found is None or found.kinks or found.tips) and not term.large:
+            with suppress(NotWritten):
+                found = _even_in_roots(term, domain) or found
+        known[term] = found
+    return known[term]
 
 
 def _even_in_roots(term: Term, domain: StatedDomain) -> Kinks | None:

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
 from duhem.proof.kernel.steps import pay
 
 __all__ = [
-    "COMPARISONS", "UNREADABLE", "WORDS", "NotWritten", "Term", "bounded", "factors", "in_words", "minus", "number", "parse",
+    "COMPARISONS", "UNREADABLE", "WORDS", "NotWritten", "Term", "bounded", "definitions", "factors", "in_words", "minus", "number", "parse",
     "product_of", "sign_of", "sum_of",
 ]  # fmt: skip
 
@@ -33,6 +33,8 @@ _TOKEN = re.compile(rf"[ \t\n\r]*(?P<token>(?P<number>{_NUMBER})|[^\W\d]\w*|\*\*
 _BLANKS = " \t\n\r"
 _DEEPEST, _BRACKETS, _LARGEST = 200, 60, 8_000  # signs and powers; brackets; parts of what repeats some of the text
 _MOST_CHARACTERS, _MOST_TOKENS, _MOST_DIGITS = 20_000, 4_000, 400
+_MOST_PARTS = 20_000  # of a tree that is gone through part by part; several times what one text can say
+_MOST_DEFINITIONS = 20_000
 _Reader = Callable[[list[str], int, int], "tuple[Term, int]"]
 _SAID = 120  # letters of what somebody wrote that a message repeats
 
@@ -73,8 +75,9 @@ class Term(_Parts):
     ``sqrt``, ``log10``, ``sign``, ``softplus``, ``logsumexp`` and what joins comparisons are read as what they mean in the others.
     """
 
-    _hash: int  # as both are asked for without end, each is found once
+    _hash: int  # as these are asked for without end, each is found once
     _names: frozenset[str]
+    _size: int
 
     def __hash__(self) -> int:
         """Of what is equal where the terms are; that of a fraction takes long."""
@@ -85,9 +88,14 @@ class Term(_Parts):
             return self._hash
 
     def parts(self) -> Iterator[Term]:
-        """Every part of the formula, the inner ones first and the formula last."""
+        """Every part of the formula once, the inner ones first and the formula last."""
+        return self._parts(set())
+
+    def _parts(self, seen: set[Term]) -> Iterator[Term]:
         for a in self.args:
-            yield from a.parts()
+            if a not in seen:
+                yield from a._parts(seen)
+        seen.add(self)
         yield self
 
     def names(self) -> frozenset[str]:
@@ -102,16 +110,35 @@ class Term(_Parts):
         """The parts are all of it: another process has other hashes."""
 
     def size(self) -> int:
-        """How many parts the tree has."""
-        return 1 + sum(a.size() for a in self.args)
+        """How many parts the tree has, written out: of a shared part each time that it stands there."""
+        try:
+            return self._size
+        except AttributeError:
+            self._size = 1 + sum(a.size() for a in self.args)
+            return self._size
+
+    @property
+    def large(self) -> bool:
+        """Whether it can be gone through as a graph alone, each shared part once: written out as a tree it is too long."""
+        return self.size() > _MOST_PARTS
 
     def put(self, swap: Mapping[Term, Term]) -> Term:
-        """The term with every occurrence of some sub-terms replaced, the largest first; a part in which there is none stays as it is."""
+        """The term with every occurrence of some sub-terms replaced, the largest first; a part in which there is none stays as it is.
+
+        What is shared stays shared.
+        """
+        return self._put(swap, {}, {})
+
+    def _put(self, swap: Mapping[Term, Term], done: dict[Term, Term], made: dict[Term, Term]) -> Term:
         if self in swap:
             return swap[self]
-        pay(1)
-        args = tuple(a.put(swap) for a in self.args)
-        return self if all(new is old for new, old in zip(args, self.args, strict=True)) else self._replace(args=args)
+        if self not in done:
+            pay(1)
+            args = tuple(a._put(swap, done, made) for a in self.args)
+            kept = all(new is old for new, old in zip(args, self.args, strict=True))
+            new = self if kept else self._replace(args=args)
+            done[self] = made.setdefault(new, new)
+        return done[self]
 
 
 def number(value: Fraction | int) -> Term:
@@ -135,18 +162,55 @@ def product_of(*factors: Term) -> Term:
 
 
 def factors(term: Term) -> list[Term]:
-    """What is multiplied, in products within products too."""
-    return [f for a in term.args for f in factors(a)] if term.op == "*" else [term]
+    """What is multiplied, in products within products too; a large one is left as it is."""
+    return [f for a in term.args for f in factors(a)] if term.op == "*" and not term.large else [term]
 
 
-def parse(text: str) -> Term:
-    """The formula or comparison in a text; NotWritten where it is none.  x - y is x + (-1) y, x/y is x y**(-1), sqrt(x) is x**(1/2), ..."""
+Defined = Mapping[str, Term]  # what names stand for
+
+
+def parse(text: str, defined: Defined | None = None) -> Term:
+    """The formula or comparison in a text; NotWritten where it is none.  x - y is x + (-1) y, x/y is x y**(-1), sqrt(x) is x**(1/2), ...
+
+    A name that is ``defined`` is the term it stands for, the same object wherever it stands.
+    """
     tokens = _tokens(text)
     term, rest = _condition(tokens, 0, 0)
     if rest != len(tokens):
         raise NotWritten(f"{tokens[rest]!r} is one too many")
     _place(term, term.op in COMPARISONS)
-    return term
+    return term if not defined else _with_names(term, defined, {})
+
+
+def _with_names(term: Term, defined: Defined, made: dict[Term, Term]) -> Term:
+    """The term, as it was just read, with what names stand for; parts that are alike are one."""
+    if term.op == "name":
+        return defined.get(term.name, term)
+    here = term if not term.args else term._replace(args=tuple(_with_names(a, defined, made) for a in term.args))
+    return made.setdefault(here, here)
+
+
+def definitions(given: Sequence[Sequence[str]], taken: Collection[str]) -> dict[str, Term]:
+    """What names stand for, each in terms of those before it; NotWritten where one is no name, or is ``taken`` or used too early.
+
+    Terms that are alike are one, so that a formula of them is a graph and equal ones are compared at once.
+    """
+    found, made = dict[str, Term](), dict[Term, Term]()
+    if len(given) > _MOST_DEFINITIONS:
+        raise NotWritten("there are too many definitions")
+    left = {name for name, _ in given}
+    if len(left) < len(given) or left & {*taken, *WORDS, "pi", *_JOINTS}:
+        raise NotWritten("a name is declared twice")
+    for name, text in given:
+        if not name.isidentifier() or name != unicodedata.normalize("NFKC", name):
+            raise NotWritten("a name is none")
+        term = parse(text)
+        if term.op in COMPARISONS or term.names() & left:
+            raise NotWritten("a definition is a comparison, or uses what is not defined before it")
+        found[name] = term = _with_names(term, found, made)
+        left.discard(name)
+        hash(term), term.names(), term.size()  # the inner ones first, so that none is found in depth
+    return found
 
 
 def _tokens(text: str) -> list[str]:
