@@ -20,7 +20,7 @@ from duhem.errors import InputError
 from duhem.expression.number import DECIMAL
 from duhem.expression.spelling import spelled
 
-__all__ = ["INVARIANTS", "KINDS", "NONE", "Abbreviations", "Stress", "WrittenOut"]
+__all__ = ["INVARIANTS", "KINDS", "NONE", "Abbreviations", "Stress", "WrittenOut", "names_in"]
 
 KINDS: Mapping[str, tuple[str, ...]] = {
     "3d": ("xx", "yy", "zz", "yz", "xz", "xy"),
@@ -140,6 +140,11 @@ INVARIANTS: Mapping[str, Invariant] = {
 
 
 _TOKEN = re.compile(rf"(?P<number>{DECIMAL})|(?P<name>[^\W\d]\w*)")
+def names_in(text: str) -> set[str]:
+    """Every name in a formula."""
+    return {spelled(token[0]) for token in _TOKEN.finditer(text) if token.lastgroup == "name"}
+
+
 _ARGUMENTS = re.compile(r"\s*\(\s*(?:(?P<stress>[^\W\d]\w*)\s*(?:,\s*(?P<index>\d+)\s*)?|(?P<alone>\d+)\s*)\)")
 
 
@@ -176,11 +181,28 @@ class WrittenOut:
 
 @dataclass(frozen=True)
 class Abbreviations:
-    """``formulas`` by name, nothing abbreviated left in them; the ``stress`` whose invariants are words; names ``to_come``."""
+    """``formulas`` by name, nothing abbreviated left in them; the ``stress`` whose invariants are words; names ``to_come``.
+
+    ``own`` has each formula with the names above it left in; one that is not among ``formulas`` is too long to be written out.
+    """
 
     formulas: Mapping[str, str] = field(default_factory=dict)
     stress: Stress | None = None
     to_come: frozenset[str] = frozenset()
+    own: Mapping[str, str] = field(default_factory=dict)
+
+    def names_in(self, text: str) -> list[str]:
+        """The definitions that a text uses, itself or by others, in order."""
+        found, queue = set[str](), [text]
+        while queue:
+            new = {name for name in names_in(queue.pop()) if name in self.own} - found
+            found |= new
+            queue += [self.own[name] for name in new]
+        return [name for name in self.own if name in found]
+
+    def alone(self) -> Abbreviations:
+        """The invariants without the definitions, whose names stay."""
+        return Abbreviations({}, self.stress, self.to_come)
 
     def words(self) -> frozenset[str]:
         """The invariants that may be used, whose names are taken."""
@@ -219,6 +241,8 @@ class Abbreviations:
         called = text[end:].lstrip().startswith("(")
         if name in self.to_come:
             raise InputError(f"{name!r} is used before it is defined", remedy="a definition may use only the names above it")
+        if name in self.own and name not in self.formulas:
+            raise InputError(f"{name!r} is too large to be written out, which is done here", remedy="g alone may use it; shorten it")
         if name in self.formulas:
             if called:
                 raise InputError(f"{name!r} is not a function of the language", remedy=f"write {name}*(...)")

@@ -16,6 +16,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.inert_number import InertNumber
+from duhem.expression.shared import Shared
 
 __all__ = ["Recording", "Table", "bound", "fold", "once_a_precision", "recorded", "same"]
 
@@ -27,7 +28,8 @@ def fold(expr: sp.Basic, table: Table[T], leaf: Callable[[Any], T]) -> T:
     """Value of ``expr`` under ``table``: ``table[type(node)](node, *values of its arguments)``.
 
     ``leaf`` gives the value of symbols, numbers and constants.  Equal subtrees are evaluated once, and the walk is
-    iterative, so depth is no limit.  A node class the table lacks raises InputError naming the sub-expression.
+    iterative, so depth is no limit.  A node class the table lacks raises InputError naming the sub-expression.  Of a formula kept as a
+    graph the walk goes inside, with the values of its names.
     """
     done: dict[sp.Basic, T] = {}
     stack: list[tuple[sp.Basic, bool]] = [(expr, False)]
@@ -37,6 +39,9 @@ def fold(expr: sp.Basic, table: Table[T], leaf: Callable[[Any], T]) -> T:
             continue
         if not node.args:
             done[node] = leaf(node.value if isinstance(node, InertNumber) else node)
+        elif isinstance(node, Shared):
+            values = {x: fold(part, table, leaf) for x, part in zip(node.graph.names, node.parts, strict=True)}
+            done[node] = fold(node.graph.formula, table, lambda x, values=values: values[x] if x in values else leaf(x))
         elif ready:
             done[node] = _row(node, table)(node, *(done[a] for a in node.args))
         else:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import lru_cache
@@ -19,14 +19,16 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError
-from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut
-from duhem.expression.build import AS_WRITTEN, EVALUATED, Building, settled, unacceptable
+from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, names_in
+from duhem.expression.build import AS_WRITTEN, EVALUATED, MOST_ARGUMENTS, Building, settled, unacceptable
 from duhem.expression.fold import fold
 from duhem.expression.number import DECIMAL, exact_number
 from duhem.expression.spelling import spelled
 from duhem.expression.vocabulary import NODES, WORDS
 
-__all__ = ["exact_number", "parse_as_written", "parse_expression", "parse_relation", "reread", "written_out"]
+__all__ = [
+    "check_formula", "exact_number", "parse_as_written", "parse_expression", "parse_relation", "reread", "too_long", "written_out",
+]  # fmt: skip
 
 MOST_CHARACTERS = 20_000
 MOST_TOKENS = 4_000
@@ -94,6 +96,25 @@ def parse_as_written(text: str, known: Mapping[str, sp.Expr]) -> Any:
 def written_out(text: str, short: Abbreviations) -> str:
     """The formula without its abbreviations; for a text that :func:`parse_expression` accepts with them."""
     return short.written_out(text, lambda what, at, remedy: InputError(what, remedy=remedy), MOST_CHARACTERS).text
+
+
+def too_long(text: str, short: Abbreviations) -> bool:
+    """Whether a formula is longer than what is read once its definitions are written out; a wrong one is not said to be."""
+    if not short.own:
+        return False
+    try:
+        made = short.written_out(text, lambda what, at, remedy: InputError(what, remedy=remedy), MOST_CHARACTERS).text
+    except InputError:
+        return all(spelled(name) not in short.to_come for name in names_in(text)) and any(name in short.own for name in names_in(text))
+    return len(made) > MOST_CHARACTERS or sum(token.lastgroup != "space" for token in _TOKEN.finditer(made)) > MOST_TOKENS
+
+
+def check_formula(
+    text: str, names: Collection[str], *, where: str = "formula", line: int = 1, column: int = 0, short: Abbreviations = NONE
+) -> None:
+    """InputError where the ``text`` is no formula over the ``names``; no value is made of it, so that it may be long."""
+    reader = _Reader.over(text, dict.fromkeys(names, sp.S.Zero), _Place(where, line, column, text), short=short)
+    reader.check_calls(reader.syntax())
 
 
 def parse_relation(
@@ -281,6 +302,38 @@ class _Reader:
         segment = " ".join(segment.split())
         return repr(segment if len(segment) <= 40 else segment[:37] + "...")
 
+    def check_calls(self, node: ast.expr, depth: int = 0) -> None:
+        """Every word has as many arguments as it takes, and comparisons stand first in a choice, and nowhere else."""
+        if depth > 4 * MOST_DEPTH:
+            raise self.place.error("the formula is nested too deeply", at=self.start(node), remedy="split it into smaller parts")
+        parts: list[ast.expr] = []
+        match node:
+            case ast.Call(func=ast.Name(id=name), args=[ast.Compare() | ast.BoolOp() as condition, *parts]) if name == "where":
+                self.evaluated(node, self.check_count, name, len(parts) + 1)
+                joined = [condition]
+                while joined:
+                    part = joined.pop()
+                    joined += part.values if isinstance(part, ast.BoolOp) else []
+                    if isinstance(part, ast.Compare) and len(part.ops) == 1:
+                        parts += [part.left, *part.comparators]
+                    elif not isinstance(part, ast.BoolOp):
+                        raise self.place.error(f"{self.quote(part)} is no comparison", at=self.start(part), remedy="write where(x > 0, a, b)")
+            case ast.Call(func=ast.Name(id="where"), args=[condition, *_]):
+                raise self.place.error(f"{self.quote(condition)} is no comparison", at=self.start(node), remedy="write where(x > 0, a, b)")
+            case ast.Call(func=ast.Name(id=name), args=parts):
+                self.evaluated(node, self.check_count, name, len(parts))
+            case ast.Compare() | ast.BoolOp():
+                what = f"{self.quote(node)}: a comparison may only be the first argument of where"
+                raise self.place.error(what, at=self.start(node), remedy="write where(condition, a, b)")
+            case ast.BinOp(op=op):
+                family = (ast.Add, ast.Sub) if isinstance(op, ast.Add | ast.Sub) else (ast.Mult, ast.Div)
+                head, tail = _chain(node, family) if not isinstance(op, ast.Pow) else (node.left, [(ast.Pow, node.right)])
+                parts = [head, *(part for _, part in tail)]
+            case ast.UnaryOp(operand=inner):
+                parts = [inner]
+        for part in parts:
+            self.check_calls(part, depth + 1)
+
     # -- values ------------------------------------------------------------------------------------------------
 
     def value(self, node: ast.expr, depth: int) -> sp.Expr:
@@ -327,14 +380,21 @@ class _Reader:
                 raise InputError("this is not part of the language", remedy=_ARITHMETIC)
 
     def called(self, name: str, args: list[ast.expr], depth: int) -> sp.Expr:
-        word = WORDS[name]
-        if not word.least <= len(args) <= (word.most or len(args)):
-            count = f"{word.least}" if word.most == word.least else f"at least {word.least}"
-            raise InputError(f"{name} takes {count} argument{'s' * (count != '1')}, not {len(args)}", remedy=f"{name}: {word.meaning}")
+        self.check_count(name, len(args))
         if name != "where":
             found = self.build.call(name, [self.value(a, depth) for a in args])
             return _bounded(found) if name == "sign" else found
         return self.choice(args[0], self.value(args[1], depth), self.value(args[2], depth), depth)
+
+    @staticmethod
+    def check_count(name: str, given: int) -> None:
+        """InputError where a word does not take so many arguments."""
+        word = WORDS[name]
+        if not word.least <= given <= (word.most or given):
+            count = f"{word.least}" if word.most == word.least else f"at least {word.least}"
+            raise InputError(f"{name} takes {count} argument{'s' * (count != '1')}, not {given}", remedy=f"{name}: {word.meaning}")
+        if given > MOST_ARGUMENTS:
+            raise InputError(f"{name} has {given} arguments", remedy=f"at most {MOST_ARGUMENTS} are read")
 
     def choice(self, condition: ast.expr, a: sp.Expr, b: sp.Expr, depth: int) -> sp.Expr:
         """``where(condition, a, b)``; p and q chooses by q where p holds, p or q by q where p does not."""

@@ -19,6 +19,7 @@ from duhem.expression.build import settled
 from duhem.expression.inert_number import reckoned
 from duhem.expression.number import MOST_DIGITS
 from duhem.expression.parse import parse_expression, parse_relation
+from duhem.expression.shared import Shared
 from duhem.expression.vocabulary import Where
 
 __all__ = ["faithful", "formula"]
@@ -81,6 +82,9 @@ class _Printer(StrPrinter):
 
     def _word(self, name: str, args: Any) -> str:
         return f"{name}({', '.join(self._print(a) for a in args)})"
+
+    def _print_Shared(self, expr: Shared) -> str:
+        return str(expr.graph)
 
     def _print_Function(self, expr: sp.Function) -> str:
         return self._word(type(expr).__name__.lower(), expr.args)

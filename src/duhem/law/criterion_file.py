@@ -19,7 +19,8 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import Abbreviations, Stress
-from duhem.expression.parse import parse_expression, parse_relation, written_out
+from duhem.expression.graph_text import parse_graph
+from duhem.expression.parse import parse_expression, parse_relation, too_long, written_out
 from duhem.expression.spelling import spelled
 from duhem.expression.text import faithful
 from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
@@ -101,6 +102,8 @@ class SectionReader:
     def stated(self, *path: Key, known: Mapping[str, sp.Symbol], short: Abbreviations) -> tuple[sp.Expr, str]:
         """The formula at a place over the symbols ``known``, and its text with all that stands for others written out."""
         text, line, column = self.formula(*path)
+        if path == ("criterion", "g") and "variables" not in self.document and too_long(text, short):
+            return parse_graph(text, known, short, where=self.where, line=line, column=column), ""
         return parse_expression(text, known, where=self.where, line=line, column=column, short=short), written_out(text, short)
 
     def entries(self, *path: Key, example: str) -> list[tuple[Key, ...]]:

@@ -25,7 +25,9 @@ from duhem.expression.branches import gradient
 from duhem.expression.build import greatest
 from duhem.expression.given import given_formula
 from duhem.expression.inert_number import inert_exponent
-from duhem.expression.parse import parse_expression, written_out
+from duhem.expression.graph_text import own_text, parse_graph
+from duhem.expression.parse import check_formula, parse_expression, too_long, written_out
+from duhem.expression.shared import Graph, Shared, graph_of
 from duhem.expression.spelling import respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
@@ -67,9 +69,17 @@ class YieldSurface(Verbatim):
     written: str = field(default="", repr=False, compare=False)
     written_flow: tuple[str, ...] = field(default=(), repr=False, compare=False)
 
-    def read(self, known: Mapping[str, sp.Symbol], forces: Sequence[sp.Symbol], short: Abbreviations, owner: str) -> YieldSurface:
-        """The same with its texts read over the symbols ``known``; InputError names the ``owner`` of what cannot be."""
-        g = self.g if self.g is sp.nan else as_expression(self.g, known, f"g of {owner}", short)
+    def read(
+        self, known: Mapping[str, sp.Symbol], forces: Sequence[sp.Symbol], short: Abbreviations, owner: str, whole: bool = False
+    ) -> YieldSurface:
+        """The same with its texts read over the symbols ``known``; InputError names the ``owner`` of what cannot be.
+
+        The g of a ``whole`` law is kept as a graph where it is too long to be written out.
+        """
+        if isinstance(self.g, str) and whole and too_long(self.g, short):
+            return replace(self, g=parse_graph(self.g, known, short, where=f"g of {owner}"), written="").read(known, forces, short, owner)
+        kept = self.g is sp.nan or isinstance(self.g, Shared)
+        g = self.g if kept else as_expression(self.g, known, f"g of {owner}", short)
         written = text_of(self.g, g, self.written, known, short)
         flow, written_flow = self.flow, self.written_flow
         if flow is not None:
@@ -125,6 +135,11 @@ class PlacedFormula(NamedTuple):
     column: int
     name_at: str
 
+    @property
+    def place(self) -> dict[str, Any]:
+        """Where it begins, as who reads it is told."""
+        return {"where": self.where, "line": self.line, "column": self.column}
+
 
 class Definitions(FrozenMapping[str, str]):
     """Name to formula as it was given, in order; ``short`` has them, and the invariants of the law's stress, written out."""
@@ -147,19 +162,26 @@ class Definitions(FrozenMapping[str, str]):
 def definitions(given: Mapping[str, PlacedFormula], known: Mapping[str, sp.Symbol], stress: Stress | None) -> Definitions:
     """Those of a law over the symbols ``known``; InputError, with its place, for a name or a formula that cannot be one.
 
-    A definition is replaced by its formula, in brackets, wherever its name stands: the law is what it is with all written out.
+    A definition is replaced by its formula, in brackets, wherever its name stands: the law is what it is with all written out.  One that
+    is too long for that may stand in g alone, which is kept as a graph then.
     """
     formulas: dict[str, str] = {}
+    own: dict[str, str] = {}
     left = [spelled(name) for name in given]
     taken = [*map(spelled, known), *left]
     for name, formula in given.items():
         if fault := name_fault(name, taken, "force, parameter and definition", Abbreviations(stress=stress).words()):
             raise InputError(fault[0], where=formula.name_at, remedy=fault[1])
     for formula in given.values():
-        short = Abbreviations(dict(formulas), stress, frozenset(left))
-        parse_expression(formula.text, known, where=formula.where, line=formula.line, column=formula.column, short=short)
-        formulas[left.pop(0)] = written_out(formula.text, short)
-    return Definitions({spelled(name): formula.text for name, formula in given.items()}, Abbreviations(formulas, stress))
+        short, at = Abbreviations(formulas, stress, frozenset(left), own), formula.place
+        if long := too_long(formula.text, short):
+            check_formula(formula.text, [*known, *own], **at, short=short.alone())
+        else:
+            parse_expression(formula.text, known, **at, short=short)
+        text, name = own_text(formula.text, short), left.pop(0)
+        formulas |= {} if long else {name: written_out(formula.text, short)}
+        own[name] = text
+    return Definitions({spelled(name): formula.text for name, formula in given.items()}, Abbreviations(formulas, stress, frozenset(), own))
 
 
 def name_fault(name: Any, taken: Sequence[Any], whose: str, invariants: frozenset[str] = frozenset()) -> tuple[str, str] | None:
@@ -371,7 +393,7 @@ class Criterion(DeclaredLaw):
                 raise InputError("there is no g", where=owner, remedy="give the surface a formula g")
             surfaces.append(given.read(known, self.force_symbols(), short, owner))
         whole = YieldSurface(self.g, self.flow, self.potential, self.written, self.written_flow)
-        whole = whole.read(known, self.force_symbols(), short, self.name)
+        whole = whole.read(known, self.force_symbols(), short, self.name, not (surfaces or self.viscous or self.variables))
         if surfaces:
             most, texts = greatest(*(s.g for s in surfaces)), [s.written for s in surfaces]
             if whole.g not in (sp.nan, most) or whole.flow is not None:
@@ -382,6 +404,11 @@ class Criterion(DeclaredLaw):
         put(self, "surfaces", tuple(surfaces))
         for name in ("g", "flow", "potential", "written", "written_flow"):
             put(self, name, getattr(whole, name))
+
+    @property
+    def graph(self) -> Graph | None:
+        """What g is kept as where it is too large to be written out."""
+        return graph_of(self.g)
 
     @property
     def temperature(self) -> str | None:

@@ -11,6 +11,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression import holds_at
+from duhem.expression.shared import graph_of
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion, YieldSurface
@@ -19,7 +20,7 @@ from duhem.law.state import Variable
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import plain_choices, rationals
 from duhem.proof.kernel.certificate import SCHEMA, digest
-from duhem.proof.statement import as_written, texts
+from duhem.proof.statement import texts
 from duhem.proof.verdict import ClaimResult
 
 __all__ = ["admitted_values", "certificate", "law_as_text"]
@@ -67,10 +68,12 @@ def _variable(own: Variable) -> dict[str, Any]:
 
 
 def _bound(law: Criterion, stated: Criterion | YieldSurface) -> dict[str, Any]:
-    g, *flow = as_written(law, stated)
+    graph = graph_of(stated.g)
+    g, *flow = texts(law, (stated.g, *(stated.flow or ())), (graph.last if graph else stated.written, *stated.written_flow))
+    define = {"define": [list(pair) for pair in graph.nodes]} if graph else {}
     own = flow if stated.potential is None else {"potential": stated.potential}
     viscous = {"viscous": True} if stated is law and law.viscous else {}
-    return {"g": g, "flow": None if stated.flow is None else own, **viscous}
+    return {"g": g, "flow": None if stated.flow is None else own, **define, **viscous}
 
 
 def admitted_values(law: Law) -> Mapping[str, str] | None:

@@ -17,8 +17,9 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
+from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Subject
-from duhem.proof.methods import coupled, curves, evidence, refuters
+from duhem.proof.methods import coupled, curves, evidence, graphs, refuters
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = [
@@ -78,6 +79,8 @@ class Finder(Generic[S]):
 
 Method = Rules | ProofMethod[Any] | Consequence[Any] | Finder[Any]
 CHEAP, DEAR = Rules(500_000), Rules(10_000_000, FormulaSubject)
+OF_GRAPH = Rules(200_000_000, GraphSubject)
+_NO_DUAL = ProofMethod(GraphSubject, graphs.duality_left_out)
 WITHOUT_K = ProofMethod(RateSubject, refuters.without_k)
 
 
@@ -174,6 +177,8 @@ around 0, or proves T x T' > 0, or proves T . d > 0, so that T turns as often as
             ProofMethod(FormulaSubject, refuters.origin_at_parameters, again=True),
             DEAR,
             ProofMethod(FormulaSubject, refuters.origin_undefined),
+            OF_GRAPH,
+            ProofMethod(GraphSubject, graphs.origin_refuted),
             ProofMethod(CurveSubject, curves.origin_refuted),
         ),
     ),
@@ -211,6 +216,8 @@ of boundary points contains a point around which the curve does not wind.""",
             ProofMethod(FormulaSubject, evidence.convexity_by_branches),
             ProofMethod(FormulaSubject, refuters.convexity_by_thorough_scouting),
             ProofMethod(FormulaSubject, refuters.convexity_by_sampling),
+            OF_GRAPH,
+            ProofMethod(GraphSubject, graphs.convexity_refuted),
             ProofMethod(CurveSubject, curves.convexity_refuted),
         ),
     ),
@@ -238,6 +245,7 @@ A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0
             DEAR,
             Finder(FormulaSubject, evidence.smoothness_by_identities),
             ProofMethod(FormulaSubject, evidence.smoothness_on_boundary),
+            OF_GRAPH,
         ),
     ),
     Claim(
@@ -314,7 +322,7 @@ The dissipation potential is the support function of K: Phi(d) is the largest va
 each term, and Phi** = Phi.
 
 If the rules find no closed form, there is nothing to prove or refute, and the verdict is not applicable.""",
-        methods=(WITHOUT_K, ProofMethod(FormulaSubject, evidence.duality), ProofMethod(CurveSubject, curves.duality)),
+        methods=(WITHOUT_K, ProofMethod(FormulaSubject, evidence.duality), ProofMethod(CurveSubject, curves.duality), _NO_DUAL),
     ),
     Claim(
         name="state_laws",

@@ -28,6 +28,7 @@ from duhem.proof.claims import CHEAP, CLAIMS, COUPLED, EVERY, asked_of
 from duhem.proof.decide import ANY_STEPS, EFFORTS, Budget
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
+from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.in_state import dissipating, epigraph, rate_epigraph
 from duhem.proof.kernel.certificate import OVER, stated
@@ -259,8 +260,7 @@ def _examined(
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     with _alone():
         share = EFFORTS[effort]
-        formula = RateSubject if getattr(criterion, "forces_of_rates", None) else FormulaSubject
-        whole_law = formula(criterion, share) if isinstance(criterion, Criterion) else CurveSubject(criterion, share)
+        whole_law = _subject(criterion, share)
         whole_law.check_defined()  # one that is undefined somewhere in its domain is an InputError
         about: dict[str, Subject] = {**dict.fromkeys(EVERY, whole_law), **dict(_in_state(criterion, share))}
     settled: dict[str, Evidence] = {}
@@ -291,6 +291,13 @@ def _examined(
     used = _closed(wanted, lambda name: {*EVERY[name].needs, *confirmations.rests_on(name)})
     asked, others = (tuple(r for r in results if (r.claim in wanted) is own and r.claim in used) for own in (True, False))
     return whole_law, settled, wanted, asked, others
+
+
+def _subject(law: Law, share: Fraction) -> FormulaSubject | CurveSubject | GraphSubject:
+    """The law under examination, by its kind."""
+    if not isinstance(law, Criterion):
+        return CurveSubject(law, share)
+    return (GraphSubject if law.graph else RateSubject if law.forces_of_rates else FormulaSubject)(law, share)
 
 
 def _in_state(law: Law, share: Fraction) -> Iterator[tuple[str, Subject]]:

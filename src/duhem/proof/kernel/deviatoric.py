@@ -191,6 +191,8 @@ def deviatoric_readers(term: Term, domain: StatedDomain) -> list[DeviatoricReade
 
     None for a formula of which a constant may have no value.
     """
+    if domain.law.g.large:
+        return []
     if _FIRST.name in domain.law.forces or domain.constant(term):
         return []
     told = dict[object, Term]()

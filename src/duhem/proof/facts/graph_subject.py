@@ -1,0 +1,68 @@
+"""A law whose formula is kept as a graph, under examination: nothing is derived from it in symbols, and numbers come from its parts.
+
+The kernel alone proves what is said of such a law.  A refutation is a value enclosed in balls, as of any law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from fractions import Fraction
+from itertools import islice
+
+import sympy as sp
+
+from duhem.expression import holds_at
+from duhem.expression.number import rational
+from duhem.law.formula_law import Criterion
+from duhem.proof.decide import EFFORTS
+from duhem.proof.facts.subject import Subject, Values, plain_choices, rationals
+
+__all__ = ["GraphSubject"]
+
+_QUESTION_STEPS = 8_000_000
+_MOST_CHOICES = 200
+
+
+class GraphSubject(Subject):
+    """``g`` over the forces, the pressure and the parameters, in the law's own symbols."""
+
+    law: Criterion
+
+    def __init__(self, law: Criterion, effort: Fraction = EFFORTS["normal"]) -> None:
+        super().__init__(_QUESTION_STEPS, effort)
+        self.law = law
+
+    def check_defined(self) -> None:
+        """Where g has no value the kernel proves nothing, and a place without one refutes nothing."""
+
+    def may_prove(self, claim: str) -> bool:
+        """The kernel alone proves."""
+        return False
+
+    def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
+        """Whether all of them lie in the ranges of the law."""
+        spans = self.law.domain.items()
+        return all(name in point and rational(Fraction(point[name])) in span for point in points for name, span in spans)
+
+    @property
+    def given(self) -> tuple[sp.Basic, ...]:
+        """What the parameters that are not fixed satisfy."""
+        return (*self.ranges, *(c.xreplace(dict(self.fixed)) for c in self.law.constraints))
+
+    def choices(self, most: int) -> Iterator[Values]:
+        """Exact values of the free parameters inside the domain, the plainest first."""
+        tried = islice(plain_choices(self.free, self.given), _MOST_CHOICES)
+        yield from islice((values for values in tried if all(holds_at(r, rationals(values)) for r in self.given)), most)
+
+    def values_at(self, parameters: Values, point: Iterable[Fraction]) -> dict[sp.Symbol, Fraction]:
+        """Every symbol of the law at a choice of the parameters and a point of the forces; the pressure is -1, or nearest to it."""
+        law, table = self.law, self.law.symbols()
+        fixed = {x: Fraction(int(value.p), int(value.q)) for x, value in self.fixed.items()}
+        load = {} if law.pressure is None else {table[law.pressure]: self._pressure()}
+        return {**fixed, **parameters, **load, **dict(zip(law.force_symbols(), point, strict=True))}
+
+    def _pressure(self) -> Fraction:
+        span = self.law.domain.get(self.law.pressure or "")
+        low, high = (None, None) if span is None else (span.low, span.high)
+        ends = [Fraction(int(x.p), int(x.q)) for x in (low, high) if x is not None and x < 0]
+        return Fraction(-1) if span is None or rational(Fraction(-1)) in span else ends[0]

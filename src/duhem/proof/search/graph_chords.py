@@ -1,0 +1,118 @@
+"""Chords of a law kept as a graph, in floating point: across its boundary, long ones between any two points and short ones along tangents.
+
+A dent may be as narrow as one kink of one neuron.  So short chords of every length are tilted and shifted until both ends lie on a level
+of g, and the one whose midpoint lies highest above it is a candidate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.expression.numpy_ import compiled
+from duhem.proof.facts.graph_subject import GraphSubject
+from duhem.proof.facts.subject import Values
+
+__all__ = ["Chord", "graph_chords"]
+
+Array = NDArray[np.float64]
+Chord = tuple[tuple[Fraction, ...], tuple[Fraction, ...]]
+_DIRECTIONS, _PAIRS, _LENGTHS, _TURNS = 1500, 6000, 10, 3
+_DOUBLINGS, _HALVINGS = 40, 40
+_DIGITS = (2, 3, 4, 6, 9, 12)
+_BEST = 2  # of each length
+_NOISE = 1e-11  # relative to the sizes of g
+
+
+def graph_chords(subject: GraphSubject, parameters: Values) -> Iterator[Chord]:
+    """Ends in K with a midpoint that seems to lie outside, the plainest digits first."""
+    forces = subject.law.force_symbols()
+    rest = {x: float(v) for x, v in subject.values_at(parameters, [Fraction(0)] * len(forces)).items() if x not in forces}
+    program = compiled(subject.law.g, [*forces, *rest])
+
+    def g(at: Array) -> Array:
+        with np.errstate(all="ignore"):
+            return np.asarray(program(*np.moveaxis(at, -1, 0), *rest.values()) + np.zeros(at.shape[:-1]))
+
+    rng = np.random.default_rng(0)
+    if (start := _inside(g, len(forces), rng)) is None or len(edge := _boundary(g, start, rng)) < 2:
+        return
+    for a, b in (*_long(g, start, edge, rng), *_short(g, start, edge, rng)):
+        yield from _in_digits(a, b)
+
+
+def _inside(g: Callable[[Array], Array], d: int, rng: np.random.Generator) -> Array | None:
+    """A point with g < 0: zero force, or the lowest of some."""
+    tried = np.vstack([np.zeros((1, d)), *(2.0**k * rng.normal(size=(40, d)) for k in range(-8, 9))])
+    found = g(tried)
+    if found[0] < 0.0:
+        return tried[0]
+    return tried[np.nanargmin(found)] if np.nanmin(found) < 0.0 else None
+
+
+def _boundary(g: Callable[[Array], Array], start: Array, rng: np.random.Generator) -> Array:
+    """Points just inside of where rays from a point of K leave it."""
+    ways = rng.normal(size=(_DIRECTIONS, len(start)))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    reach = np.full(len(ways), 2.0**-10)
+    for _ in range(_DOUBLINGS):
+        inside = g(start + reach[:, None] * ways) <= 0.0
+        reach = np.where(inside, 2.0 * reach, reach)
+    ways, high = ways[~inside], reach[~inside]
+    low = np.zeros_like(high)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        within = g(start + middle[:, None] * ways) <= 0.0
+        low, high = np.where(within, middle, low), np.where(within, high, middle)
+    return start + low[:, None] * ways
+
+
+def _long(g: Callable[[Array], Array], start: Array, edge: Array, rng: np.random.Generator) -> Iterator[tuple[Array, Array]]:
+    """Between two points of the boundary, a little nearer to the inner point."""
+    a, b = (start + (1.0 - 1e-6) * (edge[rng.integers(len(edge), size=_PAIRS)] - start) for _ in range(2))
+    above = np.minimum(g(0.5 * (a + b)), -np.maximum(g(a), g(b)))
+    for i in np.argsort(-above)[:_BEST]:
+        if above[i] > 0.0:
+            yield a[i], b[i]
+
+
+def _short(g: Callable[[Array], Array], start: Array, edge: Array, rng: np.random.Generator) -> Iterator[tuple[Array, Array]]:
+    """Along tangents, both ends on one level."""
+    size = float(np.median(np.linalg.norm(edge - start, axis=1)))
+    steps = 1e-6 * size * np.eye(edge.shape[1])
+    slopes = np.stack([(g(edge + s) - g(edge - s)) / (2e-6 * size) for s in steps], axis=1)
+    steep = np.linalg.norm(slopes, axis=1, keepdims=True)
+    edge, slopes, steep = (x[np.isfinite(steep[:, 0]) & (steep[:, 0] > 0.0)] for x in (edge, slopes, steep))
+    normal, noise = slopes / steep, _NOISE * float(np.max(steep, initial=0.0)) * size
+    for k in range(1, _LENGTHS + 1):
+        along = rng.normal(size=edge.shape)
+        along -= normal * np.sum(along * normal, axis=1, keepdims=True)
+        along *= size * 2.0**-k / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+        middle = edge
+        for _ in range(_TURNS):
+            ahead, behind = g(middle + along), g(middle - along)
+            along = along - normal * ((ahead - behind)[:, None] / (2.0 * steep))
+            middle = middle - normal * (0.5 * (ahead + behind)[:, None] / steep)
+        ends, above = np.maximum(g(middle + along), g(middle - along)), g(middle)
+        gap = np.where(np.isfinite(ends + above), above - ends, -np.inf)
+        middle = middle - normal * ((ends + 0.5 * gap)[:, None] / steep)
+        for i in np.argsort(-gap)[:_BEST]:
+            if gap[i] > noise:
+                yield middle[i] + along[i], middle[i] - along[i]
+
+
+def _in_digits(a: Array, b: Array) -> Iterator[Chord]:
+    """The ends rounded to a few digits of the chord's length, then to more, then as they are."""
+    length = float(np.max(np.abs(a - b)))
+    for digits in _DIGITS:
+        unit = 10.0 ** (np.floor(np.log10(length)) - digits)
+        yield _exact(np.rint(a / unit), unit), _exact(np.rint(b / unit), unit)
+    yield _exact(a, 1.0), _exact(b, 1.0)
+
+
+def _exact(whole: Sequence[float] | Array, unit: float) -> tuple[Fraction, ...]:
+    scale = Fraction(1) if unit == 1.0 else Fraction(10) ** round(np.log10(unit))
+    return tuple(Fraction(float(x)) * scale for x in whole)
