@@ -17,7 +17,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 
-__all__ = ["Graph", "Shared", "graph_of", "refuse_graph"]
+__all__ = ["Graph", "Shared", "graph_of"]
 
 
 @dataclass(frozen=True)
@@ -104,10 +104,3 @@ class Shared(sp.Expr):
 def graph_of(expr: Any) -> Graph | None:
     """The graph that an expression is kept as; None where it is an expression like others."""
     return expr.graph if isinstance(expr, Shared) else None
-
-
-def refuse_graph(expr: Any, where: str, what: str) -> None:
-    """InputError where ``what`` would need the formula in symbols."""
-    if (graph := graph_of(expr)) is not None:
-        said = f"g is kept as a graph of {len(graph.nodes)} definitions, too large to be written out, which {what} does not take"
-        raise InputError(said, where=where, remedy="verify and recheck take it; shorten the formula for anything else")
