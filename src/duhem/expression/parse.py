@@ -22,6 +22,7 @@ from duhem.errors import InputError
 from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, names_in
 from duhem.expression.build import AS_WRITTEN, EVALUATED, MOST_ARGUMENTS, Building, settled, unacceptable
 from duhem.expression.fold import fold
+from duhem.expression.indexed import WrittenOver
 from duhem.expression.number import DECIMAL, exact_number
 from duhem.expression.spelling import spelled
 from duhem.expression.vocabulary import NODES, WORDS
@@ -148,9 +149,9 @@ class _Place:
     def error(self, what: str, *, at: int = 0, remedy: str = "") -> InputError:
         """A fault at an offset in what is read."""
         at = self.made.origin(at) if self.made else at
-        before = self.text[:at]
+        before = "" if isinstance(self.text, WrittenOver) else self.text[:at]
         row = before.count("\n")
-        column = at - (before.rfind("\n") + 1) + (self.column if row == 0 else 0)
+        column = len(before) - (before.rfind("\n") + 1) + (self.column if row == 0 else 0)
         return InputError(what, where=f"{self.where}:{self.line + row}:{column + 1}", remedy=remedy)
 
 

@@ -8,18 +8,20 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
-from functools import partial
+from functools import cached_property, partial
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import symbol
-from duhem.expression.abbreviations import Abbreviations, Stress
+from duhem.expression import WORDS, symbol
+from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Stress
 from duhem.expression.graph_text import parse_graph
+from duhem.expression.indexed import Indexed, component
 from duhem.expression.parse import parse_expression, parse_relation, too_long, written_out
 from duhem.expression.spelling import spelled
 from duhem.expression.text import faithful
@@ -27,6 +29,7 @@ from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
 from duhem.law.domain import POSITIVE, Domain, range_fault
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, PlacedFormula, YieldSurface, definitions, flow_of, name_fault
 from duhem.law.given_text import Relations
+from duhem.law.number_table import table_beside
 from duhem.law.parameter_domain import check_domain
 from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
 from duhem.law.state import Variable, Variables, misfits, variables_of
@@ -136,7 +139,7 @@ _MOST = {
     ("criterion", "forces"): 100, ("criterion", "constraints"): 200, ("parameters",): 200, ("define",): 500, ("surface",): 200,
 }  # fmt: skip
 _SECTIONS = (
-    "criterion", "define", "domain", "parameters", "variables", "energy", "flow", "surface", "boundary", "dissipation", "heat",
+    "criterion", "define", "tables", "domain", "parameters", "variables", "energy", "flow", "surface", "boundary", "dissipation", "heat",
     "atlas",
 )  # fmt: skip
 _PARAMETER = ("positive", "min", "max", "value")
@@ -147,14 +150,14 @@ _ATLAS = ("equation", "claims", "verdicts", "note")  # what is said of the law: 
 def read(path: str | PathLike[str]) -> Law:
     """The law of a TOML file; InputError names file, line and column of whatever is wrong in it."""
     absent = "check the path, or make one with: duhem init NAME"
-    return reads(text_of(path, "criterion file", MOST_BYTES, absent=absent), where=f"{path}")
+    return reads(text_of(path, "criterion file", MOST_BYTES, absent=absent), f"{path}", Path(path).parent)
 
 
-def reads(text: str, where: str = "criterion") -> Law:
-    """The law written in ``text``; ``where`` names it in messages."""
+def reads(text: str, where: str = "criterion", folder: Path | None = None) -> Law:
+    """The law written in ``text``; ``where`` names it in messages, tables of numbers lie in ``folder``."""
     if not text.strip():
         raise InputError("the file is empty", where=where, remedy="start from the template: duhem init NAME")
-    return _CriterionReader(parsed(text, where, number=Decimal)).law()
+    return _CriterionReader(parsed(text, where, number=Decimal), folder).law()
 
 
 def expected_verdicts(path: str | PathLike[str]) -> Mapping[str, str]:
@@ -165,8 +168,11 @@ def expected_verdicts(path: str | PathLike[str]) -> Mapping[str, str]:
         return {}
 
 
+@dataclass(frozen=True)
 class _CriterionReader(SectionReader):
-    """From the document of a criterion file to the law; stops at the first fault."""
+    """From the document of a criterion file, in a ``folder``, to the law; stops at the first fault."""
+
+    folder: Path | None = None
 
     def law(self) -> Law:
         self.keys("", self.document, _SECTIONS)
@@ -332,11 +338,50 @@ class _CriterionReader(SectionReader):
         return {"variables": variables, "energy": energy[0], "written_energy": energy[1], **expressions, **texts}
 
     def definitions(self, known: Mapping[str, sp.Symbol], stress: Stress | None) -> Definitions:
-        placed = {}
-        for name in self.table("define", required=False):
-            text, line, column = self.formula("define", name)
-            placed[name] = PlacedFormula(text, self.where, line, column, self.place("define", name))
-        return definitions(placed, known, stress)
+        return definitions(self.placed[1], known, stress)
+
+    @cached_property
+    def placed(self) -> tuple[Indexed, Mapping[str, PlacedFormula]]:
+        """What may be written with an index, and the definitions, a vector part by part."""
+        given, files = self.table("define", required=False), self.table("tables", required=False)
+        for name, file in files.items():
+            if not isinstance(file, str) or not name.isidentifier() or spelled(name) in {*WORDS, *map(spelled, given), "pi"}:
+                raise self.error(f"{name[:40]} = ... names no table", "tables", name, remedy='write w = "weights.csv", a name of its own')
+        tables = {spelled(name): table_beside(self.folder, file, self.place("tables", name)) for name, file in files.items()}
+        head = self.document["criterion"]
+        forces = head.get("forces", FORCES) if self.stress() is None else ()
+        taken = {*map(spelled, given), *self.table("parameters", required=False), *WORDS, *INVARIANTS, "pi", head.get("pressure", PRESSURE)}
+        known = Indexed(tables, {}, frozenset(taken | {x for x in forces if isinstance(x, str)}))
+        found: dict[str, PlacedFormula] = {}
+        for key in given:
+            name, entries = spelled(key), self.value("define", key)
+            at = [self.entry("define", key, i) for i in range(len(entries))] if isinstance(entries, list) else [self.entry("define", key)]
+            parts = None if isinstance(entries, list) else self.over("define", key, change=lambda text, own=known: own.parts(text))
+            if parts is None and not isinstance(entries, list):
+                text, line, column = at[0]
+                found[key] = PlacedFormula(self.over("define", key, change=known.written_over), self.where, line, column, self.place("define", key))
+                continue
+            for i, (_, line, column) in enumerate(at if parts is None else at * len(parts)):
+                text = known.written_over(at[i][0]) if parts is None else parts[i]
+                found[component(name, i + 1)] = PlacedFormula(text, self.where, line, column, self.place("define", key), parts is not None and i > 0)
+            known = replace(known, vectors={**known.vectors, name: len(at if parts is None else parts)})
+        return known, found
+
+    def entry(self, *path: Key) -> tuple[str, int, int]:
+        """A formula as it stands in the file."""
+        return super().formula(*path)
+
+    def over(self, *path: Key, change: Callable[[str], Any]) -> Any:
+        """What is made of the text of a formula; a fault lies where that begins."""
+        text, line, column = self.entry(*path)
+        try:
+            return change(text)
+        except InputError as fault:
+            raise InputError(fault.what, where=fault.where or f"{self.where}:{line}:{column + 1}", remedy=fault.remedy) from None
+
+    def formula(self, *path: Key) -> tuple[str, int, int]:
+        """A formula without indices, and where it begins."""
+        return (self.over(*path, change=self.placed[0].written_over), *self.entry(*path)[1:])
 
     def pressure(self) -> str | None:
         given = self.document["criterion"].get("pressure", PRESSURE)

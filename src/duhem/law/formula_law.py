@@ -134,6 +134,7 @@ class PlacedFormula(NamedTuple):
     line: int
     column: int
     name_at: str
+    like_the_one_before: bool = False  # but for its numbers and the places in its vectors
 
     @property
     def place(self) -> dict[str, Any]:
@@ -174,7 +175,10 @@ def definitions(given: Mapping[str, PlacedFormula], known: Mapping[str, sp.Symbo
             raise InputError(fault[0], where=formula.name_at, remedy=fault[1])
     for formula in given.values():
         short, at = Abbreviations(formulas, stress, frozenset(left), own), formula.place
-        if long := too_long(formula.text, short):
+        long = too_long(formula.text, short)
+        if formula.like_the_one_before:
+            pass
+        elif long:
             check_formula(formula.text, [*known, *own], **at, short=short.alone())
         else:
             parse_expression(formula.text, known, **at, short=short)
