@@ -140,6 +140,8 @@ INVARIANTS: Mapping[str, Invariant] = {
 
 
 _TOKEN = re.compile(rf"(?P<number>{DECIMAL})|(?P<name>[^\W\d]\w*)")
+
+
 def names_in(text: str) -> set[str]:
     """Every name in a formula."""
     return {spelled(token[0]) for token in _TOKEN.finditer(text) if token.lastgroup == "name"}

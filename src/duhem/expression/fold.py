@@ -41,13 +41,18 @@ def fold(expr: sp.Basic, table: Table[T], leaf: Callable[[Any], T]) -> T:
             done[node] = leaf(node.value if isinstance(node, InertNumber) else node)
         elif isinstance(node, Shared):
             values = {x: fold(part, table, leaf) for x, part in zip(node.graph.names, node.parts, strict=True)}
-            done[node] = fold(node.graph.formula, table, lambda x, values=values: values[x] if x in values else leaf(x))
+            done[node] = fold(node.graph.formula, table, partial(_named, values, leaf))
         elif ready:
             done[node] = _row(node, table)(node, *(done[a] for a in node.args))
         else:
             stack.append((node, True))
             stack.extend((a, False) for a in reversed(node.args))
     return done[expr]
+
+
+def _named(values: Mapping[Any, T], leaf: Callable[[Any], T], node: Any) -> T:
+    """What stands for a name of a graph, or the value of another leaf."""
+    return values[node] if node in values else leaf(node)
 
 
 def _row(node: sp.Basic, table: Table[T]) -> Callable[..., T]:

@@ -1,4 +1,4 @@
-"""A text whose definitions are too long to be written out, read as a graph: each definition once, and its value made when it is asked for."""
+"""A text whose definitions are too long to be written out, as a graph: each is read once, and its value made when it is asked for."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Tables, sums and maxima over an index, and vectors of formulas, written out before a formula is read.
 
-``w[i, j]`` is a number of a table, counted from 1; ``sum(i, 1, n, x)`` and ``max_over(i, 1, n, x)`` repeat x with whole numbers in the place
+``w[i, j]`` is a number of a table, counted from 1; ``sum(i, 1, n, x)`` and ``max_over(i, 1, n, x)`` repeat x with whole numbers in place
 of i; ``vector(i, 1, n, x)``, which stands alone, is a list of formulas, of which ``z[i]`` is one.  What is read then is a formula of the
 vocabulary alone.  Numbers pass through as the text that they are.
 """
@@ -57,7 +57,7 @@ class Indexed:
             return None
         tree, source = _read(text)
         if not (isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and tree.func.id == "vector"):
-            raise InputError("a vector stands beside something else", remedy="define it alone: z = \"vector(i, 1, 24, ...)\"")
+            raise InputError("a vector stands beside something else", remedy='define it alone: z = "vector(i, 1, 24, ...)"')
         writer = _Writer(self, source)
         return list(map(WrittenOver, writer.within(_MOST_IN_ALL, tree, {})))
 

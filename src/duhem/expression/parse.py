@@ -41,6 +41,7 @@ _TOKEN = re.compile(
     r"|(?P<operator>\*\*|<=|>=|[-+*/(),<>])(?!=|(?<=/)/)"
 )
 _ARITHMETIC = "write it with numbers, declared names, + - * / ** and the words of the language"
+_CHOICE = "write where(x > 0, a, b)"
 _DIGITS = "write numbers with the digits 0 to 9, powers with **"
 _HINTS = {
     "^": "write ** for a power",
@@ -311,16 +312,17 @@ class _Reader:
         match node:
             case ast.Call(func=ast.Name(id=name), args=[ast.Compare() | ast.BoolOp() as condition, *parts]) if name == "where":
                 self.evaluated(node, self.check_count, name, len(parts) + 1)
-                joined = [condition]
+                joined: list[ast.expr] = [condition]
                 while joined:
-                    part = joined.pop()
-                    joined += part.values if isinstance(part, ast.BoolOp) else []
-                    if isinstance(part, ast.Compare) and len(part.ops) == 1:
-                        parts += [part.left, *part.comparators]
-                    elif not isinstance(part, ast.BoolOp):
-                        raise self.place.error(f"{self.quote(part)} is no comparison", at=self.start(part), remedy="write where(x > 0, a, b)")
+                    match joined.pop():
+                        case ast.BoolOp(values=values):
+                            joined += values
+                        case ast.Compare(left=left, comparators=[right]):
+                            parts += [left, right]
+                        case other:
+                            raise self.place.error(f"{self.quote(other)} is no comparison", at=self.start(other), remedy=_CHOICE)
             case ast.Call(func=ast.Name(id="where"), args=[condition, *_]):
-                raise self.place.error(f"{self.quote(condition)} is no comparison", at=self.start(node), remedy="write where(x > 0, a, b)")
+                raise self.place.error(f"{self.quote(condition)} is no comparison", at=self.start(node), remedy=_CHOICE)
             case ast.Call(func=ast.Name(id=name), args=parts):
                 self.evaluated(node, self.check_count, name, len(parts))
             case ast.Compare() | ast.BoolOp():

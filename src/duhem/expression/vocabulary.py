@@ -2,7 +2,8 @@
 
 ``norm``, ``pos``, ``neg``, ``where`` and ``atan2`` are ours; the rest are SymPy's own.  ``WORDS`` is the single list from
 which the parser takes its names; every interpreter has one row per node class of ``NODES``.  A word that others say as well
-is built of them and needs no row: ``sqrt``, ``log10``, ``sign``, ``softplus``, ``logsumexp``, and a ``where`` whose condition joins comparisons.
+is built of them and needs no row: ``sqrt``, ``log10``, ``sign``, ``softplus``, ``logsumexp``, and a ``where`` whose condition joins
+comparisons.
 """
 
 from __future__ import annotations

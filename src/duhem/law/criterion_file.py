@@ -343,29 +343,36 @@ class _CriterionReader(SectionReader):
     @cached_property
     def placed(self) -> tuple[Indexed, Mapping[str, PlacedFormula]]:
         """What may be written with an index, and the definitions, a vector part by part."""
-        given, files = self.table("define", required=False), self.table("tables", required=False)
-        for name, file in files.items():
-            if not isinstance(file, str) or not name.isidentifier() or spelled(name) in {*WORDS, *map(spelled, given), "pi"}:
-                raise self.error(f"{name[:40]} = ... names no table", "tables", name, remedy='write w = "weights.csv", a name of its own')
-        tables = {spelled(name): table_beside(self.folder, file, self.place("tables", name)) for name, file in files.items()}
-        head = self.document["criterion"]
-        forces = head.get("forces", FORCES) if self.stress() is None else ()
-        taken = {*map(spelled, given), *self.table("parameters", required=False), *WORDS, *INVARIANTS, "pi", head.get("pressure", PRESSURE)}
-        known = Indexed(tables, {}, frozenset(taken | {x for x in forces if isinstance(x, str)}))
-        found: dict[str, PlacedFormula] = {}
-        for key in given:
-            name, entries = spelled(key), self.value("define", key)
-            at = [self.entry("define", key, i) for i in range(len(entries))] if isinstance(entries, list) else [self.entry("define", key)]
-            parts = None if isinstance(entries, list) else self.over("define", key, change=lambda text, own=known: own.parts(text))
-            if parts is None and not isinstance(entries, list):
-                text, line, column = at[0]
-                found[key] = PlacedFormula(self.over("define", key, change=known.written_over), self.where, line, column, self.place("define", key))
-                continue
-            for i, (_, line, column) in enumerate(at if parts is None else at * len(parts)):
-                text = known.written_over(at[i][0]) if parts is None else parts[i]
-                found[component(name, i + 1)] = PlacedFormula(text, self.where, line, column, self.place("define", key), parts is not None and i > 0)
-            known = replace(known, vectors={**known.vectors, name: len(at if parts is None else parts)})
+        known, found = self.tables(), dict[str, PlacedFormula]()
+        for key, given in self.table("define", required=False).items():
+            of_list = isinstance(given, list)
+            entries = self.entries("define", key, example='["sigma_a", "sigma_b"]') if of_list else [("define", key)]
+            if (made := None if of_list else self.over(*entries[0], change=known.parts)) is not None:
+                texts, spots = made, [self.entry(*entries[0])[1:]] * len(made)
+            else:
+                texts = [self.over(*entry, change=known.written_over) for entry in entries]
+                spots = [self.entry(*entry)[1:] for entry in entries]
+            vector = of_list or made is not None
+            for i, (text, spot) in enumerate(zip(texts, spots, strict=True)):
+                name = component(spelled(key), i + 1) if vector else key
+                if name in found:
+                    raise self.error(f"{name!r} is declared twice", "define", key, remedy="give each definition a name of its own")
+                found[name] = PlacedFormula(text, self.where, *spot, self.place("define", key), made is not None and i > 0)
+            if vector:
+                known = replace(known, vectors={**known.vectors, spelled(key): len(texts)})
         return known, found
+
+    def tables(self) -> Indexed:
+        """The tables of numbers, and the names that no index may have."""
+        head, given, files = self.document["criterion"], self.table("define", required=False), self.table("tables", required=False)
+        words = {*WORDS, *INVARIANTS, "pi", *map(spelled, given)}
+        for name, file in files.items():
+            if not isinstance(file, str) or not name.isidentifier() or spelled(name) in words:
+                raise self.error(f"{name[:40]!r} names no table", "tables", name, remedy='write w = "weights.csv", with a name of its own')
+        read = {spelled(name): table_beside(self.folder, file, self.place("tables", name)) for name, file in files.items()}
+        named = [*self.table("parameters", required=False), *self.table("variables", required=False), head.get("pressure", PRESSURE)]
+        forces = head.get("forces", FORCES) if (stress := self.stress()) is None else stress.components
+        return Indexed(read, {}, frozenset({*words, *filter(lambda x: isinstance(x, str), [*named, *forces])}))
 
     def entry(self, *path: Key) -> tuple[str, int, int]:
         """A formula as it stands in the file."""

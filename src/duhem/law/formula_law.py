@@ -24,8 +24,8 @@ from duhem.expression.abbreviations import NONE, Abbreviations, Stress
 from duhem.expression.branches import gradient
 from duhem.expression.build import greatest
 from duhem.expression.given import given_formula
-from duhem.expression.inert_number import inert_exponent
 from duhem.expression.graph_text import own_text, parse_graph
+from duhem.expression.inert_number import inert_exponent
 from duhem.expression.parse import check_formula, parse_expression, too_long, written_out
 from duhem.expression.shared import Graph, Shared, graph_of
 from duhem.expression.spelling import respelled, spelled

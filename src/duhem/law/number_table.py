@@ -26,9 +26,7 @@ def table_beside(folder: Path | None, given: str, where: str) -> tuple[tuple[str
     if place.is_absolute() or ".." in place.parts:
         raise InputError(f"{given[:60]!r} is not beside the law", where=where, remedy="put the table in the folder of the criterion file")
     file = folder / place
-    rows = tuple(
-        tuple(entry.strip() for entry in line.split(",")) for line in text_of(file, "table of numbers", _MOST_BYTES).splitlines()
-    )
+    rows = tuple(tuple(entry.strip() for entry in line.split(",")) for line in text_of(file, "table of numbers", _MOST_BYTES).splitlines())
     if not rows or len(rows) * len(rows[0]) > _MOST_NUMBERS:
         raise InputError("the table is empty" if not rows else "the table is too large", where=f"{file}", remedy="check the file")
     for i, row in enumerate(rows, 1):

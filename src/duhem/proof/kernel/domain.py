@@ -21,7 +21,20 @@ from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, bounded, definitions, factors, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import (
+    COMPARISONS,
+    WORDS,
+    NotWritten,
+    Term,
+    bounded,
+    definitions,
+    factors,
+    minus,
+    number,
+    parse,
+    product_of,
+    sum_of,
+)
 
 __all__ = [
     "ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "StatedFace", "StatedLaw", "as_list", "as_object",
@@ -173,11 +186,10 @@ class StatedLaw(_Stated):
         if "forces_of_rates" in given:
             return _of_rates(given)
         pressure = given["pressure"]
-        forces, parameters, constraints, fixed = declared(
-            given,
-            () if pressure is None else (pressure,),
-            {"domain", *({"define"} if not {*given} & {"surfaces", *_OF_STATE} else _OF_STATE), *({"surfaces"} if "surfaces" in given else {"g", "flow"})},
-        )
+        bounds = {"surfaces"} if "surfaces" in given else {"g", "flow"}
+        own = {"define"} if "define" in given and not {*given} & {"surfaces", *_OF_STATE} else {*_OF_STATE}
+        beside = () if pressure is None else (pressure,)
+        forces, parameters, constraints, fixed = declared(given, beside, {"domain", *bounds, *own})
         if given.get("viscous", True) is not True or ("viscous" in given and ("surfaces" in given or given["flow"] is not None)):
             raise NotWritten("a potential of rates stands beside a flow")
         state = _state(given, forces, parameters, fixed) | {"viscous": "viscous" in given}
@@ -189,7 +201,8 @@ class StatedLaw(_Stated):
             given_flow = entry["flow"]
             by_potential = isinstance(given_flow, Mapping)  # {"potential": "..."}, the flow being its gradient
             texts = [without_more(given_flow, {"potential"})["potential"]] if by_potential else as_list(given_flow or [])
-            g, *flow = (without_angles(parse(text, names_in)).put(fixed) for text, names_in in ((entry["g"], defined), *((t, {}) for t in texts)))
+            read = (parse(entry["g"], defined), *map(parse, texts))
+            g, *flow = (without_angles(term).put(fixed) for term in read)
             if any(f.op in COMPARISONS or not f.names() <= names for f in (g, *flow)):
                 raise NotWritten("a name is not declared")
             slips = gradient(flow[0], forces) if by_potential else tuple(flow)

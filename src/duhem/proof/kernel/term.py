@@ -24,7 +24,8 @@ _OF_ONE = (
 )  # fmt: skip
 # least and greatest number of arguments
 WORDS = {
-    **dict.fromkeys(_OF_ONE, (1, 1)), **dict.fromkeys(("norm", "max", "min", "logsumexp"), (1, 32)), "atan2": (2, 2), "eigmax": (6, 6), "where": (3, 3),
+    **dict.fromkeys(_OF_ONE, (1, 1)), **dict.fromkeys(("norm", "max", "min", "logsumexp"), (1, 32)),
+    "atan2": (2, 2), "eigmax": (6, 6), "where": (3, 3),
 }  # fmt: skip
 COMPARISONS = ("<=", ">=", "<", ">")
 _JOINTS = ("and", "or")

@@ -40,7 +40,9 @@ def graph_chords(subject: GraphSubject, parameters: Values) -> Iterator[Chord]:
     rng = np.random.default_rng(0)
     if (start := _inside(g, len(forces), rng)) is None or len(edge := _boundary(g, start, rng)) < 2:
         return
-    for a, b in (*_long(g, start, edge, rng), *_short(g, start, edge, rng)):
+    with np.errstate(all="ignore"):  # where g has no value, or an infinite one
+        found = [*_long(g, start, edge, rng), *_short(g, start, edge, rng)]
+    for a, b in found:
         yield from _in_digits(a, b)
 
 
