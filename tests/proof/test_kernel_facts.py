@@ -108,7 +108,7 @@ FORMULAS = [
     ("neg(1 + abs(a))", "="), ("neg(-a**2)", ">= convex"), ("exp(abs(a))", "> convex"), ("exp(-abs(a))", ">"),
     ("exp(log(1 + abs(a)))", "> quasiconvex"), ("exp(a/e)", "> convex undefined"), ("log(1 + abs(a))", ">= quasiconvex"),
     ("log(2 + abs(a))", "+ quasiconvex"), ("log(1/2 + abs(a))", "? quasiconvex"), ("log(a)", "? concave quasiconvex undefined"),
-    ("log(abs(a))", "? quasiconvex undefined"), ("log(exp(a))", "? quasiconvex"), ("log(norm(a, m))", "? quasiconvex"),
+    ("log(abs(a))", "? quasiconvex undefined"), ("log(exp(a))", "? convex"), ("log(norm(a, m))", "? quasiconvex"),
     ("log(norm(a, m)*0 + 1)", "? quasiconvex"), ("sinh(abs(a))", ">= convex"), ("sinh(abs(a) - 1)", "? quasiconvex"),
     ("sinh(-abs(a))", "<= concave"), ("sinh(1 - abs(a))", "?"), ("sinh(log(1 + abs(a)))", ">= quasiconvex"), ("sinh(a)", "? quasiconvex"),
     ("cosh(a)", "> convex"), ("cosh(abs(a))", "> convex"), ("cosh(-abs(a))", "> convex"), ("cosh(abs(a) - 1)", ">"),
