@@ -22,11 +22,12 @@ class _Verbs(UserDict[str, Any]):
     """The command of each verb by its name; kept as the name of its module, which is imported when the command is asked for."""
 
     def __getitem__(self, verb: str) -> click.Command:
-        return getattr(import_module(self.data[verb]), verb)
+        module = self.data[verb]
+        return getattr(import_module(module), module.rpartition(".")[2])
 
 
 @click.group(
-    commands=_Verbs((found.name.rpartition(".")[2], found.name) for found in iter_modules(verbs.__path__, f"{verbs.__name__}.")),
+    commands=_Verbs((found.name.rpartition(".")[2].removesuffix("_"), found.name) for found in iter_modules(verbs.__path__, f"{verbs.__name__}.")),
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 @click.version_option(__version__, prog_name="duhem", message="%(prog)s %(version)s")

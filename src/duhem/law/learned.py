@@ -1,0 +1,159 @@
+"""A learned law as a criterion file with its numbers beside it: networks and polynomials, from arrays as NumPy keeps them.
+
+Each number is written in all of its decimals, so that the law is the network in the exact values of its weights.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any
+
+from duhem.errors import InputError
+from duhem.expression.abbreviations import KINDS, Stress
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+__all__ = ["ACTIVATIONS", "LEARNED", "LearnedFile", "arrays_of", "learned"]
+
+Arrays = Mapping[str, "NDArray[Any]"]
+ACTIVATIONS = {"softplus": "softplus", "relu": "pos", "tanh": "tanh"}
+LEARNED = ("icnn", "mlp", "polynomial")
+_MOST_NUMBERS = 1_000_000
+
+
+@dataclass(frozen=True)
+class LearnedFile:
+    """The ``text`` of a criterion file, and the CSV text of each table beside it by its file's name."""
+
+    text: str
+    tables: Mapping[str, str]
+
+
+def arrays_of(file: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
+    """The arrays of an ``.npz`` file; InputError for any other, and where one holds no finite numbers.  Nothing in it is executed."""
+    import numpy as np
+
+    where = os.fspath(file)
+    if not where.endswith(".npz"):
+        remedy = "save the weights with numpy.savez: the how-to page on learned laws shows it for PyTorch and ONNX"
+        raise InputError("only .npz files of NumPy are read", where=where, remedy=remedy)
+    try:
+        with np.load(file, allow_pickle=False) as given:
+            found = {name: np.asarray(given[name]) for name in given.files}
+    except FileNotFoundError:
+        raise InputError("there is no such file", where=where, remedy="check the path") from None
+    except (OSError, ValueError, EOFError, KeyError, Exception) as fault:  # zip and NumPy have errors of their own
+        reason = " ".join(str(fault).split())[:80]
+        raise InputError(f"the file cannot be read: {reason}", where=where, remedy="save plain arrays with numpy.savez") from None
+    for name, array in found.items():
+        if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8 or array.size > _MOST_NUMBERS or array.ndim > 2:
+            raise InputError(f"{name} is no matrix of numbers", where=where, remedy="save arrays of floats of at most 64 bits")
+        if not np.isfinite(array).all():
+            raise InputError(f"{name} holds a number that is not finite", where=where, remedy="train again, or look at the export")
+    return found
+
+
+def learned(
+    arrays: Arrays, kind: str, name: str, *, forces: Sequence[str] | Stress, activation: str = "softplus", level: str = "0", stem: str = "law"
+) -> LearnedFile:
+    """The criterion file of what was learned: K is where it is at most ``level``.
+
+    ``icnn``: z_0 = a(Wx0 x + b0), z_k = a(Wz_k z_(k-1) + Wx_k x + b_k), and the last without a (Amos, Xu, Kolter 2017); Wx_k and b_k may
+    be left out for k > 0.  ``mlp``: the same with W_k alone.  ``polynomial``: sum_i coefficients_i prod_j x_j^exponents_ij.  Rows are
+    outputs.  InputError for an array that is missing, is of another shape or is not used.
+    """
+    components = forces.components if isinstance(forces, Stress) else tuple(forces)
+    book = _Book({**arrays}, stem, len(components))
+    if kind == "polynomial":
+        rows, g = [], _polynomial(book)
+    else:
+        rows, g = _network(book, ACTIVATIONS[activation], "W" if kind == "mlp" else "Wz", "W0" if kind == "mlp" else "Wx0", kind == "icnn")
+    book.check_used()
+    own = f'stress = {{ name = "{forces.name}", kind = "{forces.kind}" }}' if isinstance(forces, Stress) else f"forces = {_list(components)}"
+    head = ["[criterion]", f"name = {json.dumps(name)}", own, "pressure = false", f'g = "{g} - ({level})"']
+    files = [f'{table} = "{file}"' for table, file in book.files.items()]
+    text = [*head, "", "[tables]", *files, "", "[define]", f"x = {_list(components)}", *rows, ""]
+    return LearnedFile("\n".join(text), book.texts)
+
+
+@dataclass
+class _Book:
+    """Arrays that become tables as they are asked for."""
+
+    left: dict[str, NDArray[Any]]
+    stem: str
+    inputs: int
+
+    def __post_init__(self) -> None:
+        self.files, self.texts = dict[str, str](), dict[str, str]()
+
+    def table(self, name: str, height: int | None, width: int) -> int:
+        """Write an array down as a table, a vector as a column, and say how many rows it has."""
+        if name not in self.left:
+            raise InputError(f"there is no array {name}", remedy=f"those left are: {', '.join(self.left) or 'none'}")
+        array = self.left.pop(name)
+        array = array.reshape(-1, 1) if array.ndim < 2 and width == 1 else array.reshape(1, -1) if array.ndim < 2 else array
+        if array.shape[1] != width or array.shape[0] != (height or array.shape[0]) or not array.size:
+            raise InputError(f"{name} has {array.shape[0]} x {array.shape[1]} numbers", remedy=f"it takes {height or 'n'} x {width}")
+        self.files[name] = file = f"{self.stem}_{name}.csv"
+        self.texts[file] = "".join(",".join(map(_exact, row)) + "\n" for row in array)
+        return int(array.shape[0])
+
+    def check_used(self) -> None:
+        if self.left:
+            raise InputError(f"the array {next(iter(self.left))} is not used", remedy="leave it out, or choose another --kind")
+
+
+def _network(book: _Book, activation: str, inner: str, first: str, skips: bool) -> tuple[list[str], str]:
+    """The definitions of the hidden layers, and the formula of the last."""
+    rows, below, k = list[str](), 0, 0
+    while True:
+        name, width = (first, book.inputs) if k == 0 else (f"{inner}{k}", below)
+        of = "x" if k == 0 else f"z{k - 1}"
+        height = book.table(name, None, width)
+        terms = [f"sum(j, 1, {width}, {name}[i, j]*{of}[j])"]
+        if skips and k and f"Wx{k}" in book.left:
+            book.table(f"Wx{k}", height, book.inputs)
+            terms.append(f"sum(j, 1, {book.inputs}, Wx{k}[i, j]*x[j])")
+        if f"b{k}" in book.left:
+            book.table(f"b{k}", height, 1)
+            terms.append(f"b{k}[i, 1]")
+        formula, k, below = " + ".join(terms), k + 1, height
+        if f"{inner}{k}" not in book.left:
+            if height != 1 or k == 1:
+                raise InputError(f"the last layer has {height} outputs" if k > 1 else "there is one layer", remedy="the last of several has one")
+            return rows, re.sub(r"\[i, ", "[1, ", formula)
+        rows.append(f'z{k - 1} = "vector(i, 1, {height}, {activation}({formula}))"')
+
+
+def _polynomial(book: _Book) -> str:
+    count = book.table("coefficients", None, 1)
+    exponents = book.left.get("exponents")
+    if exponents is not None and (exponents.dtype.kind not in "iu" or (exponents < 0).any()):
+        raise InputError("exponents are not whole numbers >= 0", remedy="save them as integers")
+    book.table("exponents", count, book.inputs)
+    powers = "*".join(f"x[{j}]**exponents[i, {j}]" for j in range(1, book.inputs + 1))
+    return f"sum(i, 1, {count}, coefficients[i, 1]*{powers})"
+
+
+def _list(names: Sequence[str]) -> str:
+    return json.dumps(list(names))
+
+
+def _exact(x: np.generic) -> str:
+    """All decimals of what a number of any precision holds."""
+    return str(int(x)) if x.dtype.kind in "iu" else str(Decimal(float(x)))  # type: ignore[call-overload]
+
+
+def stress_of(kind: str) -> Stress:
+    """The stress sigma of a kind that the command line names."""
+    if kind not in KINDS:
+        raise InputError(f"{kind!r} is no kind of stress", remedy=f"kinds are: {', '.join(KINDS)}")
+    return Stress("sigma", kind)
