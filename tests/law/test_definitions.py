@@ -121,10 +121,12 @@ def test_a_fault_is_found_where_it_stands(fault: str) -> None:
     assert caught.value.where == f"law.toml:{place}" and message in str(caught.value)
 
 
-def test_definitions_of_definitions_grow_no_further_than_a_formula_may() -> None:
+def test_definitions_of_definitions_are_shared_where_they_grow_too_large() -> None:
     lines = ['a0 = "sigma_a + sigma_a"', *(f'a{i} = "a{i - 1}*a{i - 1}"' for i in range(1, 40))]
+    law = reads('[criterion]\nname = "x"\ng = "a39 - 1"\n[define]\n' + "\n".join(lines))
+    assert isinstance(law, Criterion) and law.graph is not None and len(law.graph.nodes) == 40
     with pytest.raises(InputError, match="too large"):
-        reads('[criterion]\nname = "x"\ng = "a39 - 1"\n[define]\n' + "\n".join(lines))
+        reads('[criterion]\nname = "x"\ng = "sigma_a - 1"\n[flow]\ndirection = ["a39", "0"]\n[define]\n' + "\n".join(lines))
 
 
 @pytest.mark.parametrize(

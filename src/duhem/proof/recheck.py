@@ -20,6 +20,7 @@ __all__ = ["Recheck", "as_dict", "as_sheet", "as_text", "recheck"]
 
 _MOST_BYTES = 10_000_000
 _REMEDY = "make a new one with: duhem verify LAW --certificate FILE"
+_MOST_DEFINITIONS = 3  # that are shown
 _HEAD = ("claim", "verdict", "trust", "kernel", "why not")
 
 
@@ -182,6 +183,10 @@ def _law(law: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             continue
         yield "criterion", f"{_line(surface['g'])} <= 0"
         yield "slip", _slip(surface["flow"])
+    if define := law.get("define", ()):
+        shown = "; ".join(f"{name} = {_line(text)}" for name, text in define[:_MOST_DEFINITIONS])
+        more = len(define) - _MOST_DEFINITIONS
+        yield "definitions", shown + (f"; and {more} more, as they stand in the certificate" if more > 0 else "")
     pressure = f"; pressure {law['pressure']} <= 0, held fixed" if law["pressure"] else "; no pressure"
     yield "forces", f"{', '.join(law['forces'])}{pressure}"
     state = law.get("variables", {})
