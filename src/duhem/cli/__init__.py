@@ -27,7 +27,7 @@ class _Verbs(UserDict[str, Any]):
 
 
 @click.group(
-    commands=_Verbs((found.name.rpartition(".")[2].removesuffix("_"), found.name) for found in iter_modules(verbs.__path__, f"{verbs.__name__}.")),
+    commands=_Verbs((found.name.removesuffix("_"), f"{verbs.__name__}.{found.name}") for found in iter_modules(verbs.__path__)),
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 @click.version_option(__version__, prog_name="duhem", message="%(prog)s %(version)s")

@@ -45,11 +45,11 @@ def arrays_of(file: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
         remedy = "save the weights with numpy.savez: the how-to page on learned laws shows it for PyTorch and ONNX"
         raise InputError("only .npz files of NumPy are read", where=where, remedy=remedy)
     try:
-        with np.load(file, allow_pickle=False) as given:
+        with open(file, "rb") as stream, np.load(stream, allow_pickle=False) as given:
             found = {name: np.asarray(given[name]) for name in given.files}
     except FileNotFoundError:
         raise InputError("there is no such file", where=where, remedy="check the path") from None
-    except (OSError, ValueError, EOFError, KeyError, Exception) as fault:  # zip and NumPy have errors of their own
+    except Exception as fault:  # zip and NumPy have errors of their own
         reason = " ".join(str(fault).split())[:80]
         raise InputError(f"the file cannot be read: {reason}", where=where, remedy="save plain arrays with numpy.savez") from None
     for name, array in found.items():
@@ -61,7 +61,7 @@ def arrays_of(file: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
 
 
 def learned(
-    arrays: Arrays, kind: str, name: str, *, forces: Sequence[str] | Stress, activation: str = "softplus", level: str = "0", stem: str = "law"
+    arrays: Arrays, kind: str, name: str, *, forces: Sequence[str] | Stress, activation: str = "softplus", level: str = "0", stem: str
 ) -> LearnedFile:
     """The criterion file of what was learned: K is where it is at most ``level``.
 
@@ -71,12 +71,16 @@ def learned(
     """
     components = forces.components if isinstance(forces, Stress) else tuple(forces)
     book = _Book({**arrays}, stem, len(components))
+    rows: list[str] = []
     if kind == "polynomial":
-        rows, g = [], _polynomial(book)
+        g = _polynomial(book)
     else:
-        rows, g = _network(book, ACTIVATIONS[activation], "W" if kind == "mlp" else "Wz", "W0" if kind == "mlp" else "Wx0", kind == "icnn")
+        inner, first = ("W", "W0") if kind == "mlp" else ("Wz", "Wx0")
+        rows, g = _network(book, ACTIVATIONS[activation], inner, first, kind == "icnn")
     book.check_used()
-    own = f'stress = {{ name = "{forces.name}", kind = "{forces.kind}" }}' if isinstance(forces, Stress) else f"forces = {_list(components)}"
+    own = (
+        f'stress = {{ name = "{forces.name}", kind = "{forces.kind}" }}' if isinstance(forces, Stress) else f"forces = {_list(components)}"
+    )
     head = ["[criterion]", f"name = {json.dumps(name)}", own, "pressure = false", f'g = "{g} - ({level})"']
     files = [f'{table} = "{file}"' for table, file in book.files.items()]
     text = [*head, "", "[tables]", *files, "", "[define]", f"x = {_list(components)}", *rows, ""]
@@ -128,7 +132,8 @@ def _network(book: _Book, activation: str, inner: str, first: str, skips: bool) 
         formula, k, below = " + ".join(terms), k + 1, height
         if f"{inner}{k}" not in book.left:
             if height != 1 or k == 1:
-                raise InputError(f"the last layer has {height} outputs" if k > 1 else "there is one layer", remedy="the last of several has one")
+                what = f"the last layer has {height} outputs" if k > 1 else "there is one layer"
+                raise InputError(what, remedy="the last of several has one")
             return rows, re.sub(r"\[i, ", "[1, ", formula)
         rows.append(f'z{k - 1} = "vector(i, 1, {height}, {activation}({formula}))"')
 
@@ -149,7 +154,7 @@ def _list(names: Sequence[str]) -> str:
 
 def _exact(x: np.generic) -> str:
     """All decimals of what a number of any precision holds."""
-    return str(int(x)) if x.dtype.kind in "iu" else str(Decimal(float(x)))  # type: ignore[call-overload]
+    return str(int(x)) if x.dtype.kind in "iu" else str(Decimal(float(x)))
 
 
 def stress_of(kind: str) -> Stress:

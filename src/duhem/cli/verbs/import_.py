@@ -16,18 +16,18 @@ __all__ = ["import_"]
 @click.command("import")
 @click.argument("file", type=click.Path(dir_okay=False))
 @click.option("--kind", type=click.Choice(("icnn", "mlp", "polynomial")), required=True, help="What was learned.")
-@click.option("--out", metavar="LAW.toml", required=True, help="The criterion file to write. Its tables of numbers are written beside it.")
+@click.option("--out", metavar="LAW.toml", required=True, help="The criterion file to write, with tables beside it.")
 @click.option("--stress", type=click.Choice(("3d", "plane", "principal")), help="The inputs are the components of a stress of this kind.")
 @click.option("--forces", metavar="A,B,...", help="The names of the inputs, where they are no components of a stress.")
 @click.option(
     "--activation", type=click.Choice(("softplus", "relu", "tanh")), default="softplus", show_default=True, help="Of the hidden layers."
 )
-@click.option("--level", default="0", show_default=True, metavar="C", help="The admissible stresses are those where the output is at most C.")
+@click.option("--level", default="0", show_default=True, metavar="C", help="K is where the output is at most C.")
 def import_(file: str, kind: str, out: str, stress: str | None, forces: str | None, activation: str, level: str) -> None:
     """Write a network or a polynomial in FILE, an .npz file of NumPy, as a criterion file.
 
-    Arrays: Wx0, b0, Wz1, Wx1, b1, ... of an input-convex network; W0, b0, W1, b1, ... of a plain one (rows are outputs, the last layer has
-    one output and no activation); coefficients (n) and exponents (n x inputs) of a polynomial. Every weight is kept exactly.
+    Arrays: Wx0, b0, Wz1, Wx1, b1, ... of an input-convex network; W0, b0, W1, b1, ... of a plain one (rows are outputs, the last layer
+    has one output and no activation); coefficients (n) and exponents (n x inputs) of a polynomial. Every weight is kept exactly.
     """
     from duhem.expression.number import exact_number
     from duhem.law.learned import arrays_of, learned, stress_of
