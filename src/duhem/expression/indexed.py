@@ -45,15 +45,18 @@ class Indexed:
     taken: frozenset[str] = frozenset()
 
     def written_over(self, text: str) -> str:
-        """``text`` without indices; as it is where it has none.  InputError, without a place, for what is wrong with one."""
-        if not _INDEXED.search(text):
+        """``text`` without indices; as it is where it has none, or a sign that is none of the language, which its reader finds.
+
+        InputError, without a place, for what is wrong with an index.
+        """
+        if not _INDEXED.search(text) or not _ALLOWED.fullmatch(text):
             return text
         tree, source = _read(text)
         return WrittenOver(_Writer(self, source).text(tree, {}))
 
     def parts(self, text: str) -> list[str] | None:
         """The formulas of a text that is a vector; None for any other."""
-        if not re.match(r"\s*vector\s*\(", text):
+        if not re.match(r"\s*vector\s*\(", text) or not _ALLOWED.fullmatch(text):
             return None
         tree, source = _read(text)
         if not (isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name) and tree.func.id == "vector"):
@@ -67,8 +70,6 @@ def _read(text: str) -> tuple[ast.expr, bytes]:
     text = re.sub(r"\s", " ", text)
     if len(text) > _MOST_CHARACTERS:
         raise InputError(f"the formula has {len(text)} characters", remedy=f"at most {_MOST_CHARACTERS} are read")
-    if not _ALLOWED.fullmatch(text):
-        raise InputError("the formula has a sign that is none of the language", remedy="write it with names, numbers, + - * / ** and words")
     depth = most = 0
     for mark in text:
         depth += (mark in "([") - (mark in ")]")
