@@ -67,7 +67,7 @@ WRONG = [
     ("x - 1", '[define]\na = "b[1]*x"\nb = ["x", "y"]\n', "no table and no vector"),
     ("x - 1", '[define]\nv = ["x", "v[1]"]\n', "no table and no vector"), ("x - 1", '[define]\nv = []\n', ""),
     ("x - 1", '[define]\nv = ["x"]\nv__1 = "y"\n', "declared twice"), ("x - 1", '[define]\nw = "x"\n', "names no table"),
-    ("x.__class__[1] - 1", "", "should"), ("__import__('os')[1]*x - 1", "", "unexpected"),
+    ("x.__class__[1] - 1", "", "should"), ("__import__('os')[1]*x - 1", "", "not a function"),
 ]  # fmt: skip
 
 
