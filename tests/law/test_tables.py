@@ -107,3 +107,11 @@ def test_a_table_lies_beside_the_law(tmp_path: Path) -> None:
 
 def test_a_row_or_a_column_takes_one_index(tmp_path: Path) -> None:
     assert law(tmp_path, "w[2]*x - 1", w="1,7\n").g == law(tmp_path, "w[2]*x - 1", w="1\n7\n").g == plain("7*x - 1").g
+
+
+def test_every_part_of_a_vector_is_as_short_as_a_formula_must_be(tmp_path: Path) -> None:
+    """Also one that is longer than the first, by the signs of its numbers."""
+    rows = ",".join(["1"] * 900) + "\n" + ",".join(["-1"] * 900) + "\n"
+    more = '[define]\nu = "vector(i, 1, 2, sum(j, 1, 900, w[i, j]*x))"\n'
+    with pytest.raises(InputError, match="too large"):
+        law(tmp_path, "u[1] - 1", more, w=rows)

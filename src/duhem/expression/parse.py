@@ -28,7 +28,7 @@ from duhem.expression.spelling import spelled
 from duhem.expression.vocabulary import NODES, WORDS
 
 __all__ = [
-    "check_formula", "exact_number", "parse_as_written", "parse_expression", "parse_relation", "reread", "too_long", "written_out",
+    "check_formula", "check_size", "exact_number", "parse_as_written", "parse_expression", "parse_relation", "reread", "too_long", "written_out",
 ]  # fmt: skip
 
 MOST_CHARACTERS = 20_000
@@ -109,6 +109,15 @@ def too_long(text: str, short: Abbreviations) -> bool:
     except InputError:
         return all(spelled(name) not in short.to_come for name in names_in(text)) and any(name in short.own for name in names_in(text))
     return len(made) > MOST_CHARACTERS or sum(token.lastgroup != "space" for token in _TOKEN.finditer(made)) > MOST_TOKENS
+
+
+def check_size(text: str, *, where: str = "formula", line: int = 1, column: int = 0) -> None:
+    """InputError where a formula, of which nothing else is to be checked, is longer than what is read."""
+    place = _Place(where, line, column, text)
+    if len(text) > MOST_CHARACTERS:
+        raise place.error(f"the formula has {len(text)} characters", remedy=f"at most {MOST_CHARACTERS} are read")
+    if len(text) > MOST_TOKENS and sum(token.lastgroup != "space" for token in _TOKEN.finditer(text)) > MOST_TOKENS:
+        raise place.error("the formula is too large", remedy=f"at most {MOST_TOKENS} names, numbers and signs are read")
 
 
 def check_formula(

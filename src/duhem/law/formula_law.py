@@ -26,7 +26,7 @@ from duhem.expression.build import greatest
 from duhem.expression.given import given_formula
 from duhem.expression.graph_text import own_text, parse_graph
 from duhem.expression.inert_number import inert_exponent
-from duhem.expression.parse import check_formula, parse_expression, too_long, written_out
+from duhem.expression.parse import check_formula, check_size, parse_expression, too_long, written_out
 from duhem.expression.shared import Graph, Shared, graph_of
 from duhem.expression.spelling import respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
@@ -177,7 +177,7 @@ def definitions(given: Mapping[str, PlacedFormula], known: Mapping[str, sp.Symbo
         short, at = Abbreviations(formulas, stress, frozenset(left), own), formula.place
         long = too_long(formula.text, short)
         if formula.like_the_one_before:
-            pass
+            check_size(formula.text, **at)
         elif long:
             check_formula(formula.text, [*known, *own], **at, short=short.alone())
         else:
