@@ -82,6 +82,7 @@ MOST_BITS = 8192
 MOST_EXPONENT = 1000
 MOST_NUMERIC_EXPONENT = 64
 MOST_ARGUMENTS = 32
+_MOST_TOGETHER = 128  # of a Min or Max, once those inside are flattened
 MOST_PASSES = 8
 _BUILT = {"max": greatest, "min": least}
 _INFINITE = tuple(map(type, (sp.nan, sp.zoo, sp.oo, -sp.oo)))
@@ -121,8 +122,9 @@ def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
     """A word of the vocabulary applied to its arguments."""
     # Nested Min and Max are flattened and every pair compared, so it is the flattened count that is bounded.
     count = sum(len(a.args) if isinstance(a, (sp.Min, sp.Max)) else 1 for a in args)
-    if count > MOST_ARGUMENTS:
-        raise InputError(f"{word} has {count} arguments", remedy=f"at most {MOST_ARGUMENTS} are read")
+    if len(args) > MOST_ARGUMENTS or count > _MOST_TOGETHER:
+        most = MOST_ARGUMENTS if len(args) > MOST_ARGUMENTS else _MOST_TOGETHER
+        raise InputError(f"{word} has {count} arguments", remedy=f"at most {most} are read")
     if word == "sqrt":
         return power(args[0], sp.S.Half)
     if word == "atan2" and any(a.has(Atan2) for a in args):
