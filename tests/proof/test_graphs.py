@@ -15,6 +15,7 @@ from duhem import Criterion, load, project, recheck, verify
 from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.law import Domain
+from duhem.law.criterion_file import criterion_text, reads
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.claims import objection, rules_of
@@ -74,8 +75,9 @@ def test_a_negative_weight_is_refuted_by_a_chord(tmp_path: Path, activation: str
 
 def test_what_may_be_convex_with_a_negative_weight_is_left_open(tmp_path: Path) -> None:
     network = Network(12, 2, "softplus")
-    network.tables["W1"][0, 0] = -1e-6
-    assert verdicts(load(network.write(tmp_path)), "convexity") == {"convexity": "undecided"}
+    network.tables["W1"][0, 0] = -0.0009765625
+    found = verify(load(network.write(tmp_path)), claims=["convexity"])["convexity"]
+    assert found.verdict == "undecided" and "the weight of z0__1 in z1__1 is -0.0009765625" in found.detail
 
 
 def test_a_decreasing_hidden_layer_is_not_proved(tmp_path: Path) -> None:
@@ -290,3 +292,8 @@ def test_logarithms_of_log_convex_parts_are_convex(g: str, convex: bool) -> None
 def test_a_textbook_softplus_network_is_proved() -> None:
     rows = {f"z{i}": f"log(1 + exp(0.{i + 1}*x - 0.{9 - i}*y + 0.0{i}))" for i in range(4)}
     assert verdicts(law(rows, "0.1*z0 + 0.2*z1 + 0.3*z2 + 0.4*z3 - 4")) == PROVED
+
+
+def test_a_law_kept_as_a_graph_is_written_down_and_read_back() -> None:
+    found = law(wide(20, 2), parameters={"k": Domain.between(0, 1)}, g="f - k - 1")
+    assert reads(criterion_text(found)) == found

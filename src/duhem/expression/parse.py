@@ -28,7 +28,8 @@ from duhem.expression.spelling import spelled
 from duhem.expression.vocabulary import NODES, WORDS
 
 __all__ = [
-    "check_formula", "check_size", "exact_number", "parse_as_written", "parse_expression", "parse_relation", "reread", "too_long", "written_out",
+    "check_formula", "check_size", "exact_number", "parse_as_written", "parse_expression", "parse_relation", "reread", "too_long",
+    "written_out",
 ]  # fmt: skip
 
 MOST_CHARACTERS = 20_000

@@ -553,11 +553,13 @@ def criterion_text(law: Law) -> str:
     lines += [f"forces = [{', '.join(map(_quoted, law.forces))}]"]
     lines += [f"pressure = {_quoted(law.pressure) if law.pressure else 'false'}"]
     if isinstance(law, Criterion) and not (law.surfaces or law.viscous or law.forces_of_rates):
-        lines += [f"g = {_quoted(_text(law, law.g))}", *_potential(law)]
+        lines += [f"g = {_quoted(law.graph.last if law.graph else _text(law, law.g))}", *_potential(law)]
     if law.constraints:
         lines += [f"constraints = [{', '.join(_quoted(_text(law, c)) for c in law.constraints)}]"]
     of_state = () if isinstance(law, ParametricCriterion) else (*law.variables, *law.heat)
     own = {name: domain for name, domain in law.parameters.items() if name not in of_state}
+    if isinstance(law, Criterion) and law.graph:
+        lines += ["", "[define]", *(f"{name} = {_quoted(text)}" for name, text in law.graph.nodes)]
     lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in own.items())]
     if isinstance(law, ParametricCriterion):
         lines += ["", "[boundary]", f"angle = {_quoted(law.angle)}", f"T = {_list(law, law.boundary)}"]

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import re
+
+from duhem.expression.abbreviations import names_in
+from duhem.expression.number import DECIMAL
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.graphs import graph_chord, graph_origin_outside
 
-__all__ = ["convexity_refuted", "duality_left_out", "origin_refuted"]
+__all__ = ["convexity_left_open", "convexity_refuted", "duality_left_out", "origin_refuted"]
 
 _CHOICES = 3
+_WORD = re.compile(r"\w\s*\(|\*\*")
+_NEGATIVE = re.compile(rf"-\s*(?P<number>{DECIMAL})\)?\s*\*\s*(?P<of>[^\W\d]\w*)(?!\s*\()")
 
 
 def origin_refuted(subject: GraphSubject) -> Evidence | None:
@@ -26,6 +32,21 @@ def convexity_refuted(subject: GraphSubject) -> Evidence | None:
         for p, q in graph_chords(subject, parameters):
             if (witness := graph_chord(subject, parameters, p, q)) is not None:
                 return Evidence(Verdict.REFUTED, "witness-chord", "a chord between two points of K leaves K", witness)
+    return None
+
+
+def convexity_left_open(subject: GraphSubject) -> Evidence | None:
+    """Which weight is negative, where one is, so that convexity does not follow from the structure of a network."""
+    graph = subject.law.graph
+    nodes = () if graph is None else (*graph.nodes, ("g", graph.last))
+    curved = set[str]()  # of words, or of what is
+    for name, text in nodes:
+        found = next((part for part in _NEGATIVE.finditer(text) if part["of"] in curved), None)
+        curved |= {name} if _WORD.search(text) or names_in(text) & curved else set()
+        if found is not None:
+            weight = f"the weight of {found['of']} in {name} is -{found['number']}"
+            said = f"{weight}: convexity does not follow from the structure, and duhem found no chord that leaves K. K may be convex or not"
+            return Evidence(Verdict.UNDECIDED, "none", f"{said}; if it is to be convex, train with weights >= 0 between layers")
     return None
 
 
