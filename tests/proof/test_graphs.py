@@ -6,6 +6,7 @@ import json
 import pickle
 from fractions import Fraction
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,12 @@ import pytest
 
 from duhem import Criterion, load, project, recheck, verify
 from duhem.errors import InputError
-from duhem.expression import numpy_
+from duhem.expression import numpy_, symbol
+from duhem.expression.parse import parse_as_written
 from duhem.law import Domain
 from duhem.law.criterion_file import criterion_text, reads
 from duhem.proof.certificate import law_as_text
+from duhem.proof.kernel import term
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.domain import StatedLaw
@@ -297,3 +300,40 @@ def test_a_textbook_softplus_network_is_proved() -> None:
 def test_a_law_kept_as_a_graph_is_written_down_and_read_back() -> None:
     found = law(wide(20, 2), parameters={"k": Domain.between(0, 1)}, g="f - k - 1")
     assert reads(criterion_text(found)) == found
+
+
+# -- drawn graphs ------------------------------------------------------------------------------------------------------
+
+DRAWN = [
+    "pos({a} + {k}*{b})", "softplus({s}{a} + {k}*{b})", "logsumexp({a}, {s}{b}, {k})", "log({k} + exp({a}) {t} {k}*exp({b}))",
+    "max({a}, {b})",
+    "abs({a})", "{k}*{a} {t} {k}*{b}", "norm({a}, {b})", "({a})**2", "{a}*{b}", "neg({a})", "exp({s}{a}) + {b}", "sqrt(1 + ({a})**2)",
+    "log(1 + exp({a})*exp({b}))", "min({a}, {b})", "where({a} > 0, {b}, {c})", "({a})**2/(1 + exp({b}))",
+]  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("most", [6, 20_000])
+def test_what_is_proved_of_drawn_graphs_is_so(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where nearly all of them count as too large for a tree."""
+    monkeypatch.setattr(term, "_MOST_PARTS", most)
+    rng, places, proved = Random(5), np.random.default_rng(5), 0
+    for _ in range(150):
+        names, rows = ["x", "y"], list[list[str]]()
+        for i in range(rng.randint(2, 7)):
+            a, b, c = rng.choices(names, k=3)
+            k, s, t = rng.choice(("0.5", "2", "1", "0")), rng.choice(("", "-")), rng.choice("+-")
+            rows.append([f"d{i}", rng.choice(DRAWN).format(a=a, b=b, c=c, k=k, s=s, t=t)])
+            names += [f"d{i}"] * rng.randint(1, 2)
+        given = chain("{0}") | {"define": rows, "g": f"{names[-1]} + {rng.choice(names)} - 1"}
+        stated, made = StatedLaw.read(given), dict[str, Any]({name: symbol(name) for name in "xy"})
+        if objection("convexity", "composition", frozenset(), stated, {}):
+            continue
+        for name, text in rows:
+            made[name] = parse_as_written(text, made)
+        g, proved = numpy_.compiled(parse_as_written(given["g"], made), (symbol("x"), symbol("y"))), proved + 1
+        for size in (0.3, 2.0):
+            p, q = size * places.normal(size=(2, 2000, 2))
+            inside = (g(*p.T) < -1e-7) & (g(*q.T) < -1e-7)
+            assert not (inside & (g(*(0.5 * (p + q)).T) > 1e-7)).any(), given
+    assert proved > 30
