@@ -37,7 +37,7 @@ def numbers(text: str) -> str:
     """Each part of a formula that is a number, read or not: it has a value, and one of an ordinary size."""
     reader = Reader(over(StatedLaw(("x",), None, number(0), None, {}, ())))
     for part in parse(text).parts():
-        if _is_number(part) and reader.undecided(part) is part:
+        if part.args and _is_number(part) and reader.undecided(part) is part:
             return _said("a number in the law", part)
         if any(_is_number(x) and reader.sign(x) & NEGATIVE for x in _below_its_limit(part)):
             return f"a number in the law is too large: {part.op} in it"

@@ -20,7 +20,8 @@ __all__ = ["Chord", "graph_chords"]
 
 Array = NDArray[np.float64]
 Chord = tuple[tuple[Fraction, ...], tuple[Fraction, ...]]
-_DIRECTIONS, _PAIRS, _LENGTHS, _TURNS = 1500, 6000, 10, 3
+_DIRECTIONS, _FEWEST, _PAIRS, _LENGTHS, _TURNS = 1500, 100, 4, 10, 3
+_LENGTH = 1_000_000  # letters of all definitions, beyond which fewer directions are looked at
 _DOUBLINGS, _HALVINGS = 40, 40
 _DIGITS = (2, 3, 4, 6, 9, 12)
 _BEST = 2  # of each length
@@ -38,7 +39,9 @@ def graph_chords(subject: GraphSubject, parameters: Values) -> Iterator[Chord]:
             return np.asarray(program(*np.moveaxis(at, -1, 0), *rest.values()) + np.zeros(at.shape[:-1]))
 
     rng = np.random.default_rng(0)
-    if (start := _inside(g, len(forces), rng)) is None or len(edge := _boundary(g, start, rng)) < 2:
+    length = sum(len(text) for _, text in subject.law.graph.nodes) if subject.law.graph else 0
+    directions = int(np.clip(_DIRECTIONS * _LENGTH / max(length, 1), _FEWEST, _DIRECTIONS))
+    if (start := _inside(g, len(forces), rng)) is None or len(edge := _boundary(g, start, directions, rng)) < 2:
         return
     with np.errstate(all="ignore"):  # where g has no value, or an infinite one
         found = [*_long(g, start, edge, rng), *_short(g, start, edge, rng)]
@@ -55,9 +58,9 @@ def _inside(g: Callable[[Array], Array], d: int, rng: np.random.Generator) -> Ar
     return tried[np.nanargmin(found)] if np.nanmin(found) < 0.0 else None
 
 
-def _boundary(g: Callable[[Array], Array], start: Array, rng: np.random.Generator) -> Array:
+def _boundary(g: Callable[[Array], Array], start: Array, directions: int, rng: np.random.Generator) -> Array:
     """Points just inside of where rays from a point of K leave it."""
-    ways = rng.normal(size=(_DIRECTIONS, len(start)))
+    ways = rng.normal(size=(directions, len(start)))
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
     reach = np.full(len(ways), 2.0**-10)
     for _ in range(_DOUBLINGS):
@@ -74,7 +77,7 @@ def _boundary(g: Callable[[Array], Array], start: Array, rng: np.random.Generato
 
 def _long(g: Callable[[Array], Array], start: Array, edge: Array, rng: np.random.Generator) -> Iterator[tuple[Array, Array]]:
     """Between two points of the boundary, a little nearer to the inner point."""
-    a, b = (start + (1.0 - 1e-6) * (edge[rng.integers(len(edge), size=_PAIRS)] - start) for _ in range(2))
+    a, b = (start + (1.0 - 1e-6) * (edge[rng.integers(len(edge), size=_PAIRS * len(edge))] - start) for _ in range(2))
     above = np.minimum(g(0.5 * (a + b)), -np.maximum(g(a), g(b)))
     for i in np.argsort(-above)[:_BEST]:
         if above[i] > 0.0:
