@@ -293,9 +293,13 @@ def confirmed(law: Criterion, claim: str, witness: Witness) -> bool:
         return confirmed(_epigraph(law), "convexity", witness)
     fixed = {name: domain.value for name, domain in law.parameters.items() if domain.value is not None}
     parameters = {name: Fraction(int(v.p), int(v.q)) for name, v in fixed.items()} | {n: Fraction(v) for n, v in witness.parameters.items()}
+    if law.forces_of_rates:  # its state stands among the points
+        parameters |= {n: Fraction(x) for point in witness.points.values() for n, x in point.items() if n in law.variables}
     if set(parameters) != set(law.parameters) or not _admissible(law, parameters):
         return False
     points = {role: parameters | {n: Fraction(x) for n, x in point.items()} for role, point in witness.points.items()}
+    if law.forces_of_rates and claim == "normality":
+        return _falls(law, points["state"])
     names = set(law.symbols())
     if any(set(p) != names for p in points.values()):
         return False
@@ -306,6 +310,15 @@ def confirmed(law: Criterion, claim: str, witness: Witness) -> bool:
         if len(pressures) != 1 or min(pressures) >= 0:
             return False
     return _CHECKS[claim](law, points, witness)
+
+
+def _falls(law: Criterion, at: Mapping[str, Fraction]) -> bool:
+    """Whether the forces at the rates and those at the other rates have a negative product with what the rates differ by."""
+    one = {name: x for name, x in at.items() if name in law.symbols()}
+    other = one | {rate: at[f"{rate} of the other"] for rate in law.velocities.values()}
+    gaps = {force: _rational(one[rate]) - _rational(other[rate]) for force, rate in law.velocities.items()}
+    own = law.forces_of_rates
+    return bool(sum(gaps[f] * (value(law, one, own[f]) - value(law, other, own[f])) for f in own).b < 0)
 
 
 def _epigraph(law: Criterion) -> Criterion:
