@@ -73,6 +73,7 @@ class ConformanceRun:
         self.given = law if given is None else given
         self.pressure, self.accuracy, self.rows = drawn.pressure, drawn.accuracy, drawn.rows
         self.stiffness = update.elastic if isinstance(update, Material) else drawn.stiffness
+        self.sizes = {"largest_strain": drawn.largest_strain, "scale": drawn.scale}
         self.tries, self.seconds = drawn.tries, drawn.seconds
         self.every = drawn.every if drawn.every is not None else _EVERY_HISTORY if law is None else _EVERY
         domains = {} if law is None else law.fix(parameters).parameters
@@ -119,9 +120,9 @@ class ConformanceRun:
 
     def to_the_end(self) -> ConformanceRun:
         """Draw cases until every check has failed or has seen them all."""
-        drawn = self._cases(self.parameters, self.stiffness, self.rows)
         while self.pending:
             self.visited, self.examples = self._nothing_visited(), 0
+            drawn = self._cases(self.parameters, self.stiffness, self.rows)
             found = self._least(self.pending, drawn, settings(self.profile, phases=(Phase.generate,)), self._drawn)
             if found is None:
                 self._look_at_the_whole()
@@ -134,7 +135,9 @@ class ConformanceRun:
         if self.law is not None:
             return cases(self.law, parameters, stiffness=stiffness, pressure=self.pressure, rows=rows)
         assert stiffness is not None
-        return histories(lambda values, k: stateless(self.update, k, values), parameters or {}, stiffness, self.pressure, rows)
+        given = parameters or {}, stiffness, self.pressure, rows
+        told = {"accuracy": self.accuracy, "searched": self.visited.searched, **self.sizes}
+        return histories(lambda values, k: stateless(self.update, k, values), *given, **told)  # type: ignore[arg-type]
 
     def _least(
         self, checks: Sequence[Check], cases: Strategy, profile: settings, drawn: Callable[[Query], None] = lambda _: None

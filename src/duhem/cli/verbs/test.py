@@ -317,9 +317,6 @@ def _told(form: str, tested: Mapping[str, _Tested], left_out: Mapping[str, str],
 def _text(name: str, tested: _Tested, again: str) -> str:
     report, seconds = tested.report, tested.seconds
     lines = [f"{name}", str(report)]
-    if report.visited:
-        lines.append("visited: " + ", ".join(f"{what} {share:.3g}" for what, share in report.visited.items()))
-        lines.append("decades: " + ", ".join(f"{what} 1e{low} to 1e{high}" for what, (low, high) in report.decades.items()))
     lines.append(f"{report.examples} examples in {seconds:.1f} s, {report.examples / max(seconds, 1e-9):.0f} a second")
     if tested.every > 1:
         lines.append(f"checks that call the routine again used one increment in {tested.every}; --every 1 uses all of them")

@@ -148,6 +148,16 @@ class HistoryQuery(Query):
         """The points after the step beyond the path, to the trial stress."""
         return self.counted(self.start, self.case.trial, self.case.pressure) if self.whole is None else self.whole.beyond.rows(self.rows)
 
+    @property
+    def given_stiffness(self) -> Array | None:
+        """The elastic stiffness (d, d) that the routine should have, where it is known."""
+        return None if self.material.stiffness is None else np.asarray(self.material.stiffness)
+
+    @property
+    def state_moves(self) -> NDArray[np.bool_] | None:  # type: ignore[override]
+        before, after = self.start.variables, self.beyond.variables
+        return (before != after).any(axis=1) if before.shape[1] else None
+
     @cached_property
     def here(self) -> Reply:
         """:attr:`beyond` as a reply to ``trial``."""

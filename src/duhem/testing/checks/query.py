@@ -174,6 +174,7 @@ class Query:
     in the energy: the columns of L; ``pressure`` is sigma_n (N,), zeros for a law without.
     """
 
+    state_moves: NDArray[np.bool_] | None = None  # at which increments (N,) a variable of the state changes, where there are any
     lonely = False  # whether the reply to the trial is one to a call of one increment
     turned = slice(None, None, -1)  # the order in which rows may be asked: the last first
 

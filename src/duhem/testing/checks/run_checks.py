@@ -14,6 +14,7 @@ from duhem.testing.checks.visited import Visited
 __all__: list[str] = []
 
 
+_LEAST = 0.01  # of the increments without a law, whose sizes are drawn by what the routine itself shows
 _MOST = 0.75  # of the increments that slip: who gives up more has shown what is left, not the rule
 _ALONE = 3  # cases, in one of which a row is asked in a call of its own
 _APART = 5  # cases, in one of which some rows are asked in calls of one size, one after the other
@@ -22,11 +23,17 @@ _CROWD, _MANY = 5, 300  # the case of a run in which some rows are asked so ofte
 
 def _visited(visited: Visited) -> str | None:
     shares = visited.shares
-    missing = [name for name in ("slip", "stick") if shares and not shares[name]]
+    found = visited.searched
+    if raised := [said for said in found if said not in ("range", "none")]:
+        return f"the search for the elastic range failed: {raised[0]}"
+    least = 0.0 if visited.forces else _LEAST
+    missing = [name for name in ("slip", "stick") if shares and shares[name] <= least]
     if not missing:
         given_up = f"{visited.given_up:.2%} of the slipping increments are flagged as not solved, and therefore not tested"
-        return given_up if visited.given_up > _MOST else None
-    what = {"slip": "nothing slipped", "stick": "nothing stuck"}[missing[0]]
+        unknown = "no elastic range was found, so that the size of the increments says nothing of the routine"
+        return given_up if visited.given_up > _MOST else unknown if found and not found["range"] else None
+    few = f"only {shares[missing[0]]:.2g} of them " if shares[missing[0]] else "nothing "
+    what = few + {"slip": "slipped", "stick": "stuck"}[missing[0]]
     seen = ", ".join(f"{name} {share:.3g}" for name, share in shares.items())
     return f"{what} in {visited.increments} increments; visited: {seen}"
 

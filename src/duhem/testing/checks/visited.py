@@ -30,6 +30,8 @@ class Visited:
     the normal jumps there; both are shares of the answers looked at.
     ``increments``: how many were counted; ``decades``: first and last power of ten of stresses, pressures and stiffnesses that are
     not zero.  Without a law (``forces`` is empty) forces are counted by their place, and there is no seam and no corner.
+    ``state`` is the share of the increments in which a variable of the state changes.  ``searched`` counts
+    what the search for the elastic range found, "range" or "none", or raised.
     ``unmeasured``: how many of the drawn increments cannot be judged, whatever is answered (:attr:`Query.measurable`).
     """
 
@@ -41,6 +43,7 @@ class Visited:
         self.unmeasured = self._drawn = 0
         self.increments = self._looked = self._slipping = self._given_up = 0
         self.decades: dict[str, tuple[int, int]] = {}
+        self.searched: Counter[str] = Counter()
 
     @property
     def shares(self) -> Mapping[str, float]:
@@ -76,7 +79,9 @@ class Visited:
                         self._trials(query.some, reply)
                 self._answers(query, query.here)
         case = query.case
-        for name, values in (("stress", case.trial), ("pressure", case.pressure), ("stiffness", np.diag(case.stiffness))):
+        strain = None if self.forces else np.linalg.solve(case.stiffness, case.trial.T)
+        spread = {"stress": case.trial, "strain": strain, "pressure": case.pressure, "stiffness": np.diag(case.stiffness)}
+        for name, values in spread.items():
             if values is not None:
                 self._spread(name, np.abs(values))
 
@@ -89,6 +94,8 @@ class Visited:
         may_slip = slips | (not self.forces)  # an answer that is given up does not say whether it slips
         self._slipping += int(may_slip.sum())
         self._given_up += int((may_slip & ~solved).sum())
+        if (moved := query.state_moves) is not None:
+            self._count("state", moved & solved)
         self._count("boundary", boundary & solved)
         if "tip" in self._counts:
             self._count("tip", (query.pressure == 0.0) & solved)

@@ -38,6 +38,8 @@ class RunOptions:
     tries: int = TRIES
     seconds: float | None = None
     seed: int | None = None
+    largest_strain: float | None = None
+    scale: float | None = None
 
     def check(self, law: Criterion | None) -> None:
         """Raise InputError for the first option that cannot be used."""
@@ -49,6 +51,14 @@ class RunOptions:
             raise InputError(what, where="accuracy", remedy="give a number between 0 and 1, for example 1e-9")
         if self.seconds is not None and not (_is_number(self.seconds) and self.seconds >= 0.0):
             raise InputError(f"{self.seconds!r} is not a time", where="seconds", remedy="give a number >= 0, or remove it")
+        for name in ("largest_strain", "scale"):
+            if (strain := getattr(self, name)) is None:
+                continue
+            if law is not None:
+                remedy = "remove it: with a law, increments are drawn by the size of K"
+                raise InputError("the size of increments is given with a law", where=name, remedy=remedy)
+            if not (_is_number(strain) and strain > 0.0):
+                raise InputError(f"{strain!r} is not a strain", where=name, remedy="give a number > 0, for example 1e-2")
         for name, least in (("rows", 1), ("every", 1), ("tries", 0), ("max_examples", 1), ("seed", None)):
             given = getattr(self, name)
             if given is not None or name in ("rows", "tries"):  # the others may be left out

@@ -7,6 +7,7 @@ the simplest, which is what a failing case shrinks to.  Without a law it is aske
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike, NDArray
 
+from duhem.errors import words_of
 from duhem.expression.rays import Rays
 from duhem.law.catalogue import load, load_formula
 from duhem.law.formula_law import Criterion
@@ -346,16 +348,22 @@ _LONGER = [2.0, 0.5, 0.0, 1.5, 10.0, 0.1, 100.0]
 _BEFORE = [0.0, 2.0, 0.5, 1.5, 5.0, 3.0]  # of the path before, times the elastic reach; at 0 the step is the first
 _KNOTS = 4
 _DECADES = range(-12, 14)
-_HALVES = 8
+_HALVES, _BEYOND = 8, 3
+_FARTHEST = 100.0  # elastic strains, the typical one of a case: no increment goes farther
 
 
-def _elastic_reach(material: Material, way: Array, pressure: Array | None) -> Array:
+def _elastic_reach(
+    material: Material, way: Array, pressure: Array | None, accuracy: float, largest: float | None, searched: Counter[str]
+) -> Array:
     """How far along ``way`` (N, d) a first increment of stress is answered elastically, (N,), to a few per cent; nan where asking fails.
 
-    Looked for by decades from 1e-12 to 1e13; 0 where it is elastic at none of these, inf where at all.
+    Looked for by decades from 1e-12 to 1e13, and no farther than three beyond the first limit that is met, nor than the ``largest``
+    strain; 0 where it is elastic at none of these, inf where at all.  What the routine raises is counted in ``searched``.
     """
     n = len(way)
     root = np.linalg.cholesky(material.elastic)
+    most = np.inf if largest is None else largest / np.abs(np.linalg.solve(material.elastic, way.T)).max(axis=0)
+    last = len(_DECADES)
 
     def elastic(size: Array, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
         trial = size[rows, None] * way[rows]
@@ -366,24 +374,27 @@ def _elastic_reach(material: Material, way: Array, pressure: Array | None) -> Ar
         else:
             after = material.advance(before, np.asarray(np.linalg.solve(material.elastic, trial.T).T), load, 1.0)
         off = np.linalg.norm(np.linalg.solve(root, (after.stress - trial).T), axis=0)
-        return np.asarray(off <= ELASTIC * np.linalg.norm(np.linalg.solve(root, trial.T), axis=0))
+        return np.asarray(off <= max(ELASTIC, accuracy) * np.linalg.norm(np.linalg.solve(root, trial.T), axis=0))
 
     low, high, open_ = np.zeros(n), np.full(n, np.inf), np.arange(n)
     try:
         with np.errstate(all="ignore"):
-            for power in _DECADES:
+            for i, power in enumerate(_DECADES):
                 size = np.full(n, 10.0**power)
+                open_ = open_[(size <= most)[open_]]
+                if not open_.size or i >= last:
+                    break
                 good = elastic(size, open_)
+                last = min(last, i + 1 + _BEYOND) if low.any() and not good.all() else last
                 low[open_[good]], high[open_[~good]] = size[open_[good]], size[open_[~good]]
                 open_ = open_[good]
-                if not open_.size:
-                    break
             between = np.flatnonzero((low > 0.0) & np.isfinite(high))
             for _ in range(_HALVES if between.size else 0):
                 size = np.where(np.isfinite(high), np.sqrt(low * np.where(np.isfinite(high), high, 1.0)), low)
                 good = elastic(size, between)
                 low[between[good]], high[between[~good]] = size[between[good]], size[between[~good]]
-    except Exception:  # the routine raises: a check tells of it, with a case
+    except (Exception, SystemExit) as fault:
+        searched[f"the routine raised {type(fault).__name__}: {words_of(fault)}"] += 1
         return np.full(n, np.nan)
     return np.where(np.isfinite(high), low, np.inf)
 
@@ -406,10 +417,17 @@ def histories(
     stiffness: ArrayLike | Strategy,
     pressure: float | Strategy | None,
     rows: int = 1,
+    *,
+    accuracy: float = ELASTIC,
+    largest_strain: float | None = None,
+    scale: float | None = None,
+    searched: Counter[str] | None = None,
 ) -> Case:
     """A :class:`Case` of ``rows`` histories of the material that ``made`` makes; ``values`` are numbers or strategies, by name.
 
-    The steps of a case of one shrink; those of a larger one are picked from the same tables by a seed.
+    Increments are drawn in multiples of the elastic range, which is looked for, or is the stress of the strain ``scale``; no strain is
+    larger than ``largest_strain``, 100 times the typical elastic one if left out.  ``searched`` counts what is found
+    (:class:`duhem.testing.checks.visited.Visited`).  The steps of a case of one shrink; those of a larger one are picked from the same tables by a seed.
     """
     numbers = {name: float(_drawn_from(draw, value)) for name, value in values.items()}
     k = stiffness_matrix(_drawn_from(draw, stiffness), None)
@@ -421,12 +439,22 @@ def histories(
     amount, move, other_move, stretch, size, kind = columns[4 * d :]
     given = None if pressure is None else _loads(draw, pressure, rows)
     load = None if given is None else given[0]
-    reach = _elastic_reach(material, ways[:2].reshape(2 * rows, d), None if load is None else np.tile(load, 2)).reshape(2, rows)
-    known = reach[np.isfinite(reach) & (reach > 0.0)]
-    typical = float(np.median(known)) if known.size else 1.0
-    reach = np.where(np.isfinite(reach) & (reach > 0.0), reach, typical)
-    trial = (amount * reach[0])[:, None] * ways[0]
-    path = np.array([s * _knots(int(kind_), ways[1:, i]) for i, (s, kind_) in enumerate(zip(size * reach[1], kind, strict=True))])
+    stretched = np.abs(np.linalg.solve(material.elastic, ways[:2].reshape(2 * rows, d).T)).max(axis=0).reshape(2, rows)
+    if scale is None:
+        loads, told = None if load is None else np.tile(load, 2), Counter() if searched is None else searched
+        reach = _elastic_reach(material, ways[:2].reshape(2 * rows, d), loads, accuracy, largest_strain, told).reshape(2, rows)
+    else:
+        reach = scale / stretched
+    known = np.isfinite(reach) & (reach > 0.0)
+    if searched is not None:
+        searched["range" if known.any() else "none"] += 1
+    typical = float(np.median(reach[known])) if known.any() else 1.0
+    reach = np.where(known, reach, typical)
+    if largest_strain is None:
+        largest_strain = _FARTHEST * float(np.median((reach * stretched)[known])) if known.any() else np.inf
+    trial = np.minimum(amount * reach[0], largest_strain / stretched[0])[:, None] * ways[0]
+    far = np.minimum(size * reach[1], largest_strain / stretched[1])
+    path = np.array([s * _knots(int(kind_), ways[1:, i]) for i, (s, kind_) in enumerate(zip(far, kind, strict=True))])
     share = np.linspace(0.0, 1.0, _KNOTS)
     zero = np.zeros((rows, d))
     return Case(

@@ -108,10 +108,18 @@ class Report(Shown):
     def __repr__(self) -> str:
         return f"<Report of {self.counted()}>"
 
+    def ranges(self) -> tuple[str, ...]:
+        """What was visited: the shares of increments, and the decades of what was drawn."""
+        if not self.visited:
+            return ()
+        shares = ", ".join(f"{what} {share:.3g}" for what, share in self.visited.items())
+        return f"visited: {shares}", "decades: " + ", ".join(f"{what} 1e{low} to 1e{high}" for what, (low, high) in self.decades.items())
+
     def __str__(self) -> str:
         return "\n".join(
             [
                 self.counted(),
+                *self.ranges(),
                 *map(str, self.failures),
                 *(f"{name} passed, but was expected to fail: {why}" for name, why in self.unexpected.items()),
                 *(f"{name} failed, as expected: {why}" for name, why in self.expected.items()),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,9 @@ from duhem.testing.routines.routine import FormerAnswers, NoStep, Overwritten, S
 __all__ = ["ELASTIC", "Material", "MaterialState", "advanced", "from_material", "stateless"]
 
 ELASTIC = 1e-9  # relative error in stress up to which an answer counts as elastic
+_DECADES = range(-12, 4)  # of strains or displacements
+_LINEAR = 3  # decades of them in which a material is elastic, at least
+_MILLIONTH = 1e-6
 
 
 @dataclass(frozen=True)
@@ -61,27 +65,31 @@ Advance = Callable[[MaterialState, Array, Array | None, float], MaterialState]
 class Material:
     """``stiffness`` (d, d), the elastic one, symmetric and positive definite; ``variables`` (s,) at the beginning, where stress is 0.
 
+    A stiffness that is None is measured, of a material with so many components as ``components`` has names.
     ``energies``: whether the routine returns both energies; ``towards``, of a routine whose only state is its stress, advances to a
     trial stress instead of by an increment; ``line``: Python that makes it again as ``update``, where known.
     InputError for a stiffness that is none.
     """
 
     advance: Advance
-    stiffness: ArrayLike
+    stiffness: ArrayLike | None
     variables: ArrayLike = ()
     energies: bool = False
     name: str = "material"
     line: str = ""
     towards: Advance | None = None
+    components: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "variables", np.array(self.variables, dtype=np.float64).ravel())
+        if self.stiffness is None and self.components:
+            return
         k = np.array(self.stiffness, dtype=np.float64)
         square = k.ndim == 2 and k.shape[0] == k.shape[1]
         if not square or not np.allclose(k, k.T, rtol=1e-12, atol=0.0) or not (np.linalg.eigvalsh(k) > 0.0).all():
             remedy = "give the elastic stiffness (d, d), symmetric and positive definite; shear strains are those of engineers"
             raise InputError("the stiffness of a material is a symmetric, positive definite matrix", where=self.name, remedy=remedy)
         object.__setattr__(self, "stiffness", k)
-        object.__setattr__(self, "variables", np.array(self.variables, dtype=np.float64).ravel())
 
     @property
     def __duhem_import__(self) -> str:
@@ -89,11 +97,52 @@ class Material:
 
     @property
     def elastic(self) -> Array:
+        """The elastic stiffness (d, d): as it is measured, or else as it is given.  InputError where it is neither."""
+        if self.measured is not None:
+            return self.measured
+        if self.stiffness is None:
+            what = "no small step of the routine is elastic, so that its stiffness cannot be measured"
+            raise InputError(what, where=self.name, remedy="give the elastic stiffness")
         return np.asarray(self.stiffness)
+
+    @cached_property
+    def measured(self) -> Array | None:
+        """The stiffness (d, d) that first small steps either way show; None where they show none.
+
+        Strains grow by decades from 1e-12 on until an answer is no longer linear, so that no more is asked than its limit and a decade.
+        Of the longest run of decades that agree to a millionth the third counts: there neither curvature nor rounding has a part.
+        """
+        if self.towards is not None:
+            return None
+        d = len(self.components) if self.stiffness is None else len(np.asarray(self.stiffness))
+        runs: list[list[Array]] = [[]]
+        for power in _DECADES:
+            try:
+                with np.errstate(all="ignore"):
+                    after = self.advance(self.virgin(2 * d), 10.0**power * np.vstack([np.eye(d), -np.eye(d)]), None, 1.0)
+                    there, back = np.split(np.asarray(after.stress, dtype=np.float64), 2)
+                    slope, apart = (there - back).T / (2.0 * 10.0**power), np.abs(there + back).max() / (2.0 * 10.0**power)
+            except (Exception, SystemExit):  # a check tells of it
+                break
+            size = _MILLIONTH * np.abs(slope).max()
+            if not (size > 0.0 and apart <= size):
+                runs.append([])
+            elif runs[-1] and not np.abs(slope - runs[-1][-1]).max() <= size:
+                runs.append([slope])
+            else:
+                runs[-1].append(slope)
+            if len(runs) > 1 and len(runs[-2]) >= _LINEAR:
+                break
+        run = max(runs, key=len)
+        if len(run) < _LINEAR:
+            return None
+        k = 0.5 * (run[_LINEAR - 1] + run[_LINEAR - 1].T)
+        return k if (np.linalg.eigvalsh(k) > 0.0).all() else None
 
     def virgin(self, n: int) -> MaterialState:
         """Return n points at the beginning."""
-        zero, none = np.zeros((n, len(self.elastic))), np.zeros(n)
+        d = len(self.components) if self.stiffness is None else len(np.asarray(self.stiffness))
+        zero, none = np.zeros((n, d)), np.zeros(n)
         energies = (none, none.copy()) if self.energies else (None, None)
         return MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), *energies)
 
