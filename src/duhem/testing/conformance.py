@@ -10,11 +10,12 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
-from duhem.law.catalogue import load
+from duhem.law.catalogue import load, load_formula
 from duhem.law.formula_law import Criterion
 from duhem.law.state import check_stateless
-from duhem.testing.checks import material_checks  # noqa: F401 (it registers its checks, and what it imports those of laws)
+from duhem.testing.checks import material_checks, state_checks  # noqa: F401 (they register their checks, and what they import)
 from duhem.testing.checks.history import HistoryQuery
+from duhem.testing.checks.law_in_state import Places
 from duhem.testing.checks.query import NoReply, Query
 from duhem.testing.checks.registry import Check, judged, registered
 from duhem.testing.drawn.case import Case
@@ -44,9 +45,12 @@ def checks_for(law: _Law, *, associated: bool = False) -> tuple[Check, ...]:
     return tuple(c for c in every_check(law) if c.demanded or (law is None and associated))
 
 
-def every_check(law: _Law) -> tuple[Check, ...]:
-    """Return all checks of a law, or those that need none, among them the ones that run only when they are named."""
-    return tuple(registered(law is not None).values())
+def every_check(law: _Law, of_states: bool = False) -> tuple[Check, ...]:
+    """Return all checks of a law, or those that need none, among them the ones that run only when they are named.
+
+    ``of_states``: those of a material and a law of which it keeps the state.
+    """
+    return tuple(registered(law is not None, of_states).values())
 
 
 def check(name: str) -> Check:
@@ -54,21 +58,21 @@ def check(name: str) -> Check:
     return _named(name, of_a_law=True)
 
 
-def _named(name: str, of_a_law: bool) -> Check:
-    known = registered(of_a_law)
+def _named(name: str, of_a_law: bool, of_states: bool = False) -> Check:
+    known = registered(of_a_law, of_states)
     if name not in known:
         where = "" if of_a_law else "without a law"
         raise InputError(f"unknown check {name!r}", where=where, remedy=f"choose one of {', '.join(known)}")
     return known[name]
 
 
-def checks_asked(law: _Law, checks: Iterable[Check | str] | Check | str | None) -> tuple[Check, ...]:
+def checks_asked(law: _Law, checks: Iterable[Check | str] | Check | str | None, of_states: bool = False) -> tuple[Check, ...]:
     """The checks that ``checks`` name, of a law or of none; all that are demanded where left out.
 
     InputError for one that there is not, for what names none, and where none is asked for: nothing would be tested.
     """
     if checks is None:
-        return checks_for(law)
+        return tuple(c for c in every_check(law, of_states) if c.demanded)
     remedy = 'name some, for example checks=["feasibility"], or omit it to run all'
     if not isinstance(checks, str | Check | Iterable):
         raise InputError(f"{checks!r} names no checks", where="checks", remedy=remedy)
@@ -77,10 +81,10 @@ def checks_asked(law: _Law, checks: Iterable[Check | str] | Check | str | None) 
         raise InputError("no check is selected", where="checks", remedy=remedy)
     if wrong := [each for each in named if not isinstance(each, str | Check)]:
         raise InputError(f"{wrong[0]!r} is no check", where="checks", remedy=remedy)
-    return tuple(_named(each, law is not None) if isinstance(each, str) else each for each in named)
+    return tuple(_named(each, law is not None, of_states) if isinstance(each, str) else each for each in named)
 
 
-def check_expected(law: _Law, expected: Mapping[str, str] | None) -> None:
+def check_expected(law: _Law, expected: Mapping[str, str] | None, of_states: bool = False) -> None:
     """InputError unless it maps names of checks to the reasons why they fail."""
     if expected is None:
         return
@@ -88,7 +92,7 @@ def check_expected(law: _Law, expected: Mapping[str, str] | None) -> None:
         remedy = 'give each check with its reason, for example {"slope": "no tangent yet"}'
         raise InputError(f"{expected!r} does not map checks to reasons", where="expected_failed_checks", remedy=remedy)
     for name in expected:
-        _named(name, law is not None)
+        _named(name, law is not None, of_states)
 
 
 def violation(
@@ -132,6 +136,9 @@ def conformance(
     expected_failed_checks: Mapping[str, str] | None = None,
     first: Iterable[Case] = (),
     most_flagged: float | None = None,
+    state: Places | None = None,
+    largest_strain: float | None = None,
+    scale: float | None = None,
 ) -> Report:
     """Run every check on an update routine for ``law``, on cases that Hypothesis draws and simplifies if a check fails.
 
@@ -154,19 +161,32 @@ def conformance(
     or strategies, all passed by name, and ``pressure``, which is None for a routine without pressure; or ``update`` is a
     :class:`Material`, which contains its own.  Then the checks that need no law run.
 
+    With a law and a :class:`Material` the checks without a law run, and those of the law's implicit step at the state that the material
+    keeps.  ``state`` maps the law's internal variables, or formulas of its variables and forces, to their places in that state, counted
+    from 0: ``{"p": 0, "X": slice(7, 13)}``, where X stands for the variables X_xx, ... in the order of the material's components.  Slips
+    need no place.  ``parameters`` are then all of the law's, and the temperature, one or several, of a law that has one.  Of materials
+    and of routines without a law ``scale`` is the size of the elastic range as a strain (by default it is looked for), and
+    ``largest_strain`` bounds every increment (default: 100 times the typical elastic strain).
+
     A failing check is data in the report and not an exception: see :func:`assert_conforms`.  Raises InputError for invalid arguments:
     no check, an accuracy that is not between 0 and 1, a count below 1, a stiffness that is not symmetric and positive definite, a
     pressure > 0 (sigma_n <= 0 in compression).
     """
     known = None if law is None else load(law)
+    if not isinstance(update, Material) and state is not None:
+        raise InputError("the routine keeps no state", where="state", remedy="give a Material, such as duhem.testing.foreign.umat(...)")
+    held_to = load_formula(known) if known is not None and isinstance(update, Material) else None
+    known = known if held_to is None else None
     if isinstance(known, Criterion):
         check_stateless(known, "a test of single increments")
-    asked = checks_asked(known, checks)
-    check_expected(known, expected_failed_checks)
+    asked = checks_asked(known, checks, held_to is not None)
+    check_expected(known, expected_failed_checks, held_to is not None)
     if most_flagged is not None:
         check_share(most_flagged, "most_flagged")
     drawn = {"stiffness": stiffness, "pressure": pressure, "max_examples": max_examples, "rows": rows, "every": every, "seed": seed}
+    drawn |= {"largest_strain": largest_strain, "scale": scale}
     told = {"accuracy": accuracy, "tries": tries, "seconds": seconds, "expected": expected_failed_checks, "given": law}
+    told |= {"held_to": held_to, "state": state if state is not None else getattr(update, "state", None)}
     run = ConformanceRun(known, update if known is None else _routine(update), parameters, asked, **told, **drawn)  # type: ignore[arg-type]
     run.try_first(first)
     return replace(run.to_the_end().report(), most_flagged=most_flagged)

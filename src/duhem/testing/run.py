@@ -11,13 +11,15 @@ from numbers import Real
 from random import Random
 from typing import Any, cast
 
+import numpy as np
 from hypothesis import Phase, Verbosity, settings
-from hypothesis.strategies import SearchStrategy
+from hypothesis.strategies import SearchStrategy, sampled_from
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.testing.checks.history import HistoryQuery
+from duhem.testing.checks.law_in_state import LawInState, Places
 from duhem.testing.checks.query import NoReply, NothingToCheck, Query, Raised, named_by
 from duhem.testing.checks.registry import Check, judged, registered
 from duhem.testing.checks.visited import Visited
@@ -50,7 +52,7 @@ class ConformanceRun:
     """What a routine is held to, and what was found on the way; :meth:`report` may be asked before it has ended.
 
     ``law`` is None where none is known: the routine, or a material with its own stiffness and parameters, is put to the checks that need
-    none.  ``options`` are those of :class:`RunOptions`.
+    none; with ``state``, the places of the variables of ``held_to``, a material is also held to that law.  ``options`` are those of :class:`RunOptions`.
     """
 
     def __init__(
@@ -63,11 +65,24 @@ class ConformanceRun:
         expected: Mapping[str, str] | None = None,
         on_case: Callable[[ConformanceRun], None] | None = None,
         given: Any = None,
+        held_to: Criterion | None = None,
+        state: Places | None = None,
         **options: Any,
     ) -> None:
         drawn = RunOptions(**options)
+        self.warm = None if held_to is None else held_to.temperature
+        if held_to is not None:
+            assert isinstance(update, Material)
+            values, first = {**(parameters or {})}, None
+            if self.warm is not None:
+                first = _temperatures(values.get(self.warm), self.warm)
+            update = update if first is None else replace(update, temperature=first[0])
+            self.in_state: LawInState | None = LawInState.of(held_to, update, values, state or {})
+            parameters = {} if first is None or self.warm is None else {self.warm: sampled_from(first)}
+        else:
+            self.in_state = None
         if law is None:
-            _check_without_law(update, parameters, drawn)
+            _check_without_law(update, None if held_to is not None else parameters, drawn)
         drawn.check(law)
         self.law, self.update, self.parameters, self.on_case = law, update, parameters, on_case
         self.given = law if given is None else given
@@ -84,7 +99,7 @@ class ConformanceRun:
         self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **most)
         self.seed = drawn.seed if drawn.seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
         said = {"parameters": parameters or None, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
-        demanded = {check for check in registered(law is not None).values() if check.demanded}
+        demanded = {check for check in registered(law is not None, held_to is not None).values() if check.demanded}
         chosen = {"checks": [c.name for c in asked]} if {*asked} != demanded else {}
         counts = {"max_examples": self.profile.max_examples, "rows": drawn.rows, "every": self.every, "seed": self.seed}
         self.again = drawn_again(said, **chosen, **counts)
@@ -110,6 +125,8 @@ class ConformanceRun:
     def _title(self) -> str:
         if self.law is not None:
             return self.law.name
+        if self.in_state is not None:
+            return f"{getattr(self.update, 'name', 'material')} as {self.in_state.own.law.name}"
         return f"{getattr(self.update, 'name', None) or getattr(self.update, '__name__', 'update')}, without a law"
 
     def try_first(self, cases: Iterable[Case]) -> None:
@@ -137,7 +154,13 @@ class ConformanceRun:
         assert stiffness is not None
         given = parameters or {}, stiffness, self.pressure, rows
         told = {"accuracy": self.accuracy, "searched": self.visited.searched, **self.sizes}
-        return histories(lambda values, k: stateless(self.update, k, values), *given, **told)  # type: ignore[arg-type]
+        told["timed"] = self.in_state is not None and self.in_state.own.timed
+        return histories(self._material, *given, **told)  # type: ignore[arg-type]
+
+    def _material(self, values: Mapping[str, float], stiffness: Any) -> Material:
+        if isinstance(self.update, Material) and self.warm is not None and self.update.temperature != values[self.warm]:
+            return replace(self.update, temperature=values[self.warm])
+        return stateless(self.update, stiffness, values)
 
     def _least(
         self, checks: Sequence[Check], cases: Strategy, profile: settings, drawn: Callable[[Query], None] = lambda _: None
@@ -272,7 +295,8 @@ class ConformanceRun:
         """Return what asks the routine about one case."""
         self.last, counted = case, (self.accuracy, self.every, self.examples)
         if self.law is None:
-            return HistoryQuery(stateless(self.update, case.stiffness, case.parameters), case, *counted, raised=self.raised)
+            made = self._material(case.parameters, case.stiffness)
+            return HistoryQuery(made, case, *counted, raised=self.raised, law=self.in_state)
         former = self.opening
         self.opening = case.row(0) if former is None else former
         asked = Region(self.law, case.parameters), case, cast(Update, self.update), self.passed
@@ -361,6 +385,18 @@ class ConformanceRun:
             return short
         short = on(shorter(failure.case, lambda case: bool(case.trial.any()) and fails(case)))
         return short if short.diagnoses else failure
+
+
+def _temperatures(given: Any, name: str) -> list[float]:
+    """The temperatures of a run: one, or several from which one is drawn for each case."""
+    try:
+        found = np.atleast_1d(np.asarray(given, dtype=np.float64)).tolist()
+    except (TypeError, ValueError):
+        found = []
+    if not found or not np.isfinite(found).all():
+        remedy = f'give one or several, for example parameters={{"{name}": [293.0, 400.0]}}'
+        raise InputError(f"the temperature {name} has no value", where="parameters", remedy=remedy)
+    return found
 
 
 def _check_without_law(update: Update | Material, parameters: Mapping[str, Any] | None, drawn: RunOptions) -> None:

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import NEAR, Asked, NoReply, Query, Raised, Reply
+from duhem.testing.checks.law_in_state import LawInState, LawStep
+from duhem.testing.checks.query import NEAR, Asked, NoReply, NothingToCheck, Query, Raised, Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.material import ELASTIC, Material, MaterialState, advanced
@@ -58,13 +59,14 @@ class HistoryQuery(Query):
         *,
         whole: HistoryQuery | None = None,
         raised: Raised | None = None,
+        law: LawInState | None = None,
     ) -> None:
         nothing = _Unknown(None, case.parameters)  # type: ignore[arg-type]
         super().__init__(nothing, case, material.advance, (), accuracy, every, turn, whole=whole, raised=raised)
-        self.material, self.remembers, self.lonely = material, material.towards is None, len(case) == 1
+        self.material, self.remembers, self.lonely, self.law = material, material.towards is None, len(case) == 1, law
 
     def part(self, case: Case) -> Query:
-        return HistoryQuery(self.material, case, self.accuracy, whole=self)
+        return HistoryQuery(self.material, case, self.accuracy, whole=self, law=self.law)
 
     def together(self, asked: Sequence[Asked], stiffness: Array) -> list[Reply]:
         _ = self.start  # what fails on the way there is no fault of this step
@@ -88,6 +90,7 @@ class HistoryQuery(Query):
 
     def step(self, before: MaterialState, trial: Array, pressure: Array | None, duration: float = 1.0) -> MaterialState:
         """The points after the increment of strain that asks for the stress ``trial`` (M, d).  What the routine raises passes."""
+        duration = duration * self.case.factor
         if self.material.towards is not None:
             return self.material.towards(before, trial, pressure, duration)
         increment: Array = np.asarray(np.linalg.solve(self.case.stiffness, (trial - before.stress).T).T)
@@ -118,6 +121,7 @@ class HistoryQuery(Query):
         except (NoReply, Unfinished) as fault:
             fault.row = None if fault.row is None else int(self.rows[rows[fault.row]])
             raise
+        after = after if before.temperature is None else replace(after, temperature=before.temperature)
         self.points += len(after)
         self.note_overwritten(after.overwritten, rows)
         if after.solved is not None:
@@ -149,8 +153,29 @@ class HistoryQuery(Query):
         return self.counted(self.start, self.case.trial, self.case.pressure) if self.whole is None else self.whole.beyond.rows(self.rows)
 
     @property
+    def timed(self) -> bool:
+        """Whether the law depends on the rate."""
+        return self.law is not None and self.law.own.timed
+
+    @cached_property
+    def law_step(self) -> LawStep:
+        """The steps of the path and the one beyond it, all rows a step, against the law.  Raises NothingToCheck without one."""
+        if self.law is None:
+            raise NothingToCheck("no law with a state is given")
+        case, course = self.case, [*self.course, self.beyond]
+        before, after = MaterialState.joined(course[:-1]), MaterialState.joined(course[1:])
+        loads = None if case.loads is None or case.pressure is None else np.concatenate([*case.loads.T[1:], case.pressure])
+        asked = before.stress + (after.strain - before.strain) @ self.case.stiffness
+        error = self.error(before.stress, asked, after.stress)
+        return self.law.step(before, after, np.full(len(before), case.factor), loads, error, self._rounding, len(case))
+
+    @property
     def given_stiffness(self) -> Array | None:
         """The elastic stiffness (d, d) that the routine should have, where it is known."""
+        if self.law is not None and self.law.own.law.energy is not None:
+            others = self.law.others(1, None if self.case.pressure is None else self.case.pressure[:1])
+            chi, back, o = self.law.read(self.material.virgin(1), others), np.argsort(self.law.columns), self.law.own.observables
+            return self.law.own.free_energy(chi, others)[2][0, :o, :o][np.ix_(back, back)]
         return None if self.material.stiffness is None else np.asarray(self.material.stiffness)
 
     @property

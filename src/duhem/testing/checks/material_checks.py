@@ -127,8 +127,8 @@ _as_of_a_law("vacuity", formula="sigma = sigma_tr for some, and not for others")
     again=True,
 )
 def rate(h: HistoryQuery) -> Finding:
-    if not h.remembers:
-        raise NothingToCheck("the routine has no argument for time")
+    if not h.remembers or h.timed:
+        raise NothingToCheck("the law depends on the rate" if h.timed else "the routine has no argument for time")
     most, allowed = np.zeros(len(h.case)), np.zeros(len(h.case))
     for here, before in zip(h.course[1:], h.course[:-1], strict=True):
         allowed += 2.0 * h.error(here.stress, before.stress)
@@ -171,6 +171,8 @@ def dissipation(h: HistoryQuery) -> Finding:
     again=True,
 )
 def rest(h: HistoryQuery) -> Finding:
+    if h.timed:
+        raise NothingToCheck("the law depends on the rate")
     case = h.case
     here = h.beyond
     still = h.counted(here, here.stress.copy(), case.pressure)

@@ -44,7 +44,7 @@ class Check:
     single case can fail, says at the end what is wrong with all that was visited, or None.  ``again``: it asks the routine for
     more than the answer to each trial, and so of some rows only (:attr:`duhem.testing.checks.query.Query.some`).
     ``needs``: what it must know to try all that it counts as tried, told where it could not.  ``of_a_law``: it compares a routine with
-    a law; the others need none.
+    a law; the others need none.  ``of_states``: it compares a material with a law of which it keeps the state.
     """
 
     name: str
@@ -59,6 +59,7 @@ class Check:
     again: bool = False
     needs: str = ""
     of_a_law: bool = True
+    of_states: bool = False
 
     @property
     def __name__(self) -> str:  # pytest names parametrised tests by it
@@ -86,9 +87,12 @@ def register(name: str, **said: Any) -> Callable[[Callable[[Any], Finding]], Cal
     return add
 
 
-def registered(of_a_law: bool = True) -> dict[str, Check]:
-    """Return the checks of routines with a law or without, by name; those that look at the law alone come first, as they cost least."""
-    found = [check for check in _checks.values() if check.of_a_law == of_a_law]
+def registered(of_a_law: bool = True, of_states: bool = False) -> dict[str, Check]:
+    """Return the checks of routines with a law or without, by name; those that look at the law alone come first, as they cost least.
+
+    Those of a material and a law of which it keeps the state (``of_states``) are those that need none, and more.
+    """
+    found = [check for check in _checks.values() if check.of_a_law == (of_a_law and not of_states) and of_states >= check.of_states]
     return {check.name: check for check in sorted(found, key=lambda c: not c.law_only)}
 
 

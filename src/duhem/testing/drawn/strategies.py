@@ -347,6 +347,7 @@ _STEPS_ASIDE = [0.5, -0.5, 0.1, -0.1, 1.0, -2.0, 1e-3, -1e-3, 1e-6, 10.0]
 _LONGER = [2.0, 0.5, 0.0, 1.5, 10.0, 0.1, 100.0]
 _BEFORE = [0.0, 2.0, 0.5, 1.5, 5.0, 3.0]  # of the path before, times the elastic reach; at 0 the step is the first
 _KNOTS = 4
+_DURATIONS = [0.5, 2.0, 0.1, 10.0]  # s, of a leg
 _DECADES = range(-12, 14)
 _HALVES, _BEYOND = 8, 3
 _FARTHEST = 100.0  # elastic strains, the typical one of a case: no increment goes farther
@@ -421,12 +422,13 @@ def histories(
     accuracy: float = ELASTIC,
     largest_strain: float | None = None,
     scale: float | None = None,
+    timed: bool = False,
     searched: Counter[str] | None = None,
 ) -> Case:
     """A :class:`Case` of ``rows`` histories of the material that ``made`` makes; ``values`` are numbers or strategies, by name.
 
     Increments are drawn in multiples of the elastic range, which is looked for, or is the stress of the strain ``scale``; no strain is
-    larger than ``largest_strain``, 100 times the typical elastic one if left out.  ``searched`` counts what is found
+    larger than ``largest_strain``, 100 times the typical elastic one if left out.  A leg of a ``timed`` one takes ``factor`` s.  ``searched`` counts what is found
     (:class:`duhem.testing.checks.visited.Visited`).  The steps of a case of one shrink; those of a larger one are picked from the same tables by a seed.
     """
     numbers = {name: float(_drawn_from(draw, value)) for name, value in values.items()}
@@ -467,7 +469,7 @@ def histories(
         inside=zero,
         beside=zero,
         stretch=stretch,
-        factor=2.0,
+        factor=draw(table(_DURATIONS)) if timed else 1.0,
         path=path,
         loads=None if given is None else (1.0 - share) * given[1][:, None] + share * given[0][:, None],
     )

@@ -45,7 +45,8 @@ CAUSES: tuple[Cause, ...] = (
     Cause("slope", ("tangent",), "a tangent that is not the slope of the stress need be neither symmetric nor bounded"),
     Cause("tangent", (), "where it is the slope of the stress, the stress derives from no potential"),
 )
-_FREE_STRESS = ("rest", "slip", "stored-energy", "dissipation", "energy", "slope", "subdivision")
+_STATES = ("kept-state", "stress-of-the-state", "admissibility", "loading", "flow", "evolution", "law-dissipation")
+_FREE_STRESS = (*_STATES, "rest", "slip", "stored-energy", "dissipation", "energy", "slope", "subdivision")
 _ASSOCIATED = ("associated-symmetry", "associated-non-expansiveness", "associated-potential", "associated-ray")
 # The same of the checks that need no law, the likeliest cause first.
 FREE_CAUSES: Mapping[str, tuple[str, ...]] = {
@@ -54,6 +55,7 @@ FREE_CAUSES: Mapping[str, tuple[str, ...]] = {
     "inputs": (),
     "elasticity": ("vacuity", *_FREE_STRESS, "isotropic-plastic-work"),
     "vacuity": (),
+    **{name: (*_STATES[i + 1 :], *_FREE_STRESS[len(_STATES) :]) for i, name in enumerate(_STATES)},
     "rate": ("energy", "subdivision"),
     "dissipation": ("energy", "isotropic-plastic-work", "associated-potential"),
     "rest": ("slip", "stored-energy", "energy", "subdivision", *_ASSOCIATED),

@@ -24,11 +24,13 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
+from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.query import NoReply, Query, Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.causes import likeliest_first
 from duhem.testing.failures.failure import Departure, Failure
+from duhem.testing.failures.state_suggestions import beside_in_state, of_the_state, of_the_tangent
 from duhem.testing.routines.origin import Origin
 
 __all__ = ["Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions", "suggests"]
@@ -318,8 +320,21 @@ def diagnosed(failures: Iterable[Failure], asked: Callable[[Case], Query], made:
             if known and now.departure is not None and (now.departure.apart or part != "stress") and tried[part] < _TRIED:
                 now = replace(now, diagnoses=instead(now, asked, accused))
                 tried[part] += _TRIED if now.diagnoses else 1
+            elif not known:
+                now = replace(now, diagnoses=_of_a_history(now, asked))
         told.append(now)
     return told
+
+
+def _of_a_history(failure: Failure, asked: Callable[[Case], Query]) -> dict[str, str]:
+    """Return by name what a material does instead: of its law, where that is known, or with its tangent."""
+    if failure.check.name == "slope":
+        query = asked(failure.case)
+        return of_the_tangent(query) if isinstance(query, HistoryQuery) else {}
+    if not failure.check.of_states:
+        return {}
+    query = asked(beside_in_state(failure.case))
+    return of_the_state(query) if isinstance(query, HistoryQuery) else {}
 
 
 def instead(failure: Failure, asked: Callable[[Case], Query], accused: bool) -> dict[str, str]:

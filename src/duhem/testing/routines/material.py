@@ -30,7 +30,8 @@ class MaterialState:
     conjugate to it; ``variables`` (N, s), the state that the routine carries on.  ``stored`` and ``dissipated`` (N,), energies
     since the beginning in J/m^3 (J/m^2 for displacements), None where the routine returns none.  Of the last step alone:
     ``slip`` (N, d), ``tangent`` d stress/d increment (N, d, d) in Pa (Pa/m), and ``solved`` (N,), False where the routine itself
-    says that it found no answer; ``overwritten`` (N,) as in :class:`duhem.testing.Step`.
+    says that it found no answer; ``overwritten`` (N,) as in :class:`duhem.testing.Step`.  ``temperature`` (N,)
+    is given to the routine with the state before the step, where its law has one, and stays the same.
     """
 
     strain: Array
@@ -42,6 +43,7 @@ class MaterialState:
     tangent: Array | None = None
     solved: NDArray[np.bool_] | None = None
     overwritten: Overwritten | None = None
+    temperature: Array | None = None
 
     def __len__(self) -> int:
         return len(self.stress)
@@ -53,8 +55,9 @@ class MaterialState:
     @staticmethod
     def joined(states: Sequence[MaterialState]) -> MaterialState:
         """The points of all, in their order, without what is of the last step alone; an energy that one of them does not have is None."""
-        parts = [[getattr(state, name) for state in states] for name in ("strain", "stress", "variables", "stored", "dissipated")]
-        return MaterialState(*(None if any(x is None for x in part) else np.concatenate(part) for part in parts))  # type: ignore[arg-type]
+        names = ("strain", "stress", "variables", "stored", "dissipated", "temperature")
+        parts = {name: [getattr(state, name) for state in states] for name in names}
+        return MaterialState(**{n: None if any(x is None for x in part) else np.concatenate(part) for n, part in parts.items()})
 
 
 # advance(before (N points), increment (N, d), pressure (N,) or None, duration in s) -> the points after the step
@@ -65,7 +68,8 @@ Advance = Callable[[MaterialState, Array, Array | None, float], MaterialState]
 class Material:
     """``stiffness`` (d, d), the elastic one, symmetric and positive definite; ``variables`` (s,) at the beginning, where stress is 0.
 
-    A stiffness that is None is measured, of a material with so many components as ``components`` has names.
+    A stiffness that is None is measured, of a material with so many components as ``components`` has names.  ``temperature`` is that
+    of all its points, where it is given one.
     ``energies``: whether the routine returns both energies; ``towards``, of a routine whose only state is its stress, advances to a
     trial stress instead of by an increment; ``line``: Python that makes it again as ``update``, where known.
     InputError for a stiffness that is none.
@@ -79,6 +83,7 @@ class Material:
     line: str = ""
     towards: Advance | None = None
     components: tuple[str, ...] = ()
+    temperature: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "variables", np.array(self.variables, dtype=np.float64).ravel())
@@ -144,7 +149,8 @@ class Material:
         d = len(self.components) if self.stiffness is None else len(np.asarray(self.stiffness))
         zero, none = np.zeros((n, d)), np.zeros(n)
         energies = (none, none.copy()) if self.energies else (None, None)
-        return MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), *energies)
+        warm = None if self.temperature is None else np.full(n, self.temperature)
+        return MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), *energies, temperature=warm)
 
 
 def advanced(

@@ -1,0 +1,312 @@
+"""A law with a state as a routine keeps it: where its variables stand in the routine's state, and what it asks of a step.
+
+With the state chi = (u, alpha, T) read from the routine before and after a step, the implicit step of the law asks that
+
+    g(Y; chi) <= 0,   alpha - alpha_n = lambda h(Y; chi) + dt r(Y; chi),   lambda >= 0,   lambda g = 0        (duhem.path.state_step).
+
+Slips, the variables of forces whose observables are the strains, are read from sigma = d psi/d u, all others from the places given
+to them; a place given to a slip too is compared with that.  lambda is what the slips show, as least squares in the energy of the
+stiffness; where nothing slips, what the variable shows that flows most.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from duhem.errors import InputError
+from duhem.expression.branches import gradient
+from duhem.expression.parse import parse_expression
+from duhem.law.formula_law import Criterion
+from duhem.law.state import check_has_k, prescribed
+from duhem.path.state_step import Guess, StateFormula, StateLaw, StepEquations
+from duhem.projection.result import Array
+from duhem.testing.routines.material import Material, MaterialState
+
+__all__ = ["Kept", "LawInState", "LawStep", "Places"]
+
+_NEWTON = 40
+_MET = 1e-14
+_EPS = float(np.finfo(np.float64).eps)
+_WORD = re.compile(r"[A-Za-z_]\w*")
+
+Places = Mapping[str, int | slice | Sequence[int]]
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """What stands at one ``place`` of the routine's state: a ``formula`` of the law's variables, as it was ``told``."""
+
+    told: str
+    place: int
+    formula: StateFormula
+
+
+@dataclass(frozen=True, eq=False)
+class LawInState:
+    """``own`` is the law as its steps take it; ``columns`` (o,) has the component of the material of each observable.
+
+    ``numbers`` are the parameters by name; ``first`` what is read from the state alone, for the internal variables ``known``, and
+    ``slips`` those read from the stress; ``more`` what is kept of these too.
+    """
+
+    own: StateLaw
+    numbers: Mapping[str, float]
+    columns: NDArray[np.intp]
+    first: tuple[Kept, ...]
+    known: NDArray[np.intp]
+    slips: NDArray[np.intp]
+    more: tuple[Kept, ...] = field(default=())
+
+    @classmethod
+    def of(cls, law: Criterion, material: Material, parameters: Mapping[str, Any], state: Places) -> LawInState:
+        """InputError for parameters without a value, components that do not fit, and a state that does not tell the law's variables."""
+        where = f"state of {law.name}"
+        check_has_k(law)
+        if law.heat:
+            what = f"the temperature of {law.name} follows from heat"
+            raise InputError(what, where=law.name, remedy="remove [heat]: a routine is given its temperature")
+        warm = law.temperature
+        fixed = law.fix({name: value for name, value in parameters.items() if name != warm})
+        if open_ := [n for n, d in fixed.parameters.items() if n not in law.variables and d.value is None]:
+            what = f"the parameter {open_[0]} has no value, and a material contains its own"
+            raise InputError(what, where=law.name, remedy=f'give it, for example parameters={{"{open_[0]}": ...}}')
+        forces, tails = prescribed(fixed), [name.rpartition("_")[2] for name in prescribed(fixed)]
+        d = len(material.elastic)
+        if len(forces) != d:
+            what = f"the law has {len(forces)} components of stress ({', '.join(forces)}), and the routine {d}"
+            raise InputError(what, where=law.name, remedy="state the law in the routine's components")
+        own_order = {*tails} == {*material.components}
+        columns = np.array([material.components.index(t) for t in tails] if own_order else range(d), dtype=np.intp)
+        k = material.elastic[np.ix_(columns, columns)]
+        own = StateLaw.of(fixed, k if fixed.energy is None else None, columns=d + (warm is not None))
+        numbers = {n: float(x.value) for n, x in fixed.parameters.items() if x.value is not None and n not in law.variables}
+        kept = [*_read_places(own, state, material, tails, where)]
+        inner = own.names[d : d + own.internal]
+        observed = {*law.variables.observed(), *(() if law.energy is not None else law.forces)}  # type: ignore[attr-defined]
+        slipping = {int(own.order[i]) for i, f in enumerate(law.forces) if f in observed}
+
+        def within(each: Kept) -> set[int]:
+            return {int(c) - d for c in each.formula.columns if d <= c < d + own.internal}
+
+        first = tuple(each for each in kept if within(each) and not within(each) & slipping)
+        known = sorted(set().union(*map(within, first)))
+        slips = sorted({*range(own.internal)} - {*known})
+        if lost := [inner[i] for i in slips if i not in slipping and not _reaches(own, i)]:
+            what = f"nothing says what {lost[0]} is: no place is given, and the stress does not depend on it"
+            raise InputError(what, where=where, remedy=f'give its place in STATEV, counted from 0: state={{"{lost[0]}": 0}}')
+        if len(first) < len(known):
+            what = f"{len(first)} places cannot tell {', '.join(inner[i] for i in known)}"
+            raise InputError(what, where=where, remedy="give a place for each")
+        more = tuple(each for each in kept if each not in first)
+        return cls(own, numbers, columns, first, np.array(known, dtype=np.intp), np.array(slips, dtype=np.intp), more)
+
+    # -- reading -------------------------------------------------------------------------------------------------------
+
+    def others(self, n: int, pressure: Array | None) -> list[Array]:
+        """The numbers that the formulas take beside the variables, each (N,)."""
+        load = np.zeros(n) if pressure is None else pressure
+        return [load if name == self.own.law.pressure else np.full(n, self.numbers[name]) for name in self.own.others]
+
+    def read(self, state: MaterialState, others: Sequence[Array], near: Array | None = None) -> Array:
+        """chi (N, n) of a state of the routine; nan where its equations have no solution.  ``near`` is where they are begun."""
+        own, n, o = self.own, len(state), self.own.observables
+        chi = np.zeros((n, len(own.names))) if near is None else near.copy()
+        low, high = np.nan_to_num(own.low, neginf=-np.inf), own.high
+        if near is None:
+            chi[:, o : o + own.internal] = np.clip(0.0, low, high)
+        chi[:, :o] = state.strain[:, self.columns]
+        if own.law.temperature is not None:
+            assert state.temperature is not None
+            chi[:, -1] = state.temperature
+
+        def of_places(at: Array) -> tuple[Array, Array, Array]:
+            found = [each.formula.first(at, others) for each in self.first]
+            values = state.variables[:, [each.place for each in self.first]]
+            off = np.stack([value for value, _ in found], axis=1) - values
+            return off, np.stack([slope for _, slope in found], axis=1)[:, :, o + self.known], np.abs(values).max(axis=1) + np.abs(off).max(axis=1)
+
+        def of_stress(at: Array) -> tuple[Array, Array, Array]:
+            _, force, hessian = own.free_energy(at, others)
+            given = state.stress[:, self.columns]
+            size = np.abs(given).max(axis=1) + np.einsum("noj,nj->no", np.abs(hessian[:, :o]), np.abs(at)).max(axis=1)
+            return force[:, :o] - given, hessian[:, :o, o + self.slips], size
+
+        for rows, equations in ((self.known, of_places), (self.slips, of_stress)):
+            if rows.size:
+                _solve(chi, o + rows, equations)
+        return chi
+
+    def step(
+        self, before: MaterialState, after: MaterialState, dt: Array, pressure: Array | None, error: Array, rounding: float, histories: int
+    ) -> LawStep:
+        """What the law asks of the steps of so many ``histories``, the first step of all of them first.
+
+        ``error`` (M,) is the length by which the routine's stress may be off, as :meth:`HistoryQuery.error` has it.
+        """
+        others = self.others(len(after), pressure)
+        with np.errstate(all="ignore"):
+            begun = self.read(before, others)
+            ended = self.read(after, others, begun)
+        return LawStep(self, before, after, begun, ended, dt, others, error, rounding, histories)
+
+
+def _solve(chi: Array, columns: NDArray[np.intp], equations: Callable[[Array], tuple[Array, Array, Array]]) -> None:
+    """Newton's method by least squares for some ``columns`` of chi, in place; nan where a derivative has no value."""
+    for _ in range(_NEWTON):
+        off, slope, size = equations(chi)
+        by = np.einsum("nij,nj->ni", np.linalg.pinv(np.where(np.isfinite(slope), slope, 0.0)), off)
+        chi[:, columns] -= by
+        off = np.abs(np.einsum("nij,nj->ni", slope, by)).max(axis=1)
+        if not (off > _MET * size).any():
+            break
+
+
+def _reaches(own: StateLaw, i: int) -> bool:
+    """Whether the stress depends on an internal variable."""
+    o = own.observables
+    return any(own.symbols[o + i] in slope.free_symbols for slope in gradient(own.energy, own.symbols[:o]))
+
+
+def _read_places(own: StateLaw, state: Places, material: Material, tails: Sequence[str], where: str) -> list[Kept]:
+    """What stands at each place.  A name that is no variable, but is one with each ending of the stress, is a tensor."""
+    law, table = own.law, own.law.symbols()
+    known = {name: table[name] for name in own.others} | dict(zip(own.names, own.symbols, strict=True))
+    driven = [own.symbols[own.observables + i] for i in own.order.tolist()]
+    forces = dict(zip(law.force_symbols(), (-x for x in gradient(own.energy, driven)), strict=True))
+    known |= {name: symbol for name, symbol in zip(law.forces, law.force_symbols(), strict=True)}
+    ends, found, size = material.components or tuple(tails), [], len(np.asarray(material.variables))
+    for told, places in state.items():
+        at = [*range(size)[places]] if isinstance(places, slice) else [places] if isinstance(places, int) else [*places]
+        groups = [w for w in _WORD.findall(told) if w not in known and all(f"{w}_{end}" in known for end in ends)]
+        texts = [_WORD.sub(lambda m, e=end: f"{m[0]}_{e}" if m[0] in groups else m[0], told) for end in ends] if groups else [told]  # type: ignore[misc]
+        if len(texts) != len(at) or not all(isinstance(p, int) and 0 <= p < size for p in at):
+            what = f"{told!r} has {len(texts)} components, and the places {places!r} of {size} are {len(at)}"
+            raise InputError(what, where=where, remedy="count from 0, and give NSTATV, or all variables, where the material is made")
+        for text, place in zip(texts, at, strict=True):
+            formula = parse_expression(text, known, where=where).xreplace(forces)
+            found.append(Kept(text, place, StateFormula.of(formula, own.symbols, [table[name] for name in own.others])))
+    return found
+
+
+@dataclass(eq=False)
+class LawStep:
+    """Steps of a routine against the law, M rows: ``begun`` and ``ended`` chi (M, n), and what follows from them.
+
+    ``multiplier`` (M, S) and its error, ``moved`` (M, internal) what the law changes, ``off`` what the routine changes beyond that and
+    ``allowed``, both (M, internal); ``level`` g (M, S), what it may be and the size of its terms.  ``slipped`` (M,): the multiplier, or a
+    change without one, is more than the error.
+    """
+
+    of: LawInState
+    before: MaterialState
+    after: MaterialState
+    begun: Array
+    ended: Array
+    dt: Array
+    others: Sequence[Array]
+    error: Array
+    rounding: float
+    histories: int
+
+    def __post_init__(self) -> None:
+        with np.errstate(all="ignore"):
+            self._measure()
+
+    def equations(self, multiplier: Array, dt: Array, chi: Array | None = None) -> StepEquations:
+        """The equations of the law's step at the end, or at ``chi``."""
+        own, n = self.of.own, len(self.ended)
+        flags, none = np.ones((n, multiplier.shape[1]), dtype=np.bool_), np.zeros((n, own.internal))
+        at = Guess(self.ended if chi is None else chi, multiplier, none, flags, none > 0.0)
+        return own.system(at, self.begun, none[:, : own.observables], dt, self.others)
+
+    def flows(self, chi: Array | None = None) -> tuple[Array, Array]:
+        """h (M, S, internal) and dt r (M, internal) at the end, or at ``chi``; 0 where a flow has no value."""
+        many, n = len(self.of.own.criteria), len(self.ended)
+        zero, unit = np.zeros((n, many)), np.eye(many)
+        rate = np.nan_to_num(self.equations(zero, self.dt, chi).flow)
+        found = [np.nan_to_num(self.equations(zero + unit[s], 0.0 * self.dt, chi).flow) for s in range(many)]
+        return np.stack(found, axis=1) if many else np.zeros((n, 0, rate.shape[1])), rate
+
+    def _measure(self) -> None:
+        of, own, o = self.of, self.of.own, self.of.own.observables
+        inner = slice(o, o + own.internal)
+        bent, slips = own.free_energy(self.begun, self.others)[2], of.slips
+        known = np.isfinite(bent).all(axis=(1, 2)) & (np.linalg.eigvalsh(np.nan_to_num(bent[:, :o, :o])).min(axis=1) > 0.0)
+        self.lower = np.linalg.cholesky(np.where(known[:, None, None], bent[:, :o, :o], np.eye(o)))
+        self.flow, self.rate = self.flows()
+        self.change = self.ended[:, inner] - self.begun[:, inner]
+        stretched = [np.linalg.norm(np.einsum("nji,nj->ni", self.lower, x[:, :o]), axis=1) for x in (self.begun, self.ended)]
+        error = self.error + self.rounding * (stretched[0] + stretched[1])
+        # what slips make of the stress, as a vector whose length is that of the stress
+        metric = np.zeros((len(error), o if slips.size else own.internal, own.internal))
+        metric[:, :, slips if slips.size else slice(None)] = (
+            np.linalg.inv(self.lower) @ np.nan_to_num(bent[:, :o, o + slips]) if slips.size else np.eye(own.internal)
+        )
+        self.inverse = np.linalg.pinv(metric[:, :, slips])
+        alpha = np.abs(self.ended[:, inner]) + np.abs(self.begun[:, inner]) + np.abs(self.change)
+        relative = self.error / np.maximum(self.stress_size, np.finfo(np.float64).tiny)
+        delta = (np.minimum(relative, 1.0)[:, None] + 8.0 * _EPS) * alpha
+        if slips.size:
+            delta[:, slips] = error[:, None] * np.linalg.norm(self.inverse, axis=2)
+        far = np.einsum("nab,nb->na", metric, self.change - self.rate)
+        drawn = np.einsum("nab,nsb->nsa", metric, self.flow)
+        length = np.linalg.norm(drawn, axis=2)
+        off = error if slips.size else np.linalg.norm(delta, axis=1)
+        self.multiplier_error = 2.0 * off[:, None] / np.where(length > 0.0, length, np.inf)
+        delta = delta + np.where(np.isin(np.arange(own.internal), slips), 0.0, (np.abs(self.flow) * self.multiplier_error[:, :, None]).sum(axis=1))
+        self.multiplier = np.zeros((len(error), len(own.criteria)))
+        found = self.equations(self.multiplier, self.dt)
+        slope = found.by_state[:, own.internal :, :]
+        self.level, self.size = found.criteria, found.criterion_size
+        self.level_allowed = self.spread(slope, delta, error) + 256.0 * _EPS * self.size
+        if self.multiplier.shape[1] == 1:
+            square = length[:, 0] ** 2
+            self.multiplier[:, 0] = np.where(square > 0.0, (far * drawn[:, 0]).sum(axis=1) / np.where(square > 0.0, square, 1.0), 0.0)
+        elif self.multiplier.shape[1]:
+            at_end = ~(self.level < -2.0 * self.level_allowed)
+            for i in range(len(far)):
+                if np.isfinite(far[i]).all() and at_end[i].any():
+                    self.multiplier[i, at_end[i]] = nnls(drawn[i, at_end[i]].T, far[i])[0]
+        self.moved = np.einsum("ns,nsi->ni", self.multiplier, self.flow) + self.rate
+        self.off = self.change - self.moved
+        jacobian = self.equations(self.multiplier, self.dt).by_state[:, : own.internal, :]
+        jacobian = np.where(np.isfinite(jacobian), jacobian, 0.0)
+        self.allowed = 2.0 * (self.spread(jacobian, delta, error) + delta)
+        at_low, at_high = self.ended[:, inner] <= own.low, self.ended[:, inner] >= own.high
+        held = (at_low & (self.off > 0.0)) | (at_high & (self.off < 0.0))
+        self.off = np.where(held, 0.0, self.off)
+        self.bound = (held & own.reacts).any(axis=1)
+        self.slipped = (self.multiplier > 4.0 * self.multiplier_error).any(axis=1)
+        self.delta, self.slip_error = delta, error
+
+    @property
+    def stress_size(self) -> Array:
+        """The length of the stresses of a step, to which its error is relative (M,)."""
+        inverse = np.linalg.inv(self.lower)
+        at = [x.stress[:, self.of.columns] for x in (self.before, self.after)]
+        asked = np.einsum("nji,nj->ni", self.lower, (self.ended - self.begun)[:, : self.of.own.observables])
+        sizes = [np.linalg.norm(np.einsum("nij,nj->ni", inverse, x), axis=1) for x in at]
+        return np.asarray(sizes[0] + sizes[1] + np.linalg.norm(asked, axis=1))
+
+    def spread(self, slope: Array, delta: Array, error: Array) -> Array:
+        """What errors of the state make of values with these derivatives (M, k, n): of slips as one vector, of others each."""
+        o, slips = self.of.own.observables, self.of.slips
+        by = np.abs(slope[:, :, o : o + self.of.own.internal])
+        others = np.delete(np.arange(self.of.own.internal), slips)
+        along = np.nan_to_num(slope[:, :, o + slips]) @ self.inverse
+        return np.asarray(np.linalg.norm(along, axis=2) * error[:, None] + np.einsum("nkj,nj->nk", by[:, :, others], delta[:, others]))
+
+    def derived(self, chi: Array | None = None) -> tuple[Array, Array]:
+        """What is kept of the slips too, as stress and strain have it (M, k), and what it may be off by: each step adds its error."""
+        pairs = [each.formula.first(self.ended if chi is None else chi, self.others) for each in self.of.more]
+        value, slope = np.stack([v for v, _ in pairs], axis=1), np.stack([s for _, s in pairs], axis=1)
+        error = self.slip_error + np.cumsum(self.error.reshape(-1, self.histories), axis=0).ravel()
+        return value, 4.0 * self.spread(slope, self.delta, error) + 64.0 * _EPS * np.abs(value)
