@@ -25,6 +25,7 @@ from duhem.testing.drawn.values import Strategy
 from duhem.testing.failures.report import Report
 from duhem.testing.routines.material import Material, stateless
 from duhem.testing.routines.routine import Update
+from duhem.testing.routines.unfinished import Unfinished
 from duhem.testing.run import ConformanceRun
 
 __all__ = [
@@ -168,7 +169,8 @@ def conformance(
     and of routines without a law ``scale`` is the size of the elastic range as a strain (by default it is looked for), and
     ``largest_strain`` bounds every increment (default: 100 times the typical elastic strain).
 
-    A failing check is data in the report and not an exception: see :func:`assert_conforms`.  Raises InputError for invalid arguments:
+    A failing check is data in the report and not an exception: see :func:`assert_conforms`.  So is an interrupt, and a routine that does not
+    come back (:attr:`Report.ended`), with what was found before.  Raises InputError for invalid arguments:
     no check, an accuracy that is not between 0 and 1, a count below 1, a stiffness that is not symmetric and positive definite, a
     pressure > 0 (sigma_n <= 0 in compression).
     """
@@ -189,7 +191,11 @@ def conformance(
     told |= {"held_to": held_to, "state": state if state is not None else getattr(update, "state", None)}
     run = ConformanceRun(known, update if known is None else _routine(update), parameters, asked, **told, **drawn)  # type: ignore[arg-type]
     run.try_first(first)
-    return replace(run.to_the_end().report(), most_flagged=most_flagged)
+    try:
+        report = run.to_the_end().report()
+    except (KeyboardInterrupt, Unfinished) as ended:
+        report = run.report(ended)
+    return replace(report, most_flagged=most_flagged)
 
 
 def _routine(update: Update | Material) -> Update:

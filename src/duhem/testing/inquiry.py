@@ -128,6 +128,8 @@ class RoutineChecks:
                 known, drawn = load_formula(law), {"max_examples": self.examples, "tries": self.shrink, "seed": self.seed}
                 checks: dict[str, Any] = {"checks": self.checks, "expected_failed_checks": dict(self.expect), **drawn}
                 report = conformance(known, _bound(self._found(), known), accuracy=self.accuracy, **checks)
+                if report.ended:
+                    raise KeyboardInterrupt if report.unfinished is None else DuhemError(report.ended)
         except _NoMemory as fault:
             if fault.stated:
                 raise DuhemError("the routine raises MemoryError by a statement of its own") from None

@@ -308,17 +308,20 @@ class ConformanceRun:
 
     # -- what is told --------------------------------------------------------------------------------------------------
 
-    def report(self) -> Report:
-        """Return what was found so far."""
+    def report(self, ended: BaseException | None = None) -> Report:
+        """Return what was found so far; where something ``ended`` the run, without asking the routine what it does instead."""
         bad = {f.check.name for f in self.found}
         passed = tuple(c.name for c in self.asked if c.name in self.judged - bad)
         left_out = {name: why for name, why in self.left_out.items() if name not in self.judged}
         expected, unexpected, left_out = as_expected(self.expected, bad, passed, left_out, self.law is not None)
-        causes, explained = by_cause(self._told(f for f in self.found if f.check.name not in expected))
+        unexplained = [f for f in self.found if f.check.name not in expected]
+        causes, explained = by_cause(self._told(unexplained) if ended is None else unexplained)
         return Report(
             law=self._title,
             passed=passed,
-            failures=tuple(map(self._short, causes)),
+            failures=tuple(map(self._short, causes)) if ended is None else causes,
+            ended="" if ended is None else f"{type(ended).__name__}: {ended}".removesuffix(": "),
+            unfinished=getattr(ended, "failure", None),
             left_out=left_out,
             explained=explained,
             expected=expected,

@@ -288,15 +288,13 @@ def _carry_out(
                 progress.show(f"{name}: {run.examples} of {options['max_examples']}, {rate:.0f}/s{slip}, {len(run.found)} failed")
 
             run = _made(made, checks, accuracy=accuracy, on_case=seen, **options)
-            ended: KeyboardInterrupt | None = None
+            ended: KeyboardInterrupt | Unfinished | None = None
             try:
                 run.to_the_end()
-            except Unfinished as fault:
-                return tested, fault
-            except KeyboardInterrupt as stop:
+            except (KeyboardInterrupt, Unfinished) as stop:
                 ended = stop
             seconds, every = monotonic() - begun, run.every if any(each.again for each in run.asked) else 1
-            tested[name] = _Tested(replace(run.report(), most_flagged=most_flagged), seconds, every)
+            tested[name] = _Tested(replace(run.report(ended), most_flagged=most_flagged), seconds, every)
             if ended is not None:
                 return tested, ended
     return tested, None

@@ -32,6 +32,8 @@ class Report(Shown):
     power of ten of what was drawn, in ``examples`` cases by ``seed``.  ``tried``: by the name of a
     check, how many of what it looked at more than the increments, such as the pairs of stresses of convexity; ``needs``: by that name,
     what it lacked where these are 0.  ``most_flagged``: the share that may be flagged, None for any.
+    ``ended`` is what ended the run before its end, an interrupt or a routine that does not come back, "" where nothing did; the report
+    then has what was found so far, and ``unfinished`` the increment that was not answered.
     """
 
     printed_by: ClassVar[str] = __name__
@@ -54,10 +56,12 @@ class Report(Shown):
     tried: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
     needs: Mapping[str, str] = field(default_factory=dict)
     most_flagged: float | None = None
+    ended: str = ""
+    unfinished: Failure | None = None
 
     @property
     def ok(self) -> bool:
-        return not self.failures and not self.unexpected and not self.flags_too_many
+        return not self.failures and not self.unexpected and not self.flags_too_many and not self.ended
 
     @property
     def flags_too_many(self) -> bool:
@@ -119,6 +123,8 @@ class Report(Shown):
         return "\n".join(
             [
                 self.counted(),
+                *([f"ended before its end: {self.ended}"] if self.ended else []),
+                *([str(self.unfinished)] if self.unfinished is not None else []),
                 *self.ranges(),
                 *map(str, self.failures),
                 *(f"{name} passed, but was expected to fail: {why}" for name, why in self.unexpected.items()),
@@ -135,6 +141,7 @@ def as_dict(report: Report) -> dict[str, Any]:
     return {
         "law": report.law,
         "ok": report.ok,
+        "ended": report.ended,
         "passed": list(report.passed),
         "failures": [_failure(f) for f in report.failures],
         "explained": [_failure(f) for f in report.explained],

@@ -6,7 +6,8 @@ NSHR shears), tension positive, shear strains those of engineers; DDSDDE = d DST
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.foreign.native import SECONDS
+from duhem.testing.foreign.built import built
 from duhem.testing.foreign.shared import loaded, watched
 from duhem.testing.routines.material import Material, MaterialState
 
@@ -30,6 +31,9 @@ _GIVEN = (
 _NAMES = (*_RETURNED, *_GIVEN, "the length of CMNAME")
 _KINDS = "p" * len((*_RETURNED, *_GIVEN)) + "n"
 _KEPT = frozenset(_GIVEN) - {"PNEWDT"}
+_ORDERS = {"abaqus": ("xx", "yy", "zz", "xy", "xz", "yz"), "voigt": ("xx", "yy", "zz", "yz", "xz", "xy")}
+_SECONDS = 20.0  # that all increments of one call may take
+_SAFE = "duhem_umat"  # of the stubs: it comes back from XIT
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
@@ -47,38 +51,57 @@ def rotation(axes: ArrayLike) -> Array:
 
 def umat(
     path: str | Path,
-    properties: Sequence[float],
-    stiffness: ArrayLike,
+    props: Sequence[float] = (),
+    stiffness: ArrayLike | None = None,
     *,
+    ntens: int | None = None,
+    nstatv: int | None = None,
+    order: str | Sequence[str] = "abaqus",
+    state: Mapping[str, Any] | None = None,
     variables: Sequence[float] = (),
-    direct: int = 3,
+    direct: int | None = None,
     axes: ArrayLike | None = None,
-    energies: bool = True,
+    energies: bool | None = None,
     tangent: bool = True,
     name: str = "MATERIAL",
     symbol: str = "umat_",
-    isolated: bool = False,
-    seconds: float = SECONDS,
+    isolated: bool = True,
+    seconds: float = _SECONDS,
 ) -> Material:
-    """The UMAT of a shared library as a material.
+    """A UMAT, of a source file or a shared library, as a material.
 
-    ``properties`` are PROPS, ``variables`` STATEV at the beginning; ``stiffness`` (NTENS, NTENS) the elastic one, which says how
-    many components there are: NDI = ``direct``, NSHR the rest.  ``axes``: the material's directions as rows (3, 3), where they are
+    A source in Fortran or C (``.f``, ``.for``, ``.f90``, ``.c``, ...) is compiled with the compiler that FC or CC names, or gfortran or cc,
+    together with stubs of what Abaqus offers: XIT and STDB_ABQERR(-3, ...), which end the increment as not solved, ROTSIG, SINV, SPRINC,
+    SPRIND, GETVRM (which knows no output variable) and ABA_PARAM.INC.
+
+    ``props`` are PROPS; ``nstatv`` the number of STATEV, ``variables`` their values at the beginning (default: 0).  ``ntens`` (default
+    6) is 6, 4 (NDI = 3, NSHR = 1) or 3 (plane stress, NDI = 2), or any other with ``direct`` for NDI.  ``order`` names the components of
+    the routine: "abaqus" (xx yy zz xy xz yz), "voigt" (xx yy zz yz xz xy), or the names themselves; a law with a stress of such
+    components is put in that order.  Shear strains are those of engineers.  ``state`` says where the variables of a law stand in
+    STATEV (:func:`duhem.testing.conformance`).  ``stiffness`` (NTENS, NTENS), the elastic one, is measured if left out, and compared
+    with what is measured if given.  ``axes``: the material's directions as rows (3, 3), where they are
     not those of the strains: what UMAT is given and returns is then turned, six components alone.  ``energies``, ``tangent``:
-    whether it sets SSE and SPD, and DDSDDE.  A PNEWDT below 1 says that the increment is not solved.  The last argument beside
+    whether it sets SSE and SPD (with SCD), which is tried if left out, and DDSDDE, which is zero before.  A PNEWDT below 1 says that
+    the increment is not solved.  The last argument beside
     Abaqus' is the length of CMNAME, as gfortran and ifort pass it.  DFGRD0, DFGRD1 and DROT are the identity (small strains); times
-    are in s, the temperature 0, each point an element of its own (NOEL).  ``isolated``, ``seconds`` and
-    what it has to leave as it is, as in :func:`shared_library`.
+    are in s, TEMP is the temperature of the points, or 0, each point an element of its own (NOEL).  ``isolated``, ``seconds`` and
+    what it has to leave as it is, as in :func:`shared_library`; what an isolated routine prints is shown where it fails, and nowhere else.
 
-    Raises InputError for a missing file or symbol, and for sizes that do not fit.
+    Raises InputError for a missing file or symbol, a source that does not compile, and for sizes that do not fit.
     """
-    k = np.array(stiffness, dtype=np.float64)
-    native = loaded(path, symbol, _KINDS, isolated, seconds)
-    size = len(k) if k.ndim == 2 else 0
-    if not 1 <= direct <= size:
-        raise InputError(f"{direct} direct stresses among {size}", where="umat", remedy="give a stiffness (NTENS, NTENS), NDI <= NTENS")
+    k = None if stiffness is None else np.array(stiffness, dtype=np.float64)
+    size = ntens if ntens is not None else 6 if k is None else len(k) if k.ndim == 2 else 0
+    ndi = direct if direct is not None else 2 if size == 3 else min(size, 3)
+    library = built(path)
+    native = loaded(library, _SAFE if library != Path(path) and symbol == "umat_" else symbol, _KINDS, isolated, seconds)
+    if not 1 <= ndi <= size or (k is not None and k.shape != (size, size)):
+        remedy = "give ntens, and a stiffness (NTENS, NTENS), NDI <= NTENS"
+        raise InputError(f"{ndi} direct stresses among {size}", where="umat", remedy=remedy)
     if axes is not None and size != 6:
         raise InputError(f"material axes with {size} components", where="umat", remedy="turn the properties, or use six components")
+    first = np.zeros(nstatv or 0) if not len(variables) else np.array(variables, dtype=np.float64)
+    if nstatv not in (None, len(first)):
+        raise InputError(f"{len(first)} variables, and nstatv = {nstatv}", where="umat", remedy="give one of them")
     turn = np.eye(size) if axes is None else rotation(axes)
     back = np.linalg.inv(turn)
     material_name = np.frombuffer(name.ljust(80)[:80].encode("ascii", "replace"), dtype=np.uint8)
@@ -99,17 +122,18 @@ def umat(
             return np.ascontiguousarray(x @ back)  # T^-T x
 
         stress = np.ascontiguousarray(before.stress @ turn.T)
-        state = np.array(before.variables, dtype=np.double, order="C")
-        slopes = np.full((n, size, size), np.nan)
+        statev = np.array(before.variables, dtype=np.double, order="C")
+        slopes = np.zeros((n, size, size))
         sse = np.zeros((n, 1)) if before.stored is None else before.stored[:, None].copy()
         spd = np.zeros((n, 1)) if before.dissipated is None else before.dissipated[:, None].copy()
-        smaller = rows([1.0])
+        smaller, scd = rows([1.0]), rows([0.0])
         scalar, ones = rows([0.0]), np.eye(3)
+        warm = scalar.copy() if before.temperature is None else np.array(before.temperature)[:, None]
         columns = [
-            stress, state, slopes, sse, spd, scalar.copy(), scalar.copy(), rows(np.zeros(size)), rows(np.zeros(size)), scalar.copy(),
-            strain(before.strain), strain(increment), rows([0.0, 0.0]), rows([duration]), scalar.copy(), scalar.copy(), scalar.copy(),
-            scalar.copy(), np.tile(material_name, (n, 1)), integer(direct), integer(size - direct), integer(size),
-            integer(len(variables)), rows([*properties]), integer(len(properties)), rows(np.zeros(3)), rows(ones), smaller,
+            stress, statev, slopes, sse, spd, scd, scalar.copy(), rows(np.zeros(size)), rows(np.zeros(size)), scalar.copy(),
+            strain(before.strain), strain(increment), rows([0.0, 0.0]), rows([duration]), warm, scalar.copy(), scalar.copy(),
+            scalar.copy(), np.tile(material_name, (n, 1)), integer(ndi), integer(size - ndi), integer(size),
+            integer(len(first)), rows([*props]), integer(len(props)), rows(np.zeros(3)), rows(ones), smaller,
             rows([1.0]), rows(ones), rows(ones), np.arange(1, n + 1, dtype=np.intc)[:, None], integer(1), integer(1), integer(1),
             rows([1, 1, 0, 0], np.intc), integer(1), np.full(n, 80, dtype=np.uintp),
         ]  # fmt: skip
@@ -118,19 +142,44 @@ def umat(
         return MaterialState(
             before.strain + increment,
             stress @ back.T,
-            state,
+            statev,
             sse[:, 0] if energies else None,
-            spd[:, 0] if energies else None,
+            spd[:, 0] + scd[:, 0] if energies else None,
             None,
             back @ found @ back.T if tangent else None,
             ~(smaller[:, 0] < 1.0),
             spoilt,
         )
 
-    given = {"variables": tuple(variables), "axes": None if axes is None else np.asarray(axes).tolist(), "isolated": isolated}
-    given |= {"direct": direct, "energies": energies, "tangent": tangent, "name": name, "symbol": symbol}
-    given |= {} if seconds == SECONDS else {"seconds": seconds}
+    names = _ORDERS.get(order, ()) if isinstance(order, str) else tuple(order)
+    if isinstance(order, str) and not names:
+        raise InputError(f"unknown order {order!r}", where="umat", remedy=f"give {' or '.join(_ORDERS)}, or the names of the components")
+    kept = {6: names, 4: tuple(x for x in names if x not in ("xz", "yz")), 3: tuple(x for x in names if len({*x, "z"}) < 3 or x == "xy")}
+    components = names if len(names) == size else kept.get(size, ()) if direct is None else ()
+    components = components if k is not None or len(components) == size else tuple(map(str, range(1, size + 1)))
+    given: dict[str, Any] = {"ntens": size, "variables": first.tolist(), "axes": None if axes is None else np.asarray(axes).tolist()}
+    given |= {"direct": ndi, "tangent": tangent, "name": name, "symbol": symbol, "isolated": isolated, "order": order, "state": state}
+    given |= {} if seconds == _SECONDS else {"seconds": seconds}
     where = str(Path(path).resolve())
-    said = ", ".join([repr(where), repr(list(properties)), repr(k.tolist()), *(f"{key}={value!r}" for key, value in given.items())])
-    line = f"from duhem.testing.foreign import umat\nupdate = umat({said})"
-    return Material(advance, k, tuple(variables), energies, symbol.rstrip("_"), line)
+    told = [repr(where), repr([*map(float, props)]), repr(None if k is None else k.tolist())]
+
+    def made(energies: bool) -> Material:
+        said = ", ".join([*told, *(f"{key}={value!r}" for key, value in {**given, "energies": energies}.items())])
+        line = f"from duhem.testing.foreign import umat\nupdate = umat({said})"
+        return Material(advance, k, first, energies, symbol.rstrip("_"), line, components=components, state=state)
+
+    if energies is None:
+        energies = True
+        energies = _sets_energies(made(True))
+    return made(energies)
+
+
+def _sets_energies(material: Material) -> bool:
+    """Whether a small step changes an energy."""
+    one = material.virgin(1)
+    for size in (1e-6, 1e-3):
+        with suppress(Exception):
+            after = material.advance(one, np.full_like(one.strain, size), None, 1.0)
+            if after.stored is not None and after.dissipated is not None and (after.stored[0], after.dissipated[0]) != (0.0, 0.0):
+                return True
+    return False

@@ -17,6 +17,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import accumulate
+from tempfile import TemporaryFile
 from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
@@ -28,6 +29,7 @@ SECONDS = 120.0  # that all rows of one call may take
 
 _VALUES = {"d": ctypes.c_double, "i": ctypes.c_int, "n": ctypes.c_size_t}
 _GUARD = 64  # bytes before and after each array that a routine is given
+_TOLD = 400  # bytes of what a routine has printed
 _NOBODYS = 0xFF  # what they hold: a double of it is nan, so that reading there is seen too
 
 Called: TypeAlias = tuple[NDArray[np.int64], NDArray[np.bool_]]
@@ -80,10 +82,12 @@ class Native:
         """
         if not self.isolated:
             return call_rows(self._function, self.kinds, columns, rows)
+        process = self._process
         try:
-            called, changed = self._process.ask(columns, rows)
-        except NativeFault:
-            del self.__dict__["_process"]
+            called, changed = process.ask(columns, rows)
+        except BaseException:  # an interrupt too, which leaves an answer unread
+            if process.closed:
+                self.__dict__.pop("_process", None)
             raise
         for column, new in zip(columns, changed, strict=True):
             column[...] = new
@@ -145,11 +149,16 @@ def call_rows(function: Any, kinds: str, columns: list[NDArray[Any]], rows: int)
 
 
 class _Process:
-    """A process that runs one routine."""
+    """A process that runs one routine, and where the system can fork begins another one, loaded already, where that ends it.
+
+    What the routine prints goes to a file, of which the last lines are told with a fault.
+    """
 
     def __init__(self, path: str, symbol: str, kinds: str, seconds: float) -> None:
         self.name, self.seconds, self.late, self.waiting, self.lock = f"{symbol} of {path}", seconds, False, False, threading.Lock()
-        self.child = subprocess.Popen([sys.executable, "-P", __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self.closed, self.printed = False, TemporaryFile()
+        command, pipe = [sys.executable, "-P", __file__], subprocess.PIPE
+        self.child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=self.printed, start_new_session=True)
         self._say((path, symbol, kinds))
         if fault := self._hear():
             self.close()
@@ -161,8 +170,16 @@ class _Process:
         watch.daemon = True
         watch.start()
         try:
+            begun = os.fstat(self.printed.fileno()).st_size
             self._say((columns, rows))
-            called, changed = self._hear()
+            answer = self._hear()
+            if isinstance(answer, int):
+                raise NativeFault(f"{self.name} ended its process {_how(answer)}{self._told(begun)}")
+            called, changed = answer
+        except KeyboardInterrupt:
+            self._kill()
+            self.close()
+            raise
         finally:
             watch.cancel()
             with self.lock:
@@ -173,7 +190,23 @@ class _Process:
         with self.lock:
             if self.waiting:
                 self.late = True
+                self._kill()
+
+    def _kill(self) -> None:
+        """End it with all that it began."""
+        with suppress(OSError):
+            if hasattr(os, "killpg"):
+                os.killpg(self.child.pid, signal.SIGKILL)
+            else:
                 self.child.kill()
+
+    def _told(self, begun: int) -> str:
+        """The last of what was printed since, in words."""
+        with suppress(OSError):
+            self.printed.seek(max(begun, os.fstat(self.printed.fileno()).st_size - _TOLD))
+            if said := " / ".join(self.printed.read().decode("utf-8", "replace").split("\n")).strip(" /"):
+                return f"; it printed: {said}"
+        return ""
 
     def _say(self, what: object) -> None:
         assert self.child.stdin is not None
@@ -194,17 +227,23 @@ class _Process:
         self.close()
         if self.late:
             return OutOfTime(f"{self.name} has not answered within {self.seconds:g} s")
-        code = self.child.returncode
-        how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
-        return NativeFault(f"{self.name} ended its process {how}")
+        return NativeFault(f"{self.name} ended its process {_how(self.child.returncode)}{self._told(0)}")
 
     def close(self) -> None:
         """End it: it goes when it hears no more."""
+        self.closed = True
         for pipe in (self.child.stdin, self.child.stdout):
             with suppress(OSError):
                 if pipe is not None:
                     pipe.close()
         self.child.wait()
+
+    def __del__(self) -> None:
+        self.printed.close()
+
+
+def _how(code: int) -> str:
+    return f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
 
 
 def _serve(hear: BinaryIO, say: BinaryIO) -> None:
@@ -220,11 +259,14 @@ def _serve(hear: BinaryIO, say: BinaryIO) -> None:
     except NativeFault as fault:
         return answer(str(fault))
     answer(None)
+    with suppress(BrokenPipeError):
+        while hasattr(os, "fork") and (worker := os.fork()):  # who forks holds the library as it was loaded
+            answer(os.waitstatus_to_exitcode(os.waitpid(worker, 0)[1]))
     while True:
         try:
             columns, rows = pickle.load(hear)
         except EOFError:
-            return
+            os._exit(0)
         columns = [np.array(c) for c in columns]  # what was read may not be written to
         answer((call_rows(function, kinds, columns, rows), columns))
 

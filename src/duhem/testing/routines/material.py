@@ -69,7 +69,7 @@ class Material:
     """``stiffness`` (d, d), the elastic one, symmetric and positive definite; ``variables`` (s,) at the beginning, where stress is 0.
 
     A stiffness that is None is measured, of a material with so many components as ``components`` has names.  ``temperature`` is that
-    of all its points, where it is given one.
+    of all its points, where it is given one, and ``state`` says where the variables of a law stand in its own.
     ``energies``: whether the routine returns both energies; ``towards``, of a routine whose only state is its stress, advances to a
     trial stress instead of by an increment; ``line``: Python that makes it again as ``update``, where known.
     InputError for a stiffness that is none.
@@ -84,6 +84,7 @@ class Material:
     towards: Advance | None = None
     components: tuple[str, ...] = ()
     temperature: float | None = None
+    state: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "variables", np.array(self.variables, dtype=np.float64).ravel())

@@ -1,0 +1,56 @@
+"""A shared library of a routine that is given as its source, compiled once a process, with stubs of what Abaqus offers a UMAT."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import shutil
+import subprocess
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+
+from duhem.errors import InputError
+
+__all__ = ["built"]
+
+_FORTRAN = (".f", ".for", ".ftn", ".f77", ".f90", ".f95", ".f03", ".f08")
+_C = (".c", ".cc", ".cpp", ".cxx")
+_STUBS = Path(__file__).with_name("abaqus_stubs.c")
+_PARAMETERS = "      implicit real*8(a-h,o-z)\n      parameter (nprecd=2)\n"
+_LINES = 12  # of what a compiler says
+
+
+def built(path: str | Path) -> Path:
+    """The library of a source in Fortran or C; any other file stays as it is.
+
+    Raises InputError where there is no such file, no compiler for it, or one that refuses it, with what it says.
+    """
+    file = Path(path)
+    ending = file.suffix.lower()
+    if ending not in _FORTRAN + _C or not file.is_file():
+        return file
+    return _library(file.resolve(), ending in _FORTRAN, file.stat().st_mtime_ns)
+
+
+@cache
+def _library(file: Path, fortran: bool, _: int) -> Path:
+    variable, names = ("FC", ("gfortran", "ifx", "ifort", "flang")) if fortran else ("CXX", ("c++", "g++"))
+    if file.suffix == ".c":
+        variable, names = "CC", ("cc", "gcc", "clang")
+    found = next(filter(None, map(shutil.which, filter(None, (os.environ.get(variable), *names)))), None)
+    if found is None:
+        what = f"there is no compiler: none of {', '.join(names)} is on the path"
+        raise InputError(what, where=str(file), remedy=f"install one, name it in {variable}, or give the compiled library (.so)")
+    folder = Path(mkdtemp(prefix="duhem-built-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    for name in ("ABA_PARAM.INC", "aba_param.inc"):  # a folder of its own, as some systems take both for one
+        (folder / name).write_text(_PARAMETERS, "utf-8")
+    made = folder / f"{file.stem}.so"
+    form = ("-cpp", "-std=legacy", "-ffixed-line-length-none", "-ffree-line-length-none") if "gfortran" in Path(found).name else ()
+    command = [found, "-O2", "-shared", "-fPIC", f"-I{folder}", *form, str(file), str(_STUBS), "-o", str(made), "-lm"]
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
+    if done.returncode != 0:
+        said = "\n".join((done.stderr or done.stdout).strip().splitlines()[:_LINES])
+        raise InputError(f"{Path(found).name} refuses it:\n{said}", where=str(file), remedy="mend the source, or give the compiled library")
+    return made
