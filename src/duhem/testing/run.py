@@ -32,7 +32,7 @@ from duhem.testing.failures.causes import as_expected, by_cause, of_stress
 from duhem.testing.failures.diagnosis import departure, diagnosed, instead
 from duhem.testing.failures.failure import Failure, drawn_again
 from duhem.testing.failures.report import Report
-from duhem.testing.failures.shrinking import RAISED, least_case, simplified
+from duhem.testing.failures.shrinking import RAISED, least_case, shortened, simplified
 from duhem.testing.failures.suggestions import needs_the_run
 from duhem.testing.routines.material import Material, stateless
 from duhem.testing.routines.origin import Origin, named, origin
@@ -45,6 +45,7 @@ _ANSWERS, _MEMORY = "answers", "repeatability"
 # So many increments, of which one is asked what the checks ask again, with a law and without: the first is odd, as seams have two sides
 # by turns.
 _EVERY, _EVERY_HISTORY = 7, 2
+_FEW = 40  # tries to make a history short that is held to a law
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
 
 
@@ -190,6 +191,10 @@ class ConformanceRun:
         checks = (failed.check,)
         if not any(self.failures(self.query(first), checks)):
             self._note_all(self._unrepeatable(first, failed))
+            return
+        if self.in_state is not None and any(self.failures(self.query(failed.case), checks)):  # each row is a history of its own
+            least = shortened(failed.case, lambda case: any(self.failures(self.query(case), checks)), min(self.tries, _FEW))
+            self._note_all(list(self.failures(self.query(least), self.pending)))
             return
         least = first
         shrinking = settings(self.profile, max_examples=_SINGLE, phases=(Phase.generate, Phase.shrink))

@@ -26,7 +26,7 @@ from duhem.testing.drawn.values import Strategy, scaled
 from duhem.testing.failures.failure import Failure
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["RAISED", "least_case", "simplified"]
+__all__ = ["RAISED", "least_case", "shortened", "simplified"]
 
 _TRIES = 200  # to make a case round
 _STRESSES = ("trial", "other", "third", "inside", "beside", "path")
@@ -112,11 +112,20 @@ def simplified(
     return shorter.case
 
 
+def shortened(case: Case, fails: Callable[[Case], bool], tries: int) -> Case:
+    """A history of one increment on which it still ``fails``, with a shorter path, or none, and rounder stresses, in so many ``tries``."""
+    shorter = _Shorter(case, fails, tries)
+    shorter.whole(case.factor)  # which is the duration of a leg
+    for name in ("trial", "path"):
+        shorter.numbers(name)
+    return shorter.case
+
+
 class _Shorter:
     """The shortest case so far; ``left`` counts the tries that remain."""
 
-    def __init__(self, case: Case, fails: Callable[[Case], bool]) -> None:
-        self.case, self.fails, self.left = case, fails, _TRIES
+    def __init__(self, case: Case, fails: Callable[[Case], bool], tries: int = _TRIES) -> None:
+        self.case, self.fails, self.left = case, fails, tries
 
     def put(self, **changes: Any) -> bool:
         """Return whether the case still fails with ``changes``; they stay where it does."""
@@ -133,12 +142,12 @@ class _Shorter:
         """Try changes one after the other until the case still fails with one; return whether there was one."""
         return any(self.put(**each) for each in changes)
 
-    def whole(self) -> None:
+    def whole(self, factor: float = 2.0) -> None:
         """Put to nothing the parts that the failure does not look at."""
         case = self.case
         zero = np.zeros_like(case.trial)
         loads = None if case.pressure is None else np.repeat(case.pressure[:, None], 2, axis=1)
-        if self.put(**{name: zero for name in _STRESSES[1:5]}, path=np.repeat(zero[:, None], 2, axis=1), loads=loads, factor=2.0):
+        if self.put(**{name: zero for name in _STRESSES[1:5]}, path=np.repeat(zero[:, None], 2, axis=1), loads=loads, factor=factor):
             return
         own, knots = case.loads, range(2, case.path.shape[1])
         self.first({"path": case.path[:, :n], "loads": None if own is None else own[:, :n]} for n in knots)

@@ -25,28 +25,25 @@ from duhem.testing.drawn.case import Case
 
 __all__ = ["beside_in_state", "of_the_state", "of_the_tangent"]
 
-_ROWS, _LEAST, _ALIKE = 14, 3, 1e-6
-_FACTORS = np.array([*np.geomspace(0.02, 50.0, 41), -1.0, -2.0])  # of parameters
+_ROWS, _KNOTS, _LEAST, _ALIKE = 14, 3, 3, 1e-6
+_FACTORS = np.geomspace(0.04, 30.0, 14)  # of parameters
 
 
 def beside_in_state(case: Case) -> Case:
     """Histories like the one of a case, of other sizes and a little turned."""
     rng, d = np.random.default_rng(5), case.trial.shape[1]
-    sizes = np.concatenate([[1.0], rng.uniform(0.4, 2.5, _ROWS - 1)])
+    sizes = np.concatenate([[1.0], np.geomspace(0.05, 2.5, _ROWS - 1)])
     turn = np.concatenate([np.zeros((1, d)), rng.normal(size=(_ROWS - 1, d))])
     far = np.abs(case.path).max(initial=np.abs(case.trial).max())
-
-    def like(given: Array, share: float) -> Array:
-        moved = sizes.reshape(-1, *[1] * (given.ndim - 1)) * given
-        size = np.abs(given).max() or far
-        return np.asarray(moved + share * size * (turn if given.ndim == 2 else turn[:, None, :] * np.arange(given.shape[1])[:, None]))
 
     def same(given: Array | None) -> Array | None:
         return None if given is None else np.repeat(given, _ROWS, axis=0)
 
-    zero = np.zeros((_ROWS, d))
+    knots = far * rng.normal(size=(_ROWS, _KNOTS, d))  # from other states too, whatever the path that failed
+    knots[:, 0], knots[0] = 0.0, 0.0
+    zero, loads = np.zeros((_ROWS, d)), None if case.loads is None else np.repeat(same(case.loads[:, -1:]), _KNOTS, axis=1)  # type: ignore[arg-type]
     return replace(
-        case, trial=like(case.trial, 0.3), path=like(case.path, 0.5), pressure=same(case.pressure), loads=same(case.loads), other=zero,
+        case, trial=sizes[:, None] * case.trial + 0.3 * far * turn, path=knots, pressure=same(case.pressure), loads=loads, other=zero,
         third=zero, inside=zero, beside=zero, stretch=np.ones(_ROWS),
     )  # fmt: skip
 
@@ -96,37 +93,51 @@ class _Probe:
         chosen = self.solved & ~step.bound
         flowed = np.linalg.norm(step.change[:, step.of.slips], axis=1) > 1e3 * np.linalg.norm(step.delta[:, step.of.slips], axis=1)
         wrong = chosen & ~self.right & flowed
+        size = np.linalg.norm(step.after.stress, axis=1)
+        if wrong.sum() >= _LEAST and (self.apart <= 1e-3 * size)[chosen].all():
+            off = float((self.apart / size)[wrong].max())
+            yield "imprecise", f"the stress is right to {off:.1g} of it only: single precision, a loose tolerance, or too high an accuracy"
+            return
         if wrong.sum() >= _LEAST:
             yield from self._of_the_criterion(wrong)
             yield from self._of_the_direction(wrong)
-            moved, flow, rate = step.moved, np.einsum("ns,nsi->ni", step.multiplier, step.flow), step.rate
+            moved, rate, multiplier = step.moved, step.rate, step.multiplier
+            flow = np.einsum("ns,nsi->ni", multiplier, step.flow)
         else:
-            end = self.reference.chi
+            end, multiplier = self.reference.chi, self.reference.multiplier
             flow, rate = step.flows(end)
-            moved, flow = (end - step.begun)[:, self.inner], np.einsum("ns,nsi->ni", self.reference.multiplier, flow)
+            moved, flow = (end - step.begun)[:, self.inner], np.einsum("ns,nsi->ni", multiplier, flow)
             yield from self._of_what_is_kept(chosen)
+        rest = chosen & ~flowed & ~step.slipped & (self.reference.multiplier.sum(axis=1) == 0.0)
         off = np.abs(step.change - moved) > 2.0 * step.allowed + self.near * np.abs(moved)
         for stem, at in _stems(self.names).items():
             variables = [i for i in at if i in step.of.known]
             rows = chosen & off[:, variables].any(axis=1)
-            if variables and rows.sum() >= _LEAST:
-                ends = step.ended[:, self.inner]
-                yield from self._stored(stem, rows, variables, moved, ends, ends - step.change, flow, rate)
+            still = rest & (np.abs(step.change) > 2.0 * step.allowed)[:, variables].any(axis=1)
+            if not variables or rows.sum() < _LEAST:
+                continue
+            ends = step.ended[:, self.inner]
+            found = [*self._stored(stem, rows, variables, moved, ends, ends - step.change, flow, rate, multiplier)]
+            if not found and not step.rate.any() and still.sum() >= _LEAST:
+                found = [(f"elastic {stem}", f"{stem} changes in elastic steps too")]
+            yield from found
 
     # -- what is stored ------------------------------------------------------------------------------------------------
 
     def _stored(
-        self, stem: str, rows: NDArray[np.bool_], at: list[int], moved: Array, ends: Array, begun: Array, flow: Array, rate: Array
+        self, stem: str, rows: NDArray[np.bool_], at: list[int], moved: Array, ends: Array, begun: Array, flow: Array, rate: Array,
+        multiplier: Array,
     ) -> Iterator[tuple[str, str]]:
         """What was stored for some variables, against what they should change by."""
-        size = np.abs(ends).max(axis=1, keepdims=True) + np.abs(begun).max(axis=1, keepdims=True) + np.abs(moved).max(axis=1, keepdims=True)
+        size = np.sum([np.abs(x[:, at]).max(axis=1, keepdims=True) for x in (ends, begun, moved)], axis=0)
 
         def like(found: Array) -> bool:
             return bool(self.same((ends - begun)[rows][:, at], found[rows][:, at], size[rows]).all())
 
-        dt = self.step.dt[:, None]
-        at_start = self.step.flows(self.step.begun)
-        first = np.einsum("ns,nsi->ni", np.maximum(self.step.multiplier, self.reference.multiplier), at_start[0]) + at_start[1]
+        dt, at_start = self.step.dt[:, None], self.step.flows(self.step.begun)
+        first = np.einsum("ns,nsi->ni", multiplier, at_start[0]) + at_start[1]
+        at_end = np.einsum("ns,nsi->ni", multiplier, self.step.flow) + self.step.rate
+        first = np.where(self.same(first[:, at], at_end[:, at], size)[:, None], np.nan, first)  # of these the evolution says nothing
         tried: list[tuple[str, str, Array]] = [
             ("not-advanced", f"{stem} is not advanced", 0.0 * moved),
             ("not-accumulated", f"{stem} is not accumulated: only what the step adds is kept", moved - begun),
@@ -175,10 +186,11 @@ class _Probe:
                 flow, rate = asked.flows()
                 return np.asarray(step.change - np.einsum("ns,nsi->ni", step.multiplier, flow) - rate)
 
-            for factor in _roots(lambda c, off=off: float(off(c)[i, v])):  # type: ignore[misc]
-                size = np.abs(step.change) + np.abs(step.ended[:, self.inner])
-                if (np.abs(off(factor))[rows][:, at] <= 1e2 * self.near * size[rows][:, at] + 1e-300).all():
-                    yield f"{name} {stem}", f"in the evolution of {stem}, {name} is taken {factor:.6g} times as large"
+            for factor in (0.0, *_roots(lambda c, off=off: float(off(c)[i, v]))):  # type: ignore[misc]
+                size = (np.abs(step.change) + np.abs(step.ended[:, self.inner]))[:, at].max(axis=1, keepdims=True)
+                if (np.abs(off(factor))[rows][:, at] <= 1e2 * self.near * size[rows] + 1e-300).all():
+                    often = f"taken {factor:.6g} times as large" if factor else "left out"
+                    yield f"{name} {stem}", f"in the evolution of {stem}, {name} is {often}"
                     return
 
     def _of_what_is_kept(self, chosen: NDArray[np.bool_]) -> Iterator[tuple[str, str]]:
@@ -194,6 +206,11 @@ class _Probe:
         for stem, places in _stems(told).items():
             rows = chosen & (np.abs(ends - values)[:, places] > allowed[:, places] + self.near * size).any(axis=1)
             if rows.sum() < _LEAST:
+                continue
+            order = [next((j for j in places if self.same(ends[rows, i : i + 1], values[rows, j : j + 1], size[rows]).all()), -1) for i in places]
+            if -1 not in order and order != places:
+                pairs = ", ".join(f"{told[i]} holds {told[j]}" for i, j in zip(places, order, strict=True) if i != j)
+                yield f"order {stem}", f"the state is returned in another order: {pairs}"
                 continue
             one = (ends[:, places], begun[:, places], (values - first)[:, places], values[:, places])
             kept, former, change, right = (x[rows] for x in one)
@@ -276,6 +293,10 @@ class _Probe:
                 if (np.abs(of(factor))[rows] <= allowed[rows]).all():
                     yield f"parameter {name}", f"in the yield check {name} is taken as {factor * step.others[place][0]:.6g}, not {step.others[place][0]:.6g}"
 
+        for factor in _roots(lambda c: float(self._level(c * forces, step.ended, step.others)[i])):
+            if (np.abs(self._level(factor * forces, step.ended, step.others))[rows] <= allowed[rows]).all():
+                yield "size of the stress", f"the stress in the yield check is {factor:.6g} times what it is, or the limit {1.0 / factor:.6g} times"
+
     def _of_the_direction(self, wrong: NDArray[np.bool_]) -> Iterator[tuple[str, str]]:
         step, slips = self.step, self.step.of.slips
         rows = wrong & (np.abs(step.off) > 2.0 * step.allowed)[:, slips].any(axis=1)
@@ -318,12 +339,11 @@ def replace_others(step: LawStep, others: Sequence[Array]) -> LawStep:
 
 def _roots(off: Callable[[float], float]) -> Iterator[float]:
     """Factors beside 1 at which a function changes its sign."""
-    for half in (_FACTORS[:-2],):
-        values = np.array([off(float(c)) for c in half])
-        for j in np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0):
-            found = float(brentq(off, half[j], half[j + 1], xtol=1e-13, rtol=1e-13))
-            if abs(found - 1.0) > 1e-6:
-                yield found
+    values = np.array([off(float(c)) for c in _FACTORS])
+    for j in np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0):
+        found = float(brentq(off, _FACTORS[j], _FACTORS[j + 1], xtol=1e-13, rtol=1e-13))
+        if abs(found - 1.0) > 1e-6:
+            yield found
 
 
 def _ratios(one: Array, other: Array) -> Array | None:
