@@ -15,7 +15,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.state import check_stateless
 from duhem.testing.checks import material_checks, state_checks  # noqa: F401 (they register their checks, and what they import)
 from duhem.testing.checks.history import HistoryQuery
-from duhem.testing.checks.law_in_state import Places
+from duhem.testing.checks.law_in_state import LawInState, Places
 from duhem.testing.checks.query import NoReply, Query
 from duhem.testing.checks.registry import Check, judged, registered
 from duhem.testing.drawn.case import Case
@@ -104,11 +104,22 @@ def violation(
     *,
     open_parameters: Iterable[str] | None = None,
     accuracy: float = ACCURACY,
+    parameters: Mapping[str, Any] | None = None,
+    state: Places | None = None,
 ) -> str | None:
-    """What is wrong with the routine's answer to one case by one check, or None; ``open_parameters`` are passed to it by name."""
-    asked = _named(name, law is not None) if isinstance(name, str) else name
+    """What is wrong with the routine's answer to one case by one check, or None; ``open_parameters`` are passed to it by name.
+
+    ``parameters`` and ``state`` are those with which a material is held to a law (:func:`conformance`).
+    """
+    held = isinstance(update, Material) and law is not None
+    asked = _named(name, law is not None, held) if isinstance(name, str) else name
     if law is None:
         query: Query = HistoryQuery(stateless(update, case.stiffness, case.parameters), case, accuracy)
+    elif isinstance(update, Material):
+        known = load_formula(law)
+        update = update if known.temperature is None else replace(update, temperature=case.parameters[known.temperature])
+        own = LawInState.of(known, update, parameters or {}, state if state is not None else update.state or {})
+        query = HistoryQuery(update, case, accuracy, law=own)
     else:
         passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
         query = Query(Region(load(law), case.parameters), case, _routine(update), passed, accuracy)

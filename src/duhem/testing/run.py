@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.testing.checks.history import HistoryQuery
-from duhem.testing.checks.law_in_state import LawInState, Places
+from duhem.testing.checks.law_in_state import LawInState, Places, as_places
 from duhem.testing.checks.query import NoReply, NothingToCheck, Query, Raised, named_by
 from duhem.testing.checks.registry import Check, judged, registered
 from duhem.testing.checks.visited import Visited
@@ -80,13 +80,16 @@ class ConformanceRun:
             update = update if first is None else replace(update, temperature=first[0])
             self.in_state: LawInState | None = LawInState.of(held_to, update, values, state or {})
             parameters = {} if first is None or self.warm is None else {self.warm: sampled_from(first)}
+            places = {name: as_places(at, update) for name, at in (state or {}).items()}
+            self.held = f"{drawn_again({'parameters': values})}, state={places!r}"
         else:
-            self.in_state = None
+            self.in_state, self.held = None, ""
+        self.held_to = held_to
         if law is None:
             _check_without_law(update, None if held_to is not None else parameters, drawn)
         drawn.check(law)
         self.law, self.update, self.parameters, self.on_case = law, update, parameters, on_case
-        self.given = law if given is None else given
+        self.given = given if given is not None else held_to or law
         self.pressure, self.accuracy, self.rows = drawn.pressure, drawn.accuracy, drawn.rows
         self.stiffness = update.elastic if isinstance(update, Material) else drawn.stiffness
         self.sizes = {"largest_strain": drawn.largest_strain, "scale": drawn.scale}
@@ -99,11 +102,13 @@ class ConformanceRun:
         most: dict[str, Any] = {} if drawn.max_examples is None else {"max_examples": drawn.max_examples}
         self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **most)
         self.seed = drawn.seed if drawn.seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
-        said = {"parameters": parameters or None, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
+        said = {"parameters": (parameters or None) if held_to is None else None, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
         demanded = {check for check in registered(law is not None, held_to is not None).values() if check.demanded}
         chosen = {"checks": [c.name for c in asked]} if {*asked} != demanded else {}
         counts = {"max_examples": self.profile.max_examples, "rows": drawn.rows, "every": self.every, "seed": self.seed}
-        self.again = drawn_again(said, **chosen, **counts)
+        sizes = {name: size for name, size in self.sizes.items() if size is not None}
+        again = drawn_again(said, **chosen, **counts, **sizes)
+        self.again = f"{self.held}, {again}" if self.held and again else again
         self.found: list[Failure] = []
         self.left_out: dict[str, str] = {}
         self.judged: set[str] = set()
@@ -278,7 +283,7 @@ class ConformanceRun:
         return placed
 
     def _origin(self) -> Origin:
-        return origin(self.update, self.law, self.given)
+        return origin(self.update, self.held_to or self.law, self.given)
 
     def _silent(self, asked: Check, case: Case, fault: NoReply) -> Case:
         """Return the first increment that the routine does not answer alone, or the first of all where it answers each of them alone."""
@@ -309,7 +314,7 @@ class ConformanceRun:
 
     def _failure(self, check: Check, message: str, case: Case, measured: float, allowed: float) -> Failure:
         told = check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed
-        return Failure(*told, drawn=self.again, alone=not check.whole and check.name != _MEMORY)
+        return Failure(*told, drawn=self.again, alone=not check.whole and check.name != _MEMORY, held=self.held)
 
     # -- what is told --------------------------------------------------------------------------------------------------
 

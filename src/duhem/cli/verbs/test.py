@@ -19,6 +19,7 @@ from duhem.cli.arguments import (
     complete_law,
     read_attribute,
     read_fixed_formula,
+    read_law,
     read_number,
     read_numbers,
     read_pair,
@@ -33,6 +34,7 @@ from duhem.errors import InputError
 if TYPE_CHECKING:
     from duhem.testing.checks.registry import Check
     from duhem.testing.failures.report import Report
+    from duhem.testing.routines.material import Material
     from duhem.testing.routines.unfinished import Unfinished
     from duhem.testing.run import ConformanceRun
 
@@ -44,8 +46,8 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
 
 
 @click.command()
-@click.argument("subject", metavar="LAW|MODULE:CALLABLE", shell_complete=complete_law)
-@click.option("--law", metavar="LAW", shell_complete=complete_law, help="The law of the routine MODULE:CALLABLE.")
+@click.argument("subject", metavar="LAW|MODULE:CALLABLE|UMAT", shell_complete=complete_law)
+@click.option("--law", metavar="LAW", shell_complete=complete_law, help="The law of the routine MODULE:CALLABLE or of the UMAT.")
 @settings_option
 @click.option(
     "--profile",
@@ -57,6 +59,16 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
 @click.option("--examples", type=click.IntRange(1), metavar="N", help="Number of cases, instead of that of the profile.")
 @click.option("--stiffness", metavar="K ...", help="Stiffness in quotes: one number per force, or the matrix row by row (default: random).")
 @click.option("--pressure", metavar="N", help="Pressure (normal stress) sigma_n <= 0 (default: random, if there is a law).")
+@click.option("--props", metavar="P ...", help="PROPS of a UMAT, in quotes.")
+@click.option("--nstatv", type=click.IntRange(0), metavar="N", help="Number of STATEV of a UMAT, which are 0 at first (default 0).")
+@click.option("--ntens", type=click.IntRange(1), metavar="N", help="Number of components of a UMAT (default 6; 4, or 3 of plane stress).")
+@click.option(
+    "--state",
+    metavar="NAME=PLACES",
+    multiple=True,
+    help="Where a variable of the law stands in the state of a material, counted from 0: p=0, or X=7:13. Repeatable.",
+)
+@click.option("--largest-strain", metavar="E", help="No increment of a material is larger (default: 100 times the elastic strain).")
 @click.option("--seed", type=click.IntRange(0), metavar="S", help="Draw the same cases as an earlier run with this seed.")
 @click.option("--accuracy", metavar="A", help="Relative error of the stress that you allow the routine (default 1e-9).")
 @click.option("--checks", metavar="A,B", help="Run only these checks.")
@@ -95,6 +107,11 @@ def test(
     examples: int | None,
     stiffness: str | None,
     pressure: str | None,
+    props: str | None,
+    nstatv: int | None,
+    ntens: int | None,
+    state: Sequence[str],
+    largest_strain: str | None,
     seed: int | None,
     accuracy: str | None,
     checks: str | None,
@@ -115,6 +132,9 @@ def test(
     routine must be a Material, or --stiffness must give the number of forces, and --set the parameters. Hypothesis draws increments on,
     beside and far from the boundary of K, and simplifies those that fail. The report shows each likely cause once.
 
+    UMAT is a source in Fortran or C (.f, .f90, .c, ...), which duhem compiles, or a shared library. With --law, each condition of the step
+    of this law is a check, at the state that the UMAT keeps.
+
     Exit codes: 0 every check passed; 1 a check failed; 2 usage or file error; 4 a routine gave no answer or exceeded its time; 130
     interrupted, after printing the results so far.
     """
@@ -125,6 +145,11 @@ def test(
         "examples": examples,
         "stiffness": stiffness,
         "pressure": pressure,
+        "props": props,
+        "nstatv": nstatv,
+        "ntens": ntens,
+        "state": state,
+        "largest-strain": largest_strain,
         "accuracy": accuracy,
         "checks": checks,
         "most-flagged": most_flagged,
@@ -143,8 +168,16 @@ def test(
         "stiffness": None if stiffness is None else _matrix(read_numbers(stiffness, "--stiffness"), free),
         "pressure": None if pressure is None else read_number(pressure, "--pressure"),
     }
-    asked_for = _checks(None if free else subject, named, expected)
-    routines, left_out = _routines(subject, law, free, settings, held_to, stiffness)
+    places = {name: _places(at, f"--state {one}") for one in state for name, at in [read_pair(one, f"--state {one}", *_STATE)]}
+    material = _material(subject, own, props, nstatv, ntens, places, fixed["stiffness"])
+    asked_for = _checks(None if free else subject, named, expected, material is not None and law is not None)
+    if material is not None:
+        routines, left_out = _held(subject, material, law, settings, places, held_to), {}
+        fixed["stiffness"] = None
+    else:
+        routines, left_out = _routines(subject, law, free, settings, held_to, stiffness)
+    if largest_strain is not None:
+        fixed["largest_strain"] = read_number(largest_strain, "--largest-strain")
     options = {"max_examples": examples or _EXAMPLES[profile], "rows": 30, "every": every, "tries": shrink, "seed": seed}
     tested, ended = _carry_out(routines, asked_for, most, {**options, "expected": expected, **fixed})
     say(_told(form, tested, left_out, again))
@@ -195,11 +228,61 @@ class _Tested:
     every: int
 
 
-def _checks(law: str | None, named: Sequence[str] | None, expected: Mapping[str, str]) -> list[Check]:
+_STATE = ("NAME=PLACES", "--state X=7:13")
+_SOURCES = (".f", ".for", ".ftn", ".f77", ".f90", ".f95", ".f03", ".f08", ".c", ".cc", ".cpp", ".cxx", ".so", ".dylib", ".dll")
+
+
+def _places(text: str, where: str) -> list[int]:
+    """Places such as 0, 1,3 or 7:13."""
+    try:
+        ends = [int(part) for part in text.split(":")]
+        return [*range(*ends)] if len(ends) == 2 else [int(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(f"{text!r} are no places", where=where, remedy="write a number, several as 1,3, or a range as 7:13") from None
+
+
+def _material(
+    subject: str, own: bool, props: str | None, nstatv: int | None, ntens: int | None, places: Mapping[str, list[int]], k: Any
+) -> Material | None:
+    """The material that is named, or made of a UMAT; None for anything else."""
+    from duhem.testing.foreign import umat
+    from duhem.testing.routines.material import Material
+
+    if subject.lower().endswith(_SOURCES):
+        numbers = [] if props is None else read_numbers(props, "--props")
+        return umat(subject, numbers, k, nstatv=nstatv or 0, ntens=ntens)
+    if told := next((f"--{name}" for name, given in (("props", props), ("nstatv", nstatv), ("ntens", ntens)) if given is not None), None):
+        raise InputError("this option is for a UMAT", where=told, remedy="name its source or library, such as umat.f, or remove it")
+    found = read_attribute(subject) if own else None
+    if isinstance(found, Material):
+        return found
+    if places:
+        raise InputError("the routine keeps no state", where="--state", remedy="name a UMAT or a Material, or remove it")
+    return None
+
+
+def _held(
+    subject: str, material: Material, law: str | None, settings: Sequence[str], places: Mapping[str, list[int]], accuracy: float | None
+) -> dict[str, Routine]:
+    """The run of a material, held to a law or to none."""
+    from duhem.law.catalogue import load_formula
+    from duhem.testing.conformance import ACCURACY
+    from duhem.testing.run import ConformanceRun
+
+    if law is None and settings:
+        what = "a material contains its own parameters"
+        raise InputError(what, where=f"--set {settings[0]}", remedy="set them where the material is created")
+    values = {name: float(value) for name, value in read_settings(settings).items()}
+    known = None if law is None else load_formula(read_law(law))
+    options: dict[str, Any] = {} if known is None else {"held_to": known, "state": places or material.state, "given": law}
+    return {subject: (partial(ConformanceRun, None, material, values or None, **options), ACCURACY if accuracy is None else accuracy)}
+
+
+def _checks(law: str | None, named: Sequence[str] | None, expected: Mapping[str, str], held: bool = False) -> list[Check]:
     """Those that are asked for; InputError for one that there is not."""
     from duhem.testing.conformance import every_check
 
-    known = {c.name: c for c in every_check(law)}
+    known = {c.name: c for c in every_check(law, held)}
     check_names("check", named or (), known, "checks are", "--checks")
     if named == ():
         raise InputError("no check is named", where="--checks", remedy=f"checks are: {', '.join(known)}")
@@ -209,6 +292,8 @@ def _checks(law: str | None, named: Sequence[str] | None, expected: Mapping[str,
 
 def _is_routine(subject: str) -> bool:
     """Whether it is something else than a law."""
+    if subject.lower().endswith(_SOURCES):
+        return True
     if ":" not in subject:
         return False
     from duhem.law.curve_law import Law
@@ -235,28 +320,19 @@ def _routines(
 ) -> tuple[dict[str, Routine], dict[str, str]]:
     """What is tested, by the name it is shown under; of the methods of duhem that do not take a law, why they do not."""
     from duhem.testing.conformance import ACCURACY
-    from duhem.testing.routines.material import Material
     from duhem.testing.routines.routine import PROMISED, own_solvers
     from duhem.testing.run import ConformanceRun
 
     held_to = ACCURACY if accuracy is None else accuracy
     if law is not None:
         known, given = read_fixed_formula(law, settings), read_routine(subject)
-        if isinstance(given, Material):
-            remedy = "name a routine made with from_material, or remove --law"
-            raise InputError("a material contains its own stiffness", where=subject, remedy=remedy)
         return {subject: (partial(ConformanceRun, known, given, None, given=law), held_to)}, {}
     if free:
         routine, values = read_routine(subject), read_settings(settings)
-        own = isinstance(routine, Material)
-        if own and values:
-            raise InputError(
-                "a material contains its own parameters", where=f"--set {settings[0]}", remedy="set them where the material is created"
-            )
-        if not own and stiffness is None:
+        if stiffness is None:
             what = f"{subject} is a routine without a law, so the number of forces is not known"
             raise InputError(what, where="--law", remedy="name its law, for example --law coulomb, or give --stiffness")
-        parameters = None if own else {name: float(value) for name, value in values.items()}
+        parameters = {name: float(value) for name, value in values.items()}
         return {subject: (partial(ConformanceRun, None, routine, parameters), held_to)}, {}
     known = read_fixed_formula(subject, settings)
     found: dict[str, Routine] = {}

@@ -30,7 +30,7 @@ from duhem.path.state_step import Guess, StateFormula, StateLaw, StepEquations
 from duhem.projection.result import Array
 from duhem.testing.routines.material import Material, MaterialState
 
-__all__ = ["Kept", "LawInState", "LawStep", "Places"]
+__all__ = ["Kept", "LawInState", "LawStep", "Places", "as_places"]
 
 _NEWTON = 40
 _MET = 1e-14
@@ -169,6 +169,12 @@ def _solve(chi: Array, columns: NDArray[np.intp], equations: Callable[[Array], t
             break
 
 
+def as_places(given: int | slice | Sequence[int], material: Material) -> list[int]:
+    """The places in the state of a material that are given as a number, several, or a slice."""
+    size = len(np.asarray(material.variables))
+    return [*range(size)[given]] if isinstance(given, slice) else [given] if isinstance(given, int) else [*given]
+
+
 def _reaches(own: StateLaw, i: int) -> bool:
     """Whether the stress depends on an internal variable."""
     o = own.observables
@@ -184,7 +190,7 @@ def _read_places(own: StateLaw, state: Places, material: Material, tails: Sequen
     known |= {name: symbol for name, symbol in zip(law.forces, law.force_symbols(), strict=True)}
     ends, found, size = material.components or tuple(tails), [], len(np.asarray(material.variables))
     for told, places in state.items():
-        at = [*range(size)[places]] if isinstance(places, slice) else [places] if isinstance(places, int) else [*places]
+        at = as_places(places, material)
         groups = [w for w in _WORD.findall(told) if w not in known and all(f"{w}_{end}" in known for end in ends)]
         texts = [_WORD.sub(lambda m, e=end: f"{m[0]}_{e}" if m[0] in groups else m[0], told) for end in ends] if groups else [told]  # type: ignore[misc]
         if len(texts) != len(at) or not all(isinstance(p, int) and 0 <= p < size for p in at):

@@ -50,7 +50,8 @@ class Failure:
     first, where that is known (:mod:`duhem.testing.failures.diagnosis`);
     ``explains`` the checks that failed too, likely for the same reason.  ``law`` is None for a routine tested without one.
     ``drawn`` are the arguments of the run that draws all increments again, as Python, "" where these cannot be written; ``alone``: one
-    increment may show it by itself, as it need not where a routine keeps something between calls.
+    increment may show it by itself, as it need not where a routine keeps something between calls.  ``held``: the arguments, as Python,
+    that hold a material to a law with a state.
     """
 
     check: Check
@@ -68,6 +69,7 @@ class Failure:
     origin: Origin = field(default_factory=Origin)
     drawn: str = ""
     alone: bool = True
+    held: str = ""
 
     @property
     def title(self) -> str:
@@ -110,6 +112,8 @@ class Failure:
         yield "increment", _increment(*asked, of_tensors)
         if found is None or self.check.law_only:
             return
+        if self.law is None and case.path[0].any():
+            yield "after", " -> ".join(map(_vector, case.path[0].tolist())) + ", a path of k u"
         if (at := (found.trial, found.pressure, found.stiffness)) != asked:
             yield "at", f"{_increment(*at, of_tensors)}, which the check also uses"
         yield "returned", _vector(found.returned)
@@ -131,7 +135,8 @@ class Failure:
         if self.drawn and not self.alone:
             what, shown = "conformance", [f"print(conformance(law, update, {self.drawn}, accuracy={self.accuracy!r}))"]
         else:
-            free = "" if self.open_parameters == tuple(self.case.parameters) else f", open_parameters={self.open_parameters!r}"
+            free = f", {self.held}" if self.held else ""
+            free += "" if self.open_parameters == tuple(self.case.parameters) else f", open_parameters={self.open_parameters!r}"
             asked = f"print(violation({check!r}, law, update, case, accuracy={self.accuracy!r}{free}))"
             what, shown = "Case, violation", [f"case = {self.case!r}", asked]
         lines = [
@@ -176,7 +181,7 @@ class Failure:
         run = [f"    {line}".rstrip() for line in making.splitlines()] + ([""] if making else [])
         if case is not None:
             lines += ["CASE = Case(", *(f"    {line}," for line in case.arguments()), ")"]
-            asked = f"open_parameters={self.open_parameters!r}, accuracy={self.accuracy!r}"
+            asked = f"open_parameters={self.open_parameters!r}, accuracy={self.accuracy!r}" + (f", {self.held}" if self.held else "")
             run += [f"    wrong = violation({check!r}, LAW, update, CASE, {asked})", "    assert wrong is None, wrong"]
         if self.drawn or case is None:
             if not self.drawn:

@@ -23,7 +23,6 @@ from duhem.testing.drawn.options import RunOptions, check_share
 from duhem.testing.failures.report import Report
 from duhem.testing.in_pytest.items import UnusableTest, group, group_marks
 from duhem.testing.routines.routine import Update
-from duhem.testing.routines.unfinished import Unfinished
 
 __all__ = ["PROFILES", "check_items", "checked", "names_of_checks"]
 
@@ -39,7 +38,7 @@ PROFILES: dict[str, dict[str, Any]] = {
 FLAGGED = "flagged"  # the node that says how many increments the routine gives up
 _TAKES = (
     "law", "parameters", "stiffness", "pressure", "checks", "accuracy", "max_examples", "rows", "every", "seconds", "seed",
-    "expected_failed_checks", "most_flagged", "tries",
+    "expected_failed_checks", "most_flagged", "tries", "largest_strain", "scale", "state",
 )  # fmt: skip
 _REMEDY = 'write for example @pytest.mark.duhem(law="coulomb", parameters={"mu": 0.3})'
 _ROUTINES = pytest.StashKey[dict[str, "Trial"]]()
@@ -59,14 +58,15 @@ class Trial:
         self.parameters = given.pop("parameters", None)
         self.most_flagged = given.pop("most_flagged", 0.0)
         checks, expected = given.pop("checks", None), given.pop("expected_failed_checks", None)
+        self.state = given.pop("state", None)
         try:
             check_share(self.most_flagged, "most_flagged")
             known = None if self.law is None else load(self.law)
-            asked = checks_asked(known, checks)
-            check_expected(known, expected)
+            asked = checks_asked(known, checks, self.state is not None)
+            check_expected(known, expected, self.state is not None)
             if known is not None:
                 known.fix(self.parameters)
-            RunOptions(**given).check(known)
+            RunOptions(**given).check(known if self.state is None else None)
         except DuhemError as fault:
             raise _unusable(node, f"{fault}", "") from None
         self.expected: dict[str, str] = dict(expected or {})
@@ -90,15 +90,18 @@ class Trial:
             checks = [each for name, each in self.asked.items() if name in asked] or list(self.asked.values())
             options = {"checks": checks, "expected_failed_checks": self.expected, "first": [*self._kept.values()], **self.options}
             try:
-                self._outcome = conformance(self.law, update, self.parameters, **options)
+                self._outcome = conformance(self.law, update, self.parameters, state=self.state, **options)
             except DuhemError as fault:
                 self._outcome = fault
             else:
                 self._keep(self._outcome)
-        if isinstance(self._outcome, Unfinished) and self._outcome.failure is not None:
-            pytest.fail(f"{self.node}: {self._outcome}\nto see it again:\n{self._outcome.failure.reproducer()}", pytrace=False)
         if isinstance(self._outcome, DuhemError):
             pytest.fail(f"{self.node}: {self._outcome}", pytrace=False)
+        if self._outcome.ended and self._outcome.unfinished is None:
+            raise KeyboardInterrupt
+        if self._outcome.unfinished is not None:
+            again = self._outcome.unfinished.reproducer()
+            pytest.fail(f"{self.node}: {self._outcome.ended}\nto see it again:\n{again}", pytrace=False)
         return self._outcome
 
     def fails(self, update: Update) -> bool:

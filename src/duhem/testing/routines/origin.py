@@ -125,6 +125,7 @@ def _domain(domain: Domain) -> str:
 def _same(known: Any, law: Criterion) -> bool:
     same = isinstance(known, Criterion) and (known.forces, known.pressure) == (law.forces, law.pressure)
     own, other = law.parameters, known.parameters
+    same = same and all(getattr(known, part) == getattr(law, part) for part in ("variables", "unforced", "rates", "energy", "flow"))
     return same and str(known.g) == str(law.g) and {*own} == {*other} and all(other[n].value in (None, own[n].value) for n in own)
 
 
