@@ -18,7 +18,7 @@ import duhem.testing.foreign
 from duhem.testing.foreign import shared_library, shared_material, umat
 from tests.export.shared_library import compiler
 
-__all__ = ["BUGS", "EXAMPLES", "FRICTION", "MISES", "elastic", "friction", "interface", "library", "mises", "written"]
+__all__ = ["BUGS", "EXAMPLES", "FRICTION", "MISES", "compiled_with", "elastic", "friction", "interface", "library", "mises", "written"]
 
 SHIPPED = Path(duhem.testing.foreign.__file__).parent / "examples"
 FRICTION = (
@@ -58,6 +58,15 @@ def written(source: str) -> Path:
     file.write_text(source, "utf-8")
     made = file.with_suffix(".so")
     subprocess.run([compiler("CC", "cc", "gcc", "clang"), "-O2", "-shared", "-fPIC", str(file), "-o", str(made), "-lm"], check=True)
+    return made
+
+
+@cache
+def compiled_with(source: Path, bug: int) -> Path:
+    """A source in C with one of its bugs, compiled without a warning."""
+    made = _folder() / f"{source.stem}-{bug}.so"
+    command = [compiler("CC", "cc", "gcc", "clang"), "-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", f"-DBUG={bug}"]
+    subprocess.run([*command, str(source), "-o", str(made), "-lm"], check=True)
     return made
 
 

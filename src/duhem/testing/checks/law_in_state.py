@@ -289,7 +289,8 @@ class LawStep:
         at_low, at_high = self.ended[:, inner] <= own.low, self.ended[:, inner] >= own.high
         held = (at_low & (self.off > 0.0)) | (at_high & (self.off < 0.0))
         self.off = np.where(held, 0.0, self.off)
-        self.bound = (held & own.reacts).any(axis=1)
+        pushed = self.flow.sum(axis=1) + self.rate  # against a bound, whose reaction takes part in the force
+        self.bound = (((at_high & (pushed > 0.0)) | (at_low & (pushed < 0.0))) & own.reacts).any(axis=1)
         self.slipped = (self.multiplier > 4.0 * self.multiplier_error).any(axis=1)
         self.delta, self.slip_error = delta, error
 

@@ -349,7 +349,7 @@ _BEFORE = [0.0, 2.0, 0.5, 1.5, 5.0, 3.0]  # of the path before, times the elasti
 _KNOTS = 4
 _DURATIONS = [0.5, 2.0, 0.1, 10.0]  # s, of a leg
 _DECADES = range(-12, 14)
-_HALVES, _BEYOND = 8, 3
+_HALVES, _BEYOND = 8, 1
 _FARTHEST = 100.0  # elastic strains, the typical one of a case: no increment goes farther
 
 
@@ -358,7 +358,7 @@ def _elastic_reach(
 ) -> Array:
     """How far along ``way`` (N, d) a first increment of stress is answered elastically, (N,), to a few per cent; nan where asking fails.
 
-    Looked for by decades from 1e-12 to 1e13, and no farther than three beyond the first limit that is met, nor than the ``largest``
+    Looked for by decades from 1e-12 to 1e13, and no farther than one beyond the first limit that is met, nor than the ``largest``
     strain; 0 where it is elastic at none of these, inf where at all.  What the routine raises is counted in ``searched``.
     """
     n = len(way)

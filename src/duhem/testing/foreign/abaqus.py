@@ -154,7 +154,7 @@ def umat(
     names = _ORDERS.get(order, ()) if isinstance(order, str) else tuple(order)
     if isinstance(order, str) and not names:
         raise InputError(f"unknown order {order!r}", where="umat", remedy=f"give {' or '.join(_ORDERS)}, or the names of the components")
-    kept = {6: names, 4: tuple(x for x in names if x not in ("xz", "yz")), 3: tuple(x for x in names if len({*x, "z"}) < 3 or x == "xy")}
+    kept = {6: names, 4: tuple(x for x in names if x not in ("xz", "yz")), 3: tuple(x for x in names if "z" not in x)}
     components = names if len(names) == size else kept.get(size, ()) if direct is None else ()
     components = components if k is not None or len(components) == size else tuple(map(str, range(1, size + 1)))
     given: dict[str, Any] = {"ntens": size, "variables": first.tolist(), "axes": None if axes is None else np.asarray(axes).tolist()}
