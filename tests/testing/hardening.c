@@ -10,7 +10,10 @@
 #ifndef BUG
 #define BUG 0
 #endif
-#define IS(n) (BUG == (n))
+#ifndef OTHER
+#define OTHER BUG
+#endif
+#define IS(n) (BUG == (n) || OTHER == (n))
 
 static double norm(const double *s) {
     double sum = 0;

@@ -117,7 +117,8 @@ def violation(
         query: Query = HistoryQuery(stateless(update, case.stiffness, case.parameters), case, accuracy)
     elif isinstance(update, Material):
         known = load_formula(law)
-        update = update if known.temperature is None else replace(update, temperature=case.parameters[known.temperature])
+        warm = None if known.temperature is None else case.parameters[known.temperature]
+        update = replace(update, temperature=warm, pressed=known.pressure is not None)
         own = LawInState.of(known, update, parameters or {}, state if state is not None else update.state or {})
         query = HistoryQuery(update, case, accuracy, law=own)
     else:

@@ -26,7 +26,7 @@ from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import RunOptions
 from duhem.testing.drawn.region import Region
-from duhem.testing.drawn.strategies import cases, histories
+from duhem.testing.drawn.strategies import cases, histories, pressures
 from duhem.testing.drawn.values import Strategy, admitted
 from duhem.testing.failures.causes import as_expected, by_cause, of_stress
 from duhem.testing.failures.diagnosis import departure, diagnosed, instead
@@ -77,7 +77,7 @@ class ConformanceRun:
             values, first = {**(parameters or {})}, None
             if self.warm is not None:
                 first = _temperatures(values.get(self.warm), self.warm)
-            update = update if first is None else replace(update, temperature=first[0])
+            update = replace(update, temperature=None if first is None else first[0], pressed=held_to.pressure is not None)
             self.in_state: LawInState | None = LawInState.of(held_to, update, values, state or {})
             parameters = {} if first is None or self.warm is None else {self.warm: sampled_from(first)}
             places = {name: as_places(at, update) for name, at in (state or {}).items()}
@@ -85,8 +85,11 @@ class ConformanceRun:
         else:
             self.in_state, self.held = None, ""
         self.held_to = held_to
+        pressed = held_to is not None and held_to.pressure is not None
+        if pressed and drawn.pressure is None:
+            drawn = replace(drawn, pressure=pressures(-1, 1))
         if law is None:
-            _check_without_law(update, None if held_to is not None else parameters, drawn)
+            _check_without_law(update, None if held_to is not None else parameters, replace(drawn, pressure=None) if pressed else drawn)
         drawn.check(law)
         self.law, self.update, self.parameters, self.on_case = law, update, parameters, on_case
         self.given = given if given is not None else held_to or law
@@ -124,7 +127,9 @@ class ConformanceRun:
 
     def _nothing_visited(self) -> Visited:
         if self.law is None:
-            return Visited((), self.pressure is not None)
+            found = Visited((), self.pressure is not None)
+            found.creeps = self.in_state is not None and self.in_state.own.timed
+            return found
         return Visited(tuple(self.law.forces), self.law.pressure is not None)
 
     @property
@@ -301,9 +306,9 @@ class ConformanceRun:
             return True
         return False
 
-    def query(self, case: Case) -> Query:
-        """Return what asks the routine about one case."""
-        self.last, counted = case, (self.accuracy, self.every, self.examples)
+    def query(self, case: Case, accuracy: float | None = None) -> Query:
+        """Return what asks the routine about one case, held to the accuracy of the run or another one."""
+        self.last, counted = case, (self.accuracy if accuracy is None else accuracy, self.every, self.examples)
         if self.law is None:
             made = self._material(case.parameters, case.stiffness)
             return HistoryQuery(made, case, *counted, raised=self.raised, law=self.in_state)
@@ -353,11 +358,19 @@ class ConformanceRun:
     def _accused(self) -> bool:
         return any(map(of_stress, self.found))
 
+    def _passing(self, failure: Failure) -> float | None:
+        """The least power of ten as an accuracy at which the check passes at the increment, up to 1e-2."""
+        if failure.check.whole or failure.check.law_only or not failure.alone:
+            return None
+        tried = (10.0**power for power in range(-14, -1) if 10.0**power > self.accuracy)
+        return next((x for x in tried if not any(self.failures(self.query(failure.case, x), [failure.check]))), None)
+
     def _short(self, failure: Failure) -> Failure:
         """Return the failure with a case that is short to read, which is looked for once."""
         name = failure.check.name
         if name not in self.shortened:
-            self.shortened[name] = self._simplified(failure)
+            found = self._simplified(failure)
+            self.shortened[name] = replace(found, passes_at=self._passing(found))
         short = self.shortened[name]
         return replace(short, explains=failure.explains, alone=short.alone and not needs_the_run(short.diagnoses))
 

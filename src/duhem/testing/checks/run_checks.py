@@ -27,7 +27,7 @@ def _visited(visited: Visited) -> str | None:
     if raised := [said for said in found if said not in ("range", "none")]:
         return f"the search for the elastic range failed: {raised[0]}"
     least = 0.0 if visited.forces else _LEAST
-    missing = [name for name in ("slip", "stick") if shares and shares[name] <= least]
+    missing = [name for name in ("slip", "stick")[: 1 if visited.creeps else 2] if shares and shares[name] <= least]
     if not missing:
         given_up = f"{visited.given_up:.2%} of the slipping increments are flagged as not solved, and therefore not tested"
         unknown = "no elastic range was found, so that the size of the increments says nothing of the routine"

@@ -44,6 +44,7 @@ class Visited:
         self.increments = self._looked = self._slipping = self._given_up = 0
         self.decades: dict[str, tuple[int, int]] = {}
         self.searched: Counter[str] = Counter()
+        self.creeps = False  # whether all increments may slip
 
     @property
     def shares(self) -> Mapping[str, float]:

@@ -51,7 +51,7 @@ class Failure:
     ``explains`` the checks that failed too, likely for the same reason.  ``law`` is None for a routine tested without one.
     ``drawn`` are the arguments of the run that draws all increments again, as Python, "" where these cannot be written; ``alone``: one
     increment may show it by itself, as it need not where a routine keeps something between calls.  ``held``: the arguments, as Python,
-    that hold a material to a law with a state.
+    that hold a material to a law with a state.  ``passes_at``: the least power of ten as an accuracy at which the increment passes the check.
     """
 
     check: Check
@@ -70,6 +70,7 @@ class Failure:
     drawn: str = ""
     alone: bool = True
     held: str = ""
+    passes_at: float | None = None
 
     @property
     def title(self) -> str:
@@ -92,12 +93,11 @@ class Failure:
         return "\n".join([self.title, *said, *shown])
 
     def _said(self) -> Iterator[tuple[str, str]]:
-        if self.diagnosis:
-            yield "likely", self.diagnosis
+        yield from zip(("likely", *["or"] * len(self.diagnoses)), self.diagnoses.values(), strict=False)
         if not self.check.whole:
             yield from self._increment()
         yield "violated", f"{self.check.formula}: {self.message}"
-        yield "tolerance", self.check.tolerance
+        yield "tolerance", self.check.tolerance + (f"; passes at an accuracy of {self.passes_at:g}" if self.passes_at else "")
         yield "source", self.check.source
         if self.explains:
             yield "explains", f"{', '.join(self.explains)}, which failed too"

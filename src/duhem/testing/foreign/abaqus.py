@@ -32,7 +32,7 @@ _NAMES = (*_RETURNED, *_GIVEN, "the length of CMNAME")
 _KINDS = "p" * len((*_RETURNED, *_GIVEN)) + "n"
 _KEPT = frozenset(_GIVEN) - {"PNEWDT"}
 _ORDERS = {"abaqus": ("xx", "yy", "zz", "xy", "xz", "yz"), "voigt": ("xx", "yy", "zz", "yz", "xz", "xy")}
-_SECONDS = 20.0  # that all increments of one call may take
+_SECONDS = 10.0  # that all increments of one call may take
 _SAFE = "duhem_umat"  # of the stubs: it comes back from XIT
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 

@@ -19,7 +19,7 @@ __all__ = ["ELASTIC", "Material", "MaterialState", "advanced", "from_material", 
 ELASTIC = 1e-9  # relative error in stress up to which an answer counts as elastic
 _DECADES = range(-12, 4)  # of strains or displacements
 _LINEAR = 3  # decades of them in which a material is elastic, at least
-_MILLIONTH = 1e-6
+_MILLIONTH, _AT_ONCE = 1e-6, 1e-15  # the second in s
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,8 @@ class Material:
     """``stiffness`` (d, d), the elastic one, symmetric and positive definite; ``variables`` (s,) at the beginning, where stress is 0.
 
     A stiffness that is None is measured, of a material with so many components as ``components`` has names.  ``temperature`` is that
-    of all its points, where it is given one, and ``state`` says where the variables of a law stand in its own.
+    of all its points, where it is given one, and ``state`` says where the variables of a law stand in its own;
+    ``pressed``: it needs a pressure, under which nobody measures its stiffness.
     ``energies``: whether the routine returns both energies; ``towards``, of a routine whose only state is its stress, advances to a
     trial stress instead of by an increment; ``line``: Python that makes it again as ``update``, where known.
     InputError for a stiffness that is none.
@@ -85,6 +86,7 @@ class Material:
     components: tuple[str, ...] = ()
     temperature: float | None = None
     state: Mapping[str, Any] | None = None
+    pressed: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "variables", np.array(self.variables, dtype=np.float64).ravel())
@@ -116,16 +118,17 @@ class Material:
         """The stiffness (d, d) that first small steps either way show; None where they show none.
 
         Strains grow by decades from 1e-12 on until an answer is no longer linear, so that no more is asked than its limit and a decade.
-        Of the longest run of decades that agree to a millionth the third counts: there neither curvature nor rounding has a part.
+        Of the longest run of decades that agree to a millionth the third counts: there neither curvature nor rounding has a part.  They take
+        so little time that nothing creeps.
         """
-        if self.towards is not None:
+        if self.towards is not None or self.pressed:
             return None
         d = len(self.components) if self.stiffness is None else len(np.asarray(self.stiffness))
         runs: list[list[Array]] = [[]]
         for power in _DECADES:
             try:
                 with np.errstate(all="ignore"):
-                    after = self.advance(self.virgin(2 * d), 10.0**power * np.vstack([np.eye(d), -np.eye(d)]), None, 1.0)
+                    after = self.advance(self.virgin(2 * d), 10.0**power * np.vstack([np.eye(d), -np.eye(d)]), None, _AT_ONCE)
                     there, back = np.split(np.asarray(after.stress, dtype=np.float64), 2)
                     slope, apart = (there - back).T / (2.0 * 10.0**power), np.abs(there + back).max() / (2.0 * 10.0**power)
             except (Exception, SystemExit):  # a check tells of it
