@@ -12,7 +12,7 @@ import sys
 from time import monotonic
 
 from duhem.testing import conformance
-from tests.testing.hardening import KINDS, MISTAKES, hardening
+from tests.testing.hardening import KINDS, MISTAKES, PAIRS, hardening
 
 
 def main(examples: int, numbers: list[int]) -> None:
@@ -28,6 +28,16 @@ def main(examples: int, numbers: list[int]) -> None:
         mark = "" if words in told else "NOT NAMED " if first is not None else "NOT FOUND "
         print(f"{mark}{number} ({kind}, {monotonic() - begun:.1f} s): {'' if first is None else first.check.name}: {told[:160]}", flush=True)
     print(f"{found} of {len(numbers or MISTAKES)} found, {named} named as the first cause")
+    both = 0
+    for kind, one, other in () if numbers else PAIRS:
+        law, material, parameters = hardening(kind, one, other)
+        report = conformance(law, material, parameters, max_examples=min(examples, 40), rows=10, tries=20, seed=1)
+        told = " ".join(str(failure) for failure in report.failures)
+        lost = [number for number in (one, other) if MISTAKES[number][1].split(", not ")[0] not in told]
+        both += not lost
+        print(f"{one} and {other} ({kind}): {f'{lost} not named: ' if lost else 'both named: '}", end="")
+        print("; ".join(f"{f.check.name}: {' or '.join(f.diagnoses.values())[:120]}" for f in report.failures), flush=True)
+    print(f"of {len(PAIRS)} pairs both are named in {both}")
     alarms = 0
     for kind in () if numbers else KINDS:
         for seed in range(3):

@@ -62,10 +62,11 @@ def written(source: str) -> Path:
 
 
 @cache
-def compiled_with(source: Path, bug: int) -> Path:
-    """A source in C with one of its bugs, compiled without a warning."""
-    made = _folder() / f"{source.stem}-{bug}.so"
+def compiled_with(source: Path, bug: int, other: int | None = None) -> Path:
+    """A source in C with one of its bugs, or two, compiled without a warning."""
+    made = _folder() / f"{source.stem}-{bug}-{other}.so"
     command = [compiler("CC", "cc", "gcc", "clang"), "-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", f"-DBUG={bug}"]
+    command += [] if other is None else [f"-DOTHER={other}"]
     subprocess.run([*command, str(source), "-o", str(made), "-lm"], check=True)
     return made
 

@@ -11,7 +11,7 @@ from duhem.law.state import Variable
 from duhem.testing.foreign import umat
 from tests.testing.examples import compiled_with, elastic
 
-__all__ = ["KINDS", "MISTAKES", "UNNAMED", "hardening", "law"]
+__all__ = ["KINDS", "MISTAKES", "PAIRS", "UNNAMED", "hardening", "law"]
 
 SOURCE = Path(__file__).with_name("hardening.c")
 YOUNG, NU = 200e3, 0.3
@@ -71,6 +71,13 @@ MISTAKES: dict[int, tuple[str, str]] = {
     45: ("recovering", "in the evolution of X, gamma is taken 2 times as large"),
     46: ("recovering-at-rest", "in the evolution of X, c is taken 3 times as large"),
 }
+# two at once, which a law of the kind shows
+PAIRS: list[tuple[str, int, int]] = [
+    ("isotropic", 2, 25), ("isotropic", 2, 5), ("isotropic", 3, 7), ("isotropic", 18, 3), ("isotropic", 17, 38), ("isotropic", 19, 2),
+    ("kinematic", 9, 25), ("kinematic", 9, 4), ("kinematic", 10, 3), ("kinematic", 11, 27), ("kinematic", 13, 17), ("kinematic", 13, 18),
+    ("kinematic", 22, 6), ("recovering", 14, 18), ("recovering", 14, 4), ("recovering", 12, 29), ("recovering-at-rest", 15, 17),
+    ("recovering-at-rest", 16, 5), ("warm", 20, 3), ("warm", 20, 27),
+]  # fmt: skip
 UNNAMED = {23, 31, 32, 37, 39}  # found, and told by what is violated alone
 
 
@@ -97,7 +104,7 @@ def law(kind: str) -> Criterion:
     )  # fmt: skip
 
 
-def hardening(kind: str, mistake: int = 0, **options: Any) -> tuple[Criterion, Any, dict[str, Any]]:
+def hardening(kind: str, mistake: int = 0, other: int | None = None, **options: Any) -> tuple[Criterion, Any, dict[str, Any]]:
     """What conformance is given: law, material and parameters."""
     values, known = _NONE | KINDS[kind], law(kind)
     parameters: dict[str, Any] = {name: values[name] for name in known.parameters if name in values}
@@ -106,4 +113,4 @@ def hardening(kind: str, mistake: int = 0, **options: Any) -> tuple[Criterion, A
     state = {"p": 0, "u_in": slice(1, 7)} | ({"X": slice(7, 13)} if "C" in KINDS[kind] else {})
     given = {"isolated": False, "nstatv": 13, "state": state} | options
     props = [YOUNG, NU, *(values[name] for name in ("R", "Q", "b", "H", "C", "gamma", "c", "a", "T0"))]
-    return known, umat(compiled_with(SOURCE, mistake), props, elastic(YOUNG, NU), **given), parameters
+    return known, umat(compiled_with(SOURCE, mistake, other), props, elastic(YOUNG, NU), **given), parameters

@@ -311,7 +311,7 @@ def diagnosed(failures: Iterable[Failure], asked: Callable[[Case], Query], made:
     """
     told: list[Failure] = []
     tried: Counter[Part] = Counter()
-    of_a_case: dict[bytes, dict[str, str]] = {}
+    of_a_case: dict[tuple[object, ...], dict[str, str]] = {}
     for failure in sorted(failures, key=likeliest_first):
         now, known = replace(failure, origin=made), failure.law is not None
         gone = known and not failure.alone and isnan(failure.measured)  # it did not show when asked again, and would not here
@@ -322,7 +322,8 @@ def diagnosed(failures: Iterable[Failure], asked: Callable[[Case], Query], made:
                 now = replace(now, diagnoses=instead(now, asked, accused))
                 tried[part] += _TRIED if now.diagnoses else 1
             elif not known:
-                key = failure.check.of_states.to_bytes() + failure.case.path.tobytes() + failure.case.trial.tobytes()
+                which = failure.check.of_states or failure.check.name
+                key = which, failure.case.path.tobytes(), failure.case.trial.tobytes()
                 if key not in of_a_case:
                     of_a_case[key] = _of_a_history(now, asked)
                 now = replace(now, diagnoses=of_a_case[key])

@@ -99,7 +99,12 @@ class _Probe:
             yield "imprecise", f"the stress is right to {off:.1g} of it only: single precision, a loose tolerance, or too high an accuracy"
             return
         if wrong.sum() >= _LEAST:
-            yield from self._of_the_criterion(wrong)
+            found = [*self._of_the_criterion(wrong, step.ended)]
+            if not found:  # what is stored may be wrong too: with what the law's evolution gives
+                meant = step.ended.copy()
+                meant[:, self.inner][:, step.of.known] = (step.begun[:, self.inner] + step.moved)[:, step.of.known]
+                found = [*self._of_the_criterion(wrong, meant)]
+            yield from found
             yield from self._of_the_direction(wrong)
             moved, rate, multiplier = step.moved, step.rate, step.multiplier
             flow = np.einsum("ns,nsi->ni", multiplier, step.flow)
@@ -107,7 +112,7 @@ class _Probe:
             end, multiplier = self.reference.chi, self.reference.multiplier
             flow, rate = step.flows(end)
             moved, flow = (end - step.begun)[:, self.inner], np.einsum("ns,nsi->ni", multiplier, flow)
-            yield from self._of_what_is_kept(chosen)
+        yield from self._of_what_is_kept(chosen)
         rest = chosen & ~flowed & ~step.slipped & (self.reference.multiplier.sum(axis=1) == 0.0)
         off = np.abs(step.change - moved) > 2.0 * step.allowed + self.near * np.abs(moved)
         for stem, at in _stems(self.names).items():
@@ -232,7 +237,7 @@ class _Probe:
         taken = np.concatenate([forces, chi], axis=1)
         return np.max([criterion.first(taken, others)[0] for criterion, _, _ in self.own.criteria], axis=0)
 
-    def _instead(self) -> Iterator[tuple[str, str, Array, Array]]:
+    def _instead(self, end: Array) -> Iterator[tuple[str, str, Array, Array]]:
         """What may stand in the criterion in the place of something: a name, words, forces and chi."""
         (forces_0, forces), law, step = self.forces, self.own.law, self.step
         observed = {*law.variables.observed(), *(() if law.energy is not None else law.forces)}  # type: ignore[attr-defined]
@@ -248,34 +253,38 @@ class _Probe:
             ):
                 changed = forces.copy()
                 changed[:, at] = other[:, at]
-                yield f"{key} {named}", said, changed, step.ended
+                yield f"{key} {named}", said, changed, end
         for stem, at in _stems(self.names).items():
             columns = [self.inner.start + i for i in at if i in step.of.known]
             for key, chi, said in (
-                ("left-out", 0.0 * step.ended, f"{stem} does not enter the yield check"),
+                ("left-out", 0.0 * end, f"{stem} does not enter the yield check"),
                 ("old-in-check", step.begun, f"{stem} in the yield check is that before the step: the hardening of the old step"),
-                ("opposite-in-check", -step.ended, f"{stem} enters the yield check with the opposite sign"),
+                ("opposite-in-check", -end, f"{stem} enters the yield check with the opposite sign"),
             ):
-                changed = step.ended.copy()
+                changed = end.copy()
                 changed[:, columns] = chi[:, columns]
                 if columns:
                     yield f"{key} {stem}", said, forces, changed
 
-    def _of_the_criterion(self, wrong: NDArray[np.bool_]) -> Iterator[tuple[str, str]]:
-        step, level = self.step, step_level(self.step)
+    def _of_the_criterion(self, wrong: NDArray[np.bool_], end: Array) -> Iterator[tuple[str, str]]:
+        """What the yield check takes instead, the state at the end of the steps being ``end``."""
+        step = self.step
+        if not self.own.criteria:
+            return
+        forces = self.forces[1]
+        level = self._level(forces, end, step.others)
         rows = wrong & ~(np.abs(level) <= 4.0 * step.level_allowed.min(axis=1, initial=np.inf))
-        if not self.own.criteria or rows.sum() < _LEAST:
+        if rows.sum() < _LEAST:
             return
         allowed = 8.0 * step.level_allowed.max(axis=1) + self.near * step.size.max(axis=1)
-        for name, said, forces, chi in self._instead():
-            if (np.abs(self._level(forces, chi, step.others))[rows] <= allowed[rows]).all():
+        for name, said, changed, chi in self._instead(end):
+            if (np.abs(self._level(changed, chi, step.others))[rows] <= allowed[rows]).all():
                 yield name, said
         i = int(np.flatnonzero(rows)[np.abs(level[rows] / allowed[rows]).argmax()])
-        forces = self.forces[1]
         if (warm := self.own.law.temperature) is not None:
 
             def at(factor: float) -> Array:
-                chi = step.ended.copy()
+                chi = end.copy()
                 chi[:, -1] *= factor
                 return self._level(forces, chi, step.others)
 
@@ -287,14 +296,14 @@ class _Probe:
             def of(factor: float, place: int = place) -> Array:
                 others = [*step.others]
                 others[place] = factor * others[place]
-                return self._level(forces, step.ended, others)
+                return self._level(forces, end, others)
 
             for factor in _roots(lambda c, of=of: float(of(c)[i])):  # type: ignore[misc]
                 if (np.abs(of(factor))[rows] <= allowed[rows]).all():
                     yield f"parameter {name}", f"in the yield check {name} is taken as {factor * step.others[place][0]:.6g}, not {step.others[place][0]:.6g}"
 
-        for factor in _roots(lambda c: float(self._level(c * forces, step.ended, step.others)[i])):
-            if (np.abs(self._level(factor * forces, step.ended, step.others))[rows] <= allowed[rows]).all():
+        for factor in _roots(lambda c: float(self._level(c * forces, end, step.others)[i])):
+            if (np.abs(self._level(factor * forces, end, step.others))[rows] <= allowed[rows]).all():
                 yield "size of the stress", f"the stress in the yield check is {factor:.6g} times what it is, or the limit {1.0 / factor:.6g} times"
 
     def _of_the_direction(self, wrong: NDArray[np.bool_]) -> Iterator[tuple[str, str]]:
@@ -310,7 +319,7 @@ class _Probe:
             amount = (change * way).sum(axis=1) / (way * way).sum(axis=1)
             return bool(self.same(change, amount[:, None] * way, np.linalg.norm(change, axis=1, keepdims=True)).all() and (amount > 0.0).all())
 
-        for name, said, forces, chi in self._instead():
+        for name, said, forces, chi in self._instead(step.ended):
             taken = np.concatenate([forces, chi], axis=1)
             if associated and along(criterion.first(taken, step.others)[1][rows][:, place]):
                 yield f"direction {name}", f"the plastic strain goes where it would if {said.replace('the yield check', 'its direction')}"
@@ -323,11 +332,6 @@ class _Probe:
             least = float(np.median(ratios))
             odd = ", ".join(f"{self.names[slips[j]]} {r / least:.6g}" for j, r in enumerate(ratios) if abs(r / least - 1.0) > 1e-6)
             yield "components of the flow", f"components of the plastic strain are too large or small beside the others, by these factors: {odd}"
-
-
-def step_level(step: LawStep) -> Array:
-    """The greatest g (M,) at the end of steps."""
-    return step.level.max(axis=1, initial=-np.inf)
 
 
 def replace_others(step: LawStep, others: Sequence[Array]) -> LawStep:
