@@ -26,7 +26,9 @@ def main(examples: int, numbers: list[int]) -> None:
         told = "" if first is None else first.diagnosis or first.message
         found, named = found + (not report.ok), named + (words in told)
         mark = "" if words in told else "NOT NAMED " if first is not None else "NOT FOUND "
-        print(f"{mark}{number} ({kind}, {monotonic() - begun:.1f} s): {'' if first is None else first.check.name}: {told[:160]}", flush=True)
+        print(
+            f"{mark}{number} ({kind}, {monotonic() - begun:.1f} s): {'' if first is None else first.check.name}: {told[:160]}", flush=True
+        )
     print(f"{found} of {len(numbers or MISTAKES)} found, {named} named as the first cause")
     both = 0
     for kind, one, other in () if numbers else PAIRS:

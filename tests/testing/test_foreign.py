@@ -210,7 +210,11 @@ def test_a_call_without_end_is_an_error_that_names_its_increment(many: Path, tmp
     options = {"stiffness": [1.0], "max_examples": 3, "rows": 4, "tries": 5, "seed": 0}
     report = conformance(None, update, **options)
     failure = report.unfinished
-    assert not report.ok and failure is not None and re.search(r"endless of .*\.so has not answered within 0\.5 s; check its loops", report.ended)
+    assert (
+        not report.ok
+        and failure is not None
+        and re.search(r"endless of .*\.so has not answered within 0\.5 s; check its loops", report.ended)
+    )
     assert failure.case.trial[0, 0] > 2 or failure.case.path.max() > 2
     assert report.ended.startswith("Unfinished: trial [") and f"in the check {failure.check.name}" in report.ended
     (tmp_path / "test_replay.py").write_text(failure.replay(), "utf-8")
@@ -294,7 +298,7 @@ def test_what_is_missing_is_told(many: Path, tmp_path: Path) -> None:
         umat(many, [], -np.eye(6), symbol="crash")
     with pytest.raises(InputError, match="a material contains its own stiffness; give"):
         conformance(None, mises()["update"], stiffness=[1.0])
-    with pytest.raises(InputError, match="the law has 2 components of stress .*, and the routine 6"):
+    with pytest.raises(InputError, match=r"the law has 2 components of stress .*, and the routine 6"):
         conformance("coulomb", mises()["update"], {"mu": 0.3})
     with pytest.raises(InputError, match="must give the number of forces"):
         conformance(None, friction()["update"])

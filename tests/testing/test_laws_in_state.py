@@ -131,9 +131,9 @@ def test_what_cannot_be_held_to_a_law_is_told() -> None:
         conformance(law, material, parameters, state={"X": slice(7, 13)})
     with pytest.raises(InputError, match=r"'X' has 6 components, and the places .* of 13 are 2"):
         conformance(law, material, parameters, state={"p": 0, "X": [7, 8]})
-    with pytest.raises(InputError, match="the law has 2 components of stress .* and the routine 6"):
+    with pytest.raises(InputError, match=r"the law has 2 components of stress .* and the routine 6"):
         conformance("prager", material, PRAGER["parameters"])
-    with pytest.raises(InputError, match="unknown name|is not declared|unknown"):
+    with pytest.raises(InputError, match=r"unknown name|is not declared|unknown"):
         conformance(law, material, parameters, state={"p": 0, "Z": 3})
     with pytest.raises(InputError, match="the temperature T has no value"):
         conformance(*hardening("warm")[:2], {"R": 1.0, "H": 1.0, "a": 0.1, "T0": 1.0})
@@ -165,7 +165,11 @@ def bar(yields: float = 1.0, literal: float = 0.0, raises: float = 1.0, seed: in
 
 def test_a_stiffness_in_single_precision_is_told_and_hides_nothing() -> None:
     report = conformance(None, bar(literal=4e-8), **FEW)
-    assert report.failed == {"elasticity"} and "off by 4e-08" in report.failures[0].message and "single-precision" in report.failures[0].message
+    assert (
+        report.failed == {"elasticity"}
+        and "off by 4e-08" in report.failures[0].message
+        and "single-precision" in report.failures[0].message
+    )
     assert report.visited["slip"] > 0.2
     assert conformance(None, bar(literal=4e-8), accuracy=1e-6, **FEW).ok
 
@@ -186,7 +190,9 @@ def test_increments_are_of_the_size_that_is_asked_for() -> None:
     def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
         seen.append(np.abs(increment).max())
         trial = before.stress + increment
-        return MaterialState(before.strain + increment, np.stack([np.clip(trial[:, 0], -1e-3, 1e-3), trial[:, 1]], axis=1), before.variables)
+        return MaterialState(
+            before.strain + increment, np.stack([np.clip(trial[:, 0], -1e-3, 1e-3), trial[:, 1]], axis=1), before.variables
+        )
 
     material = Material(advance, np.eye(2), ())
     assert conformance(None, material, **FEW).ok and max(seen) < 1.0

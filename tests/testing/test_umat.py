@@ -82,14 +82,19 @@ def test_what_abaqus_offers_is_there(source) -> None:  # type: ignore[no-untyped
     rotsig_(s, back, turned, &kind, &normal, &shear);
     getvrm_("S", &none, cmname, cmname, &code, &no, &no, &no, &no);
     (void)r;
-    const double found[13] = {p, q, values[0], values[1], values[2], fabs(axes[0] * axes[3]), turned[0], turned[1], turned[2], turned[3], code, 0, 0};
+    const double found[13] = {p, q, values[0], values[1], values[2], fabs(axes[0] * axes[3]), turned[0],
+                              turned[1], turned[2], turned[3], code, 0, 0};
     for (int i = 0; i < 13; i++) statev[i] = found[i];
 }
 """
     material = umat(source(text, ""), nstatv=13)
     found = material.advance(material.virgin(1), np.zeros((1, 6)), None, 1.0).variables[0]
     assert found[:2].tolist() == pytest.approx([2.0, np.sqrt(3.0)]) and sorted(found[2:5]) == pytest.approx([1.0, 2.0, 3.0])
-    assert found[5] == pytest.approx(0.5) and sorted(found[6:8]) == pytest.approx([2.0, 3.0]) and found[8:11].tolist() == pytest.approx([1.0, 0.0, 1.0])
+    assert (
+        found[5] == pytest.approx(0.5)
+        and sorted(found[6:8]) == pytest.approx([2.0, 3.0])
+        and found[8:11].tolist() == pytest.approx([1.0, 0.0, 1.0])
+    )
 
 
 @pytest.mark.parametrize("end", ["xit_();", "{const int level = -3; stdb_abqerr_(&level, 0, 0, 0, 0, 0, 0);}", "*pnewdt = 0.25;"])

@@ -181,8 +181,8 @@ def conformance(
     and of routines without a law ``scale`` is the size of the elastic range as a strain (by default it is looked for), and
     ``largest_strain`` bounds every increment (default: 100 times the typical elastic strain).
 
-    A failing check is data in the report and not an exception: see :func:`assert_conforms`.  So is an interrupt, and a routine that does not
-    come back (:attr:`Report.ended`), with what was found before.  Raises InputError for invalid arguments:
+    A failing check is data in the report and not an exception: see :func:`assert_conforms`.  So is an interrupt, and a
+    routine that does not come back (:attr:`Report.ended`), with what was found before.  Raises InputError for invalid arguments:
     no check, an accuracy that is not between 0 and 1, a count below 1, a stiffness that is not symmetric and positive definite, a
     pressure > 0 (sigma_n <= 0 in compression).
     """
@@ -199,7 +199,7 @@ def conformance(
         check_share(most_flagged, "most_flagged")
     drawn = {"stiffness": stiffness, "pressure": pressure, "max_examples": max_examples, "rows": rows, "every": every, "seed": seed}
     drawn |= {"largest_strain": largest_strain, "scale": scale}
-    told = {"accuracy": accuracy, "tries": tries, "seconds": seconds, "expected": expected_failed_checks, "given": law}
+    told: dict[str, Any] = {"accuracy": accuracy, "tries": tries, "seconds": seconds, "expected": expected_failed_checks, "given": law}
     told |= {"held_to": held_to, "state": state if state is not None else getattr(update, "state", None)}
     run = ConformanceRun(known, update if known is None else _routine(update), parameters, asked, **told, **drawn)  # type: ignore[arg-type]
     run.try_first(first)

@@ -53,7 +53,8 @@ class ConformanceRun:
     """What a routine is held to, and what was found on the way; :meth:`report` may be asked before it has ended.
 
     ``law`` is None where none is known: the routine, or a material with its own stiffness and parameters, is put to the checks that need
-    none; with ``state``, the places of the variables of ``held_to``, a material is also held to that law.  ``options`` are those of :class:`RunOptions`.
+    none; with ``state``, the places of the variables of ``held_to``, a material is also held to that law.  ``options`` are those of
+    :class:`RunOptions`.
     """
 
     def __init__(

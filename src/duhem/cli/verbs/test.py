@@ -172,7 +172,7 @@ def test(
     material = _material(subject, own, props, nstatv, ntens, places, fixed["stiffness"])
     asked_for = _checks(None if free else subject, named, expected, material is not None and law is not None)
     if material is not None:
-        routines, left_out = _held(subject, material, law, settings, places, held_to), {}
+        routines, left_out = _held(subject, material, law, settings, places, held_to), dict[str, str]()
         fixed["stiffness"] = None
     else:
         routines, left_out = _routines(subject, law, free, settings, held_to, stiffness)

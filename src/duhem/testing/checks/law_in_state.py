@@ -13,11 +13,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import sympy as sp
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
@@ -53,8 +52,8 @@ class Kept:
 class LawInState:
     """``own`` is the law as its steps take it; ``columns`` (o,) has the component of the material of each observable.
 
-    ``numbers`` are the parameters by name; ``first`` what is read from the state alone, for the internal variables ``known``, and
-    ``slips`` those read from the stress; ``more`` what is kept of these too.
+    ``observed`` are the forces whose observables are the strains, ``numbers`` the parameters by name; ``first`` is what is read from the
+    state alone, for the internal variables ``known``, and ``slips`` those read from the stress; ``more`` is what is kept of these too.
     """
 
     own: StateLaw
@@ -63,7 +62,8 @@ class LawInState:
     first: tuple[Kept, ...]
     known: NDArray[np.intp]
     slips: NDArray[np.intp]
-    more: tuple[Kept, ...] = field(default=())
+    observed: frozenset[str]
+    more: tuple[Kept, ...] = ()
 
     @classmethod
     def of(cls, law: Criterion, material: Material, parameters: Mapping[str, Any], state: Places) -> LawInState:
@@ -90,7 +90,7 @@ class LawInState:
         numbers = {n: float(x.value) for n, x in fixed.parameters.items() if x.value is not None and n not in law.variables}
         kept = [*_read_places(own, state, material, tails, where)]
         inner = own.names[d : d + own.internal]
-        observed = {*law.variables.observed(), *(() if law.energy is not None else law.forces)}  # type: ignore[attr-defined]
+        observed = frozenset((*law.variables.observed(), *(() if law.energy is not None else law.forces)))  # type: ignore[attr-defined]
         slipping = {int(own.order[i]) for i, f in enumerate(law.forces) if f in observed}
 
         def within(each: Kept) -> set[int]:
@@ -106,7 +106,7 @@ class LawInState:
             what = f"{len(first)} places cannot tell {', '.join(inner[i] for i in known)}"
             raise InputError(what, where=where, remedy="give a place for each")
         more = tuple(each for each in kept if each not in first)
-        return cls(own, numbers, columns, first, np.array(known, dtype=np.intp), np.array(slips, dtype=np.intp), more)
+        return cls(own, numbers, columns, first, np.array(known, dtype=np.intp), np.array(slips, dtype=np.intp), observed, more)
 
     # -- reading -------------------------------------------------------------------------------------------------------
 
@@ -131,7 +131,11 @@ class LawInState:
             found = [each.formula.first(at, others) for each in self.first]
             values = state.variables[:, [each.place for each in self.first]]
             off = np.stack([value for value, _ in found], axis=1) - values
-            return off, np.stack([slope for _, slope in found], axis=1)[:, :, o + self.known], np.abs(values).max(axis=1) + np.abs(off).max(axis=1)
+            return (
+                off,
+                np.stack([slope for _, slope in found], axis=1)[:, :, o + self.known],
+                np.abs(values).max(axis=1) + np.abs(off).max(axis=1),
+            )
 
         def of_stress(at: Array) -> tuple[Array, Array, Array]:
             _, force, hessian = own.free_energy(at, others)
@@ -169,6 +173,11 @@ def _solve(chi: Array, columns: NDArray[np.intp], equations: Callable[[Array], t
             break
 
 
+def _spelled(text: str, names: Mapping[str, str]) -> str:
+    """The text with other names in the places of some."""
+    return _WORD.sub(lambda m: names.get(m[0], m[0]), text)
+
+
 def as_places(given: int | slice | Sequence[int], material: Material) -> list[int]:
     """The places in the state of a material that are given as a number, several, or a slice."""
     size = len(np.asarray(material.variables))
@@ -191,8 +200,9 @@ def _read_places(own: StateLaw, state: Places, material: Material, tails: Sequen
     ends, found, size = material.components or tuple(tails), [], len(np.asarray(material.variables))
     for told, places in state.items():
         at = as_places(places, material)
-        groups = [w for w in _WORD.findall(told) if w not in known and all(f"{w}_{end}" in known for end in ends)]
-        texts = [_WORD.sub(lambda m, e=end: f"{m[0]}_{e}" if m[0] in groups else m[0], told) for end in ends] if groups else [told]  # type: ignore[misc]
+        inside = {w: [f"{w}_{end}" for end in ends] for w in _WORD.findall(told) if w not in known}
+        tensors = {w: parts for w, parts in inside.items() if {*parts} <= {*known}}
+        texts = [_spelled(told, {w: parts[i] for w, parts in tensors.items()}) for i in range(len(ends) if tensors else 1)]
         if len(texts) != len(at) or not all(isinstance(p, int) and 0 <= p < size for p in at):
             what = f"{told!r} has {len(texts)} components, and the places {places!r} of {size} are {len(at)}"
             raise InputError(what, where=where, remedy="count from 0, and give NSTATV, or all variables, where the material is made")
@@ -226,19 +236,19 @@ class LawStep:
         with np.errstate(all="ignore"):
             self._measure()
 
-    def equations(self, multiplier: Array, dt: Array, chi: Array | None = None) -> StepEquations:
-        """The equations of the law's step at the end, or at ``chi``."""
+    def equations(self, multiplier: Array, dt: Array, chi: Array | None = None, others: Sequence[Array] | None = None) -> StepEquations:
+        """The equations of the law's step at the end, or at ``chi``, with other numbers too."""
         own, n = self.of.own, len(self.ended)
         flags, none = np.ones((n, multiplier.shape[1]), dtype=np.bool_), np.zeros((n, own.internal))
         at = Guess(self.ended if chi is None else chi, multiplier, none, flags, none > 0.0)
-        return own.system(at, self.begun, none[:, : own.observables], dt, self.others)
+        return own.system(at, self.begun, none[:, : own.observables], dt, self.others if others is None else others)
 
-    def flows(self, chi: Array | None = None) -> tuple[Array, Array]:
+    def flows(self, chi: Array | None = None, others: Sequence[Array] | None = None) -> tuple[Array, Array]:
         """h (M, S, internal) and dt r (M, internal) at the end, or at ``chi``; 0 where a flow has no value."""
         many, n = len(self.of.own.criteria), len(self.ended)
         zero, unit = np.zeros((n, many)), np.eye(many)
-        rate = np.nan_to_num(self.equations(zero, self.dt, chi).flow)
-        found = [np.nan_to_num(self.equations(zero + unit[s], 0.0 * self.dt, chi).flow) for s in range(many)]
+        rate = np.nan_to_num(self.equations(zero, self.dt, chi, others).flow)
+        found = [np.nan_to_num(self.equations(zero + unit[s], 0.0 * self.dt, chi, others).flow) for s in range(many)]
         return np.stack(found, axis=1) if many else np.zeros((n, 0, rate.shape[1])), rate
 
     def _measure(self) -> None:
@@ -267,7 +277,9 @@ class LawStep:
         length = np.linalg.norm(drawn, axis=2)
         off = error if slips.size else np.linalg.norm(delta, axis=1)
         self.multiplier_error = 2.0 * off[:, None] / np.where(length > 0.0, length, np.inf)
-        delta = delta + np.where(np.isin(np.arange(own.internal), slips), 0.0, (np.abs(self.flow) * self.multiplier_error[:, :, None]).sum(axis=1))
+        delta = delta + np.where(
+            np.isin(np.arange(own.internal), slips), 0.0, (np.abs(self.flow) * self.multiplier_error[:, :, None]).sum(axis=1)
+        )
         self.multiplier = np.zeros((len(error), len(own.criteria)))
         found = self.equations(self.multiplier, self.dt)
         slope = found.by_state[:, own.internal :, :]

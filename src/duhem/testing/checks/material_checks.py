@@ -77,8 +77,8 @@ _as_of_a_law(
     statement="where a first small step can be undone, and the opposite one has the opposite answer, it is that of the stiffness given",
     formula="sigma(du) = k du, where -du/2 after du leads back to half the stress, -du to none, and sigma(-du) = -sigma(du)",
     source="the stiffness that all else is measured with; shear strains of the tensor and of engineers differ by a factor of two",
-    tolerance="accuracy, of what small steps of 1e-12 and more show; where these show no linear range, |sigma - k du| <= |k du|/1000 at the "
-    "smallest of three steps",
+    tolerance="accuracy, of what steps from 1e-12 on show; where these show no linear range, |sigma - k du| <= |k du|/1000 at the smallest "
+    "of three steps",
     again=True,
 )
 def elasticity(h: HistoryQuery) -> Finding:
@@ -107,8 +107,9 @@ def _against_the_measured(h: HistoryQuery, k: Array) -> Finding:
     inverse = np.linalg.inv(np.linalg.cholesky(k))
     off = float(np.abs(inverse @ (given - k) @ inverse.T).max())
     i, j = np.unravel_index(np.argmax(np.abs(given - k) / np.sqrt(np.outer(np.diag(k), np.diag(k)))), k.shape)
-    literal = "; a single-precision literal?" if 1e-9 < off < 1e-6 else ""
-    literal = "; a shear strain of the tensor taken for one of engineers?" if i == j and round(k[i, j] / given[i, j], 6) in (0.5, 2) else literal
+    halved = i == j and round(k[i, j] / given[i, j], 6) in (0.5, 2.0)
+    shear = "; a shear strain of the tensor taken for one of engineers?" if halved else ""
+    literal = "; a single-precision literal?" if 1e-9 < off < 1e-6 else shear
     said = f"the stiffness measured from the routine is off by {off:.2g} of the one given: in components ({i + 1}, {j + 1}) it is "
     said += f"{k[i, j]:.10g}, not {given[i, j]:.10g}{literal}"
     allowed = h.accuracy + 1e3 * np.finfo(np.float64).eps

@@ -428,8 +428,9 @@ def histories(
     """A :class:`Case` of ``rows`` histories of the material that ``made`` makes; ``values`` are numbers or strategies, by name.
 
     Increments are drawn in multiples of the elastic range, which is looked for, or is the stress of the strain ``scale``; no strain is
-    larger than ``largest_strain``, 100 times the typical elastic one if left out.  A leg of a ``timed`` one takes ``factor`` s.  ``searched`` counts what is found
-    (:class:`duhem.testing.checks.visited.Visited`).  The steps of a case of one shrink; those of a larger one are picked from the same tables by a seed.
+    larger than ``largest_strain``, 100 times the typical elastic one if left out.  A leg of a ``timed`` one takes ``factor`` s.
+    ``searched`` counts what is found (:class:`duhem.testing.checks.visited.Visited`).  The steps of a case of one shrink; those of a
+    larger one are picked from the same tables by a seed.
     """
     numbers = {name: float(_drawn_from(draw, value)) for name, value in values.items()}
     k = stiffness_matrix(_drawn_from(draw, stiffness), None)

@@ -84,7 +84,7 @@ def by_cause(failures: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Fa
         if met and _kind(root):
             told = max(met, key=lambda name: met[name])  # of equals the first met
             root = next(f for f in of_a_kind if told in f.diagnoses)
-            root = replace(root, diagnoses={told: root.diagnoses[told]} | ({} if root.check.of_a_law else root.diagnoses))
+            root = replace(root, diagnoses={told: root.diagnoses[told], **({} if root.check.of_a_law else root.diagnoses)})
         behind = [f for f in left if f.check != root.check and _explains(root, f, failed)]
         names = tuple(f.check.name for f in behind)
         roots.append(replace(root, explains=names))

@@ -51,7 +51,7 @@ class Failure:
     ``explains`` the checks that failed too, likely for the same reason.  ``law`` is None for a routine tested without one.
     ``drawn`` are the arguments of the run that draws all increments again, as Python, "" where these cannot be written; ``alone``: one
     increment may show it by itself, as it need not where a routine keeps something between calls.  ``held``: the arguments, as Python,
-    that hold a material to a law with a state.  ``passes_at``: the least power of ten as an accuracy at which the increment passes the check.
+    that hold a material to a law with a state.  ``passes_at``: the least power of ten as an accuracy at which the increment passes.
     """
 
     check: Check

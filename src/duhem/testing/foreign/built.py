@@ -16,6 +16,7 @@ __all__ = ["built"]
 
 _FORTRAN = (".f", ".for", ".ftn", ".f77", ".f90", ".f95", ".f03", ".f08")
 _C = (".c", ".cc", ".cpp", ".cxx")
+_COMPILERS = {"FC": ("gfortran", "ifx", "ifort", "flang"), "CC": ("cc", "gcc", "clang"), "CXX": ("c++", "g++", "clang++")}
 _STUBS = Path(__file__).with_name("abaqus_stubs.c")
 _PARAMETERS = "      implicit real*8(a-h,o-z)\n      parameter (nprecd=2)\n"
 _LINES = 12  # of what a compiler says
@@ -35,13 +36,12 @@ def built(path: str | Path) -> Path:
 
 @cache
 def _library(file: Path, fortran: bool, _: int) -> Path:
-    variable, names = ("FC", ("gfortran", "ifx", "ifort", "flang")) if fortran else ("CXX", ("c++", "g++"))
-    if file.suffix == ".c":
-        variable, names = "CC", ("cc", "gcc", "clang")
-    found = next(filter(None, map(shutil.which, filter(None, (os.environ.get(variable), *names)))), None)
+    kind = "FC" if fortran else "CC" if file.suffix == ".c" else "CXX"
+    names = _COMPILERS[kind]
+    found = next(filter(None, map(shutil.which, filter(None, (os.environ.get(kind), *names)))), None)
     if found is None:
         what = f"there is no compiler: none of {', '.join(names)} is on the path"
-        raise InputError(what, where=str(file), remedy=f"install one, name it in {variable}, or give the compiled library (.so)")
+        raise InputError(what, where=str(file), remedy=f"install one, name it in {kind}, or give the compiled library (.so)")
     folder = Path(mkdtemp(prefix="duhem-built-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     for name in ("ABA_PARAM.INC", "aba_param.inc"):  # a folder of its own, as some systems take both for one

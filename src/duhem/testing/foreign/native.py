@@ -156,7 +156,7 @@ class _Process:
 
     def __init__(self, path: str, symbol: str, kinds: str, seconds: float) -> None:
         self.name, self.seconds, self.late, self.waiting, self.lock = f"{symbol} of {path}", seconds, False, False, threading.Lock()
-        self.closed, self.printed = False, TemporaryFile()
+        self.closed, self.printed = False, TemporaryFile()  # noqa: SIM115 (it lives as long as the process)
         command, pipe = [sys.executable, "-P", __file__], subprocess.PIPE
         self.child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=self.printed, start_new_session=True)
         self._say((path, symbol, kinds))

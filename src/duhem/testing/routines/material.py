@@ -57,7 +57,8 @@ class MaterialState:
         """The points of all, in their order, without what is of the last step alone; an energy that one of them does not have is None."""
         names = ("strain", "stress", "variables", "stored", "dissipated", "temperature")
         parts = {name: [getattr(state, name) for state in states] for name in names}
-        return MaterialState(**{n: None if any(x is None for x in part) else np.concatenate(part) for n, part in parts.items()})
+        joined = {n: None if any(x is None for x in part) else np.concatenate(part) for n, part in parts.items()}
+        return MaterialState(**joined)  # type: ignore[arg-type]
 
 
 # advance(before (N points), increment (N, d), pressure (N,) or None, duration in s) -> the points after the step
@@ -118,8 +119,8 @@ class Material:
         """The stiffness (d, d) that first small steps either way show; None where they show none.
 
         Strains grow by decades from 1e-12 on until an answer is no longer linear, so that no more is asked than its limit and a decade.
-        Of the longest run of decades that agree to a millionth the third counts: there neither curvature nor rounding has a part.  They take
-        so little time that nothing creeps.
+        Of the longest run of decades that agree to a millionth the third counts: there neither curvature nor rounding has a part.  They
+        take so little time that nothing creeps.
         """
         if self.towards is not None or self.pressed:
             return None
@@ -154,7 +155,8 @@ class Material:
         zero, none = np.zeros((n, d)), np.zeros(n)
         energies = (none, none.copy()) if self.energies else (None, None)
         warm = None if self.temperature is None else np.full(n, self.temperature)
-        return MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), *energies, temperature=warm)
+        found = MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), *energies)
+        return found if warm is None else replace(found, temperature=warm)
 
 
 def advanced(
