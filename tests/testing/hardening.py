@@ -111,6 +111,6 @@ def hardening(kind: str, mistake: int = 0, other: int | None = None, **options: 
     if known.temperature is not None:
         parameters["T"] = [293.0, 400.0, 600.0]
     state = {"p": 0, "u_in": slice(1, 7)} | ({"X": slice(7, 13)} if "C" in KINDS[kind] else {})
-    given = {"isolated": False, "nstatv": 13, "state": state} | options
+    given: dict[str, Any] = {"isolated": False, "nstatv": 13, "state": state} | options
     props = [YOUNG, NU, *(values[name] for name in ("R", "Q", "b", "H", "C", "gamma", "c", "a", "T0"))]
     return known, umat(compiled_with(SOURCE, mistake, other), props, elastic(YOUNG, NU), **given), parameters

@@ -6,7 +6,8 @@ none asks the routine anew.  The stress may be off by u, of which each tolerance
 
 from __future__ import annotations
 
-from functools import partial
+from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,172 +18,122 @@ from duhem.testing.checks.law_in_state import LawStep
 from duhem.testing.checks.query import NothingToCheck
 from duhem.testing.checks.registry import Finding, register
 
-__all__ = ["names_of"]
+__all__: list[str] = []
 
-_of_states = partial(register, of_a_law=False, of_states=True)
-_SIMO_HUGHES = "Simo and Hughes (1998), Computational Inelasticity, chapters 1 and 3: backward Euler"
+_EULER = "Simo and Hughes (1998), Computational Inelasticity, chapters 1 and 3: backward Euler"
+_DISSIPATION = "Antoni et al. (2007), Eqs. 22-36: state laws and Clausius-Duhem"
 
-
-def names_of(step: LawStep) -> tuple[str, ...]:
-    """The names of the internal variables."""
-    own = step.of.own
-    return own.names[own.observables : own.observables + own.internal]
+# conditions (M, k) of M steps, by how much they may be violated, and what is said of a step and a condition
+Condition: TypeAlias = tuple[Array, Array, Callable[[int, int], str]]
+_Enter: TypeAlias = Callable[[Callable[[LawStep, HistoryQuery], Condition]], None]
 
 
-def _worst(h: HistoryQuery, off: Array, allowed: Array, say: object) -> Finding:
-    """Of conditions (M, k) of the steps of all rows the one that is violated most, told by ``say`` of a step and a condition."""
-    n, (many, count) = len(h.case), off.shape
+def _condition(name: str, statement: str, formula: str, tolerance: str = "what u makes of it", source: str = _EULER) -> _Enter:
+    """Return a decorator that enters a function of steps and their metric as a check."""
+
+    def add(measure: Callable[[LawStep, HistoryQuery], Condition]) -> None:
+        said = {"statement": statement, "formula": formula, "tolerance": tolerance, "source": source}
+        register(name, of_a_law=False, of_states=True, **said)(lambda h: _worst(h, *measure(h.law_step, h)))
+
+    return add
+
+
+def _worst(h: HistoryQuery, off: Array, allowed: Array, say: Callable[[int, int], str]) -> Finding:
+    """Of the conditions of the steps of each row the one that is violated most."""
+    n, (many, count), step = len(h.case), off.shape, h.law_step
     with np.errstate(all="ignore"):
         ratio = np.where(allowed > 0.0, np.abs(off) / np.where(allowed > 0.0, allowed, 1.0), np.where(off == 0.0, 0.0, np.inf))
-    ratio = np.where(np.isnan(ratio), np.inf, ratio)
-    by_row = ratio.reshape(many // n, n, count).transpose(1, 0, 2).reshape(n, -1)
+    by_row = np.where(np.isnan(ratio), np.inf, ratio).reshape(many // n, n, count).transpose(1, 0, 2).reshape(n, -1)
     at = by_row.argmax(axis=1)
-    most = by_row[np.arange(n), at]
-    said = [say(int(j // count) * n + i, int(j % count)) if most[i] > 1.0 else "" for i, j in enumerate(at)]  # type: ignore[operator]
-    return Finding(most, np.ones(n), np.array(said, dtype=object))
+    most, said = by_row[np.arange(n), at], np.full(n, "", dtype=object)
+    for i in np.flatnonzero(most > 1.0):
+        leg, j = divmod(int(at[i]), count)
+        row, own, o = leg * n + i, step.of.own, step.of.own.observables
+        state = [f"{own.names[o + v]} = {step.ended[row, o + v]:.6g}" for v in step.of.known[:4]]
+        said[i] = f"{say(row, j)}, at {', '.join([f'sigma = {_vector(step.after.stress[row])}', *state])}"
+    return Finding(most, np.ones(n), said)
 
 
-def _at(step: LawStep, i: int) -> str:
-    """The state at the end of a step, in words."""
-    own, o = step.of.own, step.of.own.observables
-    others = [f"{own.names[o + j]} = {step.ended[i, o + j]:.6g}" for j in step.of.known[:4]]
-    return f"at sigma = [{', '.join(f'{x:.6g}' for x in step.after.stress[i])}]" + "".join(f", {each}" for each in others)
+def _vector(values: Array) -> str:
+    return f"[{', '.join(f'{x:.6g}' for x in values)}]"
 
 
-@_of_states(
-    "kept-state",
-    statement="what the routine keeps of the slip is what its stress and strain say",
-    formula="sigma = d psi/d u (u, alpha)",
+@_condition(
+    "kept-state", "what the routine keeps of the slip is what its stress and strain say", "sigma = d psi/d u (u, alpha)",
     source="without it the plastic strain in the results is not that of the stress",
-    tolerance="what u makes of it",
-)
-def kept_state(h: HistoryQuery) -> Finding:
-    step, more = h.law_step, h.law_step.of.more
-    if not more:
+)  # fmt: skip
+def _(step: LawStep, h: HistoryQuery) -> Condition:
+    if not (more := step.of.more):
         raise NothingToCheck("the state has no place for what follows from the stress")
     kept, (value, allowed) = step.after.variables[:, [each.place for each in more]], step.derived()
-
-    def say(i: int, j: int) -> str:
-        return f"{more[j].told} is {value[i, j]:.6g} by stress and strain, and kept as {kept[i, j]:.6g}, {_at(step, i)}"
-
-    return _worst(h, kept - value, allowed, say)
+    return kept - value, allowed, lambda i, j: f"{more[j].told} is {value[i, j]:.6g} by stress and strain, and kept as {kept[i, j]:.6g}"
 
 
-@_of_states(
-    "stress-of-the-state",
-    statement="the stress is that of the law's energy at the state that is kept",
-    formula="sigma = d psi/d u (u, alpha)",
-    source="Antoni et al. (2007), Eqs. 22-31: the first state law",
-    tolerance="4 u",
-)
-def stress_of_the_state(h: HistoryQuery) -> Finding:
-    step, o = h.law_step, h.law_step.of.own.observables
+@_condition(
+    "stress-of-the-state", "the stress is that of the law's energy at the state that is kept", "sigma = d psi/d u (u, alpha)", "4 u",
+    _DISSIPATION,
+)  # fmt: skip
+def _(step: LawStep, h: HistoryQuery) -> Condition:
+    o = step.of.own.observables
     if len(step.of.slips) >= o:
         raise NothingToCheck("the slip is read from the stress")
-    force = step.of.own.free_energy.first(step.ended, step.others)[1][:, :o]
-    back = np.argsort(step.of.columns)
-    off = step.after.stress - force[:, back]
-    size = h.length(off)[:, None]
-
-    def say(i: int, j: int) -> str:
-        return f"the stress of the energy is [{', '.join(f'{x:.6g}' for x in force[i, back])}], {_at(step, i)}"
-
-    return _worst(h, size, 4.0 * step.slip_error[:, None], say)
+    force = step.of.own.free_energy.first(step.ended, step.others)[1][:, np.argsort(step.of.columns)]
+    off = h.length(step.after.stress - force)[:, None]
+    return off, 4.0 * step.slip_error[:, None], lambda i, j: f"the stress of the energy is {_vector(force[i])}"
 
 
-@_of_states(
-    "admissibility",
-    statement="the stress lies in K of the new state",
-    formula="g(Y; alpha) <= 0",
-    source=_SIMO_HUGHES,
-    tolerance="|dg/dY| u, and what u makes of the variables",
-)
-def admissibility(h: HistoryQuery) -> Finding:
-    step = h.law_step
+def _of_a_criterion(step: LawStep) -> None:
     if not step.level.shape[1]:
         raise NothingToCheck("a law of rates has no criterion")
+
+
+@_condition("admissibility", "the stress lies in K of the new state", "g(Y; alpha) <= 0", "|dg/dY| u, and what u makes of the variables")
+def _(step: LawStep, h: HistoryQuery) -> Condition:
+    _of_a_criterion(step)
     over = np.where(step.bound[:, None] | np.isnan(step.level), 0.0, np.maximum(step.level, 0.0))
-
-    def say(i: int, j: int) -> str:
-        return f"g = {step.level[i, j]:.4g}, {step.level[i, j] / step.size[i, j]:.3g} of the terms it is made of, {_at(step, i)}"
-
-    return _worst(h, over, 4.0 * step.level_allowed, say)
+    share = step.level / step.size
+    return over, 4.0 * step.level_allowed, lambda i, j: f"g = {step.level[i, j]:.4g}, {share[i, j]:.3g} of the terms it is made of"
 
 
-@_of_states(
-    "loading",
-    statement="what flows is at the end of K, and flows outward",
-    formula="lambda >= 0, lambda g = 0",
-    source=_SIMO_HUGHES,
-    tolerance="as of admissibility; of lambda what u makes of it",
-)
-def loading(h: HistoryQuery) -> Finding:
-    step = h.law_step
-    if not step.level.shape[1]:
-        raise NothingToCheck("a law of rates has no criterion")
+@_condition("loading", "what flows is at the end of K, and flows outward", "lambda >= 0, lambda g = 0", "that of g, and of lambda")
+def _(step: LawStep, h: HistoryQuery) -> Condition:
+    _of_a_criterion(step)
     inside = np.where(step.multiplier > 4.0 * step.multiplier_error, np.maximum(-step.level, 0.0), 0.0)
-    back = np.maximum(-step.multiplier, 0.0)
-    least = np.where(np.isfinite(step.multiplier_error), step.multiplier_error, 1.0)
-    count = inside.shape[1]
+    least, count = np.where(np.isfinite(step.multiplier_error), step.multiplier_error, 1.0), inside.shape[1]
 
     def say(i: int, j: int) -> str:
         if j >= count:
-            return f"what slips goes against the flow of the law: lambda = {step.multiplier[i, j - count]:.4g}, {_at(step, i)}"
-        return f"it flows with g = {step.level[i, j]:.4g} < 0, {-step.level[i, j] / step.size[i, j]:.3g} of its terms, {_at(step, i)}"
+            return f"what slips goes against the flow of the law: lambda = {step.multiplier[i, j - count]:.4g}"
+        return f"it flows with g = {step.level[i, j]:.4g} < 0, {-step.level[i, j] / step.size[i, j]:.3g} of its terms"
 
-    return _worst(h, np.hstack([inside, back]), 4.0 * np.hstack([step.level_allowed, least]), say)
+    return np.hstack([inside, np.maximum(-step.multiplier, 0.0)]), 4.0 * np.hstack([step.level_allowed, least]), say
 
 
-def _evolved(h: HistoryQuery, which: NDArray[np.intp]) -> Finding:
-    step = h.law_step
+def _evolved(step: LawStep, which: NDArray[np.intp]) -> Condition:
+    names = step.of.own.names[step.of.own.observables :]
     if not which.size:
         raise NothingToCheck("the law has no such variable")
-    names = names_of(step)
 
     def say(i: int, j: int) -> str:
         v = which[j]
-        return f"{names[v]} changes by {step.change[i, v]:.6g}, and by {step.moved[i, v]:.6g} in the law, {_at(step, i)}"
+        return f"{names[v]} changes by {step.change[i, v]:.6g}, and by {step.moved[i, v]:.6g} in the law"
 
-    return _worst(h, step.off[:, which], 2.0 * step.allowed[:, which], say)
+    return step.off[:, which], 2.0 * step.allowed[:, which], say
 
 
-@_of_states(
-    "flow",
-    statement="the plastic strain goes in the direction of the law's flow",
-    formula="k^-1 (sigma_tr - sigma) = lambda h(Y; alpha) + dt r",
-    source=_SIMO_HUGHES,
-    tolerance="what u makes of both sides",
+_STEP = "alpha - alpha_n = lambda h(Y; alpha) + dt r(Y; alpha)"
+_condition("flow", "the plastic strain goes in the direction of the law's flow", _STEP)(lambda step, h: _evolved(step, step.of.slips))
+_condition("evolution", "each variable of the state is advanced once a step, as the law says", _STEP)(
+    lambda step, h: _evolved(step, step.of.known)
 )
-def flow(h: HistoryQuery) -> Finding:
-    return _evolved(h, h.law_step.of.slips)
 
 
-@_of_states(
-    "evolution",
-    statement="each variable of the state is advanced once a step, as the law says",
-    formula="alpha - alpha_n = lambda h(Y; alpha) + dt r(Y; alpha)",
-    source=_SIMO_HUGHES,
-    tolerance="what u makes of both sides, and the accuracy of the variable itself",
-)
-def evolution(h: HistoryQuery) -> Finding:
-    return _evolved(h, h.law_step.of.known)
-
-
-@_of_states(
-    "law-dissipation",
-    statement="no step gains energy where the law's does not: Y . d alpha >= 0, with what the law stores",
-    formula="Y . (alpha - alpha_n) >= 0",
-    source="Antoni et al. (2007), Eqs. 22, 36: Clausius-Duhem",
-    tolerance="what u makes of it",
-)
-def law_dissipation(h: HistoryQuery) -> Finding:
-    step, own = h.law_step, h.law_step.of.own
-    force = step.of.own.stored(step.ended, step.others)[1]
-    gained = -(force * step.change[:, own.order]).sum(axis=1)
-    by_law = -(force * step.moved[:, own.order]).sum(axis=1)
-    allowed = (np.abs(force) * step.allowed[:, own.order]).sum(axis=1)
-
-    def say(i: int, j: int) -> str:
-        return f"the step gains {gained[i]:.4g}, {_at(step, i)}"
-
-    return _worst(h, np.where(by_law > allowed, 0.0, np.maximum(gained, 0.0))[:, None], allowed[:, None], say)
+@_condition(
+    "law-dissipation", "no step gains energy where the law's does not, with what the law stores", "Y . (alpha - alpha_n) >= 0",
+    source=_DISSIPATION,
+)  # fmt: skip
+def _(step: LawStep, h: HistoryQuery) -> Condition:
+    order, force = step.of.own.order, step.of.own.stored(step.ended, step.others)[1]
+    gained, by_law = (-(force * part[:, order]).sum(axis=1, keepdims=True) for part in (step.change, step.moved))
+    allowed = (np.abs(force) * step.allowed[:, order]).sum(axis=1, keepdims=True)
+    return np.where(by_law > allowed, 0.0, np.maximum(gained, 0.0)), allowed, lambda i, j: f"the step gains {gained[i, 0]:.4g}"
