@@ -119,9 +119,8 @@ class LawInState:
         """chi (N, n) of a state of the routine; nan where its equations have no solution.  ``near`` is where they are begun."""
         own, n, o = self.own, len(state), self.own.observables
         chi = np.zeros((n, len(own.names))) if near is None else near.copy()
-        low, high = np.nan_to_num(own.low, neginf=-np.inf), own.high
         if near is None:
-            chi[:, o : o + own.internal] = np.clip(0.0, low, high)
+            chi[:, o : o + own.internal] = np.clip(0.0, own.low, own.high)
         chi[:, :o] = state.strain[:, self.columns]
         if own.law.temperature is not None:
             assert state.temperature is not None
@@ -130,12 +129,8 @@ class LawInState:
         def of_places(at: Array) -> tuple[Array, Array, Array]:
             found = [each.formula.first(at, others) for each in self.first]
             values = state.variables[:, [each.place for each in self.first]]
-            off = np.stack([value for value, _ in found], axis=1) - values
-            return (
-                off,
-                np.stack([slope for _, slope in found], axis=1)[:, :, o + self.known],
-                np.abs(values).max(axis=1) + np.abs(off).max(axis=1),
-            )
+            off, slope = np.stack([value for value, _ in found], axis=1) - values, np.stack([slope for _, slope in found], axis=1)
+            return off, slope[:, :, o + self.known], np.abs(values).max(axis=1) + np.abs(off).max(axis=1)
 
         def of_stress(at: Array) -> tuple[Array, Array, Array]:
             _, force, hessian = own.free_energy(at, others)
@@ -148,18 +143,13 @@ class LawInState:
                 _solve(chi, o + rows, equations)
         return chi
 
-    def step(
-        self, before: MaterialState, after: MaterialState, dt: Array, pressure: Array | None, error: Array, rounding: float, histories: int
-    ) -> LawStep:
-        """What the law asks of the steps of so many ``histories``, the first step of all of them first.
-
-        ``error`` (M,) is the length by which the routine's stress may be off, as :meth:`HistoryQuery.error` has it.
-        """
+    def step(self, before: MaterialState, after: MaterialState, dt: Array, pressure: Array | None, error: Array, *relative: Any) -> LawStep:
+        """What the law asks of some steps; ``relative`` are the last fields of :class:`LawStep`."""
         others = self.others(len(after), pressure)
         with np.errstate(all="ignore"):
             begun = self.read(before, others)
             ended = self.read(after, others, begun)
-        return LawStep(self, before, after, begun, ended, dt, others, error, rounding, histories)
+        return LawStep(self, before, after, begun, ended, dt, others, error, *relative)
 
 
 def _solve(chi: Array, columns: NDArray[np.intp], equations: Callable[[Array], tuple[Array, Array, Array]]) -> None:
@@ -216,9 +206,10 @@ def _read_places(own: StateLaw, state: Places, material: Material, tails: Sequen
 class LawStep:
     """Steps of a routine against the law, M rows: ``begun`` and ``ended`` chi (M, n), and what follows from them.
 
-    ``multiplier`` (M, S) and its error, ``moved`` (M, internal) what the law changes, ``off`` what the routine changes beyond that and
-    ``allowed``, both (M, internal); ``level`` g (M, S), what it may be and the size of its terms.  ``slipped`` (M,): the multiplier, or a
-    change without one, is more than the error.
+    ``error`` (M,) is the length by which the stress may be off (:meth:`HistoryQuery.error`), of which ``accuracy`` and ``rounding`` are the
+    parts relative to the stresses; of the ``histories`` the first steps come first.  ``multiplier`` (M, S) and its error, ``moved``
+    (M, internal) what the law changes, ``off`` what the routine changes beyond that and ``allowed``, both (M, internal); ``level`` g (M, S),
+    what it may be and the size of its terms.  ``slipped`` (M,): the multiplier is more than its error.
     """
 
     of: LawInState
@@ -229,6 +220,7 @@ class LawStep:
     dt: Array
     others: Sequence[Array]
     error: Array
+    accuracy: float
     rounding: float
     histories: int
 
@@ -268,8 +260,7 @@ class LawStep:
         )
         self.inverse = np.linalg.pinv(metric[:, :, slips])
         alpha = np.abs(self.ended[:, inner]) + np.abs(self.begun[:, inner]) + np.abs(self.change)
-        relative = self.error / np.maximum(self.stress_size, np.finfo(np.float64).tiny)
-        delta = (np.minimum(relative, 1.0)[:, None] + 8.0 * _EPS) * alpha
+        delta = (self.accuracy + self.rounding) * alpha
         if slips.size:
             delta[:, slips] = error[:, None] * np.linalg.norm(self.inverse, axis=2)
         far = np.einsum("nab,nb->na", metric, self.change - self.rate)
@@ -305,15 +296,6 @@ class LawStep:
         self.bound = (((at_high & (pushed > 0.0)) | (at_low & (pushed < 0.0))) & own.reacts).any(axis=1)
         self.slipped = (self.multiplier > 4.0 * self.multiplier_error).any(axis=1)
         self.delta, self.slip_error = delta, error
-
-    @property
-    def stress_size(self) -> Array:
-        """The length of the stresses of a step, to which its error is relative (M,)."""
-        inverse = np.linalg.inv(self.lower)
-        at = [x.stress[:, self.of.columns] for x in (self.before, self.after)]
-        asked = np.einsum("nji,nj->ni", self.lower, (self.ended - self.begun)[:, : self.of.own.observables])
-        sizes = [np.linalg.norm(np.einsum("nij,nj->ni", inverse, x), axis=1) for x in at]
-        return np.asarray(sizes[0] + sizes[1] + np.linalg.norm(asked, axis=1))
 
     def spread(self, slope: Array, delta: Array, error: Array) -> Array:
         """What errors of the state make of values with these derivatives (M, k, n): of slips as one vector, of others each."""
