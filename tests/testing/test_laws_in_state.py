@@ -13,6 +13,8 @@ from duhem.law.state import Variable
 from duhem.testing import Material, MaterialState, conformance, violation
 from duhem.testing.checks.registry import registered
 from tests.long import mostly_long
+from tests.testing.atlas_materials import NAMES
+from tests.testing.atlas_materials import material as atlas_material
 from tests.testing.hardening import KINDS, MISTAKES, UNNAMED, hardening
 
 Array = np.ndarray
@@ -49,6 +51,31 @@ def test_a_mistake_is_named_as_the_first_cause(mistake: int) -> None:
 def test_a_mistake_without_words_is_found(mistake: int) -> None:
     law, material, parameters = hardening(MISTAKES[mistake][0], mistake)
     assert not conformance(law, material, parameters, **FEW | {"max_examples": 10}).ok
+
+
+# -- laws of the atlas ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_long(NAMES, "adhesion", "at1-damage", "chaboche-static-recovery", "perzyna", "slip-hardening"))
+def test_a_right_routine_of_each_law_passes(name: str) -> None:
+    report = conformance(**atlas_material(name), **FEW)
+    assert report.ok and {"slope", *STATES} & {*report.passed}, str(report)
+
+
+KEPT = [("prager", 2), ("armstrong-frederick-recall", 1), ("chaboche", 2), ("chaboche", 3), ("at1-damage", 0), ("slip-hardening", 1)]
+STORED = [(name, variable, how) for name, variable in KEPT for how in ("lost", "twice", "not accumulated")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "variable", "how"), mostly_long(STORED, ("chaboche", 2, "lost"), ("slip-hardening", 1, "twice")))
+def test_a_variable_that_is_stored_wrongly_is_found(name: str, variable: int, how: str) -> None:
+    def store(before: Array, after: Array) -> Array:
+        kept, change = after.copy(), (after - before)[:, variable]
+        kept[:, variable] = {"not accumulated": change}.get(how, before[:, variable] + (2 if how == "twice" else 0) * change)
+        return kept
+
+    assert not conformance(**atlas_material(name, store), **FEW, checks=[*STATES]).ok
 
 
 # -- laws of other shapes ------------------------------------------------------------------------------------------------

@@ -208,8 +208,8 @@ class LawStep:
 
     ``error`` (M,) is the length by which the stress may be off (:meth:`HistoryQuery.error`), of which ``accuracy`` and ``rounding`` are the
     parts relative to the stresses; of the ``histories`` the first steps come first.  ``multiplier`` (M, S) and its error, ``moved``
-    (M, internal) what the law changes, ``off`` what the routine changes beyond that and ``allowed``, both (M, internal); ``level`` g (M, S),
-    what it may be and the size of its terms.  ``slipped`` (M,): the multiplier is more than its error.
+    (M, internal) what the law changes, ``off`` what the routine changes beyond that and ``allowed``, both (M, internal); ``level`` g
+    (M, S), what it may be and the size of its terms.  ``slipped`` (M,): the multiplier is more than its error.
     """
 
     of: LawInState

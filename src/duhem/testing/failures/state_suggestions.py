@@ -88,8 +88,9 @@ class _Probe:
         if wrong.sum() < _LEAST:
             flow, rate, multiplier, moved = *step.flows(ref.chi), ref.multiplier, (ref.chi - step.begun)[:, self.inner]
         elif (apart <= 1e-3 * size)[chosen].all():
-            off = float((apart / size)[wrong].max())
-            yield "imprecise", f"the stress is right to {off:.1g} of it only: single precision, a loose tolerance, or too high an accuracy"
+            least = float((apart / size)[wrong].max())
+            why = "single precision, a loose tolerance, or too high an accuracy"
+            yield "imprecise", f"the stress is right to {least:.1g} of it only: {why}"
             return
         else:
             flow, rate, multiplier, moved = step.flow, step.rate, step.multiplier, step.moved
