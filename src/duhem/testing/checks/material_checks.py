@@ -139,8 +139,8 @@ def rate(h: HistoryQuery) -> Finding:
 
 
 def _energies(state: MaterialState) -> tuple[Array, Array]:
-    if state.stored is None or state.dissipated is None:
-        raise NothingToCheck("the routine returns no energies")
+    if state.stored is None or state.dissipated is None or not (state.stored.any() or state.dissipated.any()):
+        raise NothingToCheck("the routine returns no energies, or none that is not 0")
     return state.stored, state.dissipated
 
 
@@ -205,8 +205,8 @@ def stored_energy(h: HistoryQuery) -> Finding:
     base = h.start
     for share in (1.0, 0.5):  # back from where the path ends, and from there
         base = h.counted(base, base.stress * (1.0 - 0.1 * share), h.case.pressure)
-    if base.stored is None:
-        raise NothingToCheck("the routine returns no energy")
+    if base.stored is None or not base.stored.any():
+        raise NothingToCheck("the routine returns no energy, or none that is not 0")
     size, d, n = 1e-2 * (h.length(base.stress) + h.length(h.case.trial)), len(h.axes), len(h.case)
     ways = size[:, None] * h.axes[:, None, :]
     around, stress = np.stack([ways, -ways], axis=1).reshape(2 * d * n, d), np.tile(base.stress, (2 * d, 1))

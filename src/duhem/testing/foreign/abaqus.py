@@ -7,7 +7,6 @@ NSHR shears), tension positive, shear strains those of engineers; DDSDDE = d DST
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +32,8 @@ _KINDS = "p" * len((*_RETURNED, *_GIVEN)) + "n"
 _KEPT = frozenset(_GIVEN) - {"PNEWDT"}
 _ORDERS = {"abaqus": ("xx", "yy", "zz", "xy", "xz", "yz"), "voigt": ("xx", "yy", "zz", "yz", "xz", "xy")}
 _SECONDS = 10.0  # that all increments of one call may take
+_DEFAULTS: dict[str, Any] = {"axes": None, "energies": True, "tangent": True, "name": "MATERIAL", "symbol": "umat_", "isolated": True}
+_DEFAULTS |= {"order": "abaqus", "state": None, "seconds": _SECONDS}
 _SAFE = "duhem_umat"  # of the stubs: it comes back from XIT
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
@@ -61,7 +62,7 @@ def umat(
     variables: Sequence[float] = (),
     direct: int | None = None,
     axes: ArrayLike | None = None,
-    energies: bool | None = None,
+    energies: bool = True,
     tangent: bool = True,
     name: str = "MATERIAL",
     symbol: str = "umat_",
@@ -81,7 +82,7 @@ def umat(
     STATEV (:func:`duhem.testing.conformance`).  ``stiffness`` (NTENS, NTENS), the elastic one, is measured if left out, and compared
     with what is measured if given.  ``axes``: the material's directions as rows (3, 3), where they are
     not those of the strains: what UMAT is given and returns is then turned, six components alone.  ``energies``, ``tangent``:
-    whether it sets SSE and SPD (with SCD), which is tried if left out, and DDSDDE, which is zero before.  A PNEWDT below 1 says that
+    whether it sets SSE and SPD (with SCD; not, where they stay 0) and DDSDDE, which is zero before.  A PNEWDT below 1 says that
     the increment is not solved.  The last argument beside
     Abaqus' is the length of CMNAME, as gfortran and ifort pass it.  DFGRD0, DFGRD1 and DROT are the identity (small strains); times
     are in s, TEMP is the temperature of the points, or 0, each point an element of its own (NOEL).  ``isolated``, ``seconds`` and
@@ -158,28 +159,9 @@ def umat(
     components = names if len(names) == size else kept.get(size, ()) if direct is None else ()
     components = components if k is not None or len(components) == size else tuple(map(str, range(1, size + 1)))
     given: dict[str, Any] = {"ntens": size, "variables": first.tolist(), "axes": None if axes is None else np.asarray(axes).tolist()}
-    given |= {"direct": ndi, "tangent": tangent, "name": name, "symbol": symbol, "isolated": isolated, "order": order, "state": state}
-    given |= {} if seconds == _SECONDS else {"seconds": seconds}
-    where = str(Path(path).resolve())
-    told = [repr(where), repr([*map(float, props)]), repr(None if k is None else k.tolist())]
-
-    def made(energies: bool) -> Material:
-        said = ", ".join([*told, *(f"{key}={value!r}" for key, value in {**given, "energies": energies}.items())])
-        line = f"from duhem.testing.foreign import umat\nupdate = umat({said})"
-        return Material(advance, k, first, energies, symbol.rstrip("_"), line, components=components, state=state)
-
-    if energies is None:
-        energies = True
-        energies = _sets_energies(made(True))
-    return made(energies)
-
-
-def _sets_energies(material: Material) -> bool:
-    """Whether a small step changes an energy."""
-    one = material.virgin(1)
-    for size in (1e-6, 1e-3):
-        with suppress(Exception):
-            after = material.advance(one, np.full_like(one.strain, size), None, 1.0)
-            if after.stored is not None and after.dissipated is not None and (after.stored[0], after.dissipated[0]) != (0.0, 0.0):
-                return True
-    return False
+    given |= {"direct": ndi, "energies": energies, "tangent": tangent, "name": name, "symbol": symbol, "isolated": isolated}
+    given |= {"order": order, "state": state, "seconds": seconds}
+    said = [repr(str(Path(path).resolve())), repr([*map(float, props)]), repr(None if k is None else k.tolist())]
+    said += [f"{key}={value!r}" for key, value in given.items() if value != _DEFAULTS.get(key)]
+    line = f"from duhem.testing.foreign import umat\nupdate = umat({', '.join(said)})"
+    return Material(advance, k, first, energies, symbol.rstrip("_"), line, components=components, state=state)
