@@ -7,7 +7,7 @@ wrong; where it is not, the criterion is tried with something else in the place 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import TypeAlias
@@ -26,6 +26,7 @@ __all__ = ["beside_in_state", "of_the_state", "of_the_tangent"]
 
 _ROWS, _KNOTS, _LEAST, _ALIKE = 14, 3, 3, 1e-6
 _FACTORS = np.geomspace(0.04, 30.0, 14)  # of parameters, between which it is looked for the one that explains
+_NONE: Mapping[str, Array] = {}
 _OFTEN = {0.0: "not advanced", 2.0: "advanced twice", -1.0: "advanced with the opposite sign"}
 
 Rows: TypeAlias = NDArray[np.bool_]
@@ -115,7 +116,7 @@ class _Probe:
                 f"{stem} changes by its rate alone, and not with the multiplier": rate,
             }
             by_rate = {said: x[rows] for said, x in others.items() if rate[:, at].any()}
-            found = [*self._stored(stem, self.names, at, step.of.known.tolist(), *stored, by_rate)]
+            found = [*self._stored(stem, self.names, at, step.of.known.tolist(), stored, by_rate)]
             found = found or [*self._of_a_parameter(stem, rows, at)]
             if not found and not rate.any() and (still & off[:, at].any(axis=1)).sum() >= _LEAST:
                 found = [(f"elastic {stem}", f"{stem} changes in elastic steps too")]
@@ -129,12 +130,11 @@ class _Probe:
         names: Sequence[str],
         at: list[int],
         places: list[int],
-        ends: Array,
-        begun: Array,
-        right: Array,
-        others: dict[str, Array],
+        kept: tuple[Array, ...],
+        others: Mapping[str, Array] = _NONE,
     ) -> Words:
-        """What was stored, (M, k) from ``begun`` to ``ends`` of some variables ``at``, instead of what is ``right``; or by ``others``."""
+        """What was ``kept`` of some variables ``at``: (M, k) at the end and the beginning, and what is right; it may be of ``others``."""
+        ends, begun, right = kept
         size = np.sum([np.abs(x[:, at]).max(axis=1, keepdims=True) for x in (ends, begun, right)], axis=0)
         change, moved = (ends - begun)[:, at], (right - begun)[:, at]
         for said, other in {f"{stem} is not accumulated: only what the step adds is kept": right - 2.0 * begun, **others}.items():
@@ -160,19 +160,15 @@ class _Probe:
         if not told:
             return
         at = [each.place for each in step.of.more]
-        ends, begun, (values, allowed), former = (
-            step.after.variables[:, at],
-            step.before.variables[:, at],
-            step.derived(),
-            step.derived(step.begun)[0],
-        )
+        (values, allowed), (former, _) = step.derived(), step.derived(step.begun)
+        ends, begun = step.after.variables[:, at], step.before.variables[:, at]
         size = np.abs(ends).max(axis=1, keepdims=True) + np.abs(values).max(axis=1, keepdims=True)
         for stem, places in _stems(told).items():
             rows = chosen & (np.abs(ends - values)[:, places] > allowed[:, places] + self.near * size).any(axis=1)
             if rows.sum() >= _LEAST:
                 added = (values - former + begun)[rows]  # what was kept before may be wrong already
-                found = [*self._stored(stem, told, places, places, ends[rows], begun[rows], added, {})]
-                yield from found or self._stored(stem, told, places, places, ends[rows], former[rows], values[rows], {})
+                found = [*self._stored(stem, told, places, places, (ends[rows], begun[rows], added))]
+                yield from found or self._stored(stem, told, places, places, (ends[rows], former[rows], values[rows]))
 
     def _of_a_parameter(self, stem: str, rows: Rows, at: list[int]) -> Words:
         """Whether another value of one parameter gives the evolution, the multiplier being that of the slips."""
