@@ -125,12 +125,12 @@ class Report(Shown):
                 self.counted(),
                 *([f"ended before its end: {self.ended}"] if self.ended else []),
                 *([str(self.unfinished)] if self.unfinished is not None else []),
-                *self.ranges(),
                 *map(str, self.failures),
                 *(f"{name} passed, but was expected to fail: {why}" for name, why in self.unexpected.items()),
                 *(f"{name} failed, as expected: {why}" for name, why in self.expected.items()),
                 *(f"skipped {name}: {why}" for name, why in self.left_out.items()),
                 *self.tested(),
+                *self.ranges(),
             ]
         )
 

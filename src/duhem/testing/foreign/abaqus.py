@@ -82,8 +82,8 @@ def umat(
     STATEV (:func:`duhem.testing.conformance`).  ``stiffness`` (NTENS, NTENS), the elastic one, is measured if left out, and compared
     with what is measured if given.  ``axes``: the material's directions as rows (3, 3), where they are
     not those of the strains: what UMAT is given and returns is then turned, six components alone.  ``energies``, ``tangent``:
-    whether it sets SSE and SPD (with SCD; not, where they stay 0) and DDSDDE, which is zero before.  A PNEWDT below 1 says that
-    the increment is not solved.  The last argument beside
+    whether it sets SSE and SPD (with SCD), which are not judged where they stay 0, and DDSDDE, which is zero before.  A PNEWDT below 1
+    says that the increment is not solved.  The last argument beside
     Abaqus' is the length of CMNAME, as gfortran and ifort pass it.  DFGRD0, DFGRD1 and DROT are the identity (small strains); times
     are in s, TEMP is the temperature of the points, or 0, each point an element of its own (NOEL).  ``isolated``, ``seconds`` and
     what it has to leave as it is, as in :func:`shared_library`; what an isolated routine prints is shown where it fails, and nowhere else.
