@@ -27,7 +27,7 @@ __all__ = [
     "Paths",
     "Projection",
     "Recheck",
-    "Region",
+    "ParameterRegion",
     "StateHistory",
     "Status",
     "Verdict",
@@ -69,7 +69,7 @@ if TYPE_CHECKING:
     from duhem.proof.recheck import Recheck, recheck
     from duhem.proof.verdict import Verdict, Witness
     from duhem.proof.verification import Verification, verify
-    from duhem.regions import Region, region
+    from duhem.regions import ParameterRegion, region
     from duhem.screening import campaign
 
 _HOMES = {
@@ -87,7 +87,7 @@ _HOMES = {
     "proof.recheck": ("Recheck", "recheck"),
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),
-    "regions": ("Region", "region"),
+    "regions": ("ParameterRegion", "region"),
     "screening": ("campaign",),
     "api.contact": ("contact",),
     "api.histories": ("simulate",),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from duhem.regions.entry import region, shape_parameters
-from duhem.regions.result import Region, RegionCell, RegionEnd
+from duhem.regions.entry import region, shape_parameters, told
+from duhem.regions.result import ParameterRegion, RegionCell, RegionEnd
 
-__all__ = ["Region", "RegionCell", "RegionEnd", "region", "shape_parameters"]
+__all__ = ["ParameterRegion", "RegionCell", "RegionEnd", "region", "shape_parameters", "told"]

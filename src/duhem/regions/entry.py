@@ -18,11 +18,12 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain, simple_points
 from duhem.proof.statement import state
 from duhem.regions.decided import MOST_STEPS, Asked
-from duhem.regions.result import Region
+from duhem.regions.result import ParameterRegion
 from duhem.regions.search import cells_of
 
-__all__ = ["ASKED", "region", "shape_parameters"]
+__all__ = ["ASKED", "region", "shape_parameters", "told"]
 
+_STEPS_OF_A_SENTENCE = 4_000_000
 ASKED = ("origin", "convexity", "smoothness", "normality", "dissipation")
 Range = str | Domain | tuple[Any, Any]
 
@@ -34,7 +35,7 @@ def region(
     over: Mapping[str, Range] | None = None,
     *,
     steps: int = MOST_STEPS,
-) -> Region:
+) -> ParameterRegion:
     """For which values of a parameter a claim holds of a law, exactly where all of its cells are decided.
 
     ``parameters`` names the parameter; it may be left out where the law has one that is free and no mere scale.  ``over`` maps parameters
@@ -49,14 +50,14 @@ def region(
         raise InputError(f"regions are not known of the claim {claim!r}", where="claim", remedy=remedy)
     found = _found(asked, _named(asked, parameters, over or {}), claim, steps)
     if parameters is None and not found.stretches("proved") and (scales := _absorbed(asked, found.parameters[0])):
-        found = _found(asked.fix(dict.fromkeys(scales, 1)), found.parameters[0], claim, steps)
+        found = replace(_found(asked.fix(dict.fromkeys(scales, 1)), found.parameters[0], claim, steps), scales=scales)
     return found
 
 
-def _found(law: Criterion, name: str, claim: str, steps: int) -> Region:
+def _found(law: Criterion, name: str, claim: str, steps: int) -> ParameterRegion:
     check_domain(law)
     question = Asked(law, claim, name, steps)
-    return Region(law, claim, (name,), tuple(cells_of(question)), question.whole)
+    return ParameterRegion(law, claim, (name,), tuple(cells_of(question)), question.whole)
 
 
 def _named(law: Criterion, parameters: str | Iterable[str] | None, over: Mapping[str, Range]) -> str:
@@ -132,3 +133,21 @@ def _read(given: Any, where: str) -> Domain:
         raise InputError("this is no range", where=where, remedy="write LOW:HIGH, such as 0:1, or 0: for no upper end")
     low, high = (None if part is None or (isinstance(part, str) and not part.strip()) else exact_number(part) for part in parts)
     return Domain(low, high)
+
+
+def told(law: Law, claim: str, asked: str) -> str:
+    """A claim that is not proved of a law over its domain, in one sentence: for which values of its one parameter of shape it holds.
+
+    ``asked`` is the law as the command line names it, for the command that finds more.  "" for a law of which nothing is known.
+    """
+    if not isinstance(law, Criterion) or claim not in ASKED or len(names := shape_parameters(law)) != 1:
+        return ""
+    try:
+        found = region(law, None, claim, steps=_STEPS_OF_A_SENTENCE)
+    except InputError:
+        return ""
+    (name,) = names
+    if found.exact and found.short not in ("true", "false"):
+        return found.sentence
+    more = "" if claim == "convexity" else f" --claim {claim}"
+    return "" if found.exact else f"for which {name} {claim} holds: duhem region {asked} {name}{more}"

@@ -11,7 +11,7 @@ from duhem.law.atlas.entry import entries
 from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.regions.numbers import written_root
-from duhem.regions.result import Region
+from duhem.regions.result import ParameterRegion
 from duhem.show import figure
 from duhem.show.notation import latex_name
 from duhem.show.page import PAGE, Page
@@ -21,25 +21,14 @@ from duhem.show.sheet import Sheet
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["as_dict", "as_latex", "as_sheet", "as_text", "plot", "sentence"]
+__all__ = ["as_dict", "as_latex", "as_sheet", "as_text", "plot"]
 
 _HEAD = ("where", "verdict", "trust", "by")
 _WORDS = {"proved": "holds", "refuted": "fails", "open": "open"}
 
 
-def sentence(region: Region) -> str:
-    """What was found in one sentence."""
-    condition, claim = region.short, region.claim
-    if region.exact:
-        found = {"true": "for all values of the domain", "false": "for no value of the domain"}.get(condition, f"exactly for {condition}")
-        return f"{claim} holds {found}"
-    if condition == "false":
-        return f"{claim} is proved for no value; {region.open_share:.0%} of the domain are open"
-    return f"{claim} is proved for {condition}; {region.open_share:.2%} of the domain are open"
-
-
-@text.register(Region)
-def as_text(region: Region, page: Page = PAGE) -> str:
+@text.register(ParameterRegion)
+def as_text(region: ParameterRegion, page: Page = PAGE) -> str:
     """The sentence, over what it was asked, a row a cell, and the ends with their polynomials."""
     law = region.criterion
     head = [*page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name)]
@@ -47,25 +36,25 @@ def as_text(region: Region, page: Page = PAGE) -> str:
     size = max(map(len, fields))
     table = page.table([_HEAD, *_rows(region)], "llll", "", rule=True)
     ends = [line for said in _ends(region) for line in page.item(said)]
-    told = [*page.hanging(f"{sentence(region)}.")]
+    told = [*page.hanging(f"{region.sentence}.")]
     return page.report([[*head, *(line for name, said in fields.items() for line in page.field(name, said, size))], told, table, ends])
 
 
-@sheet.register(Region)
-def as_sheet(region: Region) -> Sheet:
+@sheet.register(ParameterRegion)
+def as_sheet(region: ParameterRegion) -> Sheet:
     """The same as a sheet."""
-    title = f"{region.criterion.name}: {sentence(region)}"
+    title = f"{region.criterion.name}: {region.sentence}"
     return Sheet(title, tuple(_fields(region)), _HEAD, tuple(_rows(region)), (("Ends", tuple(_ends(region))),))
 
 
-@plain.register(Region)
-def as_dict(region: Region) -> dict[str, Any]:
+@plain.register(ParameterRegion)
+def as_dict(region: ParameterRegion) -> dict[str, Any]:
     """The JSON of the interface."""
     return region.to_dict()
 
 
-@latex.register(Region)
-def as_latex(region: Region) -> str:
+@latex.register(ParameterRegion)
+def as_latex(region: ParameterRegion) -> str:
     """The condition as a formula."""
     words = {"true": r"\text{for all values}", "false": r"\text{for no value}"}
     if (condition := region.condition) in words:
@@ -88,7 +77,7 @@ def _latex_number(end: RealRoot) -> str:
     return str(sp.latex(sp.sympify(written_root(end), rational=True)))
 
 
-def _fields(region: Region) -> Iterator[tuple[str, str]]:
+def _fields(region: ParameterRegion) -> Iterator[tuple[str, str]]:
     law, (name,) = region.criterion, region.parameters
     yield "claim", region.claim
     yield "over", region.to_dict()["domain"].replace("true", f"all {name}")
@@ -98,13 +87,13 @@ def _fields(region: Region) -> Iterator[tuple[str, str]]:
         yield "published", published
 
 
-def _published(region: Region) -> str:
+def _published(region: ParameterRegion) -> str:
     """What the literature claims of a law of the atlas."""
     own = next((entry for entry in entries() if entry.name == region.criterion.name), None)
     return "" if own is None else own.claims.get(region.claim, "")
 
 
-def _rows(region: Region) -> list[tuple[str, ...]]:
+def _rows(region: ParameterRegion) -> list[tuple[str, ...]]:
     found = list[tuple[str, ...]]()
     for cell, done in zip(region.cells, region.decided, strict=True):
         by = "" if done.row is None else str(done.row["rule"])
@@ -112,21 +101,21 @@ def _rows(region: Region) -> list[tuple[str, ...]]:
     return found
 
 
-def _ends(region: Region) -> Iterator[str]:
+def _ends(region: ParameterRegion) -> Iterator[str]:
     for end in region.ends:
         root = "" if end.enclosure[0] == end.enclosure[1] else f" = {float(sp.Rational(end.enclosure[0])):.12g}"
         word = "still holds" if end.closed else "no longer holds"
         yield f"{end.parameter} = {end.value}{root}: root of {end.polynomial}; {region.claim} {word} there"
 
 
-@draw.register(Region)
-def plot(region: Region, file: Any = None, axes: Any = None) -> tuple[Axes, ...]:
+@draw.register(ParameterRegion)
+def plot(region: ParameterRegion, file: Any = None, axes: Any = None) -> tuple[Axes, ...]:
     """The line of the parameter, where the claim holds, fails and is open, with its ends; hatches tell what colours tell."""
-    title = f"{region.criterion.name}: {sentence(region)}"
+    title = f"{region.criterion.name}: {region.sentence}"
     return figure.drawn(lambda place: _paint(place, region), file, axes, size=(7.2, 2.0), title=title)
 
 
-def _paint(axes: Axes, region: Region) -> None:
+def _paint(axes: Axes, region: ParameterRegion) -> None:
     from matplotlib.patches import Rectangle
 
     low, high = _window(region)
@@ -154,7 +143,7 @@ def _paint(axes: Axes, region: Region) -> None:
     figure.legend(axes)
 
 
-def _window(region: Region) -> tuple[float, float]:
+def _window(region: ParameterRegion) -> tuple[float, float]:
     """The domain, of an infinite one what is around its ends."""
     own = region.domain
     marks = [float(sp.Rational(end.enclosure[0])) for end in region.ends] + [

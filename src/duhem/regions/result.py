@@ -18,7 +18,7 @@ from duhem.regions.numbers import simplest, written_root
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown, draw, latex
 
-__all__ = ["Region", "RegionCell", "RegionEnd"]
+__all__ = ["ParameterRegion", "RegionCell", "RegionEnd"]
 
 
 @dataclass(frozen=True)
@@ -50,12 +50,13 @@ class RegionEnd:
 
 
 @dataclass(frozen=True, repr=False)
-class Region(Shown):
+class ParameterRegion(Shown):
     """For which values of the ``parameters`` the ``claim`` holds of ``criterion``, all its other parameters being what they may be.
 
     ``condition`` is a text of comparisons joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim is proved, and is
     ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an infinite one after
-    x/(1 + |x|).  ``decided`` has the cells with what the kernel confirmed.
+    x/(1 + |x|).  ``decided`` has the cells with what the kernel confirmed.  ``scales`` are parameters that a change of units makes 1, as was
+    done here.
     """
 
     printed_by: ClassVar[str] = "duhem.regions.printing"
@@ -65,9 +66,10 @@ class Region(Shown):
     parameters: tuple[str, ...]
     decided: tuple[Decided, ...]
     domain: ParameterCell
+    scales: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        return f"<Region of {self.criterion.name}: {self.claim} if {self.condition}{'' if self.exact else ', the rest being open'}>"
+        return f"<ParameterRegion of {self.criterion.name}: {self.claim} if {self.condition}{'' if self.exact else ', the rest being open'}>"
 
     def plot(self, file: Any = None, axes: Any = None) -> Any:
         """The line of the parameter, where the claim holds, fails and is open (extra ``plot``); written to ``file``, if one is given."""
@@ -97,6 +99,17 @@ class Region(Shown):
     def short(self) -> str:
         """The same without the ends of the domain, which go without saying: ``e <= 1/2``."""
         return self.told(None)
+
+    @property
+    def sentence(self) -> str:
+        """What was found in one sentence."""
+        if self.exact:
+            words = {"true": "for all values of the domain", "false": "for no value of the domain"}
+            said = f"{self.claim} holds {words.get(self.short, f'exactly for {self.short}')}"
+        else:
+            proved = "no value" if self.short == "false" else self.short
+            said = f"{self.claim} is proved for {proved}; {self.open_share:.2%} of the domain are open"
+        return f"{said}, where {' = '.join(self.scales)} = 1" if self.scales else said
 
     def told(self, domain: ParameterCell | None) -> str:
         """The condition; ends of the domain are named where none is given."""
