@@ -69,7 +69,9 @@ class ParameterRegion(Shown):
     scales: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        return f"<ParameterRegion of {self.criterion.name}: {self.claim} if {self.condition}{'' if self.exact else ', the rest being open'}>"
+        return (
+            f"<ParameterRegion of {self.criterion.name}: {self.claim} if {self.condition}{'' if self.exact else ', the rest being open'}>"
+        )
 
     def plot(self, file: Any = None, axes: Any = None) -> Any:
         """The line of the parameter, where the claim holds, fails and is open (extra ``plot``); written to ``file``, if one is given."""
