@@ -55,8 +55,7 @@ class ParameterRegion(Shown):
 
     ``condition`` is a text of comparisons joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim is proved, and is
     ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an infinite one after
-    x/(1 + |x|).  ``decided`` has the cells with what the kernel confirmed.  ``scales`` are parameters that a change of units makes 1, as was
-    done here.
+    x/(1 + |x|).  ``decided`` has the cells with what the kernel confirmed.  ``scales`` are parameters that a change of units made 1 here.
     """
 
     printed_by: ClassVar[str] = "duhem.regions.printing"
