@@ -57,6 +57,7 @@ class Asked:
     name: str
     most: int = MOST_STEPS
     steps: int = 0
+    by_all: bool = False
     stated: StatedLaw = field(init=False)
     domain: Bounds = field(init=False)
     values: dict[str, str] = field(init=False)
@@ -99,8 +100,14 @@ class Asked:
     def proved(self, cell: ParameterCell) -> Decided | None:
         """The proof over a cell; None where no rule confirms it."""
         if cell not in self._known:
-            self._known[cell] = None if self.spent else next(filter(None, (self._proved_as(cell, way) for way in _ways(cell))), None)
+            found = None if self.spent else next(filter(None, (self._proved_as(cell, way) for way in _ways(cell))), None)
+            self._known[cell] = found or (self.proved_by_all(cell) if self.by_all else None)
         return self._known[cell]
+
+    def ask_all(self) -> None:
+        """From now on everything that makes proofs is asked too."""
+        self.by_all = True
+        self._known.clear()
 
     def _proved_as(self, cell: ParameterCell, way: str) -> Decided | None:
         try:
@@ -160,13 +167,22 @@ class Asked:
         except InputError:
             return None
         self.steps += sum(r.steps for r in (*found.results, *found.rests_on))
-        rows = {r.claim: r for r in (*found.rests_on, *found.results)}
-        if rows[self.claim].trust is not Trust.CHECKED or any(r.proof is None for r in rows.values()):
+        rows = {r.claim: r for r in (*found.rests_on, *found.results) if r.proof is not None or r.claim == self.claim}
+        if rows[self.claim].trust is not Trust.CHECKED or rows[self.claim].proof is None:
             return None
         steps = [{"claim": r.claim, "rule": r.proof.rule, "evidence": dict(r.proof.evidence)} for r in rows.values() if r.proof is not None]
-        if cell.single or any("over" in step["evidence"] for step in steps):
+        if any("over" in step["evidence"] for step in steps):
             return None
         *needs, last = [*(s for s in steps if s["claim"] != self.claim), *(s for s in steps if s["claim"] == self.claim)]
+        return self._replayed(cell, needs, last)
+
+    def _replayed(self, cell: ParameterCell, needs: list[dict[str, Any]], last: dict[str, Any]) -> Decided | None:
+        """The same proof, if the kernel confirms it for the law over the cell."""
+        settled, (law, _) = set[str](), law_over(self.stated, self.name, cell, "range")
+        for step in (*needs, last):
+            if objection(step["claim"], step["rule"], frozenset(settled), law, step["evidence"]):
+                return None
+            settled.add(step["claim"])
         return Decided(cell, "proved", {"as": "range", "rule": last["rule"], "evidence": last["evidence"], "needs": needs})
 
     def seen(self) -> list[tuple[float, float, bool]] | None:
@@ -201,11 +217,12 @@ class Asked:
                 there = at_values(law, self.values, swap)
             except NotWritten:
                 continue
-            for found in suggestions(there, self.claim, self.name, cell, swap):
+            for found in suggestions(there, law, self.claim, self.name, cell, swap):
                 if self.spent or tried == _FEW_TRIED:
                     return None
                 tried += 1
-                evidence = {**found.evidence, "values": self.values}
+                free = {name: text for name, text in self.values.items() if name != found.evidence.get("scale")}
+                evidence = {**found.evidence, "values": free}
                 if not self._fails(cell, way, found, evidence):
                     return Decided(cell, "refuted", {"as": way, "rule": found.rule, "evidence": evidence})
         return None

@@ -124,7 +124,10 @@ def _has_values(law: Criterion, name: str, end: sp.Rational) -> bool:
     forces = {x: sp.Rational(k + 2, 2 * k + 3) * (-1) ** k for k, x in enumerate(there.force_symbols())}
     pressure = {} if law.pressure is None else {there.symbols()[law.pressure]: sp.Integer(-1)}
     point = {**next(simple_points(there)), **there.settled(), **pressure, **forces}
-    return bool(sp.N(there.g.xreplace(point)).is_finite)
+    try:
+        return bool(sp.N(there.g.xreplace(point)).is_finite)
+    except (TypeError, ValueError, ArithmeticError):  # SymPy compares what has no value
+        return False
 
 
 def _read(given: Any, where: str) -> Domain:

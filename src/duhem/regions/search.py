@@ -21,7 +21,7 @@ __all__ = ["cells_of"]
 
 _NARROW = Fraction(1, 2**30)
 _ROUNDING, _SHORT = 3e-8, 1000
-_MOST_HALVINGS, _MOST_TRIES, _FARTHEST = 5, 60, 2**16
+_MOST_HALVINGS, _MOST_TRIES, _FARTHEST, _FEW_SEEDS = 5, 60, 2**16, 3
 
 
 def cells_of(asked: Asked) -> list[Decided]:
@@ -54,6 +54,12 @@ def _resolved(asked: Asked, gap: ParameterCell) -> Iterator[Decided]:
         if (grown := _grown(asked, seed, gap)) is not None:
             yield from _between(asked, gap, [grown])
             return
+    if not (asked.by_all or asked.spent) and gap == asked.whole:
+        asked.ask_all()
+        for seed in islice(_seeds(gap.bounds), _FEW_SEEDS):
+            if (grown := _grown(asked, seed, gap)) is not None:
+                yield from _between(asked, gap, [grown])
+                return
     yield from _refuted(asked, gap, _MOST_HALVINGS)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, number_in
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
-from duhem.proof.kernel.term import NotWritten, Term, number
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, number
 from duhem.regions.numbers import closest_fractions, narrowed
 
 __all__ = ["Suggestion", "changes", "suggestions"]
@@ -29,6 +29,7 @@ __all__ = ["Suggestion", "changes", "suggestions"]
 Array = NDArray[np.float64]
 _RAYS, _PLACES, _SAMPLES, _ZERO = 721, 9, 97, 1e-11
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
+_PLAIN = (0, 1, -1, Fraction(1, 2), 2)  # components of the points that are tried
 _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
 
 
@@ -39,11 +40,16 @@ class Suggestion(NamedTuple):
     evidence: Mapping[str, Any]
 
 
-def suggestions(law: StatedLaw, claim: str, name: str, cell: ParameterCell, swap: Mapping[Term, Term]) -> Iterator[Suggestion]:
-    """Families for a law over a cell, its other parameters fixed; the most promising first."""
+def suggestions(
+    law: StatedLaw, whole: StatedLaw, claim: str, name: str, cell: ParameterCell, swap: Mapping[Term, Term]
+) -> Iterator[Suggestion]:
+    """Families for a law over a cell, its other parameters fixed as they are not in the ``whole``; the most promising first."""
     if claim == "origin":
         yield Suggestion("evaluation", {})
     free = [n for n, own in law.parameters.items() if own.low is None or own.low != own.high]
+    if claim == "dissipation" and law.flow is not None:
+        with suppress(ValueError):
+            yield from _of_points(whole, name, cell)
     if claim == "convexity" and len(free) <= 1:
         with suppress(NotWritten, ValueError):
             yield from _of_forms(law, free[0] if free else name)
@@ -51,6 +57,39 @@ def suggestions(law: StatedLaw, claim: str, name: str, cell: ParameterCell, swap
         for family in ("sector", "gauge"):
             with suppress(NotWritten, RecursionError):
                 yield from _of_dents(list(dents(law, family)), law, free[0] if free else name, cell, bool(swap))
+
+
+def _of_points(law: StatedLaw, name: str, cell: ParameterCell) -> Iterator[Suggestion]:
+    """Points u + d v with plain u and v, d the distance from an end of the cell, where force . flow < 0; a parameter makes g = 0 there.
+
+    That parameter stands in g as a term of its own, with the factor -1.
+    """
+    scale = next((n for n in law.parameters if n != name and _stands_alone(law.g, n)), None)
+    if scale is None or name not in law.parameters or law.flow is None:
+        return
+    values = np.array(_looked_at(law, name))
+    others = {n: np.ones_like(values) for n in law.parameters if n not in (name, scale)}
+    for end, way in ((cell.high, -1), (cell.low, 1)):
+        at = Fraction(0) if end is None or not end.exact else end.low
+        away, words = way * (values - float(at)), f"({name} - ({at}))" if way > 0 else f"({at} - {name})"
+        for u, v in product(product(_PLAIN, repeat=len(law.forces)), repeat=2):
+            forces = {f: float(a) + float(b) * away for f, a, b in zip(law.forces, u, v, strict=True)}
+            there = {**others, name: values, **forces}
+            size = _of(law.g, {**there, scale: np.zeros_like(values)})
+            power = sum(
+                (forces[f] * _of(d, there | {scale: size}) for f, d in zip(law.forces, law.flow, strict=True)), np.zeros_like(values)
+            )
+            if np.all(size > 0) and np.all(power < 0):
+                parts = {f: [*([str(a)] if a else []), *([f"{b}*{words}"] if b else [])] for f, a, b in zip(law.forces, u, v, strict=True)}
+                point = {f: " + ".join(said) for f, said in parts.items() if said}
+                yield Suggestion("point", {"point": point, "scale": scale})
+                return
+
+
+def _stands_alone(g: Term, name: str) -> bool:
+    """Whether a name stands in a sum as a term of its own, with the factor -1, and nowhere else."""
+    terms = [term for term in (g.args if g.op == "+" else ()) if name in term.names()]
+    return len(terms) == 1 and terms[0].op == "*" and sorted(x.op for x in factors(terms[0])) == ["name", "number"]
 
 
 def _of_forms(law: StatedLaw, variable: str) -> Iterator[Suggestion]:
@@ -255,7 +294,7 @@ def _of(term: Term, at: Mapping[str, Array]) -> Array:
         if term.name not in at:
             return np.full(size, -1.0)  # the pressure
         return at[term.name]
-    args = [_of(a, at) for a in term.args]
+    args = [_of(a, at) if a.op not in COMPARISONS else np.zeros(size) for a in term.args]
     match term.op:
         case "+":
             return sum(args, np.zeros(size))
@@ -269,4 +308,10 @@ def _of(term: Term, at: Mapping[str, Array]) -> Array:
             return np.sqrt(sum((a * a for a in args), np.zeros(size)))
         case "exp" | "log" | "sin" | "cos" | "tan" | "sinh" | "cosh" | "tanh":
             return np.asarray(getattr(np, term.op)(args[0]))
+        case "where":
+            one, two = (_of(side, at) for side in term.args[0].args)
+            held = {"<": one < two, "<=": one <= two, ">": one > two, ">=": one >= two}[term.args[0].op]
+            return np.where(held, args[1], args[2])
+        case "max" | "min":
+            return np.asarray(getattr(np, term.op)(args, axis=0))
     raise ValueError(f"{term.op} is not read here")

@@ -173,7 +173,10 @@ def _vanishes_at_ends(end: RealRoot, other: RealRoot) -> bool:
 
 def at_values(law: StatedLaw, values: Mapping[str, Any], swap: Mapping[Term, Term]) -> StatedLaw:
     """The law at values of some of its parameters, given by formulas in the others; NotWritten where these are not shown to be admitted."""
-    terms = {name: parse(text).put(dict(swap)) for name, text in as_object(values).items()}
+    return _at_terms(law, {name: parse(text).put(dict(swap)) for name, text in as_object(values).items()})
+
+
+def _at_terms(law: StatedLaw, terms: Mapping[str, Term]) -> StatedLaw:
     left = {name: own for name, own in law.parameters.items() if name not in terms}
     alone = tuple(c for c in law.constraints if c.names() <= set(left))
     domain = over(law._replace(parameters=left, constraints=alone, g=number(0), flow=None, surfaces=(), ranges=()))
@@ -214,13 +217,35 @@ def _outside(law: StatedLaw, _: Evidence) -> bool:
     return not law.viscous and not law.of_rates and here.defined and here.sign == POSITIVE
 
 
+def _consumes(law: StatedLaw, evidence: Evidence) -> bool:
+    """force . flow < 0 at a point where g = 0, of a law with a flow of its own and no energy; every part has a value there.
+
+    The parameter ``scale`` of the evidence is what g is there without it, so that g = 0 where it is subtracted in g.
+    """
+    if law.flow is None or law.energy is not None or law.rates or law.ranges or law.viscous or law.of_rates:
+        return False
+    place = {Term("name", name=f): parse(text) for f, text in as_object(evidence["point"]).items()}
+    place = {Term("name", name=f): place.get(Term("name", name=f), number(0)) for f in law.forces}
+    if "scale" in evidence:
+        scale = Term("name", name=evidence["scale"])
+        law = _at_terms(law, {scale.name: law.g.put({scale: number(0)}).put(place)})
+    domain = over(law)
+    flow = tuple(d.put(place) for d in law.flow)
+    if not all(domain.constant(x) and domain.facts(x).defined for x in (*place.values(), *flow)):
+        return False
+    here = at_point(law, evidence["point"])
+    power = domain.facts(sum_of(*(product_of(x, d) for x, d in zip(place.values(), flow, strict=True))))
+    return here.defined and here.sign == ZERO and power.defined and power.sign == NEGATIVE
+
+
 REFUTATIONS: Mapping[tuple[str, str], Callable[[StatedLaw, Evidence], bool]] = {
     ("convexity", "dent"): _dented,
     ("convexity", "line"): _on_a_line,
     ("origin", "evaluation"): _outside,
+    ("dissipation", "point"): _consumes,
     ("normality", "dent"): lambda law, evidence: law.associated and _dented(law, evidence),
 }
-_EVIDENCE = ("at", "along", "dent", "family", "section", "through", "values")
+_EVIDENCE = ("at", "along", "dent", "family", "point", "scale", "section", "through", "values")
 
 
 def refutation_fails(claim: str, rule: str, law: StatedLaw, name: str, cell: ParameterCell, way: str, evidence: Evidence) -> str:
