@@ -230,7 +230,7 @@ def _consumes(law: StatedLaw, evidence: Evidence) -> bool:
         scale = Term("name", name=evidence["scale"])
         law = _at_terms(law, {scale.name: law.g.put({scale: number(0)}).put(place)})
     domain = over(law)
-    flow = tuple(d.put(place) for d in law.flow)
+    flow = tuple(d.put(place) for d in law.flow or ())
     if not all(domain.constant(x) and domain.facts(x).defined for x in (*place.values(), *flow)):
         return False
     here = at_point(law, evidence["point"])
@@ -254,6 +254,8 @@ def refutation_fails(claim: str, rule: str, law: StatedLaw, name: str, cell: Par
         return f"no rule {rule!r} refutes this claim"
     try:
         without_more(evidence, _EVIDENCE)
+        if {name, _SHARE.name} & {*as_object(evidence.get("values", {})), evidence.get("scale")}:
+            raise NotWritten("a family is for one value of the parameter alone")
         put, swap = law_over(law, name, cell, way)
         put = at_values(put, evidence.get("values", {}), swap)
         undecided = obligations.constraints(put) or obligations.numbers_in_formula(put)
