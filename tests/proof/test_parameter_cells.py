@@ -190,6 +190,17 @@ def test_lines_and_points() -> None:
     )
 
 
+def test_chords() -> None:
+    law, cell = law_named("limacon"), ParameterCell(at("3/5"), at("1"), False, True)
+    p, q = ({"sigma_a": "-41/100", "sigma_b": b} for b in ("13/50", "-13/50"))
+    evidence = {"p": p, "q": q, "values": {"mu": "1"}, "pressure": "-1"}
+    here = ParameterCell(at("3/5"), at("3/5"))
+    assert refutation_fails("convexity", "chord", law, "e", here, "range", evidence) == ""
+    assert refutation_fails("convexity", "chord", law, "e", cell, "range", evidence)
+    for changed in ({"pressure": "1"}, {"pressure": "-2"}, {"q": p}, {"q": {}}, {"p": {"sigma_a": "-mu"}}):
+        assert refutation_fails("convexity", "chord", law, "e", here, "range", {**evidence, **changed})
+
+
 def test_a_family_leaves_the_parameter_free() -> None:
     """At one value of the parameter alone a witness says nothing of the others, by whatever name that is fixed."""
     apart, cell = law_named("matchstick", mu_b={"value": "1"}), ParameterCell(at("1"), at("3"))

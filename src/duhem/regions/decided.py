@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any
 
 from duhem.errors import InputError
@@ -26,6 +28,7 @@ __all__ = ["MOST_STEPS", "Asked", "Decided"]
 
 MOST_STEPS = 60_000_000  # for a region
 _MOST_STEPS = 2_500_000  # for one rule on one cell
+_MOST_CHORDS = 6  # counterexamples at one value that are looked for, each as dear as a verification
 _FEW_TRIED = 6  # suggestions that the kernel is asked about on one cell
 
 
@@ -58,6 +61,8 @@ class Asked:
     most: int = MOST_STEPS
     steps: int = 0
     by_all: bool = False
+    chords: int = 0
+    hopeful: set[ParameterCell] = field(default_factory=set)  # cells over which a family of witnesses was suggested
     stated: StatedLaw = field(init=False)
     domain: Bounds = field(init=False)
     values: dict[str, str] = field(init=False)
@@ -189,11 +194,12 @@ class Asked:
         """Stretches of the parameter where the claim seems to hold, and to fail, in floating point; None where that tells nothing."""
         if self.claim != "convexity":
             return None
-        try:
+        found = None
+        with within(_MOST_STEPS) as purse, suppress(NotWritten, TooDearError):
             law, swap = law_over(self.stated, self.name, self.whole, "range")
-            return changes(at_values(law, self.values, swap), self.name)
-        except NotWritten:
-            return None
+            found = changes(at_values(law, self.values, swap), self.name)
+        self.steps += purse.spent
+        return found
 
     @property
     def whole(self) -> ParameterCell:
@@ -210,22 +216,51 @@ class Asked:
         return self._refuted[cell]
 
     def _against(self, cell: ParameterCell) -> Decided | None:
-        tried = 0
         for way in _ways(cell):
-            try:
-                law, swap = law_over(self.stated, self.name, cell, way)
-                there = at_values(law, self.values, swap)
-            except NotWritten:
-                continue
-            for found in suggestions(there, law, self.claim, self.name, cell, swap):
-                if self.spent or tried == _FEW_TRIED:
-                    return None
-                tried += 1
+            for found in self._suggested(cell, way):
                 free = {name: text for name, text in self.values.items() if name != found.evidence.get("scale")}
                 evidence = {**found.evidence, "values": free}
-                if not self._fails(cell, way, found, evidence):
+                if not self.spent and not self._fails(cell, way, found, evidence):
                     return Decided(cell, "refuted", {"as": way, "rule": found.rule, "evidence": evidence})
         return None
+
+    def chord(self, cell: ParameterCell, inside: Fraction) -> Decided | None:
+        """The counterexample that refutes the claim at a value in a cell, if it does so for the whole cell."""
+        if self.spent or self.claim != "convexity" or self.chords == _MOST_CHORDS:
+            return None
+        self.chords += 1
+        try:
+            (found,) = verify(self.law.fix({self.name: inside}), claims=[self.claim], effort="quick")
+        except InputError:
+            return None
+        self.steps += found.steps
+        if found.witness is None or not {"p", "q"} <= set(found.witness.points):
+            return None
+        self.hopeful.add(cell)
+        p, q = (dict(found.witness.points[key]) for key in ("p", "q"))
+        pressure = {} if self.law.pressure is None else {"pressure": p.pop(self.law.pressure)}
+        if self.law.pressure is not None and q.pop(self.law.pressure) != pressure["pressure"]:
+            return None
+        values = {name: x for name, x in found.witness.parameters.items() if name in self.values}
+        evidence = {"p": p, "q": q, "values": {**self.values, **values}, **pressure}
+        for way in _ways(cell):
+            if not self._fails(cell, way, Suggestion("chord", evidence), evidence):
+                return Decided(cell, "refuted", {"as": way, "rule": "chord", "evidence": evidence})
+        return None
+
+    def _suggested(self, cell: ParameterCell, way: str) -> list[Suggestion]:
+        """The first families that floating point suggests over a cell; none where nothing is told in so many steps."""
+        found = list[Suggestion]()
+        with within(_MOST_STEPS) as purse, suppress(NotWritten, TooDearError):
+            law, swap = law_over(self.stated, self.name, cell, way)
+            for one in suggestions(at_values(law, self.values, swap), law, self.claim, self.name, cell, swap):
+                found.append(one)
+                if len(found) == _FEW_TRIED:
+                    break
+        self.steps += purse.spent
+        if found:
+            self.hopeful.add(cell)
+        return found
 
     def _fails(self, cell: ParameterCell, way: str, found: Suggestion, evidence: Mapping[str, Any]) -> str:
         with within(_MOST_STEPS) as purse:

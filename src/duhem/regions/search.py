@@ -171,11 +171,12 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
 
 def _refuted(asked: Asked, gap: ParameterCell, halvings: int) -> Iterator[Decided]:
     """What lies between two cells, refuted as a whole or in parts, or open."""
-    if (found := asked.refuted(gap)) is not None:
+    middle = _middle(gap)
+    if (found := asked.refuted(gap) or (None if middle is None else asked.chord(gap, middle))) is not None:
         yield found
         return
-    middle = _middle(gap)
-    if halvings == 0 or middle is None or asked.spent:
+    in_vain = halvings < _MOST_HALVINGS - 2 and gap not in asked.hopeful
+    if halvings == 0 or middle is None or asked.spent or in_vain:
         yield Decided(gap, "open")
         return
     at = RealRoot.of(middle)

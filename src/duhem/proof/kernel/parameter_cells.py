@@ -211,6 +211,25 @@ def _on_a_line(law: StatedLaw, evidence: Evidence) -> bool:
     return whole and falls_both_ways(law, evidence)
 
 
+def _left_by_a_chord(law: StatedLaw, evidence: Evidence) -> bool:
+    """K is not convex: two points lie in it, and the midpoint between them does not; at one pressure, where there is one."""
+    if law.ranges or law.viscous or law.of_rates:
+        return False
+    ends = [{f: parse(as_object(evidence[key]).get(f, "0")) for f in law.forces} for key in ("p", "q")]
+    middle = {f: product_of(number(Fraction(1, 2)), sum_of(*(end[f] for end in ends))) for f in law.forces}
+    domain, held = over(law), dict[Term, Term]()
+    if law.pressure is not None:
+        held = {Term("name", name=law.pressure): (pressure := parse(evidence["pressure"]))}
+        if not (domain.constant(pressure) and domain.facts(pressure).defined and domain.facts(pressure).sign == NEGATIVE):
+            return False
+    if not all(domain.constant(x) and domain.facts(x).defined for end in ends for x in end.values()):
+        return False
+    places = [law.g.put(held).put({Term("name", name=f): x.put(held) for f, x in place.items()}) for place in (*ends, middle)]
+    one, two, between = map(domain.facts, places)
+    inside = all(here.defined and not here.sign & POSITIVE for here in (one, two))
+    return inside and between.defined and between.sign == POSITIVE
+
+
 def _outside(law: StatedLaw, _: Evidence) -> bool:
     """g(0) > 0."""
     here = at_point(law, {})
@@ -240,12 +259,13 @@ def _consumes(law: StatedLaw, evidence: Evidence) -> bool:
 
 REFUTATIONS: Mapping[tuple[str, str], Callable[[StatedLaw, Evidence], bool]] = {
     ("convexity", "dent"): _dented,
+    ("convexity", "chord"): _left_by_a_chord,
     ("convexity", "line"): _on_a_line,
     ("origin", "evaluation"): _outside,
     ("dissipation", "point"): _consumes,
     ("normality", "dent"): lambda law, evidence: law.associated and _dented(law, evidence),
 }
-_EVIDENCE = ("at", "along", "dent", "family", "point", "scale", "section", "through", "values")
+_EVIDENCE = ("at", "along", "dent", "family", "p", "point", "pressure", "q", "scale", "section", "through", "values")
 
 
 def refutation_fails(claim: str, rule: str, law: StatedLaw, name: str, cell: ParameterCell, way: str, evidence: Evidence) -> str:
