@@ -169,7 +169,7 @@ def test_dents_at_algebraic_places() -> None:
 
 
 def test_lines_and_points() -> None:
-    form = {"name": "form", "forces": ["x", "y"], "pressure": None, "parameters": {"b": {}}, "constraints": [], "flow": None}
+    form: dict[str, Any] = {"name": "form", "forces": ["x", "y"], "pressure": None, "parameters": {"b": {}}, "constraints": [], "flow": None}
     law = stated({**form, "g": "x**2 + b*x*y + y**2 - 1"})
     assert isinstance(law, StatedLaw)
     evidence = {"through": {"x": "2", "y": "2"}, "along": {"x": "1", "y": "-1"}}
@@ -197,7 +197,8 @@ def test_chords() -> None:
     here = ParameterCell(at("3/5"), at("3/5"))
     assert refutation_fails("convexity", "chord", law, "e", here, "range", evidence) == ""
     assert refutation_fails("convexity", "chord", law, "e", cell, "range", evidence)
-    for changed in ({"pressure": "1"}, {"pressure": "-2"}, {"q": p}, {"q": {}}, {"p": {"sigma_a": "-mu"}}):
+    others: list[dict[str, Any]] = [{"pressure": "1"}, {"pressure": "-2"}, {"q": p}, {"q": {}}, {"p": {"sigma_a": "-mu"}}]
+    for changed in others:
         assert refutation_fails("convexity", "chord", law, "e", here, "range", {**evidence, **changed})
 
 
