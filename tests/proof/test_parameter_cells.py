@@ -48,7 +48,7 @@ def test_a_polynomial_keeps_its_value_where_it_is_reduced(seed: int) -> None:
         assert len(left) < len(plain)
         for _ in range(60):  # towards the root, where both are the same
             middle = (low + high) / 2
-            sides = [sum(c * x**i for i, c in enumerate(plain)) for x in (low, middle)]
+            sides = [Fraction(sum(c * x**i for i, c in enumerate(plain))) for x in (low, middle)]
             low, high = (middle, high) if sides[0] * sides[1] > 0 else (low, middle)
         one = sum(c * low**i for i, c in enumerate(numbers))
         two = sum(part.get((), Fraction(0)) * low**i for i, part in enumerate(left))
@@ -169,7 +169,7 @@ def test_dents_at_algebraic_places() -> None:
 
 
 def test_lines_and_points() -> None:
-    form: dict[str, Any] = {"name": "form", "forces": ["x", "y"], "pressure": None, "parameters": {"b": {}}, "constraints": [], "flow": None}
+    form: dict[str, Any] = {"name": "form", "forces": ["x", "y"], "pressure": None, "constraints": [], "flow": None, "parameters": {"b": {}}}
     law = stated({**form, "g": "x**2 + b*x*y + y**2 - 1"})
     assert isinstance(law, StatedLaw)
     evidence = {"through": {"x": "2", "y": "2"}, "along": {"x": "1", "y": "-1"}}
