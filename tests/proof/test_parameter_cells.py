@@ -15,7 +15,7 @@ from duhem.proof.kernel.domain import Bounds, StatedLaw
 from duhem.proof.kernel.parameter_cells import ParameterCell, at_values, covers, law_over, own_domain, refutation_fails
 from duhem.proof.kernel.polynomial import Polynomial, in_powers
 from duhem.proof.kernel.real_root import RealRoot
-from duhem.proof.kernel.signs import RAY, line, roots_between
+from duhem.proof.kernel.signs import RAY, line, roots_between, sign_at
 from duhem.proof.kernel.term import NotWritten
 
 ROOT_2 = RealRoot.read({"polynomial": ["-2", "0", "1"], "enclosure": ["1", "3/2"]})
@@ -48,8 +48,7 @@ def test_a_polynomial_keeps_its_value_where_it_is_reduced(seed: int) -> None:
         assert len(left) < len(plain)
         for _ in range(60):  # towards the root, where both are the same
             middle = (low + high) / 2
-            sides = [Fraction(sum(c * x**i for i, c in enumerate(plain))) for x in (low, middle)]
-            low, high = (middle, high) if sides[0] * sides[1] > 0 else (low, middle)
+            low, high = (middle, high) if sign_at(plain, low) == sign_at(plain, middle) else (low, middle)
         one = sum(c * low**i for i, c in enumerate(numbers))
         two = sum(part.get((), Fraction(0)) * low**i for i, part in enumerate(left))
         assert abs(one - two) < Fraction(1, 10**12)
@@ -169,7 +168,14 @@ def test_dents_at_algebraic_places() -> None:
 
 
 def test_lines_and_points() -> None:
-    form: dict[str, Any] = {"name": "form", "forces": ["x", "y"], "pressure": None, "constraints": [], "flow": None, "parameters": {"b": {}}}
+    form: dict[str, Any] = {
+        "name": "form",
+        "forces": ["x", "y"],
+        "pressure": None,
+        "constraints": [],
+        "flow": None,
+        "parameters": {"b": {}},
+    }
     law = stated({**form, "g": "x**2 + b*x*y + y**2 - 1"})
     assert isinstance(law, StatedLaw)
     evidence = {"through": {"x": "2", "y": "2"}, "along": {"x": "1", "y": "-1"}}

@@ -10,7 +10,9 @@ from functools import cache
 from typing import Any
 
 import mpmath
+import numpy as np
 import pytest
+import sympy as sp
 from click.testing import CliRunner
 
 import duhem
@@ -111,6 +113,33 @@ def test_verdicts_are_those_of_the_curvature(name: str, convex: Callable[[Any], 
         for x in values:
             if low <= x < high:
                 assert within(region, x) == ("proved" if convex(mpmath.mpf(x.numerator) / x.denominator) else "refuted"), x
+
+
+def harmonic(n: int) -> str:
+    """r^n cos(n theta) in the forces."""
+    x, y = sp.symbols("sigma_a sigma_b", real=True)
+    return str(sp.expand(sp.re(sp.expand((x + sp.I * y) ** n))))
+
+
+@pytest.mark.parametrize("seed", mostly_long(range(12), 4))
+def test_two_harmonics(seed: int) -> None:
+    """r = 1 + a cos(n theta) + e cos(m theta) at many e, against r^2 + 2 r'^2 - r r'' at many angles."""
+    draw = random.Random(seed)
+    n, m = draw.sample([1, 2, 3, 4], 2)
+    a, top = Fraction(draw.randrange(-8, 9), 40), max(n, m)
+    waves = [f"norm(sigma_a, sigma_b)**{top - k}*({harmonic(k)})" for k in (n, m)]
+    g = f"norm(sigma_a, sigma_b)**{top + 1} - norm(sigma_a, sigma_b)**{top} - ({a})*{waves[0]} - e*{waves[1]}"
+    high = 1 - abs(a) - Fraction(1, 50)
+    law = duhem.Criterion(name="waves", pressure=None, g=g, parameters={"e": duhem.Domain.between(-high, high)})
+    done = duhem.region(law, steps=15_000_000)
+    assert done.open_share < 0.25 and duhem.recheck(done.certificate()).ok
+    theta = np.linspace(0, 2 * np.pi, 20_001)
+    for x in (Fraction(draw.randrange(-1000, 1001), 1000) * high for _ in range(300)):
+        e, c = float(x), float(a)
+        r, one = 1 + c * np.cos(n * theta) + e * np.cos(m * theta), -c * n * np.sin(n * theta) - e * m * np.sin(m * theta)
+        least = float(np.min(r**2 + 2 * one**2 + r * (c * n**2 * np.cos(n * theta) + e * m**2 * np.cos(m * theta))))
+        verdict = next(cell.verdict for cell in done.decided if cell.cell.bounds.holds(x))
+        assert not (verdict == "proved" and least < -1e-6) and not (verdict == "refuted" and least > 1e-6), (x, verdict, least)
 
 
 # -- what is asked -----------------------------------------------------------------------------------------------------

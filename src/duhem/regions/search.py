@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import islice
-from math import inf
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_cells import ParameterCell
@@ -20,7 +19,7 @@ from duhem.regions.numbers import simplest, square_root_near
 __all__ = ["cells_of"]
 
 _NARROW = Fraction(1, 2**30)
-_ROUNDING, _SHORT = 3e-8, 1000
+_ROUNDING, _SHORT, _BESIDE = 3e-8, 1000, (1e-6, 1e-4)
 _MOST_HALVINGS, _MOST_TRIES, _FARTHEST, _FEW_SEEDS = 5, 60, 2**16, 3
 
 
@@ -28,7 +27,7 @@ def cells_of(asked: Asked) -> list[Decided]:
     """The cells that cover the domain, in order: proved, refuted or open."""
     if (whole := asked.proved(asked.whole)) is not None:
         return [whole]
-    return list(_between(asked, asked.whole, sorted(_seen(asked), key=lambda done: done.cell.bounds.low or -inf)))
+    return list(_between(asked, asked.whole, _seen(asked)))
 
 
 def _between(asked: Asked, gap: ParameterCell, proved: Sequence[Decided]) -> Iterator[Decided]:
@@ -50,6 +49,9 @@ def _resolved(asked: Asked, gap: ParameterCell) -> Iterator[Decided]:
     if (found := asked.refuted(gap)) is not None:
         yield found
         return
+    if gap != asked.whole and _is_sliver(gap):
+        yield Decided(gap, "open")
+        return
     for seed in () if asked.spent else _seeds(gap.bounds):
         if (grown := _grown(asked, seed, gap)) is not None:
             yield from _between(asked, gap, [grown])
@@ -63,15 +65,54 @@ def _resolved(asked: Asked, gap: ParameterCell) -> Iterator[Decided]:
     yield from _refuted(asked, gap, _MOST_HALVINGS)
 
 
-def _seen(asked: Asked) -> Iterator[Decided]:
-    """Cells on which the claim is proved among the stretches where it seems to hold, their ends as short numbers."""
-    for i, (low, high, holds) in enumerate(stretches := asked.seen() or []):
-        if holds:
-            ends = [asked.whole.low if i == 0 else _number_near(low), asked.whole.high if i == len(stretches) - 1 else _number_near(high)]
-            own = (asked.domain.open if i == 0 else False), (asked.domain.open_high if i == len(stretches) - 1 else False)
-            ways = [own, (True, own[1]), (own[0], True), (True, True)]
-            cells = (_cell(ends[0], ends[1], *out) for out in dict.fromkeys(ways))
-            yield from islice(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), 1)
+def _is_sliver(gap: ParameterCell) -> bool:
+    """Whether nothing is looked for in a gap: it is beside an end that is told by no short number."""
+    if gap.low is None or gap.high is None:
+        return False
+    return gap.high.low - gap.low.high <= 3 * Fraction(_BESIDE[1]) * max(Fraction(1), abs(gap.low.low))
+
+
+def _seen(asked: Asked) -> list[Decided]:
+    """Cells of the stretches in which the claim seems to hold, or to fail, by floating point, in order.
+
+    The ends are short numbers; where these are not confirmed, a little less than the stretches beside is decided, in parts.
+    """
+    stretches = asked.seen() or []
+    whole, last = asked.whole, len(stretches) - 1
+    found = dict[int, list[Decided]]()
+    for i, (low, high, holds) in enumerate(stretches):
+        own = i == 0 and whole.open, i == last and whole.open_high
+        cells = (
+            _cell(whole.low if i == 0 else _number_near(low), whole.high if i == last else _number_near(high), *out)
+            for out in (dict.fromkeys([own, (True, own[1]), (own[0], True), (True, True)]) if holds else ())
+        )
+        if done := next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), None):
+            found[i] = [done]
+    for i, (low, high, holds) in enumerate(stretches):
+        if i in found or (not holds and all(k in found for k in (i - 1, i + 1) if 0 <= k <= last)):
+            continue  # the gap that is left between cells is taken as a whole
+        one, two = whole.low if i == 0 else _inside(low, 1), whole.high if i == last else _inside(high, -1)
+        cell = _cell(one, two, i == 0 and whole.open, i == last and whole.open_high)
+        if cell is not None and (one is None or two is None or one.below(two)):
+            parts = _proved_parts(asked, cell, _MOST_HALVINGS - 1) if holds else _refuted(asked, cell, _MOST_HALVINGS)
+            found[i] = [done for done in parts if done.verdict != "open"]
+    return [done for i in sorted(found) for done in found[i]]
+
+
+def _proved_parts(asked: Asked, cell: ParameterCell, halvings: int) -> Iterator[Decided]:
+    """A cell on which the claim is proved in one, or those of its parts on which it is."""
+    if (found := asked.proved(cell)) is not None:
+        yield found
+    elif halvings and not asked.spent and (middle := _middle(cell)) is not None:
+        at = RealRoot.of(middle)
+        yield from _proved_parts(asked, ParameterCell(cell.low, at, cell.open, False), halvings - 1)
+        yield from _proved_parts(asked, ParameterCell(at, cell.high, True, cell.open_high), halvings - 1)
+
+
+def _inside(x: float, way: int) -> RealRoot:
+    """A short number a little beyond x."""
+    near, far = (Fraction(x) + way * Fraction(max(1.0, abs(x)) * share) for share in _BESIDE)
+    return RealRoot.of(simplest(min(near, far), max(near, far)))
 
 
 def _number_near(x: float) -> RealRoot:

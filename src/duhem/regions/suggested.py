@@ -29,7 +29,7 @@ __all__ = ["Suggestion", "changes", "suggestions"]
 Array = NDArray[np.float64]
 _RAYS, _PLACES, _SAMPLES, _ZERO = 721, 9, 97, 1e-11
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
-_PLAIN = (0, 1, -1, Fraction(1, 2), 2)  # components of the points that are tried
+_PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "2")))  # components of the points that are tried
 _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
 
 
