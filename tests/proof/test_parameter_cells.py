@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from fractions import Fraction
+from functools import reduce
 from typing import Any
 
 import pytest
@@ -23,6 +25,10 @@ ROOT_2 = RealRoot.read({"polynomial": ["-2", "0", "1"], "enclosure": ["1", "3/2"
 
 def at(x: str) -> RealRoot:
     return RealRoot.of(Fraction(x))
+
+
+def value(numbers: Sequence[Fraction | int], x: Fraction) -> Fraction:
+    return reduce(lambda total, c: total * x + c, reversed(numbers), Fraction(0))
 
 
 def law_named(name: str, **parameters: Any) -> StatedLaw:
@@ -49,9 +55,7 @@ def test_a_polynomial_keeps_its_value_where_it_is_reduced(seed: int) -> None:
         for _ in range(60):  # towards the root, where both are the same
             middle = (low + high) / 2
             low, high = (middle, high) if sign_at(plain, low) == sign_at(plain, middle) else (low, middle)
-        one = sum(c * low**i for i, c in enumerate(numbers))
-        two = sum(part.get((), Fraction(0)) * low**i for i, part in enumerate(left))
-        assert abs(one - two) < Fraction(1, 10**12)
+        assert abs(value(numbers, low) - value([part.get((), 0) for part in left], low)) < Fraction(1, 10**12)
 
 
 @pytest.mark.parametrize(
