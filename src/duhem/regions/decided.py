@@ -68,7 +68,7 @@ class Asked:
     values: dict[str, str] = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
     _refuted: dict[ParameterCell, Decided | None] = field(default_factory=dict)
-    _usual: dict[str, str] = field(default_factory=dict)  # the rule that first proved a claim at one value, which is then asked alone
+    _usual: dict[str, str] = field(default_factory=dict)  # the rule that first proved a claim on a cell, which is then asked alone
 
     def __post_init__(self) -> None:
         try:
@@ -132,7 +132,7 @@ class Asked:
         if claim in known or claim in asked:
             return known.get(claim)
         found: list[dict[str, Any]] | None = None
-        usual = self._usual.get(claim)
+        usual = self._usual.get(claim) if self.name in law.parameters else None
         for rule in rules_of(claim, law) if usual is None else (usual,):
             row, before = row_of(claim, rule, law), list[dict[str, Any]]()
             for need in sorted(row.needed if row is not None else ()):
@@ -144,7 +144,8 @@ class Asked:
                 settled = frozenset(step["claim"] for step in before)
                 if not self._objection(claim, rule, settled, law):
                     found = [*before, {"claim": claim, "rule": rule, "evidence": {}}]
-                    self._usual[claim] = rule
+                    if self.name in law.parameters:  # a single value may have a proof of its own
+                        self._usual[claim] = rule
                     break
         known[claim] = found
         return found

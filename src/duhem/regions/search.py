@@ -200,7 +200,9 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
             if not reaches(RealRoot.of(x + way * small)):
                 return RealRoot.of(x), False
         elif reaches(RealRoot.of(x - way * small)):
-            return RealRoot.of(x), True
+            if reaches(RealRoot.of(x), True):
+                return RealRoot.of(x), True
+            near, beyond = x - way * small, x
         else:
             beyond = x
     root = square_root_near(min(near, beyond), max(near, beyond))
