@@ -28,6 +28,8 @@ __all__ = ["MOST_STEPS", "Asked", "Decided"]
 
 MOST_STEPS = 60_000_000  # for a region
 _MOST_STEPS = 2_500_000  # for one rule on one cell
+_IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
+_MOST_ASKED = 30  # of these, for proofs
 _MOST_CHORDS = 6  # counterexamples at one value that are looked for, each as dear as a verification
 _FEW_TRIED = 6  # suggestions that the kernel is asked about on one cell
 
@@ -62,6 +64,7 @@ class Asked:
     steps: int = 0
     by_all: bool = False
     chords: int = 0
+    verifications: int = 0
     hopeful: set[ParameterCell] = field(default_factory=set)  # cells over which a family of witnesses was suggested
     stated: StatedLaw = field(init=False)
     domain: Bounds = field(init=False)
@@ -111,7 +114,7 @@ class Asked:
 
     def ask_all(self) -> None:
         """From now on everything that makes proofs is asked too."""
-        self.by_all = True
+        self.by_all = self.most >= _IN_DEPTH
         self._known.clear()
 
     def _proved_as(self, cell: ParameterCell, way: str) -> Decided | None:
@@ -164,8 +167,9 @@ class Asked:
         ends = [None if end is None else end.low for end in (cell.low, cell.high)]
         own, inexact = self.law.parameters[self.name], any(end is not None and not end.exact for end in (cell.low, cell.high))
         at_zero = own.positive and (cell.low is None or (ends[0] == 0 and cell.open))
-        if self.spent or inexact or cell.open_high or (cell.open and not at_zero):
+        if self.spent or self.verifications == _MOST_ASKED or inexact or cell.open_high or (cell.open and not at_zero):
             return None
+        self.verifications += 1
         domain = Domain.between(None if at_zero else ends[0], ends[1])
         law = self.law.within({self.name: Domain(high=domain.high, positive=True) if at_zero else domain})
         try:
@@ -227,7 +231,7 @@ class Asked:
 
     def chord(self, cell: ParameterCell, inside: Fraction) -> Decided | None:
         """The counterexample that refutes the claim at a value in a cell, if it does so for the whole cell."""
-        if self.spent or self.claim != "convexity" or self.chords == _MOST_CHORDS:
+        if self.spent or self.claim != "convexity" or self.chords == _MOST_CHORDS or self.most < _IN_DEPTH:
             return None
         self.chords += 1
         try:
