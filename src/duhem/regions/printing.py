@@ -139,7 +139,8 @@ def _paint(axes: Axes, region: ParameterRegion) -> None:
     axes.set_xlim(low, high)
     axes.set_ylim(0.0, 1.6 if region.ends else 1.0)
     axes.set_yticks([])
-    axes.set_xlabel(f"${latex_name(region.parameters[0])}$")
+    published = f"\npublished: {said}" if (said := _published(region)) else ""
+    axes.set_xlabel(f"${latex_name(region.parameters[0])}${published}")
     figure.legend(axes)
 
 
