@@ -22,6 +22,7 @@ __all__ = [
     "Identification",
     "InputError",
     "MissingExtraError",
+    "ParameterRegion",
     "ParametricCriterion",
     "Path",
     "Paths",
@@ -45,6 +46,7 @@ __all__ = [
     "prepare",
     "project",
     "recheck",
+    "region",
     "simulate",
     "verify",
 ]
@@ -67,6 +69,7 @@ if TYPE_CHECKING:
     from duhem.proof.recheck import Recheck, recheck
     from duhem.proof.verdict import Verdict, Witness
     from duhem.proof.verification import Verification, verify
+    from duhem.regions import ParameterRegion, region
     from duhem.screening import campaign
 
 _HOMES = {
@@ -84,6 +87,7 @@ _HOMES = {
     "proof.recheck": ("Recheck", "recheck"),
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),
+    "regions": ("ParameterRegion", "region"),
     "screening": ("campaign",),
     "api.contact": ("contact",),
     "api.histories": ("simulate",),

@@ -11,16 +11,19 @@ from typing import Any, ClassVar
 from duhem.errors import InputError
 from duhem.proof.kernel import certificate as kernel
 from duhem.proof.kernel.certificate import Rechecked
+from duhem.proof.kernel.parameter_cells import SCHEMA as OF_REGIONS
+from duhem.proof.kernel.parameter_cells import Covered, recheck_region
 from duhem.proof.kernel.term import NotWritten
 from duhem.show.page import PAGE, Page, printable
 from duhem.show.printing import Shown, plain, sheet, text
 from duhem.show.sheet import Sheet
 
-__all__ = ["Recheck", "as_dict", "as_sheet", "as_text", "recheck"]
+__all__ = ["Recheck", "RecheckedRegion", "as_dict", "as_sheet", "as_text", "recheck"]
 
 _MOST_BYTES = 10_000_000
 _REMEDY = "make a new one with: duhem verify LAW --certificate FILE"
 _MOST_DEFINITIONS = 3  # that are shown
+_HEAD_OF_CELLS = ("cell", "verdict", "kernel", "why not")
 _HEAD = ("claim", "verdict", "trust", "kernel", "why not")
 
 
@@ -76,7 +79,38 @@ class Recheck(Shown):
         return "; ".join([*said, *([f"by construction: {', '.join(given)}"] if given else [])])
 
 
-def recheck(certificate: str | os.PathLike[str] | Mapping[str, Any]) -> Recheck:
+@dataclass(frozen=True, repr=False, eq=False)
+class RecheckedRegion(Shown):
+    """What the kernel says of the certificate of a region: whether its cells cover the domain of the ``parameter``, a row a cell."""
+
+    printed_by: ClassVar[str] = __name__
+
+    law: Mapping[str, Any]
+    claim: str
+    parameter: str
+    cells: tuple[Covered, ...]
+
+    def __repr__(self) -> str:
+        return f"<RecheckedRegion: {self.counted()}>"
+
+    @property
+    def ok(self) -> bool:
+        """Whether everything that the certificate calls proved or refuted is confirmed."""
+        return not self.failed
+
+    @property
+    def failed(self) -> tuple[str, ...]:
+        """The cells for which the kernel has an objection."""
+        return tuple(cell.said for cell in self.cells if cell.reason)
+
+    def counted(self) -> str:
+        """How many cells are confirmed, open and not confirmed, in words."""
+        decided = [cell for cell in self.cells if cell.verdict != "open"]
+        said = f"confirmed: {sum(not cell.reason for cell in decided)} of {len(decided)} cells; they cover the domain of {self.parameter}"
+        return said + (f"; open: {left}" if (left := len(self.cells) - len(decided)) else "")
+
+
+def recheck(certificate: str | os.PathLike[str] | Mapping[str, Any]) -> Recheck | RecheckedRegion:
     """Check the proofs of a certificate against the text of its law, with the kernel alone.
 
     ``certificate`` is the name of a file from ``duhem verify LAW --certificate FILE`` or :meth:`duhem.Verification.certificate`, its
@@ -87,8 +121,10 @@ def recheck(certificate: str | os.PathLike[str] | Mapping[str, Any]) -> Recheck:
     where, data = _given(certificate)
     document = _object(data, where)
     try:
+        if document.get("schema") == OF_REGIONS:
+            return RecheckedRegion(document["law"], document["claim"], document["parameter"], recheck_region(document))
         return Recheck(document.get("law", {}), kernel.recheck(document))
-    except NotWritten as fault:
+    except (NotWritten, KeyError) as fault:
         raise InputError(f"the certificate cannot be checked: {fault}", where=where, remedy=_REMEDY) from None
 
 
@@ -161,6 +197,35 @@ def as_dict(done: Recheck) -> dict[str, Any]:
     """Every row, the law as the certificate states it, whether all that it calls proved is confirmed, and which claims are not."""
     lists = {"failed": list(done.failed), "without_rule": list(done.without_rule)}
     return {"ok": done.ok, **lists, "law": dict(done.law), "claims": [row._asdict() for row in done.claims]}
+
+
+@text.register(RecheckedRegion)
+def region_as_text(done: RecheckedRegion, page: Page = PAGE) -> str:
+    """The law as the certificate states it, a row a cell, and below them the count."""
+    fields = [*_law(done.law), ("claim", f"{done.claim}, by {done.parameter}")]
+    size = max(len(title) for title, _ in fields)
+    law = [line for title, said in fields for line in page.field(title, said, size)]
+    table = page.table([_HEAD_OF_CELLS, *_cells(done)], "llll", "", rule=True)
+    return page.report([[*page.hanging(_name(done.law)), *law], table, [done.counted()]])
+
+
+@sheet.register(RecheckedRegion)
+def region_as_sheet(done: RecheckedRegion) -> Sheet:
+    """The same as a sheet."""
+    return Sheet(f"Region of {_name(done.law)}: {done.counted()}", fields=tuple(_law(done.law)), head=_HEAD_OF_CELLS, rows=_cells(done))
+
+
+@plain.register(RecheckedRegion)
+def region_as_dict(done: RecheckedRegion) -> dict[str, Any]:
+    """Every cell, the law as the certificate states it, and whether all that it calls decided is confirmed."""
+    cells = [{"cell": row.said, "verdict": row.verdict, "confirmed": not row.reason, "reason": row.reason} for row in done.cells]
+    told = {"claim": done.claim, "parameter": done.parameter}
+    return {"ok": done.ok, "failed": list(done.failed), "law": dict(done.law), **told, "cells": cells}
+
+
+def _cells(done: RecheckedRegion) -> tuple[tuple[str, ...], ...]:
+    words = {True: "-", False: "confirmed"}
+    return tuple((c.said, c.verdict, "failed" if c.reason else words[c.verdict == "open"], c.reason) for c in done.cells)
 
 
 def _rows(done: Recheck) -> tuple[tuple[str, ...], ...]:

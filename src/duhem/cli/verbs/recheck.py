@@ -31,6 +31,7 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
     if not certificate.strip():
         raise InputError("no file is named", where="CERTIFICATE", remedy="make one with: duhem verify LAW --certificate FILE")
     from duhem.proof import recheck as rechecking
+    from duhem.show.printing import text
 
     done = rechecking.recheck(Path(certificate))
     if law is not None:
@@ -39,5 +40,5 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
         if law_as_text(read_fixed_law(law, settings)) != done.law:
             say(f"{certificate} is about another law than {law}, or about other values of its parameters")
             return REFUTED
-    say(rechecking.as_text(done, page()))
+    say(text(done, page()))
     return HELD if done.ok else REFUTED if done.failed else UNDECIDED

@@ -28,7 +28,7 @@ from duhem.errors import InputError
 
 if TYPE_CHECKING:
     from duhem.law.curve_law import Law
-    from duhem.proof.verification import ClaimResult
+    from duhem.proof.verification import ClaimResult, Verification
     from duhem.screening.campaign import VerdictLine
     from duhem.screening.rows import LawName
 
@@ -138,6 +138,7 @@ def verify(
             found, interrupted = verification.Verification(law, tuple(decided), (), (), effort=effort, interrupted=True), True
         if form == "text":
             say(f"\n{text(found, page())}" if done else text(found, page()))
+            _say_for_which(found, laws[len(done)])
         done.append(found)
         if interrupted:
             break
@@ -165,6 +166,18 @@ def verify(
             click.echo(f"duhem: {report} is {lacking}", err=True)
     came = ((found.criterion.name, {r.claim: r.verdict.value for r in found.results}, own) for found, own in zip(done, due, strict=True))
     return _code_of(came, strict=strict)
+
+
+def _say_for_which(found: Verification, law: str) -> None:
+    """For each claim that is refuted or open: for which values of the one parameter of shape it holds, or the command that finds it."""
+    asked = [r.claim for r in found if r.claim in ("origin", "convexity") and r.verdict in ("refuted", "undecided", "tested")]
+    if found.interrupted or not asked:
+        return
+    from duhem.regions import told
+
+    said = [sentence for claim in asked if (sentence := told(found.criterion, claim, law))]
+    if said:
+        say("\n".join(["", "For which parameters", *(f"  {sentence}" for sentence in said)]))
 
 
 def _fixed(law: str, settings: Sequence[str], *, several: bool) -> Law:

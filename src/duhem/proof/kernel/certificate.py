@@ -14,7 +14,10 @@ from duhem.proof.kernel.domain import Bounds, StatedLaw, as_object, exact, inhab
 from duhem.proof.kernel.obligations import numbers
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 
-__all__ = ["CLAIMS", "COUPLED", "EVIDENCE", "NO_RULE", "OVER", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "digest", "recheck", "stated"]
+__all__ = [
+    "CLAIMS", "COUPLED", "EVIDENCE", "NO_RULE", "OVER", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "check_version", "digest", "law_of",
+    "recheck", "stated",
+]  # fmt: skip
 
 SCHEMA = "duhem certificate 2"
 _RENAMED = {"symbolic": BY_CONSTRUCTION}  # as certificates call it that were written before laws had a state
@@ -107,20 +110,26 @@ def _objection(row: _Claim, rule: str, settled: frozenset[str], law: Mapping[str
     return objection(row.claim, rule, settled, whole, row.evidence)
 
 
+def law_of(document: Mapping[str, Any]) -> StatedLaw | StatedCurve:
+    """The law of a certificate; NotWritten where it was changed, has a number without a value, or admits no parameters."""
+    if document["sha256"] != digest(document):
+        raise NotWritten("its hash, sha256, is not that of its content: something was changed after it was made")
+    law = stated(as_object(document["law"]))
+    if not isinstance(document["law"].get("name", ""), str):
+        raise NotWritten("the name of the law is no text")
+    if refused := next(filter(None, map(numbers, _texts(document["law"]))), ""):
+        raise NotWritten(refused)
+    if not inhabited(law.parameters, law.constraints, {name: exact(value) for name, value in document["inhabited"].items()}):
+        raise NotWritten("no point of the parameters' domain is given")
+    return law
+
+
 def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
     """Every claim of a certificate.  Raises NotWritten where it is none: another version, hash or law, unknown labels, an empty domain."""
     try:
-        _check_version(document["schema"])
+        check_version(document["schema"], SCHEMA)
         without_more(document, {"schema", "law", "inhabited", "claims", "sha256"})
-        if document["sha256"] != digest(document):
-            raise NotWritten("its hash, sha256, is not that of its content: something was changed after it was made")
-        law = stated(as_object(document["law"]))
-        if not isinstance(document["law"].get("name", ""), str):
-            raise NotWritten("the name of the law is no text")
-        if refused := next(filter(None, map(numbers, _texts(document["law"]))), ""):
-            raise NotWritten(refused)
-        if not inhabited(law.parameters, law.constraints, {name: exact(value) for name, value in document["inhabited"].items()}):
-            raise NotWritten("no point of the parameters' domain is given")
+        law_of(document)
         if not isinstance(document["claims"], list | tuple) or not document["claims"]:
             raise NotWritten("it has no list of claims")
         said = [_Claim.read(as_object(row)) for row in document["claims"]]
@@ -153,11 +162,11 @@ def _texts(law: Mapping[str, Any]) -> Iterator[str]:
         yield from ([entry["g"]] if "g" in entry else entry["boundary"])
 
 
-def _check_version(schema: Any) -> None:
-    """NotWritten for another version of the form than this reads."""
-    if schema == SCHEMA:
+def check_version(schema: Any, known: str) -> None:
+    """NotWritten for another version of the form than the one that is ``known``."""
+    if schema == known:
         return
-    form, _, version = SCHEMA.rpartition(" ")
+    form, _, version = known.rpartition(" ")
     if isinstance(schema, str) and re.fullmatch(rf"{form} [0-9]{{1,6}}", schema):
         raise NotWritten(f"it is written in version {schema.rpartition(' ')[2]} of its form, and version {version} is read here")
-    raise NotWritten(f"its schema is not {SCHEMA!r}")
+    raise NotWritten(f"its schema is not {known!r}")

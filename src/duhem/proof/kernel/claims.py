@@ -36,7 +36,7 @@ from duhem.proof.kernel.state import (
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, parse, sum_of
 
-__all__ = ["BY_CONSTRUCTION", "CURVE_RULES", "RULES", "RuleRow", "needs_of", "objection", "row_of", "rules_of"]
+__all__ = ["BY_CONSTRUCTION", "CURVE_RULES", "RULES", "RuleRow", "at_point", "needs_of", "objection", "row_of", "rules_of"]
 
 Evidence = Mapping[str, Any]
 
@@ -178,7 +178,7 @@ def _shape(law: StatedLaw, evidence: Evidence) -> Facts:
     return _over(law, evidence).facts(law.g)
 
 
-def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
+def at_point(law: StatedLaw, point: Mapping[str, str]) -> Facts:
     """g at a point, given by constants; a force that is not named is 0."""
     domain, place = over(law), {f: parse(point.get(f, "0")) for f in law.forces}
     if not all(domain.constant(value) and domain.facts(value).defined for value in place.values()):
@@ -188,14 +188,14 @@ def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
 
 def _at_zero(law: StatedLaw) -> Iterator[Facts]:
     """g at the origin, as its text says it, and by continuity; what jumps beside a limit has none."""
-    yield _at(law, {})
-    yield from (_at(law._replace(g=g), {}) for g in law.once(obligations.limits) if not chooses(g, over(law)))
+    yield at_point(law, {})
+    yield from (at_point(law._replace(g=g), {}) for g in law.once(obligations.limits) if not chooses(g, over(law)))
 
 
 def _inside(law: StatedLaw, evidence: Evidence) -> bool:
     """Whether g < 0 at the point ``inside`` of the evidence, the origin without one."""
     point = evidence.get("inside", {})
-    return any(here.defined and here.sign == NEGATIVE for here in ([_at(law, point)] if point else _at_zero(law)))
+    return any(here.defined and here.sign == NEGATIVE for here in ([at_point(law, point)] if point else _at_zero(law)))
 
 
 def origin(law: StatedLaw, _: Evidence) -> bool:

@@ -209,13 +209,18 @@ class StarGauge:
     def convex(self) -> bool:
         """gamma + gamma'' >= 0 on every arc, and gamma' does not jump down from one to the next."""
         bent = all(piece.bends_outward() for side in self._sides for piece in side)
-        return bent and all(nonnegative(jump, at, self._domain) for jump, at in self._jumps())
+        return bent and all(nonnegative(jump, at, self._domain) for jump, at in self.jumps())
 
     def smooth(self) -> bool:
         """gamma' does not jump."""
-        return all(nonnegative(rise, at, self._domain) for jump, at in self._jumps() for rise in (jump, negated(jump)))
+        return all(nonnegative(rise, at, self._domain) for jump, at in self.jumps() for rise in (jump, negated(jump)))
 
-    def _jumps(self) -> Iterator[tuple[Polynomial, Interval]]:
+    def bends(self) -> Iterator[tuple[Polynomial, Interval]]:
+        """gamma + gamma'' on each arc, up to positive factors, and for which t; these are exact ends or inside of them."""
+        for piece in (piece for side in self._sides for piece in side):
+            yield piece.bend(), (piece.arc.start[1], piece.arc.stop[0])
+
+    def jumps(self) -> Iterator[tuple[Polynomial, Interval]]:
         """By how much gamma'/gamma rises from each arc to the next, up to positive factors, and for which t."""
         for side, after in zip(self._sides, self._sides[::-1], strict=True):
             for one, two in pairwise(side):
@@ -246,8 +251,12 @@ class _Piece:
         self._psi = multiplied((arc.positive_power(upper, {(): 1 / order}), arc.positive_power(_opposite(lower), {(): -1 / order})))
 
     def bends_outward(self) -> bool:
-        """Whether (1 + t^2) psi'' - 2 t psi' + 2 psi >= 0 on the arc."""
-        return self.arc.above(self.arc.bend(self._psi))
+        """Whether gamma + gamma'' >= 0 on the arc."""
+        return self.arc.above(self.bend())
+
+    def bend(self) -> Polynomial:
+        """(1 + t^2) psi'' - 2 t psi' + 2 psi, up to a positive factor."""
+        return self.arc.bend(self._psi)
 
     def turn(self) -> _Quotient:
         """2 gamma'/gamma."""

@@ -35,7 +35,7 @@ from duhem.proof.kernel.term import NotWritten, Term, minus, number, sum_of
 
 __all__ = [
     "RAY", "Interval", "Line", "divides", "line", "nonnegative", "nonnegative_on_the_line", "on_the_line", "parts", "roots",
-    "roots_of_both", "sign_at", "sign_inside", "sign_of_constant", "without_content",
+    "roots_between", "roots_of_both", "sign_at", "sign_inside", "sign_of_constant", "without_content",
 ]  # fmt: skip
 
 Line = tuple[int, ...]  # the coefficients of a polynomial, that of 1 first, none at the top 0; a positive factor is as good as none
@@ -305,6 +305,15 @@ def _count(chain: list[Line], low: Fraction, high: Fraction) -> int:
 def _changes(chain: list[Line], x: Fraction) -> int:
     signs = [s for s in (sign_at(p, x) for p in chain) if s]
     return sum(s != t for s, t in pairwise(signs))
+
+
+def roots_between(p: Line, low: Fraction | None, high: Fraction | None) -> int:
+    """How many different roots p != 0 has strictly between; None is no end."""
+    every, farthest = parts(p)[0], 1 + max(Fraction(abs(c), abs(p[-1])) for c in p)  # beyond that is none (Cauchy 1829)
+    low, high = (-farthest if low is None else low), (farthest if high is None else high)
+    if len(every) == 1 or low >= high:
+        return 0
+    return _count(_chain(every, _slope(every)), low, high) - (sign_at(every, high) == 0)
 
 
 def nonnegative_on_the_line(p: Line, low: Fraction, high: Fraction, strict: bool = False) -> bool:

@@ -1,0 +1,181 @@
+"""Where the boundary of K turns inward, for every value of the parameters in a domain at once.
+
+A dent is a polynomial of the parameters, or of them and a ray, that is < 0 somewhere exactly where K is not convex there.  In the plane it
+is gamma'' + gamma on an arc of the gauge, or the rise of gamma' at a seam (:mod:`plane_gauge`); of a function of the deviator the same in
+the sector of ordered principal values (:mod:`deviatoric`), whose walls are seams.  K is asked in a section: what K has in common with a
+subspace, or what of a space is mapped into K by a linear map, is convex if K is.  Along a straight line on which g falls without
+bound both ways, and is > 0 between, K has two points and not all between them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from duhem.proof.kernel.bounds import POSITIVE, Facts
+from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.deviatoric import DeviatoricReader, deviatoric_readers, invariants
+from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, StatedLaw, as_object
+from duhem.proof.kernel.forms import affine
+from duhem.proof.kernel.plane_function import PlaneFunction, Signs, derivatives, inner, roots_in
+from duhem.proof.kernel.plane_gauge import StarGauge
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replaced, times, total, written
+from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import RAY, Interval, nonnegative
+from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer_map
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
+
+__all__ = ["Dent", "dents", "falls_both_ways", "section"]
+
+_ZERO, _ONE = Fraction(0), Fraction(1)
+_STEP = Term("name", name="along the line")  # no name of a law has blanks
+
+
+class Dent(NamedTuple):
+    """A ``poly`` of which one value < 0 shows that K is not convex; its variable lies ``between`` two ends.
+
+    A ``seam`` is at one place, told exactly by its ends or between them.
+    """
+
+    family: str
+    name: str
+    poly: Polynomial
+    between: Interval
+    domain: StatedDomain
+    signs: Signs | None = None  # for polynomials with roots in them
+    seam: bool = False
+
+    def at(self, place: RealRoot) -> bool:
+        """Whether it is < 0 there, over the whole domain."""
+        if not (self.between[0] <= place.low and place.high <= self.between[1]):
+            return False
+        turned = negated(self.poly)
+        if self.signs is not None:
+            return place.exact and self.signs.above(self.signs.at(turned, place.low), True)
+        if self.seam:
+            return nonnegative(turned, self.between, self.domain, True)
+        if place.exact and self.domain.nonnegative(written(replaced(turned, RAY, {(): place.low} if place.low else {})), strict=True):
+            return True
+        return nonnegative(place.reduced(turned), (place.low, place.high), self.domain, True)
+
+
+def dents(law: StatedLaw, family: str = "") -> Iterator[Dent]:
+    """Those of a family, of all without one, that are told of a law: as it is written or in a form with the same K.
+
+    In principal stresses it is a section.  What takes least work comes first.
+    """
+    forms = list[StatedLaw]()
+    for reduce in (lambda law: law, without_outer_map, in_principal_stresses):
+        form = law.once(reduce) if forms else law
+        if form is None or form in forms:
+            continue
+        forms.append(form)
+        for own, told in _FAMILIES.items():
+            with suppress(NotWritten):
+                yield from told(form) if family in ("", own) else ()
+
+
+def _of_the_gauge(law: StatedLaw) -> Iterator[Dent]:
+    gauge, domain = StarGauge(law), over(law)
+    for i, (poly, between) in enumerate(gauge.bends()):
+        yield Dent("gauge", f"arc {i}", poly, between, domain)
+    for i, (poly, between) in enumerate(gauge.jumps()):
+        yield Dent("gauge", f"seam {i}", poly, between, domain, seam=True)
+
+
+def _of_the_deviator(law: StatedLaw) -> Iterator[Dent]:
+    """Of {F <= c}, c > 0, which is what K has in a plane of all deviators; of F^(1/k) where F > 0 has the degree k."""
+    domain = over(law)
+    for i, reader in enumerate(deviatoric_readers(law.g, domain)):
+        with suppress(NotWritten):
+            value = _deviatoric_part(law, domain, reader)
+            if not (value.degree > 0 and reader.above(value.poly, strict=True)):
+                continue
+            value = value if value.degree == 1 else reader.root(value)
+            roots = {w for p in (value.poly, *map(dict, value.powers), *value.powers.values()) for w in roots_in(p)}
+            if not all(reader.above(inner(w, domain), strict=True) for w in roots):
+                continue
+            found = derivatives(value, reader.along)
+            rate = reader.plain(found.first)
+            far = reader.plain(total(times(value.poly, found.over), times({(): Fraction(-2)}, rate)))
+            yield Dent("sector", f"sector {i}", reader.bend(value), (_ZERO, _ONE), domain, reader.signs)
+            yield Dent("sector", f"near wall {i}", rate, (_ZERO, _ZERO), domain, reader.signs, True)
+            yield Dent("sector", f"far wall {i}", far, (_ONE, _ONE), domain, reader.signs, True)
+
+
+def _deviatoric_part(law: StatedLaw, domain: StatedDomain, reader: DeviatoricReader) -> PlaneFunction:
+    """What g is but for a constant < 0, where the forces are the tensor of the reader; of principal values, where their sum is 0.
+
+    The diagonal tensors of a trace, or without a third component, have all deviators.
+    """
+    names = [Term("name", name=f) for f in law.forces]
+    meanings = [(m.second, m.third) for m in invariants(law.forces)]
+    if (told := (reader.second, reader.tensor.invariants.third)) not in meanings:
+        raise NotWritten("the forces are another tensor")
+    principal = len(names) == 3 and told == meanings[0]
+    swap = {names[2]: sum_of(minus(names[0]), minus(names[1]))} if principal else {}
+    values, constants = list[PlaneFunction](), list[Term]()
+    for part in law.g.args if law.g.op == "+" else (law.g,):
+        value = None if domain.constant(part) else reader.value(part)
+        if value is not None and reader.vanishes(value):
+            values.append(value)
+        elif domain.constant(part) or domain.constant(written(domain.polynomial(part.put(swap)))):
+            constants.append(part.put(swap))
+        else:
+            raise NotWritten("a part is no function of the deviator")
+    known = domain.facts(sum_of(*constants)) if all(map(domain.constant, constants)) else _at_no_trace(constants, domain)
+    if not values or not (known.defined and known.sign == NEGATIVE):
+        raise NotWritten("g is no function of the deviator less a constant")
+    return reader.added(values)
+
+
+def _at_no_trace(constants: list[Term], domain: StatedDomain) -> Facts:
+    """What is known of a sum whose parts are constants once they are multiplied out."""
+    whole = all(domain.facts(part).defined for part in constants)
+    known = domain.facts(written(total(*map(domain.polynomial, constants))))
+    return known if whole else replace(known, defined=False)
+
+
+_FAMILIES: Mapping[str, Callable[[StatedLaw], Iterator[Dent]]] = {"sector": _of_the_deviator, "gauge": _of_the_gauge}
+
+
+# -- by lines ----------------------------------------------------------------------------------------------------------
+
+
+def falls_both_ways(law: StatedLaw, evidence: Mapping[str, Any]) -> bool:
+    """Whether g is > 0 at a point of a line, and a polynomial along it whose highest power is even and has a factor < 0."""
+    domain, place = over(law), dict[Term, Term]()
+    for name in law.forces:
+        point, way = (parse(as_object(evidence[key]).get(name, "0")) for key in ("through", "along"))
+        if not all(domain.constant(x) and domain.facts(x).defined for x in (point, way)):
+            raise NotWritten("a line is none")
+        place[Term("name", name=name)] = sum_of(point, product_of(_STEP, way))
+    along = StatedLaw((_STEP.name,), law.pressure, law.g.put(place), None, law.parameters, law.constraints, law.ranges)
+    line = over(along)
+    if not line.facts(along.g).defined:
+        return False
+    powers = in_powers(line.polynomial(along.g), _STEP)
+    if len(powers) % 2 == 0 or any(not line.constant(x) for part in powers for m in part for x, _ in m):
+        return False
+    top, here = (domain.facts(written(part)) for part in (powers[-1], powers[0]))
+    return len(powers) > 1 and top.sign == NEGATIVE and here.sign == POSITIVE
+
+
+# -- of sections -------------------------------------------------------------------------------------------------------
+
+
+def section(law: StatedLaw, forms: Mapping[str, Any]) -> StatedLaw:
+    """The law of what a linear map takes into K: each force is a form, linear in new names; a force without one is 0."""
+    given = {name: parse(text) for name, text in as_object(forms).items()}
+    names = tuple(sorted(set().union(*(form.names() for form in given.values()))))
+    if not set(given) <= set(law.forces) or {*law.forces, *law.parameters, law.pressure, "pi"} & set(names) or not names:
+        raise NotWritten("a section is of no forces, or in names that are taken")
+    swap = {Term("name", name=f): given.get(f, number(0)) for f in law.forces}
+    found = StatedLaw(names, law.pressure, law.g.put(swap), None, law.parameters, law.constraints, law.ranges)
+    domain = over(found)
+    if any(domain.polynomial(affine(form, names, domain)[1]) for form in given.values()):
+        raise NotWritten("a section is not linear")
+    return found

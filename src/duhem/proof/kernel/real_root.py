@@ -1,0 +1,85 @@
+"""A real algebraic number: the root of a polynomial between two fractions, or one fraction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from duhem.proof.kernel.domain import as_list, exact, without_more
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, times, total
+from duhem.proof.kernel.signs import RAY, Line, line, roots_between, sign_at
+from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
+
+__all__ = ["RealRoot"]
+
+_MOST_DEGREE = 24
+
+
+class RealRoot(NamedTuple):
+    """The one root of ``poly`` in (low, high), at which it changes its sign; the number ``low`` where that is ``high``."""
+
+    poly: Line
+    low: Fraction
+    high: Fraction
+
+    @classmethod
+    def of(cls, x: Fraction) -> RealRoot:
+        """A fraction."""
+        return cls((-x.numerator, x.denominator), x, x)
+
+    @classmethod
+    def read(cls, given: Mapping[str, Any]) -> RealRoot:
+        """``{"value": "1/2"}``, or ``{"polynomial": ["-2", "0", "1"], "enclosure": ["1", "3/2"]}``, the coefficient of 1 first."""
+        if "value" in given:
+            return cls.of(exact(without_more(given, {"value"})["value"]))
+        low, high = map(exact, as_list(without_more(given, {"polynomial", "enclosure"})["enclosure"]))
+        poly = line(map(exact, as_list(given["polynomial"])))
+        if not 2 < len(poly) <= _MOST_DEGREE + 1 or not low < high or sign_at(poly, low) * sign_at(poly, high) >= 0:
+            raise NotWritten("a number is no root of its polynomial between its ends")
+        if roots_between(poly, low, high) != 1:
+            raise NotWritten("a polynomial has several roots between two ends")
+        return cls(poly, low, high)
+
+    def written(self) -> dict[str, Any]:
+        """As :meth:`read` takes it."""
+        if self.exact:
+            return {"value": str(self.low)}
+        return {"polynomial": [str(c) for c in self.poly], "enclosure": [str(self.low), str(self.high)]}
+
+    @property
+    def exact(self) -> bool:
+        """Whether it is known as a fraction."""
+        return self.low == self.high
+
+    def below(self, other: RealRoot) -> bool:
+        """Whether it is seen to be less than another."""
+        return self.high < other.low or (self.high == other.low and not (self.exact and other.exact))
+
+    def sign_before(self) -> int:
+        """The sign of its polynomial just below it."""
+        return -1 if self.exact else sign_at(self.poly, self.low)
+
+    def reduced(self, poly: Polynomial) -> Polynomial:
+        """A polynomial with the same value where the variable is this number: its rest by the polynomial of the number."""
+        if self.exact:
+            return poly
+        left, degree = in_powers(poly, RAY), len(self.poly) - 1
+        while len(left) > degree:
+            top, shift = left.pop(), len(left) - degree
+            for i, c in enumerate(self.poly[:-1]):
+                left[shift + i] = total(left[shift + i], times({(): Fraction(-c, self.poly[-1])}, top))
+        return total(*(times(part, {((RAY, i),) if i else (): Fraction(1)}) for i, part in enumerate(left)))
+
+    def term(self) -> Term:
+        """The number by square roots; NotWritten for one of a degree above 2."""
+        if self.exact:
+            return number(self.low)
+        if len(self.poly) != 3:
+            raise NotWritten("a number has no square roots alone")
+        c, b, a = self.poly
+        slopes = {(s > 0) - (s < 0) for s in (2 * a * x + b for x in (self.low, self.high))}
+        if len(slopes) > 1 or 0 in slopes:
+            raise NotWritten("the ends of a number are too wide")
+        root = product_of(number(Fraction(slopes.pop(), 2 * a)), Term("**", (number(b * b - 4 * a * c), number(Fraction(1, 2)))))
+        return sum_of(number(Fraction(-b, 2 * a)), root)

@@ -1,0 +1,156 @@
+"""What is asked for: a law, one of its parameters, a claim, and over which domain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from difflib import get_close_matches
+from typing import Any
+
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression.number import exact_number
+from duhem.law.catalogue import load_formula
+from duhem.law.curve_law import Law
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
+from duhem.law.parameter_domain import check_domain, simple_points
+from duhem.proof.statement import state
+from duhem.regions.decided import MOST_STEPS, Asked
+from duhem.regions.result import ParameterRegion
+from duhem.regions.search import cells_of
+
+__all__ = ["ASKED", "region", "shape_parameters", "told"]
+
+_STEPS_OF_A_SENTENCE = 4_000_000
+ASKED = ("origin", "convexity", "smoothness", "normality", "dissipation")
+Range = str | Domain | tuple[Any, Any]
+
+
+def region(
+    law: str | Law,
+    parameters: str | Iterable[str] | None = None,
+    claim: str = "convexity",
+    over: Mapping[str, Range] | None = None,
+    *,
+    steps: int = MOST_STEPS,
+) -> ParameterRegion:
+    """For which values of a parameter a claim holds of a law, exactly where all of its cells are decided.
+
+    ``parameters`` names the parameter; it may be left out where the law has one that is free and no mere scale.  ``over`` maps parameters
+    to ranges that take the place of those of the law: ``"0:1"``, ``(0, 1)`` with None for no end, or a Domain; ``"0<:1"`` leaves out 0.
+    An end at which the law has no value is left out.  The other parameters are all that they may be: the claim holds if it holds for all
+    of them.  ``steps`` bounds the work; what is left then is open.  Raises InputError for an unknown law, parameter, claim or range.
+    """
+    asked = _over(load_formula(law), over or {})
+    if claim not in ASKED:
+        near = get_close_matches(str(claim), ASKED, n=1)
+        remedy = f"did you mean {near[0]!r}?" if near else f"one of: {', '.join(ASKED)}"
+        raise InputError(f"regions are not known of the claim {claim!r}", where="claim", remedy=remedy)
+    found = _found(asked, _named(asked, parameters, over or {}), claim, steps)
+    if parameters is None and not found.stretches("proved") and (scales := _absorbed(asked, found.parameters[0])):
+        found = replace(_found(asked.fix(dict.fromkeys(scales, 1)), found.parameters[0], claim, steps), scales=scales)
+    return found
+
+
+def _found(law: Criterion, name: str, claim: str, steps: int) -> ParameterRegion:
+    check_domain(law)
+    question = Asked(law, claim, name, steps)
+    return ParameterRegion(law, claim, (name,), tuple(cells_of(question)), question.whole)
+
+
+def _named(law: Criterion, parameters: str | Iterable[str] | None, over: Mapping[str, Range]) -> str:
+    free = shape_parameters(law) if parameters is None else ()
+    names = (parameters,) if isinstance(parameters, str) else tuple(parameters) if parameters is not None else tuple(over) or free
+    known = f"its parameters are: {', '.join(law.parameters) or 'none'}"
+    for name in names:
+        if name not in law.parameters:
+            raise InputError(f"unknown parameter {name!r}", where=law.name, remedy=known)
+    if len(names) != 1:
+        what = "no parameter is free" if not names else f"several parameters are asked for: {', '.join(names)}"
+        raise InputError(what, where=law.name, remedy=f"name one, and fix others with --set; {known}")
+    (name,) = names
+    if name in law.variables:
+        raise InputError(f"{name} is a variable of the state", where=law.name, remedy="name a parameter")
+    if law.parameters[name].value is not None:
+        value = law.parameters[name].value
+        raise InputError(f"{name} is fixed at {value}", where=law.name, remedy=f"give its range: --over {name}=LOW:HIGH")
+    return name
+
+
+def shape_parameters(law: Criterion) -> tuple[str, ...]:
+    """The free parameters that no change of units absorbs (Buckingham's pi theorem); of a law of scales alone, all that are free."""
+    free = tuple(name for name, own in law.parameters.items() if own.value is None and name not in law.variables)
+    scales = _absorbed(law)
+    return tuple(name for name in free if name not in scales) or free
+
+
+def _absorbed(law: Criterion, but: str = "") -> tuple[str, ...]:
+    """The free parameters that a change of units absorbs, which may be set to 1; without the one that is asked for."""
+    free = [name for name, own in law.parameters.items() if own.value is None and name not in law.variables]
+    if len(free) < 2 or law.forces_of_rates or law.variables:
+        return ()
+    absorbed = {x.name for x in state(law).dimensionless().slice}
+    return tuple(name for name in free if name in absorbed and name != but)
+
+
+def _over(law: Criterion, ranges: Mapping[str, Range]) -> Criterion:
+    """The law over other ranges of some of its parameters, an end left out at which it has no value."""
+    known = f"its parameters are: {', '.join(law.parameters) or 'none'}"
+    for name, given in ranges.items():
+        where = f"--over {name}={given}" if isinstance(given, str) else f"over {name}"
+        if name not in law.parameters:
+            raise InputError(f"unknown parameter {name!r}", where=where, remedy=known)
+        domain = given if isinstance(given, Domain) else _read(given, where)
+        if domain.value is not None:
+            raise InputError("a range has two different ends", where=where, remedy="fix a parameter with --set")
+        law = law.within({name: domain})
+        for end, sharp in ((domain.low, sp.StrictGreaterThan), (domain.high, sp.StrictLessThan)):
+            if end is None or (end == 0 and domain.positive) or _has_values(law, name, end):
+                continue
+            if end == 0 and end == domain.low:
+                law = law.within({name: Domain(high=domain.high, positive=True)})
+            else:
+                beyond = sharp(law.symbols()[name], end)
+                texts = (*law.written_constraints, f"{name} {beyond.rel_op} {end}")
+                law = replace(law, constraints=(*law.constraints, beyond), written_constraints=texts)
+    return law
+
+
+def _has_values(law: Criterion, name: str, end: sp.Rational) -> bool:
+    """Whether g has a value at some plain forces where a parameter is at an end of its range, the others inside of theirs."""
+    there = law.within({name: Domain.fixed(end)})
+    forces = {x: sp.Rational(k + 2, 2 * k + 3) * (-1) ** k for k, x in enumerate(there.force_symbols())}
+    pressure = {} if law.pressure is None else {there.symbols()[law.pressure]: sp.Integer(-1)}
+    point = {**next(simple_points(there)), **there.settled(), **pressure, **forces}
+    try:
+        return bool(sp.N(there.g.xreplace(point)).is_finite)
+    except (TypeError, ValueError, ArithmeticError):  # SymPy compares what has no value
+        return False
+
+
+def _read(given: Any, where: str) -> Domain:
+    parts = given.split(":") if isinstance(given, str) else list(given) if isinstance(given, tuple | list) else []
+    if len(parts) != 2:
+        raise InputError("this is no range", where=where, remedy="write LOW:HIGH, such as 0:1, or 0: for no upper end")
+    low, high = (None if part is None or (isinstance(part, str) and not part.strip()) else exact_number(part) for part in parts)
+    return Domain(low, high)
+
+
+def told(law: Law, claim: str, asked: str) -> str:
+    """A claim that is not proved of a law over its domain, in one sentence: for which values of its one parameter of shape it holds.
+
+    ``asked`` is the law as the command line names it, for the command that finds more.  "" for a law of which nothing is known.
+    """
+    if not isinstance(law, Criterion) or claim not in ASKED or len(names := shape_parameters(law)) != 1:
+        return ""
+    try:
+        found = region(law, None, claim, steps=_STEPS_OF_A_SENTENCE)
+    except InputError:
+        return ""
+    (name,) = names
+    if found.exact and found.short not in ("true", "false"):
+        return found.sentence
+    more = "" if claim == "convexity" else f" --claim {claim}"
+    return "" if found.exact else f"for which {name} {claim} holds: duhem region {asked} {name}{more}"

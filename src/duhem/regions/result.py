@@ -1,0 +1,249 @@
+"""The parameters for which a claim holds, as a frozen value: cells, their ends, and the condition that tells them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
+from duhem.proof.certificate import admitted_values, law_as_text
+from duhem.proof.kernel.certificate import digest
+from duhem.proof.kernel.parameter_cells import SCHEMA, ParameterCell
+from duhem.proof.kernel.real_root import RealRoot
+from duhem.regions.decided import Decided
+from duhem.regions.numbers import simplest, written_root
+from duhem.show.place import AnyPath, check_place, write
+from duhem.show.printing import Shown, draw, latex
+
+__all__ = ["ParameterRegion", "RegionCell", "RegionEnd"]
+
+
+@dataclass(frozen=True)
+class RegionCell:
+    """Where the verdict is one: ``proved``, ``refuted``, or ``open`` where nothing was confirmed.
+
+    ``sample`` is a value in it, exactly; ``witness`` says which family of witnesses refutes the claim for each value in it.
+    """
+
+    condition: str
+    verdict: str
+    trust: str | None
+    sample: Mapping[str, str]
+    witness: Mapping[str, Any] | None
+
+
+@dataclass(frozen=True)
+class RegionEnd:
+    """Where the claim begins or ceases to hold: the root of ``polynomial`` in ``enclosure``.
+
+    ``closed`` where the claim holds at the end itself.
+    """
+
+    parameter: str
+    value: str
+    polynomial: str
+    enclosure: tuple[str, str]
+    closed: bool
+
+
+@dataclass(frozen=True, repr=False)
+class ParameterRegion(Shown):
+    """For which values of the ``parameters`` the ``claim`` holds of ``criterion``, all its other parameters being what they may be.
+
+    ``condition`` is a text of comparisons joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim is proved, and is
+    ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an infinite one after
+    x/(1 + |x|).  ``decided`` has the cells with what the kernel confirmed.  ``scales`` are parameters that a change of units made 1 here.
+    """
+
+    printed_by: ClassVar[str] = "duhem.regions.printing"
+
+    criterion: Criterion
+    claim: str
+    parameters: tuple[str, ...]
+    decided: tuple[Decided, ...]
+    domain: ParameterCell
+    scales: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return (
+            f"<ParameterRegion of {self.criterion.name}: {self.claim} if {self.condition}{'' if self.exact else ', the rest being open'}>"
+        )
+
+    def plot(self, file: Any = None, axes: Any = None) -> Any:
+        """The line of the parameter, where the claim holds, fails and is open (extra ``plot``); written to ``file``, if one is given."""
+        return draw(self, file, axes)
+
+    def latex(self) -> str:
+        """The condition as a formula."""
+        return latex(self)
+
+    @property
+    def exact(self) -> bool:
+        """Whether every cell is decided."""
+        return all(done.verdict != "open" for done in self.decided)
+
+    @property
+    def open_share(self) -> float:
+        """How much of the domain is open, from 0 to 1; 0 too where single values are."""
+        left = sum(_length(done.cell) for done in self.decided if done.verdict == "open")
+        return left / whole if (whole := sum(_length(done.cell) for done in self.decided)) else float(not self.exact)
+
+    @property
+    def condition(self) -> str:
+        """Where the claim is proved, with the ends of the domain."""
+        return self.told(self.domain)
+
+    @property
+    def short(self) -> str:
+        """The same without the ends of the domain, which go without saying: ``e <= 1/2``."""
+        return self.told(None)
+
+    @property
+    def sentence(self) -> str:
+        """What was found in one sentence."""
+        if self.exact:
+            words = {"true": "for all values of the domain", "false": "for no value of the domain"}
+            said = f"{self.claim} holds {words.get(self.short, f'exactly for {self.short}')}"
+        else:
+            proved = "no value" if self.short == "false" else self.short
+            said = f"{self.claim} is proved for {proved}; {self.open_share:.2%} of the domain are open"
+        return f"{said}, where {' = '.join(self.scales)} = 1" if self.scales else said
+
+    def told(self, domain: ParameterCell | None) -> str:
+        """The condition; ends of the domain are named where none is given."""
+        parts = [self._between(cell, domain is not None) for cell in self.stretches("proved")]
+        if not parts:
+            return "false"
+        if any(not part for part in parts):
+            return "true"
+        return " or ".join(f"({p})" if len(parts) > 1 and " and " in p else p for p in parts)
+
+    def stretches(self, verdict: str) -> list[ParameterCell]:
+        """The cells of one verdict, those that meet joined."""
+        found = list[ParameterCell]()
+        for done in self.decided:
+            if done.verdict != verdict:
+                continue
+            before = found[-1] if found else None
+            if before is not None and before.meets(done.cell):
+                found[-1] = before._replace(high=done.cell.high, open_high=done.cell.open_high)
+            else:
+                found.append(done.cell)
+        return found
+
+    def _between(self, cell: ParameterCell, with_domain: bool) -> str:
+        """A cell in words; "" for the whole domain."""
+        (name,) = self.parameters
+        own = self.domain
+        if cell == own:
+            return ""
+        if cell.single and cell.low is not None:
+            return f"{name} >= {written_root(cell.low)} and {name} <= {written_root(cell.low)}"
+        said = list[str]()
+        if cell.low is not None and (with_domain or (cell.low, cell.open) != (own.low, own.open)):
+            said.append(f"{written_root(cell.low)} {'<' if cell.open else '<='} {name}" if cell.high is not None and with_domain
+                        else f"{name} {'>' if cell.open else '>='} {written_root(cell.low)}")  # fmt: skip
+        if cell.high is not None and (with_domain or (cell.high, cell.open_high) != (own.high, own.open_high)):
+            said.append(f"{name} {'<' if cell.open_high else '<='} {written_root(cell.high)}")
+        return " and ".join(said)
+
+    @property
+    def cells(self) -> tuple[RegionCell, ...]:
+        """The cells in order."""
+        return tuple(map(self._shown, self.decided))
+
+    def _shown(self, done: Decided) -> RegionCell:
+        row, refuted = done.row or {}, done.verdict == "refuted"
+        witness = {"rule": row["rule"], **row["evidence"]} if refuted else None
+        sample = {self.parameters[0]: str(inside)} if (inside := _inside(done.cell)) is not None else {}
+        return RegionCell(self._between(done.cell, True) or "true", done.verdict, "checked" if row else None, sample, witness)
+
+    @property
+    def ends(self) -> tuple[RegionEnd, ...]:
+        """Where what is proved ends inside of the domain."""
+        (name,) = self.parameters
+        found = list[RegionEnd]()
+        for cell in self.stretches("proved"):
+            for end, own, left_out in ((cell.low, self.domain.low, cell.open), (cell.high, self.domain.high, cell.open_high)):
+                if end is not None and end != own:
+                    found.append(_end(name, end, not left_out))
+        return tuple(dict.fromkeys(found))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON of the interface."""
+        return {
+            "criterion": self.criterion.name,
+            "claim": self.claim,
+            "parameters": list(self.parameters),
+            "domain": self._between_all(),
+            "fixed": {name: str(own.value) for name, own in self.criterion.parameters.items() if own.value is not None},
+            "condition": self.condition,
+            "exact": self.exact,
+            "cells": [vars(cell) | {"sample": dict(cell.sample)} for cell in self.cells],
+            "ends": [vars(end) | {"enclosure": list(end.enclosure)} for end in self.ends],
+            "open_share": self.open_share,
+        }
+
+    def _between_all(self) -> str:
+        (name,), own = self.parameters, self.domain
+        said = [] if own.low is None else [f"{written_root(own.low)} {'<' if own.open else '<='} {name}"]
+        said += [] if own.high is None else [f"{name} {'<' if own.open_high else '<='} {written_root(own.high)}"]
+        return " and ".join(said) or "true"
+
+    def certificate(self, file: AnyPath | None = None) -> dict[str, Any]:
+        """The cells for :func:`duhem.recheck`, as an object for JSON; written into ``file`` too, if one is given."""
+        if file is not None:
+            check_place(file)
+        if (inhabited := admitted_values(self.criterion)) is None:
+            raise InputError(
+                "no exact point of the parameters' domain was found", where=self.criterion.name, remedy="fix a parameter with --set"
+            )
+        document = {
+            "schema": SCHEMA, "law": law_as_text(self.criterion), "inhabited": dict(inhabited), "claim": self.claim,
+            "parameter": self.parameters[0], "cells": [done.written() for done in self.decided],
+        }  # fmt: skip
+        document = json.loads(json.dumps(document, default=_as_plain))
+        document["sha256"] = digest(document)
+        if file is not None:
+            write(file, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
+        return dict(document)
+
+
+def _as_plain(x: Any) -> Any:
+    return dict(x) if isinstance(x, Mapping) else list(x) if isinstance(x, Iterable) else str(x)
+
+
+def _length(cell: ParameterCell) -> float:
+    """How long a cell is; of a whole that has no end after x/(1 + |x|), which is taken for all cells alike."""
+    low, high = (None if end is None else float(end.low) for end in (cell.low, cell.high))
+    return (1.0 if high is None else high / (1 + abs(high))) - (-1.0 if low is None else low / (1 + abs(low)))
+
+
+def _inside(cell: ParameterCell) -> Any:
+    """A short fraction in a cell; None where the cell is one number that is none."""
+    if cell.single and cell.low is not None:
+        return cell.low.low if cell.low.exact else None
+    low, high = None if cell.low is None else cell.low.high, None if cell.high is None else cell.high.low
+    if low is None or high is None:
+        return low + 1 if low is not None else high - 1 if high is not None else 0
+    return simplest(low, high)
+
+
+def _end(name: str, end: RealRoot, closed: bool) -> RegionEnd:
+    poly = end.poly if end.poly[-1] > 0 else tuple(-c for c in end.poly)
+    return RegionEnd(name, written_root(end), " ".join(_terms(name, poly)), (str(end.low), str(end.high)), closed)
+
+
+def _terms(name: str, poly: Iterable[int]) -> Iterator[str]:
+    """A polynomial from its highest power on: ``2*e - 1``."""
+    first = True
+    for i, c in sorted(enumerate(poly), reverse=True):
+        if not c:
+            continue
+        power = "" if i == 0 else name if i == 1 else f"{name}**{i}"
+        size = power if abs(c) == 1 and power else f"{abs(c)}*{power}" if power else str(abs(c))
+        yield (f"-{size}" if c < 0 else size) if first else f"{'-' if c < 0 else '+'} {size}"
+        first = False

@@ -1,0 +1,253 @@
+"""For which parameters: the regions of known laws, held to curvature worked out by other means, also close to their ends."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from click.testing import CliRunner
+
+import duhem
+from duhem.cli import cli
+from duhem.law.builtin.lobes import lobe_law
+from duhem.proof.kernel.certificate import digest
+from duhem.proof.recheck import RecheckedRegion
+from tests.long import mostly_long
+
+CHRISTENSEN = duhem.Criterion(
+    name="fibre", forces=("s22", "s33", "s23", "s12"), pressure=None,
+    g="(1/T - 1/C)*(s22 + s33) + (s22 + s33)**2/(T*C) + (s23**2 - s22*s33)/S**2 + s12**2/L**2 - 1",
+    parameters={"T": duhem.Domain.fixed(2), "C": duhem.Domain.fixed(2), "S": duhem.POSITIVE, "L": duhem.POSITIVE},
+)  # fmt: skip
+LAWS: dict[str, tuple[Any, str, Mapping[str, Any], str]] = {
+    "limacon": ("limacon", "e", {}, "0 <= e and e <= 1/2"),
+    "two lobes": (lobe_law(2), "e", {}, "-1/5 <= e and e <= 1/5"),
+    "four lobes": (lobe_law(4), "e", {}, "-1/17 <= e and e <= 1/17"),
+    "eight lobes": (lobe_law(8), "e", {}, "-1/65 <= e and e <= 1/65"),
+    "quartic": ("quartic", "c", {}, "0 <= c and c <= 6"),
+    "drucker": ("drucker1949", "c", {}, "-27/8 <= c and c <= 9/4"),
+    "shifted ellipse": ("shifted-ellipse", "shift", {}, "true"),
+    "argyris": ("argyris", "K", {"K": "0:1"}, "7/9 <= K and K <= 1"),
+    "willam warnke": ("willam-warnke", "e", {"e": (0, 1)}, "1/2 <= e and e <= 1"),
+    "cazacu barlat": ("cazacu-barlat", "c", {"c": (-2, 2)}, "-3*sqrt(3)/4 <= c and c <= 3*sqrt(3)/4"),
+    "fibre": (CHRISTENSEN, "S", {}, "S >= 1"),
+}
+
+
+@cache
+def found(name: str) -> duhem.ParameterRegion:
+    law, parameter, over, _ = LAWS[name]
+    return duhem.region(law, parameter, over=over)
+
+
+@pytest.mark.parametrize("name", mostly_long(LAWS, "limacon", "two lobes", "quartic", "shifted ellipse", "argyris", "fibre"))
+def test_regions_are_exact(name: str) -> None:
+    done = found(name)
+    assert done.exact and done.condition == LAWS[name][3]
+    assert done.open_share == 0
+    assert all(cell.trust == "checked" and (cell.witness is not None) is (cell.verdict == "refuted") for cell in done.cells)
+    assert duhem.recheck(done.certificate()).ok
+
+
+def test_scales_are_set_to_one() -> None:
+    done = duhem.region("matchstick")
+    assert done.scales == ("mu_b",) and done.condition == "sqrt(2)/2 <= mu_a and mu_a <= sqrt(2)"
+    assert [(end.polynomial, end.closed) for end in done.ends] == [("2*mu_a**2 - 1", True), ("mu_a**2 - 2", True)]
+    assert "where mu_b = 1" in done.sentence
+
+
+# -- held to the curvature of the boundary -----------------------------------------------------------------------------
+
+
+def lobed(n: int) -> Callable[[Any], bool]:
+    """Whether r = 1 + e cos(n theta) bounds a convex set: r^2 + 2 r'^2 - r r'' >= 0 at many angles, those of least curvature among them."""
+
+    def convex(e: Any) -> bool:
+        angles = [mpmath.pi * k / (24 * n) for k in range(48 * n)]
+        curved = []
+        for theta in angles:
+            r, one, two = 1 + e * mpmath.cos(n * theta), -n * e * mpmath.sin(n * theta), -(n**2) * e * mpmath.cos(n * theta)
+            curved.append(r**2 + 2 * one**2 - r * two)
+        return bool(min(curved) >= -(mpmath.mpf(10) ** -30))
+
+    return convex
+
+
+def quartic(c: Any) -> bool:
+    """Whether x^4 + c x^2 y^2 + y^4 has a Hessian >= 0 at many angles."""
+    for k in range(97):
+        x, y = mpmath.cos(mpmath.pi * k / 96), mpmath.sin(mpmath.pi * k / 96)
+        xx, yy, xy = 12 * x**2 + 2 * c * y**2, 12 * y**2 + 2 * c * x**2, 4 * c * x * y
+        # the gauge is convex where the curvature of the level line is >= 0
+        gx, gy = 4 * x**3 + 2 * c * x * y**2, 4 * y**3 + 2 * c * x**2 * y
+        if xx * gy**2 - 2 * xy * gx * gy + yy * gx**2 < -(mpmath.mpf(10) ** -30):
+            return False
+    return True
+
+
+def within(region: duhem.ParameterRegion, x: Fraction) -> str:
+    """The verdict of the cell in which a value lies, by the condition of the cell as Python reads it."""
+    (name,) = region.parameters
+    return next(cell.verdict for cell in region.cells if eval(cell.condition, {name: x, "sqrt": mpmath.sqrt}))
+
+
+@pytest.mark.parametrize(
+    ("name", "convex", "low", "high"),
+    [("limacon", lobed(1), 0, 1), ("two lobes", lobed(2), -1, 1), ("quartic", quartic, Fraction(-19, 10), 20)],
+    ids=["limacon", "two lobes", "quartic"],
+)
+def test_verdicts_are_those_of_the_curvature(name: str, convex: Callable[[Any], bool], low: Any, high: Any) -> None:
+    region, draw = found(name), random.Random(7)
+    tiny = Fraction(1, 10**12)
+    values = [Fraction(draw.uniform(float(low), float(high))).limit_denominator(10**6) for _ in range(12)]
+    values += [Fraction(end.value) + way * tiny for end in region.ends for way in (-1, 0, 1) if low <= Fraction(end.value) + way * tiny]
+    with mpmath.workdps(50):
+        for x in values:
+            if low <= x < high:
+                assert within(region, x) == ("proved" if convex(mpmath.mpf(x.numerator) / x.denominator) else "refuted"), x
+
+
+def harmonic(n: int) -> str:
+    """r^n cos(n theta) in the forces."""
+    x, y = sp.symbols("sigma_a sigma_b", real=True)
+    return str(sp.expand(sp.re(sp.expand((x + sp.I * y) ** n))))
+
+
+@pytest.mark.parametrize("seed", mostly_long(range(12), 4))
+def test_two_harmonics(seed: int) -> None:
+    """r = 1 + a cos(n theta) + e cos(m theta) at many e, against r^2 + 2 r'^2 - r r'' at many angles."""
+    draw = random.Random(seed)
+    n, m = draw.sample([1, 2, 3, 4], 2)
+    a, top = Fraction(draw.randrange(-8, 9), 40), max(n, m)
+    waves = [f"norm(sigma_a, sigma_b)**{top - k}*({harmonic(k)})" for k in (n, m)]
+    g = f"norm(sigma_a, sigma_b)**{top + 1} - norm(sigma_a, sigma_b)**{top} - ({a})*{waves[0]} - e*{waves[1]}"
+    high = 1 - abs(a) - Fraction(1, 50)
+    law = duhem.Criterion(name="waves", pressure=None, g=g, parameters={"e": duhem.Domain.between(-high, high)})
+    done = duhem.region(law, steps=15_000_000)
+    assert done.open_share < 0.25 and duhem.recheck(done.certificate()).ok
+    theta = np.linspace(0, 2 * np.pi, 20_001)
+    for x in (Fraction(draw.randrange(-1000, 1001), 1000) * high for _ in range(300)):
+        e, c = float(x), float(a)
+        r, one = 1 + c * np.cos(n * theta) + e * np.cos(m * theta), -c * n * np.sin(n * theta) - e * m * np.sin(m * theta)
+        least = float(np.min(r**2 + 2 * one**2 + r * (c * n**2 * np.cos(n * theta) + e * m**2 * np.cos(m * theta))))
+        verdict = next(cell.verdict for cell in done.decided if cell.cell.bounds.holds(x))
+        assert not (verdict == "proved" and least < -1e-6) and not (verdict == "refuted" and least > 1e-6), (x, verdict, least)
+
+
+# -- what is asked -----------------------------------------------------------------------------------------------------
+
+
+def test_what_is_not_shown_is_open() -> None:
+    odd = duhem.Criterion(name="odd", pressure=None, g="exp(sigma_a**2*sigma_b**2*e) + sigma_a**2 + sigma_b**2 - 2",
+                          parameters={"e": duhem.Domain.between(0, 40)})  # fmt: skip
+    done = duhem.region(odd, "e", steps=2_000_000)
+    assert not done.exact and 0 < done.open_share <= 1
+    assert "of the domain are open" in done.sentence
+    assert duhem.recheck(done.certificate()).ok
+
+
+def test_the_origin_has_a_region() -> None:
+    law = duhem.Criterion(name="apart", pressure=None, g="norm(sigma_a - m, sigma_b) - 1", parameters={"m": duhem.REAL})
+    done = duhem.region(law, claim="origin")
+    assert done.exact and done.condition == "-1 <= m and m <= 1"
+    assert duhem.region(law).condition == "true"
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"law": "antoni2007"}, "several parameters are asked for"),
+        ({"law": "limacon", "parameters": "f"}, "unknown parameter 'f'"),
+        ({"law": "limacon", "claim": "beauty"}, "regions are not known of the claim"),
+        ({"law": "limacon", "over": {"e": "1"}}, "this is no range"),
+        ({"law": "limacon", "over": {"e": "1/3:1/3"}}, "a range has two different ends"),
+        ({"law": "willam-warnke", "parameters": "e"}, "e is fixed at 3/5"),
+    ],
+)
+def test_errors_say_what_is_wrong(asked: dict[str, Any], said: str) -> None:
+    with pytest.raises(duhem.InputError, match=said):
+        duhem.region(**asked)
+
+
+def test_the_command_prints_and_writes(tmp_path: Any) -> None:
+    file = tmp_path / "e.json"
+    done = CliRunner().invoke(cli, ["region", "limacon", "e", "--set", "mu=1/3", "--certificate", str(file)])
+    assert done.exit_code == 0 and "convexity holds exactly for e <= 1/2." in done.output
+    checked = CliRunner().invoke(cli, ["recheck", str(file)])
+    assert checked.exit_code == 0 and "confirmed: 2 of 2 cells" in checked.output
+    told = json.loads(CliRunner().invoke(cli, ["region", "limacon", "--format", "json"]).output)
+    assert told == found("limacon").to_dict()
+    assert CliRunner().invoke(cli, ["region", "limacon", "--format", "latex"]).output == "0 \\leq e \\leq \\frac{1}{2}\n"
+
+
+def test_verify_ends_with_the_region() -> None:
+    done = CliRunner().invoke(cli, ["verify", "limacon", "--claims", "convexity"])
+    assert done.output.endswith("For which parameters\n  convexity holds exactly for e <= 1/2\n")
+
+
+def test_a_picture_is_drawn(tmp_path: Any) -> None:
+    pytest.importorskip("matplotlib")
+    (axes,) = found("quartic").plot(tmp_path / "c.svg")
+    assert (tmp_path / "c.svg").stat().st_size > 1000
+    assert [words.get_text() for words in axes.texts] == ["$c = 0$", "$c = 6$"]
+
+
+# -- certificates ------------------------------------------------------------------------------------------------------
+
+
+def tampered(document: dict[str, Any], draw: random.Random) -> dict[str, Any]:
+    """A certificate with one thing changed, and the hash of what it then is."""
+    made: dict[str, Any] = json.loads(json.dumps(document))
+    cell = draw.choice(made["cells"])
+    match draw.randrange(6):
+        case 0:
+            side = draw.choice(["low", "high"])
+            cell[side] = {"value": str(Fraction(draw.randrange(-200, 200), draw.randrange(1, 200)))}
+            for other in made["cells"]:  # so that the cells still meet
+                for key, near in (("low", "high"), ("high", "low")):
+                    if side == near and other is not cell and draw.random() < 0.7:
+                        other[key] = cell[side]
+        case 1:
+            cell[draw.choice(["open", "open_high"])] ^= True
+        case 2:
+            cell["verdict"] = draw.choice(["proved", "refuted", "open"])
+        case 3:
+            made["cells"].remove(cell)
+        case 4:
+            a, b = draw.choice(made["cells"]), draw.choice(made["cells"])
+            for key in ("low", "high", "open", "open_high"):
+                a[key], b[key] = b[key], a[key]
+        case 5 if "at" in cell.get("evidence", {}):
+            cell["evidence"]["at"] = {"value": str(Fraction(draw.randrange(-60, 60), 60))}
+    made["sha256"] = digest(made)
+    return made
+
+
+@pytest.mark.parametrize("name", ["limacon", *mostly_long(["quartic", "two lobes"])])
+def test_no_tampered_certificate_confirms_a_false_region(name: str) -> None:
+    document, draw = found(name).certificate(), random.Random(3)
+    ends = {"limacon": ("0", "1/2"), "quartic": ("0", "6"), "two lobes": ("-1/5", "1/5")}
+    true = [Fraction(end) for end in ends[name]]
+    for _ in range(60 if name == "limacon" else 600):
+        try:
+            done = duhem.recheck(tampered(document, draw))
+        except duhem.InputError:
+            continue
+        assert isinstance(done, RecheckedRegion)
+        for row in done.cells:
+            if row.reason or row.verdict == "open":
+                continue
+            own = row.cell.bounds
+            inside = own.low is not None and own.high is not None and true[0] <= own.low and own.high <= true[1]
+            beyond = (own.low is not None and (own.low > true[1] or (own.low == true[1] and own.open))) or (
+                own.high is not None and (own.high < true[0] or (own.high == true[0] and own.open_high))
+            )
+            assert inside if row.verdict == "proved" else beyond, row
