@@ -395,7 +395,9 @@ def test_derive_prints_the_derivation(run: Run, form: str) -> None:
 def test_explain(run: Run) -> None:
     code, out, _ = run("explain")
     assert code == 0
-    assert [line.split()[0] for line in out.splitlines()] == list(CLAIMS)
+    assert [line.split()[0] for line in out.splitlines()] == [*CLAIMS, "open"]
+    code, out, _ = run("explain", "open")
+    assert code == 0 and "neither proved nor refuted" in out and "asked the kernel" in " ".join(out.split())
     code, out, _ = run("explain", "convexity")
     assert code == 0
     assert CLAIMS["convexity"].theory.strip() in out

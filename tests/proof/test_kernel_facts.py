@@ -238,7 +238,7 @@ REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
         ("log(a + 1)", "> concave quasiconvex"), ("log(e*a)", "? concave quasiconvex undefined"),
         ("log(-a)", "< concave quasiconvex undefined"), ("a*log(a)", "? convex"), ("2*a*log(a/m)", "? convex"), ("a*log(a + 1)", ">"),
         ("(a + 1)*log(a + 1)", "> convex"), ("(a + 1)*log(a)", "?"), ("m*a*log(3*a)", "? convex"), ("-a*log(a)", "? concave"),
-        ("q*a*log(a)", "?"), ("e*a*log(a)", "? convex"), ("-2*a*log(3*a)*k", "?"), ("b*log(a)", "?"), ("log(a)*log(a)", "?"),
+        ("q*a*log(a)", "?"), ("e*a*log(a)", "? convex"), ("-2*a*log(3*a)*k", "? convex"), ("b*log(a)", "?"), ("log(a)*log(a)", "?"),
         ("a*log(abs(a))", "?"), ("a*b*log(a)", "?"), ("1/a", ">"), ("a**-1", ">"), ("a**(1/2)", "> concave quasiconvex"),
         ("sqrt(a)", "> concave quasiconvex"),
     ]),
@@ -253,7 +253,7 @@ REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
     ]),
     ({"a": False, "1 - a": False}, [
         ("a", ">= affine"), ("1 - a", ">= affine"), ("a - 1", "<= affine"), ("a - 2", "< affine"), ("2 - a", "> affine"),
-        ("1/2 - a", "? affine"), ("a*(1 - a)", ">="), ("sqrt(a*(1 - a))", ">= concave"), ("sqrt(a*(2 - a))", ">= concave"),
+        ("1/2 - a", "? affine"), ("a*(1 - a)", ">= concave"), ("sqrt(a*(1 - a))", ">= concave"), ("sqrt(a*(2 - a))", ">= concave"),
         ("sqrt(a*(1/2 - a))", "? undefined"), ("a - a**2", ">= concave"), ("a - a**3", ">= concave"), ("a - 1.01*a**2", "? concave"),
         ("a - a**2/2", ">= concave"), ("sqrt(a - pos(a)**2)", ">= concave"), ("sqrt(a - pos(a)**m)", "? undefined"),
         ("sqrt(a - pos(a)**(p + 1))", ">= concave"), ("sqrt(a - pos(a)**p)", ">= concave"), ("a - pos(a)**(1/2)", "? convex"),
@@ -274,7 +274,7 @@ REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
         ("log(2*k*a + 1)", "? concave quasiconvex undefined"),
     ]),
     ({"a - b": False, "1 - a + b": False}, [
-        ("(a - b)*(1 - a + b)", ">="), ("(a - b) - (a - b)**2", ">= concave"), ("(a - b) - 1.01*(a - b)**2", "? concave"),
+        ("(a - b)*(1 - a + b)", ">= concave"), ("(a - b) - (a - b)**2", ">= concave"), ("(a - b) - 1.01*(a - b)**2", "? concave"),
         ("sqrt((a - b) - (a - b)**2)", ">= concave"), ("sqrt((a - b)*(1 - a + b))", ">= concave"),
         ("sqrt((a - b)*(2 - a + b))", ">= concave"), ("sqrt((a - b)*(1/2 - a + b))", "? undefined"),
         ("sqrt((a - b)*(1 - a))", "? undefined"), ("sqrt(a - b - (a - b)**3)", "? undefined"), ("sqrt(a**2 + b**2)", ">= convex"),
@@ -283,7 +283,7 @@ REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
     ]),
     ({"a + b - m": False, "3*m - a - b": False}, [
         ("a + b - m", ">= affine"), ("m*(2*a + 2*b) - m", "? affine"), ("3*m - a - b", ">= affine"),
-        ("sqrt((a + b - m)*(3*m - a - b))", ">= concave"), ("(a + b - m)*(3*m - a - b) - m**2", "?"),
+        ("sqrt((a + b - m)*(3*m - a - b))", ">= concave"), ("(a + b - m)*(3*m - a - b) - m**2", "? concave"),
         ("log(a + b)", "? concave quasiconvex"), ("log(a + b - m)", "? concave quasiconvex undefined"),
         ("sqrt(a + b - m)", ">= concave quasiconvex"), ("1/(a + b)", ">"), ("a + b - 2*m", "? affine"),
         ("(a + b - m) - (a + b - m)**2/(2*m)", ">= concave"), ("(a + b - m) - (a + b - m)**2/(1.99*m)", "? concave"),

@@ -341,7 +341,7 @@ def test_no_limit_is_promised_where_there_is_none(g: str, does: str) -> None:
 
 def test_how_hard_a_chord_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
-    monkeypatch.setattr(long_chords, "sampled_chords", lambda subject, most: asked.append(most) or ())
+    monkeypatch.setattr(long_chords, "sampled_chords", lambda subject, most, steps: asked.append(most) or ())
     monkeypatch.setattr(dents, "chords_across_dents", lambda subject, most, thorough: asked.append(thorough) or ())
     law = subject("a**2 + b**2 - 1")
     for method in (

@@ -131,8 +131,7 @@ class Claim:
                     found = found if found is not None and self._counts(found, subject, confirms) else None
             if found is not None:
                 return found
-        spent = "no method decided it within its budget of steps; try --effort thorough, fix a parameter with --set, or narrow a domain"
-        return Evidence(Verdict.UNDECIDED, "none", spent)
+        return Evidence(Verdict.UNDECIDED, "none", "no rule proves it, and no counterexample was found")
 
     def provers_first(self) -> Claim:
         """The same claim for who needs a proof: the first refuter alone comes before what finds one, for it sees what is plainly false."""

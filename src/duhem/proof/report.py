@@ -14,7 +14,7 @@ from duhem.omitted import LeftOut
 from duhem.proof.claims import EVERY
 from duhem.proof.verdict import ClaimResult, Trust, Verdict, Witness
 from duhem.proof.verification import Verification
-from duhem.show.document import Chapter, Columns, Paragraph, Sentences, Titled
+from duhem.show.document import Block, Chapter, Columns, Paragraph, Sentences, Titled
 from duhem.show.junit import JUnitCase, JUnitSuite, Outcome
 from duhem.show.page import PAGE, Page, tied
 from duhem.show.printing import sheet, text
@@ -58,6 +58,8 @@ def _arguments(results: Sequence[ClaimResult], page: Page) -> Iterator[str]:
     width = max((len(r.claim) for r in results), default=0)
     for result in results:
         yield from page.field(result.claim, result.detail, width)
+        for sentence in _opening(result):
+            yield from page.item(sentence, " " * (width + 4))
         for sentence in _sentences(result.witness):
             yield from page.item(sentence, " " * (width + 6))
 
@@ -71,6 +73,7 @@ def as_sheet(verification: Verification) -> Sheet:
         ("Conclusion", _conclusion(verification)),
         *((("Coupled", said),) if (said := _coupled(verification)) else ()),
         ("Arguments", tuple(f"{r.claim}: {r.detail}" for r in results)),
+        *((f"Open: {r.claim}", _opening(r)) for r in results if r.unsettled is not None),
         *((f"Counterexample: {r.claim}", _sentences(r.witness)) for r in results if r.witness is not None),
         ("Omitted", tuple(map(str, verification.left_out))),
         ("Remarks", verification.remarks),
@@ -85,7 +88,8 @@ def as_sheet_of_claim(result: ClaimResult) -> Sheet:
     cells = _row(result)
     fields = tuple((title, cell) for title, cell in zip(_HEAD[2:], cells[2:], strict=True) if cell)
     against = () if result.witness is None else sheet(result.witness).notes
-    return Sheet(f"{cells[0]}: {cells[1]}", fields, notes=(("Argument", (result.detail,)), *against))
+    left = (("Open", _opening(result)),) if result.unsettled is not None else ()
+    return Sheet(f"{cells[0]}: {cells[1]}", fields, notes=(("Argument", (result.detail,)), *left, *against))
 
 
 @sheet.register(Witness)
@@ -122,7 +126,7 @@ def _case(result: ClaimResult, strict: bool, due: str | None) -> JUnitCase:
         return JUnitCase(result.claim, output=said, seconds=result.seconds)
     failed = due is not None or result.verdict is Verdict.REFUTED or (strict and result.verdict is not Verdict.NOT_APPLICABLE)
     outcome = Outcome.FAILED if failed else Outcome.SKIPPED
-    lines = [line for sentence in _sentences(result.witness) for line in Page(None).hanging(sentence)]
+    lines = [line for sentence in (*_opening(result), *_sentences(result.witness)) for line in Page(None).hanging(sentence)]
     return JUnitCase(result.claim, outcome, f"{_word(result.verdict)}: {result.detail}", "\n".join(lines), seconds=result.seconds)
 
 
@@ -145,8 +149,8 @@ def decided(verification: Verification) -> tuple[Chapter, ...]:
     table = Columns(_HEAD, tuple(map(_row, verification.results)), kinds, _HEAD.index("verdict"))
     why = []
     for result in verification.results:
-        against = () if result.witness is None else (Sentences(_sentences(result.witness)),)
-        argument = (Paragraph(EVERY[result.claim].statement, "statement"), Paragraph(result.detail), *against)
+        against = tuple(Sentences(said) for said in (_opening(result), _sentences(result.witness)) if said)
+        argument: tuple[Block, ...] = (Paragraph(EVERY[result.claim].statement, "statement"), Paragraph(result.detail), *against)
         why.append(Chapter(result.claim, argument))
     trusts = tuple(map(Paragraph, _trusts(verification.results)))
     together = (Sentences(_coupled(verification)),) if verification.coupled else ()
@@ -202,6 +206,11 @@ def _sentences(witness: Witness | None) -> tuple[str, ...]:
         *(f"{name.replace('_', ' ')} {measure:.6g}" for name, measure in witness.measures.items()),
         witness.statement,
     )
+
+
+def _opening(result: ClaimResult) -> tuple[str, ...]:
+    """What is open, and what to try."""
+    return () if result.unsettled is None else result.unsettled.sentences()
 
 
 def _coordinates(point: Mapping[str, str]) -> str:

@@ -16,11 +16,14 @@ from duhem.expression.number import nearest_double
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.show.printing import Shown
 
-__all__ = ["CONTRADICTION", "ClaimResult", "Evidence", "Proof", "Trust", "Verdict", "Witness"]
+__all__ = ["CONTRADICTION", "ClaimResult", "Evidence", "Proof", "Trust", "Unsettled", "Verdict", "Witness"]
 
 
 _MOST = 60  # characters of parameters in one line
 CONTRADICTION = "contradiction"  # the method of a claim that one method proved and another refutes
+
+
+_FORM = "try: another form of this part, for narrower domains and fixed parameters did not help"
 
 
 class Verdict(StrEnum):
@@ -107,6 +110,42 @@ class Witness(Shown):
 
 
 @dataclass(frozen=True)
+class Unsettled:
+    """What is said of a claim that is neither proved nor refuted.
+
+    ``inequality`` is what is open; ``part`` the smallest part of the formula that no rule reads, and ``why``.  ``place`` has forces and
+    parameters, in decimals, where a search in floats found the least ``margin`` of what it measures.  ``actions`` help, or may.
+    """
+
+    inequality: str
+    part: str | None = None
+    why: str | None = None
+    place: Mapping[str, str] = field(default_factory=FrozenMapping)
+    measure: str | None = None
+    margin: float | None = None
+    actions: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "place", FrozenMapping(self.place))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As the JSON report has it."""
+        closest = None if self.margin is None else {"place": dict(self.place), "measure": self.measure, "margin": self.margin}
+        return {"inequality": self.inequality, "part": self.part, "why": self.why, "closest": closest, "try": list(self.actions)}
+
+    def sentences(self) -> tuple[str, ...]:
+        """The same in words."""
+        place = ", ".join(f"{name} = {value}" for name, value in self.place.items())
+        return (
+            f"open: {self.inequality}",
+            *(() if self.part is None else (f"no rule reads: {self.part}, which {self.why}",)),
+            *(() if self.margin is None else (f"closest: {self.measure} is {self.margin:g} at {place}",)),
+            *(f"try: {action}" for action in self.actions),
+            *((_FORM,) if self.part is not None and not self.actions else ()),
+        )
+
+
+@dataclass(frozen=True)
 class Evidence:
     """One method's answer to one claim: verdict, the method's name, and the argument in a sentence.
 
@@ -129,6 +168,7 @@ class ClaimResult(Shown):
     """One row of the verdict table; ``seconds`` of wall clock, ``scope`` what the verdict ranges over.
 
     ``trust`` says what a proof rests on; ``proof`` is how the kernel confirmed it; ``steps`` is what it cost, counted.
+    ``unsettled`` says what is open of a claim that is neither proved nor refuted.
     """
 
     printed_by: ClassVar[str] = "duhem.proof.report"
@@ -143,6 +183,7 @@ class ClaimResult(Shown):
     trust: Trust | None = None
     proof: Proof | None = None
     steps: int = 0
+    unsettled: Unsettled | None = None
 
     def __repr__(self) -> str:
         trust = "" if self.trust is None else f", {self.trust}"
@@ -158,6 +199,7 @@ class ClaimResult(Shown):
             "scope": self.scope,
             "seconds": round(self.seconds, 4),
             "detail": self.detail,
+            "open": None if self.unsettled is None else self.unsettled.to_dict(),
             "witness": None if self.witness is None else self.witness.to_dict(),
             "witness_numbers": None if self.witness is None else self.witness.numbers(),
         }

@@ -39,6 +39,7 @@ from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.methods.coupled import polar_of_the_cone
 from duhem.proof.remarks import not_needed, remarks, scope
+from duhem.proof.unsettled.open_claims import unsettled
 from duhem.proof.verdict import CONTRADICTION, ClaimResult, Evidence, Proof, Trust, Verdict
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown
@@ -205,7 +206,7 @@ def verify(
     """
     criterion: Law = load(law).fix(parameters)
     asked = (*wanted_claims(claims, criterion), *COUPLED) if coupled else claims
-    subject, settled, wanted, results, rests_on = _examined(criterion, asked, effort, on_claim, on_method, criterion.whole)
+    subject, settled, wanted, results, rests_on = _examined(criterion, asked, effort, on_claim, on_method, criterion.whole, explained=True)
     parts = (
         *not_needed(criterion, [evidence.verdict for evidence in settled.values()]),
         *(LeftOut(f"claim {name}", "not selected") for name in asked_of(criterion) if name not in wanted),
@@ -249,10 +250,12 @@ def _examined(
     on_claim: Callable[[ClaimResult], None] | None = None,
     on_method: Callable[[str, str, Budget], None] | None = None,
     whole: Law | None = None,
+    explained: bool = False,
 ) -> tuple[Subject, Mapping[str, Evidence], tuple[str, ...], tuple[ClaimResult, ...], tuple[ClaimResult, ...]]:
     """A law with its claims settled, which of them are wanted, the results of these, and of the others that they rest on.
 
-    ``whole`` is the law over wider domains: what is proved of that is proved of this part.
+    ``whole`` is the law over wider domains: what is proved of that is proved of this part.  Of each open claim that is wanted, it is
+    ``explained`` what is open.
     """
     check_domain(criterion)
     wanted = wanted_claims(claims, criterion)
@@ -283,8 +286,10 @@ def _examined(
                 standing = confirmations.of(name, evidence, EVERY[name].needs)
         seconds = time.perf_counter() - start
         verdict, witness, steps = evidence.verdict, evidence.witness, subject.spent + confirmations.spent - before
+        with _alone():
+            left = unsettled(name, criterion, subject, settled, verdict_within) if name in wanted and explained else None
         said = scope(criterion, verdict), seconds, evidence.detail
-        found = ClaimResult(name, verdict, evidence.method, *said, witness, standing.trust, standing.proof, steps)
+        found = ClaimResult(name, verdict, evidence.method, *said, witness, standing.trust, standing.proof, steps, left)
         results.append(found)
         if name in wanted and on_claim is not None:
             on_claim(found)

@@ -19,7 +19,7 @@ from itertools import combinations
 from math import lcm
 from typing import Any
 
-from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedFace, StatedLaw, exact
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
 from duhem.proof.kernel.polynomial import ONE, Polynomial, negated, slope, times, total, written
@@ -71,7 +71,7 @@ def is_a_graph(law: StatedLaw) -> bool:
 
 def flows_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
     """Whether sigma . d >= 0 on every face, d being its own flow or, being associated, a gradient of its g, which then is not 0."""
-    domain = over(law)
+    domain = within_ranges(law)
     return all(_dissipates(face, law.forces, identities, domain) for face in law.faces())
 
 

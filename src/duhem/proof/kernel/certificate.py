@@ -29,7 +29,8 @@ _EVERY = (*CLAIMS, *COUPLED)
 VERDICTS = ("proved", "refuted", "tested", "undecided", "not_applicable")
 TRUSTS = ("checked", "solver", "prover")  # of a proof; the last two name no rule
 EVIDENCE = (
-    "across", "along", "convex sums", "directions", "flat", "inside", "inward", "outward", "potential", "rest", "share", "slips", "steep",
+    "across", "along", "convex sums", "directions", "flat", "inside", "inward", "outward", "potential", "rest", "scale", "share", "slips",
+    "steep",
 )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel import boundary, obligations
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.cones import Fan
-from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
@@ -227,7 +227,7 @@ def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     shape = _shape(law, evidence)
     if not (_inside(law, evidence) or (not law.g.large and (boundary.falls_from_zero(law) or boundary.is_a_graph(law)))):
         return False
-    smooth = shape.defined and shape.convex and smooth_near_the_boundary(law.g, over(law))
+    smooth = shape.defined and shape.convex and smooth_near_the_boundary(law.g, within_ranges(law))
     return smooth or (not law.g.large and round_at_its_ends(law))
 
 
@@ -277,24 +277,32 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
     """d g(r sigma)/dr > 0 at r = 1 wherever g = 0: so sigma . n > 0 for every limit n of grad g there; or K is a cone: it is 0."""
     domain = over(law)
-    return law.associated and domain.facts(law.g).defined and (is_cone(law.g, domain) or grows_along_rays(law.g, domain))
+    if not (law.associated and (domain.facts(law.g).defined or _inside_at_tips(law))):
+        return False
+    return is_cone(law.g, domain) or grows_along_rays(law.g, domain)
+
+
+def _inside_at_tips(law: StatedLaw) -> bool:
+    """Whether g has a value but at tips, where it is < 0 by continuity."""
+    ends = law.once(obligations.limits)
+    return bool(ends) and not chooses(law.g, over(law)) and all(over(law).facts(end).sign == NEGATIVE for end in ends)
 
 
 def power(law: StatedLaw, evidence: Evidence) -> bool:
     """sigma . d >= 0 wherever g = 0: d is the law's own flow, or a mean of the gradients of the pieces of g there, none of which is 0."""
-    if law.power is not None and undecided_beside((law.power,), (), over(law)) is not None:
+    if law.power is not None and undecided_beside((law.power,), (), within_ranges(law)) is not None:
         return False
     return boundary.flows_outward(law, evidence.get("outward", ()))
 
 
 def potential(law: StatedLaw, evidence: Evidence) -> bool:
     """The flow is the gradient of a potential, and the power is the ``share`` of the evidence times g, and something >= 0 (Euler)."""
-    return law.potential is not None and potential_flows_outward(law.potential, law.g, parse(evidence["share"]), over(law))
+    return law.potential is not None and potential_flows_outward(law.potential, law.g, parse(evidence["share"]), within_ranges(law))
 
 
 def power_share(law: StatedLaw, evidence: Evidence) -> bool:
-    """The power is the ``share`` of the evidence times g, and its ``rest`` >= 0."""
-    return flows_with_a_share_of_g(law, parse(evidence["share"]), parse(evidence["rest"]))
+    """The power, times the ``scale`` of the evidence, is the ``share`` of it times g, and its ``rest`` >= 0."""
+    return flows_with_a_share_of_g(law, parse(evidence["share"]), parse(evidence["rest"]), parse(evidence.get("scale", "1")))
 
 
 def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
@@ -452,8 +460,8 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("dissipation", "boundary-power"): RuleRow(_NONE, power, obligations.formula_and_flow, "force . flow >= 0 wherever g = 0"),
     ("dissipation", "power-share"): RuleRow(
-        _NONE, power_share, obligations.formula,
-        "force . flow is a constant times g plus a term >= 0, so it is >= 0 wherever g = 0; at an apex the limits "
+        _NONE, power_share, obligations.formula_in_ranges,
+        "a constant > 0 times force . flow is a constant times g plus a term >= 0, so it is >= 0 wherever g = 0; at an apex the limits "
         "of the flow dissipate too (Koiter 1953)", True,
     ),
     ("dissipation", "resistance"): RuleRow(

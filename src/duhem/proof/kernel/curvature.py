@@ -8,9 +8,12 @@ phi(x) = right x for x >= 0 and left x for x <= 0, such as |x| - k x, is convex 
 not fall (left >= 0), of a concave one where it does not rise (right <= 0).  phi >= 0 for left <= 0 <= right: |x| - k x with |k| <= 1
 (Cazacu, Plunkett, Barlat 2006, IJP 22, 1171).
 
+c max(x, ...) - c min(x, ...) is >= 0 for c >= 0, as x lies between; so is the greatest less the least eigenvalue of a matrix.
+
 A quadratic formula is convex where its matrix is positive semidefinite, >= 0 where it is so with 1 as a force more.  A symmetric matrix is
 positive semidefinite exactly where no principal minor is < 0 (Horn, Johnson 2013, Theorem 7.2.5).  It is so block by block, forces that
-meet in no product being in different ones.
+meet in no product being in different ones.  A large block is positive definite where its leading minors are > 0 (Sylvester's criterion,
+the same theorem), and semidefinite where no entry of the diagonal is less than the sizes of the others in its row (Gershgorin 1931).
 """
 
 from __future__ import annotations
@@ -25,21 +28,22 @@ from duhem.proof.kernel.bounds import Facts, of_sum, signs_of_product
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw
-from duhem.proof.kernel.forms import Matrix, degree_at_most, determinant, multiple, quadratic, sign_within
+from duhem.proof.kernel.forms import Matrix, degree_at_most, determinant, leading_minors, multiple, quadratic, sign_within
 from duhem.proof.kernel.polynomial import Monomial, written
+from duhem.proof.kernel.profiles import closed_at_its_end, scaled, shape_of_two
 from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["over", "shown"]
+__all__ = ["over", "shown", "within_ranges"]
 
 _HALF, _ONE = number(Fraction(1, 2)), number(1)
 _RISING = (  # words that rise, and have the sign of what they are of
     "tanh", "atan",
 )  # fmt: skip
 _PRICE = 100  # steps for a part of a formula, beside what its polynomials cost
-_LARGEST_BLOCK = 3
+_SMALL, _LARGEST_BLOCK = 3, 6
 _Bend = tuple[Term, Term, Term]  # x, right, left
 _NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
 
@@ -47,6 +51,15 @@ _NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
 def over(law: StatedLaw) -> StatedDomain:
     """The domain of a law, in which the rules below say what is shown of a term."""
     return StatedDomain(law, shown)
+
+
+def within_ranges(law: StatedLaw) -> StatedDomain:
+    """The same where every force lies in its range: the claims are asked there alone."""
+    sides = list[Term]()
+    for x, own in ((Term("name", name=name), own) for name, own in law.ranges if name in law.forces):
+        sides += [] if own.low is None else [sum_of(x, number(-own.low))]
+        sides += [] if own.high is None else [sum_of(number(own.high), minus(x))]
+    return over(law).where(dict.fromkeys(sides, False)) if sides else over(law)
 
 
 def shown(term: Term, domain: StatedDomain) -> Facts:
@@ -137,6 +150,8 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             return Facts(x.defined)
         case "where":
             chosen = domain.decided(term.args[0])  # what is chosen; else it may jump
+            if chosen is None and (closed := closed_at_its_end(term, domain)) is not None:
+                return closed
             return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined)
         case "<" | "<=" | ">" | ">=":
             return Facts(defined)
@@ -158,7 +173,7 @@ def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
     known = of_sum(moving, still)
     if term.large:
         return known
-    if known.sign & NEGATIVE and nonnegative_when_bent(term, domain):
+    if known.sign & NEGATIVE and (nonnegative_when_bent(term, domain) or nonnegative_as_a_spread(term, domain)):
         known = replace(known, sign=known.sign & ~NEGATIVE)
     return known if known.convex or not convex_when_bent(term, domain) else replace(known, convex=True, quasiconvex=True)
 
@@ -170,12 +185,32 @@ def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
         sign = signs_of_product(sign, p.sign)
         scale = signs_of_product(scale, p.sign) if domain.constant(a) else scale
     if len(moving) != 1:
-        convex = len(moving) == 2 and not scale & NEGATIVE and (_size_by_its_logarithm(term, domain) or _square_over_load(term, domain))
-        return Facts(defined, sign, convex, False, convex)
+        if len(moving) != 2 or term.large:
+            return Facts(defined, sign)
+        bowl = _size_by_its_logarithm(term, domain) or _square_over_load(term, domain)
+        f, g = (a for a in term.args if not domain.constant(a))
+        convex, concave = scaled((True, False) if bowl else shape_of_two(f, g, domain), scale)
+        return Facts(defined, sign, convex, concave, convex)
     x = moving[0] if not scale & NEGATIVE else moving[0].negated()
     if scale & NEGATIVE and scale & POSITIVE:
         return Facts(defined, sign, x.affine, x.affine, x.affine)
-    return replace(x, defined=defined, sign=sign)
+    ridge = bool(scale & NEGATIVE) and not term.large and _quasiconcave(next(a for a in term.args if not domain.constant(a)), domain)
+    return replace(x, defined=defined, sign=sign, quasiconvex=x.quasiconvex or ridge)
+
+
+def _quasiconcave(term: Term, domain: StatedDomain) -> bool:
+    """Whether -f is quasiconvex: f is concave, or a function that rises of what is quasiconcave."""
+    known = domain.facts(term)
+    if known.concave or term.op not in ("exp", "tanh", "atan", "sinh", "pos", "log", "min", "**", "*"):
+        return known.concave
+    if term.op == "*":
+        moving = [a for a in term.args if not domain.constant(a)]
+        scale = domain.facts(product_of(*(a for a in term.args if domain.constant(a)))).sign
+        return len(moving) == 1 and not scale & NEGATIVE and _quasiconcave(moving[0], domain)
+    if term.op == "**":
+        base, exponent = (domain.facts(a).sign for a in term.args)
+        return not base & NEGATIVE and domain.constant(term.args[1]) and exponent == POSITIVE and _quasiconcave(term.args[0], domain)
+    return all(_quasiconcave(a, domain) for a in term.args)
 
 
 def _above_one(term: Term, domain: StatedDomain) -> Sign:
@@ -352,6 +387,29 @@ def nonnegative_when_bent(term: Term, domain: StatedDomain) -> bool:
     return False
 
 
+def nonnegative_as_a_spread(term: Term, domain: StatedDomain) -> bool:
+    """Whether a sum is made of greatest less least values of what has a part in common, and of what is >= 0 itself."""
+    left = dict(_summed(term, domain))
+    for top in [part for part in left if part.op in ("max", "eigmax")]:
+        low = next((part for part in left if part is not top and _beneath(part, top, domain)), None)
+        if low is None:
+            continue
+        above, below = (sum_of(*left.pop(part)) for part in (top, low))
+        share = below if low.op == "eigmax" else minus(below)
+        if domain.facts(above).sign & NEGATIVE or domain.polynomial(above) != domain.polynomial(share):
+            return False
+    return len(left) < len(_summed(term, domain)) and all(
+        domain.facts(product_of(sum_of(*scales), part)).nonnegative for part, scales in left.items()
+    )
+
+
+def _beneath(low: Term, top: Term, domain: StatedDomain) -> bool:
+    """Whether the least of parts, or the negative of another greatest eigenvalue, is no more than the greatest."""
+    if top.op == "max":
+        return low.op == "min" and bool({*top.args} & {*low.args})
+    return low.op == "eigmax" and all(not domain.polynomial(sum_of(a, b)) for a, b in zip(top.args, low.args, strict=True))
+
+
 def _convex(x: Term, right: Term, left: Term, domain: StatedDomain) -> bool:
     inner = domain.facts(x)
     if domain.facts(sum_of(right, minus(left))).sign & NEGATIVE:
@@ -409,13 +467,25 @@ def by_its_matrix(term: Term, known: Facts, domain: StatedDomain) -> Facts:
 
 
 def _semidefinite(matrix: Matrix, domain: StatedDomain) -> bool:
-    """Whether no principal minor of a block of the symmetric matrix is < 0."""
-    return all(
-        not domain.facts(determinant([[matrix[i][j] for j in some] for i in some])).sign & NEGATIVE
-        for block in _blocks(matrix, domain)
-        for size in range(1, len(block) + 1)
-        for some in combinations(block, size)
-    )
+    """Whether each block of the symmetric matrix is positive semidefinite."""
+    blocks = ([[matrix[i][j] for j in block] for i in block] for block in _blocks(matrix, domain))
+    return all(_minors(b, domain) if len(b) <= _SMALL else _dominant(b, domain) or _leading_above_0(b, domain) for b in blocks)
+
+
+def _minors(matrix: Matrix, domain: StatedDomain) -> bool:
+    """Whether no principal minor is < 0."""
+    every = (some for size in range(1, len(matrix) + 1) for some in combinations(range(len(matrix)), size))
+    return all(not domain.facts(determinant([[matrix[i][j] for j in some] for i in some])).sign & NEGATIVE for some in every)
+
+
+def _leading_above_0(matrix: Matrix, domain: StatedDomain) -> bool:
+    return all(domain.facts(written(minor)).sign == POSITIVE for minor in leading_minors(matrix, domain))
+
+
+def _dominant(matrix: Matrix, domain: StatedDomain) -> bool:
+    """Whether no entry of the diagonal is less than the sizes of the others in its row."""
+    rows = (sum_of(row[i], *(minus(Term("abs", (x,))) for j, x in enumerate(row) if j != i)) for i, row in enumerate(matrix))
+    return all(domain.facts(row).nonnegative for row in rows)
 
 
 def _blocks(matrix: Matrix, domain: StatedDomain) -> list[Sequence[int]]:

@@ -41,7 +41,7 @@ __all__ = [
     "declared", "exact", "gap", "inhabited", "without_angles", "without_more",
 ]  # fmt: skip
 
-_MOST_POWER, _MOST_STEPS, _MOST_CHOICES = 12, 400_000, 64
+_MOST_POWER, _MOST_POWER_OF_ONE, _MOST_STEPS, _MOST_CHOICES = 12, 64, 400_000, 64  # of a sum; of a single term
 _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two constraints to be tried together
 _MOST_TURNS = 24  # of an angle
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
@@ -506,6 +506,9 @@ class StatedDomain:
             if n == 2 and inner.op in ("norm", "abs"):
                 return self.polynomial(sum_of(*(product_of(a, a) for a in inner.args)))
             base = self.polynomial(inner)
+            if len(base) == 1 and 0 < abs(n) <= _MOST_POWER_OF_ONE:
+                ((monomial, c),) = base.items()
+                return {tuple((x, k * n) for x, k in monomial): c**n}
             if 0 <= n <= _MOST_POWER:
                 found = ONE
                 for _ in range(n):
@@ -513,9 +516,6 @@ class StatedDomain:
                 return found
             if base == ONE:
                 return ONE
-            if -_MOST_POWER <= n < 0 and len(base) == 1:
-                ((monomial, c),) = base.items()
-                return {tuple((x, k * n) for x, k in monomial): c**n}
         if term.op == "**" and self.constant(term) and self.polynomial(term.args[0]) == ONE:
             return ONE  # whatever the power
         return {((term, 1),): Fraction(1)}

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import combinations
 
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, negated, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, negated, times, total, written
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
 __all__ = [
-    "Matrix", "Row", "affine", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "multiple", "quadratic", "share_and_rest",
-    "sign_within",
+    "Matrix", "Row", "affine", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "leading_minors", "multiple", "of_load",
+    "quadratic", "share_and_rest", "sign_within",
 ]  # fmt: skip
 
 Row = Sequence[Term]
@@ -70,6 +71,18 @@ def determinant(matrix: Matrix) -> Term:
         return number(1)
     minors = ([[*row[:j], *row[j + 1 :]] for row in matrix[1:]] for j in range(len(matrix)))
     return sum_of(*(product_of(number((-1) ** j), matrix[0][j], determinant(minor)) for j, minor in enumerate(minors)))
+
+
+def leading_minors(matrix: Matrix, domain: StatedDomain) -> Iterator[Polynomial]:
+    """The determinants of the first rows and columns, each by its last row from those of the rows before, for all sets of columns."""
+    known: dict[tuple[int, ...], Polynomial] = {(): ONE}
+    for k, row in enumerate(matrix):
+        entries, before, known = [domain.polynomial(entry) for entry in row], known, {}
+        for some in combinations(range(len(matrix)), k + 1):
+            parts = ((Fraction((-1) ** (k + i)), entries[j], before[(*some[:i], *some[i + 1 :])]) for i, j in enumerate(some))
+            known[some] = total(*(times(times({(): sign}, entry), minor) for sign, entry, minor in parts))
+            domain.spend(len(known[some]))
+        yield known[tuple(range(k + 1))]
 
 
 # -- loads ---------------------------------------------------------------------------------------------------------------
@@ -142,7 +155,7 @@ def share_and_rest(poly: Polynomial, load: Polynomial, domain: StatedDomain) -> 
 def at_end_of(load: Term, term: Term, domain: StatedDomain) -> Term:
     """The constant that a term is where a load is 0; NotWritten where the forces enter it by more than that load."""
     known = domain.polynomial(load)
-    if not _of_load(term, known, domain):
+    if not of_load(term, known, domain):
         raise NotWritten("the forces enter by more than one load")
     return term.put(_zero(known, domain))
 
@@ -156,7 +169,7 @@ def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomai
         return False
     load, end = domain.polynomial(side), domain.polynomial(other)
     split = share_and_rest(end, load, domain)
-    if split is None or domain.facts(written(split[0])).sign != NEGATIVE or not _of_load(term, load, domain):
+    if split is None or domain.facts(written(split[0])).sign != NEGATIVE or not of_load(term, load, domain):
         return False
     ends = [_zero(x, domain) for x in (load, end)]
     values = [domain.facts(part.put(place)) for part in (*domain.sides, term) for place in ends]
@@ -169,13 +182,13 @@ def _is_load(poly: Polynomial, domain: StatedDomain) -> bool:
     return all(not m or ([n for _, n in m] == [1] and m[0][0].op == "name") for m in moving)
 
 
-def _of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
+def of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
     """Whether the forces enter a term through multiples of a load and constants alone."""
     if domain.constant(term):
         return True
     if term.op in ("+", "*", "name") and share_and_rest(domain.polynomial(term), load, domain) is not None:
         return True
-    return term.op != "name" and all(_of_load(a, load, domain) for a in term.args)
+    return term.op != "name" and all(of_load(a, load, domain) for a in term.args)
 
 
 def _zero(load: Polynomial, domain: StatedDomain) -> dict[Term, Term]:

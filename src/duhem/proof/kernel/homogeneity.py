@@ -17,12 +17,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.definedness import undecided_beside
 from duhem.proof.kernel.domain import POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.identity import in_order, signs_as_sizes, value, vanishes
 from duhem.proof.kernel.pieces import chooses
-from duhem.proof.kernel.polynomial import Polynomial, written
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, written
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
@@ -55,22 +55,36 @@ def potential_flows_outward(potential: Term, g: Term, share: Term, domain: State
     """
     if not all(domain.facts(part).defined for part in (potential, g, share)) or not domain.constant(share) or not by_degree(g, domain):
         return False
-    power = sum_of(*(product_of(number(k), part) for k, part in by_degree(potential, domain).items()))
+    power = sum_of(*(product_of(written({m: c}), _rate(m, domain)) for m, c in domain.polynomial(potential).items()))
     return domain.nonnegative(sum_of(power, minus(product_of(share, g))))
 
 
-def flows_with_a_share_of_g(law: StatedLaw, share: Term, rest: Term) -> bool:
-    """Whether sigma . d = ``share`` g + ``rest`` with a constant share and rest >= 0, d having a value but where a tip of g is 0."""
-    domain = over(law)
-    if law.flow is None or not (domain.constant(share) and domain.facts(rest).nonnegative):
+def flows_with_a_share_of_g(law: StatedLaw, share: Term, rest: Term, scale: Term) -> bool:
+    """Whether ``scale`` sigma . d = ``share`` g + ``rest`` with constant scale and share, scale > 0 and rest >= 0, d having a value but
+    where a tip of g is 0.  Where the scale may be 0, sigma . d is >= 0 by itself.
+    """
+    domain = within_ranges(law)
+    if law.flow is None or not (domain.constant(share) and domain.constant(scale) and domain.facts(rest).nonnegative):
         return False
     spent = (*law.flow, *([law.power] if law.power else []))
     if undecided_beside(spent, tips(law.g, domain), domain) is not None or chooses(law.g, domain):
         return False
     power = law.power or sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, law.flow, strict=True)))
-    gap = sum_of(power, minus(product_of(share, law.g)), minus(rest))
+    gap = sum_of(product_of(scale, power), minus(product_of(share, law.g)), minus(rest))
     same = vanishes(in_order(signs_as_sizes(gap, domain), domain), domain)
-    return same and all(domain.facts(part).defined for part in (law.g, share, rest))
+    known = domain.facts(scale)
+    if not (same and known.nonnegative and all(domain.facts(part).defined for part in (law.g, share, rest, scale))):
+        return False
+    return known.sign == POSITIVE or _never_negative_where_zero(power, scale, law)
+
+
+def _never_negative_where_zero(power: Term, scale: Term, law: StatedLaw) -> bool:
+    """Whether a power is >= 0 for the parameters at which a scale >= 0 is 0."""
+    try:
+        left = within_ranges(law._replace(constraints=(*law.constraints, Term("<=", (scale, number(0))))))
+    except NotWritten:  # the scale is never 0, or more than that is too long
+        return False
+    return left.never_negative(in_order(power, left))
 
 
 def by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:
@@ -79,6 +93,16 @@ def by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:
     for m, c in domain.polynomial(term).items():
         parts.setdefault(sum((n * _degree(x, domain) for x, n in m), Fraction(0)), {})[m] = c
     return {k: written(part) for k, part in parts.items()}
+
+
+def _rate(m: Monomial, domain: StatedDomain) -> Term:
+    """The degree of a product, in which powers may have any constant exponents."""
+    rates = [sum_of()]
+    for x, n in m:
+        free = x.op == "**" and not domain.constant(x) and domain.constant(x.args[1]) and value(x.args[1], domain) is None
+        own = product_of(x.args[1], number(_degree_of_all(x.args[:1], domain))) if free else number(_degree(x, domain))
+        rates.append(product_of(number(n), own))
+    return sum_of(*rates)
 
 
 def _degree(x: Term, domain: StatedDomain) -> Fraction:

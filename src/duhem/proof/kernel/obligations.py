@@ -9,17 +9,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 
-from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_beside
-from duhem.proof.kernel.domain import ANY, NEGATIVE, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import Term, minus, number, parse, sum_of
 
 __all__ = [
     "constraints", "flow", "formula", "formula_and_flow", "formula_and_potential", "formula_at_zero", "formula_but_at_tips",
-    "formula_where_loads_allow", "limits", "nothing", "numbers", "numbers_in_formula",
+    "formula_in_ranges", "formula_where_loads_allow", "limits", "nothing", "numbers", "numbers_in_formula",
 ]  # fmt: skip
 
 _KIND = {"**": "a power, root or quotient", "log": "a logarithm", "asin": "an asin", "acos": "an acos", "tan": "a tan", "atan2": "an angle"}
@@ -73,7 +73,12 @@ def constraints(law: StatedLaw | StatedCurve) -> str:
 
 def formula(law: StatedLaw) -> str:
     """g, for all forces."""
-    return _everywhere("g", (law.g,), law)
+    return _everywhere("g", (law.g,), over(law))
+
+
+def formula_in_ranges(law: StatedLaw) -> str:
+    """g, for all forces in their ranges."""
+    return _everywhere("g", (law.g,), within_ranges(law))
 
 
 def limits(law: StatedLaw) -> tuple[Term, ...]:
@@ -92,7 +97,7 @@ def formula_where_loads_allow(law: StatedLaw) -> str:
     if not (found := law.once(formula_but_at_tips)) or law.g.large:
         return found
     loads, others, inside = where_loads_allow(law)
-    if _everywhere("a load", loads, law):
+    if _everywhere("a load", loads, over(law)):
         return found
     reader = Reader(inside)
     settled = (reader.undecided(part) is None or any(True for _ in continued(part, inside)) for part in others)
@@ -101,7 +106,7 @@ def formula_where_loads_allow(law: StatedLaw) -> str:
 
 def formula_at_zero(law: StatedLaw) -> str:
     """g at zero force; if that is a tip, by continuity."""
-    found = _everywhere("g at zero force", (law.g.put({Term("name", name=f): number(0) for f in law.forces}),), law)
+    found = _everywhere("g at zero force", (law.g.put({Term("name", name=f): number(0) for f in law.forces}),), over(law))
     return "" if found and law.once(limits) else found
 
 
@@ -115,25 +120,25 @@ def numbers_in_formula(law: StatedLaw) -> str:
 def flow(law: StatedLaw) -> str:
     """Every slip of the law's own."""
     slips = [law.flow, *(flow for _, flow in law.surfaces)]
-    return _everywhere("the flow", [x for flow in slips for x in flow or ()], law)
+    return _everywhere("the flow", [x for flow in slips for x in flow or ()], within_ranges(law))
 
 
 def formula_and_flow(law: StatedLaw) -> str:
     """g, each of its surfaces and every slip, for all forces."""
-    return law.once(formula) or law.once(flow)
+    return law.once(formula_in_ranges) or law.once(flow)
 
 
 def formula_and_potential(law: StatedLaw) -> str:
     """g, the potential, and its gradient but where a tip of the potential is 0: a slip there is a mean of gradients from around."""
     if law.potential is None:
-        return law.once(formula)
-    domain = over(law)
-    found = law.once(formula) or _everywhere("the potential", (law.potential,), law)
+        return law.once(formula_in_ranges)
+    domain = within_ranges(law)
+    found = law.once(formula_in_ranges) or _everywhere("the potential", (law.potential,), domain)
     return found or _said("the gradient", undecided_beside(law.flow or (), tips(law.potential, domain), domain))
 
 
-def _everywhere(what: str, terms: Iterable[Term], law: StatedLaw) -> str:
-    reader = Reader(over(law))
+def _everywhere(what: str, terms: Iterable[Term], domain: StatedDomain) -> str:
+    reader = Reader(domain)
     return next((said for term in terms if (said := _said(what, reader.undecided(term)))), "")
 
 

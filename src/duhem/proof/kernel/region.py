@@ -4,7 +4,14 @@ K lies where all loads in the maximum are <= 0, and where those under a logarith
 is convex, and so is K where g is defined and each part of the maximum quasiconvex in it, a body with a convex profile or a set {u^n <= c
 v_1 ... v_m}, the v_i >= 0 and concave in it, m <= n whole, c >= 0: Lade and Duncan (1975), I1^3 <= k I3.  (c v_1 ... v_m)^(1/n) is concave
 there, a geometric mean of the v_i and n - m constants (Boyd, Vandenberghe 2004, 3.2.4).  For odd n it is u that lies below it, a convex
-function; for even n |u|.
+function; for even n |u|.  u^n/(v_1 ... v_m) <= c says the same where the v_i are > 0.
+
+So is {A <= c x^2 w}, sqrt A being convex, c > 0, x >= 0 affine, and v = x w concave in it: where x > 0 it is v >= 0, where x = 0 too, so
+that it is {sqrt A <= sqrt(c x v)} and {v >= 0}, and both are convex.  Where A - c x h <= 0 with A >= 0, c > 0 and h >= 0, x is >= 0, or h
+is 0.
+
+So is {(|u|/x)^n <= w}, n >= 1, x > 0 affine, |u| convex, x w concave and {w >= 0} convex: it is {|u| <= x w^(1/n)} in {w >= 0}, where
+x w^(1/n) = x^(1 - 1/n) (x w)^(1/n) is concave.
 
 A body with a profile is {Q <= H(t)}, t a load and Q a sum of squares of affine functions of the forces, H a polynomial.  It is
 {sqrt Q <= sqrt H(t)}, and sqrt Q is a seminorm of (forces, 1): the body is convex where H >= 0 on an interval alone and sqrt H is concave
@@ -24,16 +31,18 @@ thus point into K: its only normal is that of the load.  A convex set with one n
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from contextlib import suppress
 from fractions import Fraction
-from itertools import pairwise, permutations
+from itertools import chain, pairwise
 from math import prod
 
-from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
-from duhem.proof.kernel.forms import at_end_of
+from duhem.proof.kernel.forms import at_end_of, multiple
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replaced, slope, times, total, written
+from duhem.proof.kernel.profiles import times_load
 from duhem.proof.kernel.regularity import smooth_but_where_zero
-from duhem.proof.kernel.signs import RAY, Line, nonnegative_on_the_line, on_the_line, parts, roots, sign_at, without_content
+from duhem.proof.kernel.signs import RAY, Line, nonnegative, nonnegative_on_the_line, on_the_line, parts, roots, sign_at, without_content
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["convex_by_its_profile", "convex_in_its_region", "round_at_its_ends", "where_loads_allow"]
@@ -48,7 +57,8 @@ def convex_by_its_profile(f: Term, loads: Collection[Term], domain: StatedDomain
     """Whether f is defined and {f <= 0} is convex where the ``loads`` of the law are >= 0."""
     try:
         poly, sides = domain.polynomial(f), [domain.polynomial(load) for load in loads]
-        return domain.facts(f).defined and any(_by_load(poly, t, sides, domain) for t in (*sides, *_leading(poly, domain)))
+        _moving(poly, domain)  # NotWritten where forces divide
+        return domain.facts(f).defined and any(_by_load(poly, t, sides, domain) for t in chain(sides, _leading(poly, domain)))
     except NotWritten:
         return False
 
@@ -59,7 +69,8 @@ def _by_load(poly: Polynomial, load: Polynomial, sides: Collection[Polynomial], 
         x, place = _solved(load, domain)
         profile = _profile(replaced(poly, x, place), domain)
         along = [side for side in (replaced(side, x, place) for side in sides) if not _moving(side, domain)]
-        return any(_concave_root(h, rest) for h, rest in _in_numbers(profile, along, domain))
+        rounded = any(_concave_root(h, rest) for h, rest in _in_numbers(profile, along, domain))
+        return rounded or _concave_between_sides(profile, along, domain)
     except NotWritten:
         return False
 
@@ -123,23 +134,57 @@ def _profile(poly: Polynomial, domain: StatedDomain) -> Polynomial:
 
 
 def _in_numbers(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Polynomial, list[Line]]]:
-    """The profile and its sides without constants; t is measured in one of them, if need be."""
+    """The profile and its sides without constants."""
+    for h, lines in _measured(profile, sides, domain):
+        read = [on_the_line(p) for p in (h, *lines)]
+        if all(p is not None for p in read):
+            yield h, [p for p in read[1:] if p is not None]
+
+
+def _measured(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Polynomial, list[Polynomial]]]:
+    """The profile and its sides without positive factors; t is measured in a constant > 0, if need be."""
     if not profile:
         return
     names = {x for m in profile for x, _ in m if x != RAY and domain.of(x) == POSITIVE}
     for unit in (None, *sorted(names)):
         scaled: Polynomial = {tuple(sorted([(RAY, 1), *([] if unit is None else [(unit, 1)])])): Fraction(1)}
         h, *lines = (without_content(replaced(p, RAY, scaled), domain) for p in (profile, *sides) if p)
-        read = [on_the_line(p) for p in (h, *lines)]
-        if all(p is not None for p in read):
-            yield h, [p for p in read[1:] if p is not None]
+        yield h, lines
+
+
+def _concave_between_sides(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> bool:
+    """Whether H > 0 between two sides, and sqrt H is concave, for all parameters; at a side it may be 0."""
+    for h, lines in _measured(profile, sides, domain):
+        ends = [line for line in map(on_the_line, lines) if line is not None and len(line) == 2]
+        low, high = ([Fraction(-p[0], p[1]) for p in ends if p[1] * way > 0] for way in (1, -1))
+        if low and high and max(low) < min(high):
+            between = max(low), min(high)
+            return nonnegative(_without_ends(h, *between), between, domain, strict=True) and nonnegative(_bend(h), between, domain)
+    return False
+
+
+def _without_ends(h: Polynomial, low: Fraction, high: Fraction) -> Polynomial:
+    """H without its factors t - low and high - t."""
+    for end, sign in ((low, Fraction(1)), (high, Fraction(-1))):
+        while h:
+            divided: list[Polynomial] = [{}]
+            for c in reversed(in_powers(h, RAY)):  # Horner's rule: the quotient by t - end, and last the value there
+                divided.append(total(c, times({(): end}, divided[-1]) if end else {}))
+            if divided.pop():
+                break
+            h = total(*(times({((RAY, n),) if n else (): sign}, c) for n, c in enumerate(reversed(divided[1:]))))
+    return h
+
+
+def _bend(h: Polynomial) -> Polynomial:
+    """H'^2 - 2 H H''."""
+    first = slope(h, RAY)
+    return total(times(first, first), times({(): Fraction(-2)}, times(h, slope(first, RAY))))
 
 
 def _concave_root(h: Polynomial, sides: Collection[Line]) -> bool:
     """Whether sqrt H is concave where H >= 0 and the sides, of degree 1 at most, are >= 0, which is an interval then."""
-    first = slope(h, RAY)
-    bend = on_the_line(total(times(first, first), times({(): Fraction(-2)}, times(h, slope(first, RAY)))))
-    line = on_the_line(h)
+    bend, line = on_the_line(_bend(h)), on_the_line(h)
     if not line or bend is None:
         return False
     low, high = _between(sides, 1 + max(map(_beyond_roots, (line, bend, *sides))))
@@ -187,10 +232,50 @@ def where_loads_allow(law: StatedLaw) -> tuple[list[Term], list[Term], StatedDom
     """The loads and the other parts of g, and the domain where the loads allow K."""
     domain = over(law)
     loads, others = _loads_and_others(law.g, domain)
-    sides = dict.fromkeys(map(minus, loads), False)
+    sides = within_ranges(law).sides | dict.fromkeys(map(minus, loads), False)
     for part in others:
         sides |= dict.fromkeys((x for x in _under_logarithms(part, domain) if not domain.constant(x) and domain.facts(x).affine), True)
-    return loads, others, domain.where(sides)
+    for part in others:
+        sides |= dict.fromkeys((load for load in sides if _divides(load, part, domain)), True)
+    inside = domain.where(sides)
+    more = dict.fromkeys((x for part in others for x in _loads_of_a_product(part, inside)), False)
+    return loads, others, inside.where(more) if more else inside
+
+
+def _divides(load: Term, part: Term, domain: StatedDomain) -> bool:
+    """Whether a part has no value where a load is 0, dividing by it: no point of K lies there."""
+    if part.op == "**":
+        sign, bases = domain.facts(part.args[1]).sign, [f for f in _repeated(part.args[0]) if not domain.constant(f)]
+        divided = sign == NEGATIVE and any(multiple(domain.polynomial(f), domain.polynomial(load), domain) for f in bases)
+        return divided or (not sign & ZERO and _divides(load, part.args[0], domain))  # x^0 is 1
+    return part.op in ("+", "*") and any(_divides(load, a, domain) for a in part.args)
+
+
+def _loads_of_a_product(part: Term, domain: StatedDomain) -> Iterator[Term]:
+    """Each x of ``part`` = A - c x h with A >= 0, c > 0 and h >= 0, that is >= 0 where h is 0 too."""
+    for rest, product in _without_one(part) if part.op == "+" else ():
+        scales, moving = _apart(factors(product), domain)
+        if len(moving) < 2 or domain.facts(product_of(*scales)).sign != NEGATIVE or not domain.facts(rest).nonnegative:
+            continue
+        for x in (f for f in moving if domain.facts(f).affine and domain.facts(f).sign & NEGATIVE):
+            if all(_leaves(x, h, domain) for h in moving if h is not x):
+                yield x
+
+
+def _leaves(x: Term, h: Term, domain: StatedDomain) -> bool:
+    """Whether h >= 0, and x >= 0 where it is 0: that is where a load is 0."""
+    known = domain.facts(h)
+    if not (known.defined and known.nonnegative):
+        return False
+    base = h
+    while base.op == "pos" or (base.op == "**" and domain.facts(base.args[1]).sign == POSITIVE):
+        base = base.args[0]
+    if known.sign == POSITIVE:
+        return True
+    loads = [side for side in domain.sides if _positive_multiple(base, side, domain)]
+    with suppress(NotWritten):
+        return any(domain.facts(at_end_of(load, x, domain)).nonnegative for load in loads)
+    return False
 
 
 def _loads_and_others(g: Term, domain: StatedDomain) -> tuple[list[Term], list[Term]]:
@@ -221,8 +306,44 @@ def _under_logarithms(part: Term, domain: StatedDomain) -> Iterator[Term]:
 
 
 def _convex_below_a_product(part: Term, domain: StatedDomain) -> bool:
-    """Whether ``part`` is such a u^n - c v_1 ... v_m, as written, so that {part <= 0} is convex."""
-    return part.op == "+" and len(part.args) == 2 and any(_below(power, rest, domain) for power, rest in permutations(part.args))
+    """Whether ``part`` is such a u^n - c v_1 ... v_m, A - c x^2 w or (|u|/x)^n - w, as written, so that {part <= 0} is convex."""
+    if part.op != "+":
+        return False
+    ways = [*_without_one(part)]
+    ways += [cleared for rest, product in ways if (cleared := _cleared(product, rest, domain)) is not None]
+    return any(
+        _below(rest, product, domain) or _below_a_load(rest, product, domain) or _share_of_a_load(product, rest, domain)
+        for rest, product in ways
+    )
+
+
+def _without_one(whole: Term) -> Iterator[tuple[Term, Term]]:
+    """What is left of a sum without one of its terms, and that term."""
+    for i, term in enumerate(whole.args):
+        rest = [*whole.args[:i], *whole.args[i + 1 :]]
+        yield rest[0] if len(rest) == 1 else sum_of(*rest), term
+
+
+def _cleared(product: Term, rest: Term, domain: StatedDomain) -> tuple[Term, Term] | None:
+    """c u^n and -k v_1 ... v_m of c u^n/(v_1 ... v_m) - k, c > 0 and the v_i > 0: they add up to what has its sign."""
+    scales, moving = _apart(factors(product), domain)
+    under = [f for f in moving if f.op == "**" and f.args[1].op == "number" and f.args[1].value < 0 and f.args[1].value.denominator == 1]
+    above = [f for f in moving if f not in under]
+    if not under or len(above) != 1 or not domain.constant(rest) or domain.facts(product_of(*scales)).sign != POSITIVE:
+        return None
+    if any(domain.facts(f).sign != POSITIVE for f in under):
+        return None
+    divisors = [part for f in under for part in _repeated(f.args[0]) * -int(f.args[1].value)]
+    return above[0], product_of(rest, Term("**", (product_of(*scales), number(-1))), *divisors)
+
+
+def _repeated(term: Term) -> list[Term]:
+    """Its factors, whole powers as such."""
+    found = list[Term]()
+    for f in factors(term):
+        n = f.args[1].value if f.op == "**" and f.args[1].op == "number" else None
+        found += [f] if n is None or n.denominator > 1 or n < 1 else [f.args[0]] * int(n)
+    return found
 
 
 def _below(power: Term, rest: Term, domain: StatedDomain) -> bool:
@@ -236,6 +357,47 @@ def _below(power: Term, rest: Term, domain: StatedDomain) -> bool:
     return (
         convex and c.defined and c.nonnegative and 0 < len(concave) <= n and all(v.defined and v.concave and v.nonnegative for v in concave)
     )
+
+
+def _below_a_load(square: Term, rest: Term, domain: StatedDomain) -> bool:
+    scales, moving = _apart(factors(rest), domain)
+    load = next((f.args[0] for f in moving if f.op == "**" and f.args[1] == number(2)), None)
+    others = [f for f in moving if f.op != "**" or f.args[0] is not load]
+    c = domain.facts(minus(product_of(*scales)))
+    if load is None or not (len(others) == 1 < len(moving) == 2 and c.defined and c.sign in (NEGATIVE, POSITIVE)):
+        return False
+    w = others[0] if c.sign == POSITIVE else minus(others[0])
+    x, root = domain.facts(load), domain.facts(Term("**", (square, number(Fraction(1, 2)))))
+    profile = domain.facts(times_load(load, w, domain))
+    return (
+        (root.defined and root.convex and x.defined and x.affine and x.nonnegative and domain.facts(w).defined)
+        and profile.defined
+        and profile.concave
+    )
+
+
+def _share_of_a_load(power: Term, rest: Term, domain: StatedDomain) -> bool:
+    """Whether they are (|u|/x)^n, n >= 1, and -w."""
+    if power.op != "**" or not domain.constant(power.args[1]) or domain.facts(sum_of(power.args[1], number(-1))).sign & NEGATIVE:
+        return False
+    moving = [f for f in factors(power.args[0]) if not domain.constant(f)]
+    under = [y for f in moving if f.op == "**" and f.args[1] == number(-1) for y in factors(f.args[0]) if not domain.constant(y)]
+    over_, scale = [f for f in moving if f.op != "**" or f.args[1] != number(-1)], domain.facts(power.args[0])
+    if len(under) != 1 or len(over_) != 1 or not (scale.defined and scale.nonnegative):
+        return False
+    u, x, whole = domain.facts(over_[0]), domain.facts(under[0]), domain.facts(times_load(under[0], minus(rest), domain))
+    return (
+        (u.defined and u.convex and u.nonnegative and x.defined and x.affine and x.sign == POSITIVE)
+        and domain.facts(rest).defined
+        and domain.facts(rest).quasiconvex
+        and whole.defined
+        and whole.concave
+    )
+
+
+def _positive_multiple(term: Term, load: Term, domain: StatedDomain) -> bool:
+    share = multiple(domain.polynomial(term), domain.polynomial(load), domain)
+    return share is not None and domain.facts(written(share)).sign == POSITIVE
 
 
 def round_at_its_ends(law: StatedLaw) -> bool:

@@ -9,6 +9,7 @@ dG/dz_i is 0 for z_i = 0, and r_i is Lipschitz, so that the share dG/dz_i grad r
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -18,7 +19,7 @@ from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.spectrum import freed_of_roots
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
-__all__ = ["smooth_but_where_zero", "smooth_everywhere", "smooth_near_the_boundary", "tips"]
+__all__ = ["Kinks", "regularity", "smooth_but_where_zero", "smooth_everywhere", "smooth_near_the_boundary", "tips"]
 
 Switch = frozenset[tuple[object, object]]
 _ODD = ("sin", "sinh", "tanh", "atan")  # 0 where their argument is
@@ -34,28 +35,36 @@ class Kinks:
 
 
 def smooth_near_the_boundary(law_g: Term, domain: StatedDomain) -> bool:
-    """Whether g is C^1 wherever g = 0: no kink is left, and where a tip is 0, g is not."""
-    found = _regularity(law_g, domain)
-    if found is None or found.kinks:
+    """Whether g is C^1 wherever g = 0: where a kink is left, or a tip is 0, g is not."""
+    found = regularity(law_g, domain)
+    if found is None or not found.kinks <= set(_kinks_off_the_boundary(law_g, domain)):
         return False
     return all(any(sign in (NEGATIVE, POSITIVE) for sign in _signs_at(tip, law_g, domain)) for tip in found.tips)
 
 
+def _kinks_off_the_boundary(g: Term, domain: StatedDomain) -> Iterator[Switch]:
+    """Those of |x|, pos x and neg x with x = 0 where g is not 0."""
+    for part in dict.fromkeys(() if g.large else (part for part in g.parts() if part.op in ("abs", "pos", "neg"))):
+        there = domain.facts(g.put({part: number(0)}))
+        if there.defined and there.sign in (NEGATIVE, POSITIVE):
+            yield _switch(part.args[0], domain)
+
+
 def smooth_everywhere(term: Term, domain: StatedDomain) -> bool:
     """Whether a term, which has a value everywhere, is C^1."""
-    found = _regularity(term, domain)
+    found = regularity(term, domain)
     return found is not None and not (found.kinks or found.tips)
 
 
 def smooth_but_where_zero(term: Term, domain: StatedDomain) -> bool:
     """Whether a term is C^1 wherever it is not 0."""
-    found = _regularity(term, domain)
+    found = regularity(term, domain)
     return found is not None and found.kinks <= found.zeros and all(ZERO in _signs_at(tip, term, domain) for tip in found.tips)
 
 
 def tips(term: Term, domain: StatedDomain) -> frozenset[Term]:
     """What is 0 where a term may be singular; nothing where more than that is open."""
-    found = _regularity(term, domain)
+    found = regularity(term, domain)
     return frozenset() if found is None or found.kinks else found.tips
 
 
@@ -78,7 +87,7 @@ def _switch(term: Term, domain: StatedDomain) -> Switch:
     return frozenset((m, c / first) for m, c in poly.items())
 
 
-def _regularity(term: Term, domain: StatedDomain) -> Kinks | None:
+def regularity(term: Term, domain: StatedDomain) -> Kinks | None:
     known: dict[Term, Kinks | None] = domain.kept.setdefault("regularity", {})
     if term not in known:
         found = _of_parts(term, domain)
@@ -92,10 +101,10 @@ def _regularity(term: Term, domain: StatedDomain) -> Kinks | None:
 def _even_in_roots(term: Term, domain: StatedDomain) -> Kinks | None:
     """Of a sum that is C^1 and even in its roots; what is singular but for the roots themselves stays a tip."""
     for freed in freed_of_roots(term, domain):
-        found = _regularity(freed.term, freed.domain)
+        found = regularity(freed.term, freed.domain)
         if found is None or found.kinks or not freed.domain.facts(freed.term).defined or not freed.unchanged():
             continue
-        inner = [_regularity(y, domain) for root in freed.parts.values() for y in (root.args if root.op == "norm" else root.args[:1])]
+        inner = [regularity(y, domain) for root in freed.parts.values() for y in (root.args if root.op == "norm" else root.args[:1])]
         known = [y for y in inner if y is not None and y.kinks <= y.zeros]
         if len(known) == len(inner):
             tips = frozenset(tip.put(freed.parts) for tip in found.tips).union(*(y.tips for y in known))
@@ -108,7 +117,7 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
         return Kinks()
     if term.op == "name":
         return Kinks(zeros=frozenset({_switch(term, domain)}))
-    parts = [_regularity(a, domain) for a in term.args]
+    parts = [regularity(a, domain) for a in term.args]
     known = [p for p in parts if p is not None]
     if len(known) < len(parts):
         return None

@@ -218,11 +218,16 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
         return
     back = {r: radicands[y] for y, r in roots.items()}
     for share in _shares(of_power, of_g)[:_MOST_SHARES]:
-        coefficients = {part: sp.factor(of_power.get(part, sp.S.Zero) - share * of_g.get(part, sp.S.Zero)) for part in {**of_power, **of_g}}
-        rest = sp.Add(*(c * part for part, c in coefficients.items())).xreplace(back)
-        detail = f"force . flow = {formula(share)}*g + {formula(rest)}, which is >= 0 wherever g = 0, also in the limit at an apex"
-        proof = Proof("power-share", {"share": formula(share), "rest": formula(rest)})
-        yield Evidence(Verdict.PROVED, "power-share", detail, proof=proof)
+        below = sp.fraction(sp.together(share))[1]
+        scales = (sp.S.One, *((below, -below) if below.free_symbols else ()))  # what is divided by may be 0
+        for scale in scales:
+            of_scale = sp.cancel(share * scale)
+            left = {x: sp.factor(scale * of_power.get(x, sp.S.Zero) - of_scale * of_g.get(x, sp.S.Zero)) for x in {**of_power, **of_g}}
+            rest = sp.Add(*(c * part for part, c in left.items())).xreplace(back)
+            power_told, told = ("force . flow", {}) if scale == 1 else (f"({formula(scale)})*(force . flow)", {"scale": formula(scale)})
+            detail = f"{power_told} = {formula(of_scale)}*g + {formula(rest)}, which is >= 0 wherever g = 0, also in the limit at an apex"
+            proof = Proof("power-share", {"share": formula(of_scale), "rest": formula(rest), **told})
+            yield Evidence(Verdict.PROVED, "power-share", detail, proof=proof)
 
 
 def _without_signs(expr: sp.Expr) -> sp.Expr:
@@ -262,11 +267,9 @@ def dissipation_of_potential(subject: FormulaSubject) -> Iterator[Evidence]:
         return
     potential = parse_expression(law.potential, law.symbols()).subs({**law.settled(), **problem.compressed})
     parts, g = _by_forces(potential, problem.forces), _by_forces(problem.g, problem.forces)
-    degrees = {part: k for part in parts if (k := degree(part, problem.forces)) is not None}
-    if len(degrees) < len(parts):
-        return
-    power = {part: degrees[part] * c for part, c in parts.items()}
-    told = ", ".join(map(str, sorted({*degrees.values()})))
+    degrees = {part: degree(part, problem.forces) for part in parts}  # None also of powers whose exponent is a parameter
+    power = {part: k * c for part, c in parts.items() if (k := degrees[part]) is not None}
+    told = ", ".join(map(str, sorted({k for k in degrees.values() if k is not None})))
     detail = f"the potential has parts of degree {told} in the forces, so force . flow >= 0 wherever g = 0"
     for share in _shares(power, g):
         yield Evidence(Verdict.PROVED, "potential", detail, proof=Proof("potential", {"share": formula(_in_pressure(subject, share))}))

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from duhem.expression.number import rational
+from duhem.expression.number import fraction, rational
 from duhem.law.domain import POSITIVE
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
@@ -91,6 +91,7 @@ _UPHILL = "the sum of h_k (T_k - T)^2/T_k over the bodies is < 0 at these temper
 _MOST_STATES = 20_000
 _FLOW_OF_STATE = "in this state g = 0, and the sum of Y . rate for a unit of the multiplier is < 0"
 _STEPS = 8_000_000
+_SAMPLING = 4_000_000  # steps after every proof has failed
 _DISSIPATION = "force . flow < 0 at the boundary point between `inside` and `outside`"
 
 
@@ -129,16 +130,16 @@ def _refuted(subject: FormulaSubject, suggested: Iterable[Chord], touching: bool
     return None
 
 
-def convexity_by_scouting(subject: FormulaSubject, choices: int = 6) -> Evidence | None:
+def convexity_by_scouting(subject: FormulaSubject, choices: int = 6, steps: int | None = None) -> Evidence | None:
     """At a few parameter choices."""
     from duhem.proof.search.long_chords import sampled_chords
 
-    return _refuted(subject, sampled_chords(subject, choices))
+    return _refuted(subject, sampled_chords(subject, choices, steps))
 
 
 def convexity_by_thorough_scouting(subject: FormulaSubject) -> Evidence | None:
-    """At many parameter choices."""
-    return convexity_by_scouting(subject, 60)
+    """At many parameter choices, but for a few seconds: by then no rule has proved it, and more effort is to be asked for."""
+    return convexity_by_scouting(subject, 60, int(_SAMPLING * subject.effort))
 
 
 def convexity_at_far_points(subject: FormulaSubject) -> Evidence | None:
@@ -238,7 +239,7 @@ def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence
 
 def smoothness_at_corners(subject: FormulaSubject) -> Evidence | None:
     """A boundary point on a seam where the one-sided normals differ: in two forces on any seam, in more in some planes."""
-    choices = subject.choices(6 if len(subject.simple.forces) == 2 else 2)
+    choices = subject.choices(6 if len(subject.simple.forces) == 2 else 2, _at_least_exponents(subject))
     found = (corner(subject, *one) for parameters in choices for one in _suggested(subject, parameters))
     return _not_smooth(subject, found, "witness-corner", "the outward normal jumps at a corner of the boundary")
 
@@ -247,8 +248,16 @@ def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
     """An exact boundary point to which K narrows: the tip of a cone, of a drop, a cusp."""
     from duhem.proof.search.corners import sharp_points  # numpy, only when something is looked for
 
-    found = (sharp_point(subject, *one) for parameters in subject.choices(1) for one in sharp_points(subject, parameters))
+    choices = subject.choices(1, _at_least_exponents(subject))
+    found = (sharp_point(subject, *one) for parameters in choices for one in sharp_points(subject, parameters))
     return _not_smooth(subject, found, "witness-sharp-point", "the boundary has a sharp point")
+
+
+def _at_least_exponents(subject: FormulaSubject) -> list[Values]:
+    """The plainest choice with each exponent at its least value, where |x|^a may have a kink."""
+    exponents = {x for power in subject.simple.g.atoms(sp.Pow) for x in power.exp.free_symbols}
+    least = {x: fraction(own.low) for x in exponents if (own := subject.law.parameters.get(x.name)) and own.low is not None}
+    return [{**plain, **least} for plain in itertools.islice(subject.choices(1), 1)] if least else []
 
 
 def _not_smooth(subject: FormulaSubject, found: Iterable[Witness | None], method: str, detail: str) -> Evidence | None:

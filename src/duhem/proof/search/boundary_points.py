@@ -101,11 +101,11 @@ class BoundaryScout:
         faces, place, slips = self.subject.simple.faces, [], []
         for points in (self.boundary, self.outside):
             heights = np.stack([self._over(points, face.g) for face in faces])
-            acting = heights >= np.max(heights, axis=0) - _TOUCHING * np.linalg.norm(points * self._gradient, axis=1)
+            acting = heights >= np.max(heights, axis=0) - _TOUCHING * np.linalg.norm(points * self.gradient, axis=1)
             if len(faces) == 1:
                 acting[:] = True  # also where its height is no number
             for face, acts in zip(faces, acting, strict=True):
-                own = self._gradient if face.flow is None else np.stack([self._over(points, c) for c in face.flow], axis=1)
+                own = self.gradient if face.flow is None else np.stack([self._over(points, c) for c in face.flow], axis=1)
                 place.append(np.flatnonzero(acts))
                 slips.append(own[place[-1]])
         every = np.concatenate(slips)
@@ -118,7 +118,8 @@ class BoundaryScout:
 
     @cached_property
     @np.errstate(all="ignore")
-    def _gradient(self) -> Any:
+    def gradient(self) -> Any:
+        """Of g at the boundary points, by differences."""
         step = 1e-6 * (np.linalg.norm(self.boundary, axis=1, keepdims=True) + 1e-300)
         columns = []
         for i in range(len(self.forces)):
@@ -142,7 +143,7 @@ class BoundaryScout:
         if len(self.forces) != 2:
             return
         place, slips = self.unit_flow
-        normals = self._gradient[place]
+        normals = self.gradient[place]
         turn = np.arctan2(normals[:, 0] * slips[:, 1] - normals[:, 1] * slips[:, 0], np.sum(normals * slips, axis=1))
         turn = np.where(np.isfinite(turn), turn, 0.0)
         for k in np.argsort(-np.abs(turn))[:3]:
@@ -172,10 +173,10 @@ class BoundaryScout:
 
     def least_power(self, most: int) -> Iterator[Exit]:
         """Boundary points with negative power: the most negative and some of the others."""
-        yield from (self._exit(k) for k in _spread(self._power(), most))
+        yield from (self._exit(k) for k in _spread(self.power(), most))
 
     @np.errstate(all="ignore")
-    def _power(self) -> Any:
+    def power(self) -> Any:
         """The least power of a slip of length 1 at each boundary point, as a share of the force's size."""
         if self.subject.state is not None:  # the slip is one of all variables, and of no length 1
             return self._over(self.boundary, self.subject.power(()))
@@ -196,13 +197,20 @@ class BoundaryScout:
         near = ~np.isfinite(reach) | (distance <= _NEAR * np.linalg.norm(self.boundary[place], axis=1, keepdims=True))
         return np.where(near, -np.inf, reach), np.where(near, -np.inf, reach / (distance + 1e-300))
 
+    def leaning(self) -> Any:
+        """For each boundary point the greatest share of the distance that one of its slips goes towards another, or towards the centre."""
+        place, _ = self.unit_flow
+        found = np.full(len(self.boundary), -np.inf)
+        np.fmax.at(found, place, np.max(self._reach[1], axis=1))
+        return found
+
     @property
     def _targets(self) -> Any:
         return self.boundary if self.centre is None else np.vstack([self.boundary, self.centre])
 
     def seem_to_dissipate_less_than_0(self) -> int:
         """At how many boundary points."""
-        return int(np.sum(self._power() < -_ROUNDING))
+        return int(np.sum(self.power() < -_ROUNDING))
 
     def seem_to_lean_inward(self) -> int:
         """From how many boundary points a slip goes towards another."""

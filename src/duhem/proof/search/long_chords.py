@@ -43,11 +43,12 @@ _DIAMETERS = 40  # diameters
 _NOISE = 1e-6  # of floats, in terms of how high g is between
 
 
-def sampled_chords(subject: FormulaSubject, most: int = 40) -> Iterator[Chord]:
-    """Chords worth an exact look, one choice of parameters after the other while steps are left."""
+def sampled_chords(subject: FormulaSubject, most: int = 40, steps: int | None = None) -> Iterator[Chord]:
+    """Chords worth an exact look, one choice of parameters after the other while steps are left: so many, or all of the claim's."""
+    budget = subject.budget if steps is None else subject.budget.part(steps)
     price = _sections(len(subject.simple.forces)) * (_SECTION + _NODE * sum(1 for _ in sp.preorder_traversal(subject.simple.g)))
     for parameters in subject.choices(most):
-        if not subject.budget.pays(price):
+        if not budget.pays(price):
             return
         seen: list[int] = []
         yield from _in_choice(subject, parameters, seen)

@@ -1,0 +1,221 @@
+"""Which part of a formula no rule of the kernel reads: the smallest one, with what would be needed of it.
+
+As CVXPY names the expression that is not DCP.  The way down follows the rules of composition: it asks of each part what the rule for
+the whole needs of it, and ends where every part gives what it can.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from itertools import combinations
+from typing import NamedTuple
+
+from duhem.proof.kernel.curvature import over, within_ranges
+from duhem.proof.kernel.definedness import Reader
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.forms import degree_at_most, determinant, quadratic
+from duhem.proof.kernel.identity import multiplied_out, multiplied_through
+from duhem.proof.kernel.polynomial import written
+from duhem.proof.kernel.region import where_loads_allow
+from duhem.proof.kernel.regularity import regularity
+from duhem.proof.kernel.signs import without_content
+from duhem.proof.kernel.state import epigraph, in_state, rate_epigraph
+from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, NotWritten, Term, minus, number, product_of, sum_of
+
+__all__ = ["Blocked", "blocked", "in_forces"]
+
+_CONVEX, _CONCAVE, _SIZE = "convex", "concave", "convex in size"
+_NEEDS = {"**": "is a power, root or quotient", "log": "is a logarithm", "atan2": "is an angle"}
+_LARGEST = 4  # of a matrix whose minors are looked at
+
+
+class Blocked(NamedTuple):
+    """The ``part`` of the formula, and ``why`` no rule reads it; conditions on constants that might help are of ``signs`` >= 0, or > 0."""
+
+    part: Term
+    why: str
+    signs: tuple[Term, ...] = ()
+    strict: bool = False
+
+
+def in_forces(claim: str, law: StatedLaw) -> StatedLaw:
+    """The law whose g the claim is about: psi <= z, Phi* <= z, or with the forces of its energy put in."""
+    if claim == "state_laws":
+        return law.once(epigraph) or law
+    if law.viscous:
+        return rate_epigraph(law, claim == "dissipation")
+    return (law.once(in_state) if claim == "dissipation" else None) or law
+
+
+def blocked(claim: str, law: StatedLaw) -> Blocked | None:
+    """The smallest part of the law's formulas that keeps the rules from the claim; None where none is found, or it needs too much."""
+    with suppress(*UNREADABLE):
+        return _FINDERS[claim](law) if claim in _FINDERS else None
+    return None
+
+
+def _undefined(terms: Sequence[Term], domain: StatedDomain) -> Blocked | None:
+    """A part that is not shown to have a value."""
+    part = next((x for term in terms if (x := Reader(domain).undecided(term)) is not None), None)
+    if part is None:
+        return None
+    inner = part.args[0]
+    signs = (inner,) if domain.constant(inner) else ()
+    return Blocked(part, f"{_NEEDS.get(part.op, 'is a word')} that is not shown to have a value everywhere", signs, True)
+
+
+def _origin(law: StatedLaw) -> Blocked | None:
+    zero = law.g.put(_at_zero(law))
+    domain = over(law)
+    if (undefined := _undefined((zero,), domain)) is not None:
+        own = next((x for x in law.g.parts() if x.put(_at_zero(law)) == undefined.part), undefined.part)
+        return Blocked(own, f"{_NEEDS.get(own.op, 'is a word')} that is not shown to have a value at zero force", undefined.signs, True)
+    value = multiplied_out(zero, domain)
+    return Blocked(value, "is g at zero force, and is not shown to be <= 0", (minus(value),))
+
+
+def _at_zero(law: StatedLaw) -> dict[Term, Term]:
+    return {Term("name", name=f): number(0) for f in law.forces}
+
+
+def _convexity(law: StatedLaw) -> Blocked | None:
+    _, others, inside = where_loads_allow(law)
+    if (undefined := _undefined(others, inside)) is not None:
+        return undefined
+    return next((found for part in others if (found := _below(part, _CONVEX, inside)) is not None), None)
+
+
+def _power(law: StatedLaw) -> Blocked | None:
+    """Of force . flow of a flow of the law's own; of an associated law what convexity lacks."""
+    flow = law.flow
+    if law.power is None and flow is None:
+        return _convexity(law) or Blocked(law.g, "is not shown to rise along the rays from zero force where it is 0, or to be <= 0 there")
+    domain = within_ranges(law)
+    if (undefined := _undefined((law.g, *(flow or ())), domain)) is not None:
+        return undefined
+    power = law.power or sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, flow or (), strict=True)))
+    parts = multiplied_out(power, domain).args
+    negative = [part for part in parts if domain.facts(part).sign & NEGATIVE]
+    part = negative[0] if len(negative) == 1 else sum_of(*negative)
+    return Blocked(part, "is the part of force . flow that is not shown to be >= 0 where g = 0, even with a multiple of g taken from it")
+
+
+def _normality(law: StatedLaw) -> Blocked | None:
+    """Of a flow of the law's own; of an associated law it is convexity."""
+    if law.flow is None:
+        return _convexity(law) if law.associated else None
+    found = _undefined((law.g, *law.flow), within_ranges(law))
+    return found or Blocked(Term(",", law.flow), "is the flow, and is not shown to be a multiple >= 0 of grad g where g = 0")
+
+
+def _smoothness(law: StatedLaw) -> Blocked | None:
+    domain = over(law)
+    if (undefined := _undefined((law.g,), domain)) is not None:
+        return undefined
+    known = regularity(law.g, domain)
+    for part in (part for part in dict.fromkeys(law.g.parts()) if part.op not in COMPARISONS):
+        own = regularity(part, domain)
+        if known is None and own is None:
+            return Blocked(part, f"is no formula of which a rule shows that it is C^1 ({_word(part)})")
+        if known is not None and own is not None and own.kinks & known.kinks:
+            return Blocked(part, "has a kink that no rule shows to cancel")
+    if known is not None and known.tips:
+        return Blocked(min(known.tips, key=Term.size), "may be 0 on the boundary, and g need have no gradient there")
+    found = _convexity(law)
+    return found or Blocked(law.g, "is C^1, but no rule shows that its gradient is not 0 where g = 0")
+
+
+def _word(part: Term) -> str:
+    return {"**": "a power", "+": "a sum", "*": "a product", "where": "a choice"}.get(part.op, part.op)
+
+
+_FINDERS = {
+    "origin": _origin, "convexity": _convexity, "state_laws": _convexity, "smoothness": _smoothness, "normality": _normality,
+    "dissipation": _power,
+}  # fmt: skip
+
+
+# -- the way down --------------------------------------------------------------------------------------------------------
+
+
+def _below(term: Term, want: str, domain: StatedDomain) -> Blocked | None:
+    """The part to blame that a term is not shown to be what is wanted of it; None where it is."""
+    known = domain.facts(term)
+    if {_CONVEX: known.convex or (want == _CONVEX and known.quasiconvex), _CONCAVE: known.concave, _SIZE: known.convex_in_size}[want]:
+        return None
+    moving = [a for a in term.args if not domain.constant(a)]
+    wanted = {"exp": _CONVEX, "log": _CONCAVE, "pos": _CONVEX, "neg": _CONCAVE, "max": _CONVEX, "min": _CONCAVE, "+": want}
+    if want == _SIZE:
+        return _below(term, _CONVEX, domain) or Blocked(term, _NO_SIZE)
+    if term.op == "*" and len(moving) == 1:
+        scale = product_of(*(a for a in term.args if domain.constant(a)))
+        sign = domain.facts(scale).sign
+        if sign & NEGATIVE and sign & POSITIVE:
+            ways = tuple(_plain(way, domain) for way in (scale, minus(scale)))
+            return Blocked(ways[0], "is a factor whose sign is not known", ways)
+        return _below(moving[0], want if not sign & NEGATIVE else _CONCAVE if want == _CONVEX else _CONVEX, domain)
+    if term.op == "**":
+        return _below_a_power(term, want, domain)
+    if term.op in ("abs", "norm", "cosh") and want == _CONVEX:
+        wanted |= dict.fromkeys(("abs", "norm", "cosh"), _SIZE)
+    if term.op in wanted and (want == wanted[term.op] or term.op == "+"):
+        inner = next((found for a in moving if (found := _below(a, wanted[term.op], domain)) is not None), None)
+        if inner is not None:
+            minors = _minors(term, domain) if term.op == "+" else ()
+            return inner._replace(part=term if minors else inner.part, why=_MATRIX if minors else inner.why, signs=(*minors, *inner.signs))
+    return Blocked(term, f"is {_said(term, len(moving))}, and no rule shows that it is {want}")
+
+
+_NO_SIZE = "is convex but not shown to be >= 0, as what stands in a size or a power must be"
+_MATRIX = "is quadratic in the forces, and its matrix is not shown to be positive semidefinite"
+
+
+def _below_a_power(term: Term, want: str, domain: StatedDomain) -> Blocked:
+    base, exponent = term.args
+    known = domain.facts(base)
+    if domain.constant(exponent):
+        more = sum_of(exponent, number(-1))
+        rising = not domain.facts(more).sign & NEGATIVE
+        if want == _CONVEX and rising:
+            even = exponent.op == "number" and exponent.value % 2 == 0
+            found = _below(base, _SIZE if even else _CONVEX, domain)
+            if found is not None:
+                return found
+            if not known.nonnegative:
+                return Blocked(base, "is not shown to be >= 0, and its power is convex only where it is", ())
+        if exponent.op != "number" and not rising:
+            return Blocked(exponent, "is an exponent that is not shown to be >= 1", (more, minus(more)))
+        if want == _CONCAVE and not rising and (found := _below(base, _CONCAVE, domain)) is not None:
+            return found
+    return Blocked(term, f"is {_said(term, 1)}, and no rule shows that it is {want}")
+
+
+def _said(term: Term, moving: int) -> str:
+    """What a part is that no rule reads."""
+    if term.op == "*":
+        return f"a product of {moving} parts that all depend on the forces"
+    if term.op == "**":
+        e = term.args[1].value if term.args[1].op == "number" else None
+        return "a quotient by what depends on the forces" if e is not None and e < 0 else "a root" if e is not None and e < 1 else "a power"
+    return {"+": "a sum", "where": "a choice by the forces", "<": "a choice"}.get(term.op, f"{term.op} of what depends on the forces")
+
+
+def _minors(term: Term, domain: StatedDomain) -> tuple[Term, ...]:
+    """Of a quadratic sum the principal minors of its matrix whose sign is open."""
+    if degree_at_most(term, domain) != 2:
+        return ()
+    with suppress(NotWritten):
+        names = sorted(term.names() & set(domain.law.forces))
+        matrix = quadratic(term, names, domain)[0]
+        sizes = range(1, min(len(names), _LARGEST) + 1)
+        every = (determinant([[matrix[i][j] for j in some] for i in some]) for k in sizes for some in combinations(range(len(names)), k))
+        return tuple(dict.fromkeys(_plain(minor, domain) for minor in every if domain.facts(minor).sign & NEGATIVE))
+    return ()
+
+
+def _plain(constant: Term, domain: StatedDomain) -> Term:
+    """A constant times what is > 0, without divisors: of the same sign."""
+    with suppress(NotWritten):
+        return written(without_content(multiplied_through(domain.polynomial(constant), domain, signed=True), domain))
+    return constant

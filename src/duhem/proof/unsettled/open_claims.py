@@ -1,0 +1,182 @@
+"""What is said of a claim that stays open: the inequality, the part of the formula that no rule reads, the closest place, and what helps.
+
+A suggestion is made for a cause that was found: it was tried on the law and the kernel then proved the claim, or the steps ran out, or
+the claim rests on another that is open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from fractions import Fraction
+from itertools import islice
+from typing import Any, NamedTuple
+
+from duhem.errors import InputError
+from duhem.law.curve_law import Law
+from duhem.law.formula_law import Criterion
+from duhem.proof.certificate import law_as_text
+from duhem.proof.claims import EVERY
+from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
+from duhem.proof.facts.graph_subject import GraphSubject
+from duhem.proof.facts.subject import Subject
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.steps import TooDearError, within
+from duhem.proof.kernel.term import UNREADABLE
+from duhem.proof.unsettled.blocked import blocked, in_forces
+from duhem.proof.unsettled.term_text import in_text, names_of
+from duhem.proof.unsettled.trials import that_help
+from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
+
+__all__ = ["STATEMENT", "THEORY", "unsettled"]
+
+_OPEN = (Verdict.TESTED, Verdict.UNDECIDED)
+_INEQUALITIES = {
+    "origin": "g <= 0 at zero force",
+    "convexity": "v . Hess g v >= 0 for all v with v . grad g = 0, wherever g = 0",
+    "smoothness": "grad g != 0 and continuous wherever g = 0",
+    "normality": "flow . (tau - sigma) <= 0 for all tau in K, wherever g = 0",
+    "dissipation": "force . flow >= 0 wherever g = 0",
+    "state_laws": "v . Hess psi v >= 0 for all v, in every state",
+    "homogeneity": "g(r sigma, r sigma_n) <= 0 for all r > 0 wherever g(sigma, sigma_n) <= 0",
+}
+_OF_A_CURVE = {
+    "origin": "T winds around 0",
+    "convexity": "T' x T'' > 0 at every angle, and the tangent turns once",
+    "smoothness": "T' != 0 at every angle, and T does not cross itself",
+    "normality": "d . T' = 0 and d x T' > 0 at every angle",
+    "dissipation": "T . d >= 0 at every angle",
+}
+_STEPS = 3_000_000
+Decide = Callable[[Criterion, str, int], Verdict]
+_CHOICES = 6  # of parameters
+_LONGEST = 240  # letters of a part that is told
+_DIGITS = 6
+_NOISE = 1e-6  # of differences in floats
+STATEMENT = "what duhem verify says of a claim that it neither proved nor refuted, and what you can do"
+THEORY = """\
+A claim is open if its verdict is tested or undecided: no rule proved it, and no counterexample was found.  It may hold or not.  duhem
+verify then says four things of it.
+
+Open: the inequality that would have to be shown, in forces and parameters.
+
+No rule reads: the smallest part of the formula that keeps the rules from a proof, and what is lacking, as in "(p/c)**n is a power whose
+exponent is not shown to be >= 1".  The rules go from the whole formula to its parts.  They prove that a sum of convex parts is convex,
+that a norm of affine parts is, and so on; at this part they know nothing of what is needed.  Other ways to write the same part may be
+known: norm(a, b) for sqrt(a**2 + b**2), a sum for a product of a load and a sum, where(x > 0, ..., 0) for a part that has a limit at 0.
+
+Closest: the point of the boundary, and values of the parameters, at which a search in floating-point numbers found the least margin.
+A margin near 0 says that the law is at the limit there, and a margin below 0 that it may be violated: fix the parameters with --set at
+this place, and verify again.
+
+Try: what helps.  duhem changed the law (a narrower parameter, a constraint, a range of a force, fixed parameters) and asked the kernel
+again.  It suggests a change only if the claim was proved then.  So the change also says where the difficulty lies.  If no change helped,
+no parameter is to blame: it is the form of the part that no rule reads."""
+
+
+class _Asked(NamedTuple):
+    """An open claim, with what was found of the others, and the law as the kernel reads it."""
+
+    claim: str
+    law: Law
+    text: Mapping[str, Any]
+    subject: Subject
+    settled: Mapping[str, Evidence]
+
+
+def unsettled(claim: str, law: Law, subject: Subject, settled: Mapping[str, Evidence], decide: Decide | None = None) -> Unsettled | None:
+    """What is said of a claim whose evidence settles nothing; None of any other.  ``decide`` is asked of laws with fixed parameters."""
+    evidence = settled[claim]
+    if evidence.verdict not in _OPEN or evidence.method == CONTRADICTION:
+        return None
+    if isinstance(subject, GraphSubject):  # its detail names what is open
+        return Unsettled(_INEQUALITIES.get(claim, EVERY[claim].statement))
+    exhausted = subject.budget.left * 8 < subject.budget.left + subject.budget.spent
+    subject.allow(_STEPS)
+    asked = _Asked(claim, law, law_as_text(law), subject, settled)
+    first = next((name for name in _rests_on(asked) if settled[name].verdict in _OPEN), None)
+    if first is not None:
+        told = (f"settle {first} first: {claim} follows from it, so what helps {first} helps here",)
+        return Unsettled(_inequality(asked), actions=told)
+    part, why, actions = _blocked(asked)
+    if not actions and decide is not None:
+        actions = tuple(_decided(asked, decide))
+    place, measure, margin = _closest(asked)
+    if margin is not None and margin < 0 and (sets := [f"--set {x}={place[x]}" for x in _free(law) if x in place]):
+        actions = (*actions, f"{' '.join(sets)} (in floating point the claim seems to be violated there)")
+    if exhausted:
+        actions = (*actions, "--effort thorough: the steps for this claim ran out before every method had tried")
+    return Unsettled(_inequality(asked), part, why, place, measure, margin, actions)
+
+
+def _inequality(asked: _Asked) -> str:
+    table = _OF_A_CURVE if "boundary" in asked.text else _INEQUALITIES
+    return table.get(asked.claim, EVERY[asked.claim].statement)
+
+
+def _blocked(asked: _Asked) -> tuple[str | None, str | None, tuple[str, ...]]:
+    """The part that no rule reads, why, and what helps."""
+    proved = frozenset(name for name, evidence in asked.settled.items() if evidence.verdict is Verdict.PROVED and name != asked.claim)
+    names = names_of(asked.law)
+    found = None
+    with suppress(*UNREADABLE, TooDearError), within(_STEPS):
+        found = None if "boundary" in asked.text else blocked(asked.claim, in_forces(asked.claim, StatedLaw.read(asked.text)))
+    actions = list[str]()
+    with suppress(*UNREADABLE):
+        actions = that_help(asked.claim, asked.text, proved, found, names, list(_choices(asked)))
+    text = None if found is None else in_text(found.part, names)
+    if text is not None and len(text) > _LONGEST:
+        text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
+    return text, None if found is None else found.why, tuple(actions)
+
+
+def _choices(asked: _Asked) -> Iterator[Mapping[str, Fraction]]:
+    """Values of the law's free parameters, as its subject chooses them."""
+    subject, free = asked.subject, _free(asked.law)
+    for values in subject.choices(_CHOICES):
+        at = subject.values_at(values, [Fraction(0)] * len(subject.simple.forces)) if isinstance(subject, FormulaSubject) else values
+        named = {str(x): value for x, value in at.items()}
+        if all(name in named for name in free):
+            yield {name: named[name] for name in free}
+
+
+def _decided(asked: _Asked, decide: Decide) -> Iterator[str]:
+    """Values of all parameters at which the claim, one about g alone, is decided."""
+    law = asked.law
+    plain = isinstance(law, Criterion) and not (law.forces_of_rates or law.viscous) and asked.claim in ("origin", "convexity", "smoothness")
+    for choice in islice(_choices(asked), 1 if plain and _free(law) else 0):
+        verdict = Verdict.UNDECIDED
+        with suppress(InputError):  # a variable of the state may not be 0
+            fixed = law.fix({name: str(value) for name, value in choice.items()})
+            verdict = decide(fixed, asked.claim, _STEPS) if isinstance(fixed, Criterion) else verdict
+        if verdict not in _OPEN:
+            yield f"{' '.join(f'--set {name}={value}' for name, value in choice.items())} (then it is {verdict})"
+
+
+def _free(law: Law) -> list[str]:
+    return [name for name, domain in law.parameters.items() if domain.value is None]
+
+
+def _rests_on(asked: _Asked) -> Iterator[str]:
+    """What the claim of an associated law follows from."""
+    if isinstance(asked.subject, FormulaSubject) and asked.subject.problem.associated and not isinstance(asked.subject, RateSubject):
+        wanted = {"normality": ("convexity",), "dissipation": ("convexity", "origin")}.get(asked.claim, ())
+        yield from (name for name in wanted if name in asked.settled)
+
+
+def _closest(asked: _Asked) -> tuple[Mapping[str, str], str | None, float | None]:
+    """Parameters, forces and pressure of the least margin, what is measured, and the margin."""
+    subject = asked.subject
+    if not isinstance(subject, FormulaSubject) or isinstance(subject, RateSubject):
+        return {}, None, None
+    from duhem.proof.search.margins import least_margin  # numpy, only when something is looked for
+
+    if (found := least_margin(asked.claim, subject)) is None:
+        return {}, None, None
+    at = {str(x): value for x, value in subject.values_at(found.parameters, tuple(map(Fraction, found.point))).items()}
+    law, magnitude = subject.law, subject.problem.magnitude
+    place = {name: at[name] for name in (*law.parameters, *law.forces) if name in at}
+    if law.pressure is not None and magnitude is not None:
+        place[law.pressure] = -at.get(str(magnitude), Fraction(1))
+    margin = float(f"{found.value:.3g}") if abs(found.value) > _NOISE else 0.0
+    return {name: f"{float(value):.{_DIGITS}g}" for name, value in place.items()}, found.measure, margin

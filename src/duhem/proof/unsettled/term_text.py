@@ -1,0 +1,101 @@
+"""Terms of the kernel as text of the language, with the names that a law has for parts of its formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from fractions import Fraction
+
+from duhem.errors import InputError
+from duhem.expression.abbreviations import INVARIANTS
+from duhem.law.curve_law import Law
+from duhem.law.formula_law import Criterion, Definitions
+from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, Term, number, parse
+
+__all__ = ["in_text", "names_of"]
+
+Names = Mapping[Term, str]
+_SUM, _PRODUCT, _POWER, _ATOM = range(1, 5)  # how closely a text binds
+_HALF, _ONE, _ZERO = (number(Fraction(n, 2)) for n in (1, 2, 0))
+
+
+def names_of(law: Law) -> Names:
+    """What the law calls parts of its formulas: its definitions, and the invariants of its stress."""
+    texts = dict[str, str]()
+    if isinstance(law, Criterion) and isinstance(law.define, Definitions):
+        texts |= law.define.short.formulas
+    if isinstance(law, Criterion) and law.stress is not None:
+        axes = range(1, 3 if law.stress.kind == "plane" else 4)
+        for word, own in INVARIANTS.items():
+            for i in axes if own.indexed else (None,):
+                with suppress(InputError):  # one that is always 0
+                    texts[f"{word}({law.stress.name}{'' if i is None else f', {i}'})"] = law.stress.written_out(word, i)
+    found = dict[Term, str]()
+    for name, text in texts.items():
+        with suppress(*UNREADABLE):
+            found.setdefault(parse(text), name)
+    return {term: name for term, name in found.items() if term.args}
+
+
+def in_text(term: Term, names: Names) -> str:
+    """A part of a formula as a law has it."""
+    return _text(term, names)[0]
+
+
+def _held(term: Term, names: Names, binds: int) -> str:
+    """In brackets where it binds less closely."""
+    text, own = _text(term, names)
+    return f"({text})" if own < binds else text
+
+
+def _text(term: Term, names: Names) -> tuple[str, int]:
+    """The text, and how closely it binds."""
+    if term in names or term.op == "name":
+        return names.get(term, term.name), _ATOM
+    if term.op == "number":
+        return str(term.value), _SUM if term.value < 0 else _ATOM if term.value.denominator == 1 else _PRODUCT
+    if term.op == "+":
+        first, *rest = [a for a in term.args if a != _ZERO] or [_ZERO]
+        if not rest:
+            return _text(first, names)
+        texts = (_text(a, names)[0] for a in rest)
+        return _text(first, names)[0] + "".join(f" - {t[1:]}" if t.startswith("-") else f" + {t}" for t in texts), _SUM
+    if term.op == "*":
+        return _product(term, names)
+    if term.op == "**":
+        base, exponent = term.args
+        if exponent == _HALF:
+            return f"sqrt({_text(base, names)[0]})", _ATOM
+        if exponent.op == "number" and exponent.value < 0:
+            return _product(Term("*", (term,)), names)
+        return f"{_held(base, names, _ATOM)}**{_held(exponent, names, _ATOM)}", _POWER
+    if term.op == ",":
+        return f"({', '.join(_text(a, names)[0] for a in term.args)})", _ATOM
+    if term.op in COMPARISONS:
+        return f" {term.op} ".join(_text(a, names)[0] for a in term.args), 0
+    return f"{term.op}({', '.join(_text(a, names)[0] for a in term.args)})", _ATOM
+
+
+def _product(term: Term, names: Names) -> tuple[str, int]:
+    value, above, below = Fraction(1), list[str](), list[str]()
+    for factor in _factors(term, names):
+        if factor.op == "number":
+            value *= factor.value
+        elif factor.op == "**" and all(a.op == "number" for a in factor.args) and factor.args[1].value == -1 and factor.args[0].value:
+            value /= factor.args[0].value
+        elif factor.op == "**" and factor.args[1].op == "number" and factor.args[1].value < 0 and factor not in names:
+            base, e = factor.args[0], -factor.args[1].value
+            below.append(_held(base if e == 1 else Term("**", (base, number(e))), names, _POWER))
+        else:
+            above.append(_held(factor, names, _POWER))
+    above = [str(abs(value.numerator)), *above] if abs(value.numerator) != 1 or not above else above
+    below = [str(value.denominator), *below] if value.denominator != 1 else below
+    text = "*".join(above) + "".join(f"/{part}" for part in below)
+    if value < 0:
+        return f"-{text}", _SUM
+    return text, _PRODUCT if len(above) + len(below) > 1 else _ATOM if text.isidentifier() or text.isdigit() else _POWER
+
+
+def _factors(term: Term, names: Names) -> Iterator[Term]:
+    for a in term.args:
+        yield from _factors(a, names) if a.op == "*" and a not in names else (a,)

@@ -1,0 +1,175 @@
+"""What helps where a claim stays open, tried out: the law with a constraint, ranges, narrower or fixed parameters, put to the kernel.
+
+Each trial is a law of which less is claimed.  One that is proved says what the rules lack: nothing is suggested that was not seen to help.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from itertools import chain
+from typing import Any
+
+from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
+from duhem.proof.kernel.certificate import stated
+from duhem.proof.kernel.claims import needs_of, objection, rules_of
+from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.domain import StatedLaw, inhabited
+from duhem.proof.kernel.steps import TooDearError, within
+from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, product_of
+from duhem.proof.unsettled.blocked import Blocked
+from duhem.proof.unsettled.term_text import Names, in_text
+
+__all__ = ["proved", "that_help"]
+
+Text = Mapping[str, Any]  # a law as the kernel reads it
+Choice = Mapping[str, Fraction]
+_A_TRIAL, _ALL, _READING = 200_000, 1_500_000, 5_000  # steps
+_BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
+_PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "0", "1/10", "3", "-1")))
+_TURNS, _MOST_CHOICES = 7, 6  # of plain values
+
+
+def proved(claim: str, law: Text, settled: frozenset[str], steps: int) -> tuple[bool, int]:
+    """Whether the kernel proves the claim without evidence, within so many steps with what it may rest on; and what was spent."""
+    with within(steps) as purse:
+        try:
+            read, known = stated(law), set(settled)
+            for name in (*sorted(needs_of(claim, read) - known, key=_BEFORE.index), claim):
+                if any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read)):
+                    known.add(name)
+            return claim in known, purse.spent
+        except (*UNREADABLE, TooDearError):
+            return False, purse.spent
+
+
+def that_help(
+    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Sequence[Choice], steps: int = _ALL
+) -> list[str]:
+    """What to do, so that the claim is proved: one action a kind, each seen to help, within so many steps.
+
+    ``choices`` are values of the free parameters at which it is tried, after plain ones.
+    """
+    asked = _Asked(claim, settled, steps)
+    found = list[str]()
+    for kind in (_signs(law, blocked), _ranges(law, blocked), _forms(law, blocked, names)):
+        found += [action for action, changed in kind if asked(changed)][:1]
+    return found + list(_values(law, blocked, choices, asked))
+
+
+class _Asked:
+    """The kernel, as long as steps are left."""
+
+    def __init__(self, claim: str, settled: frozenset[str], steps: int) -> None:
+        self.claim, self.settled, self.steps = claim, settled, steps
+
+    def __call__(self, law: Text) -> bool:
+        if self.steps < 0:
+            return False
+        helps, spent = proved(self.claim, law, self.settled, _A_TRIAL)
+        self.steps -= spent + _READING
+        return helps
+
+
+def _signs(law: Text, blocked: Blocked | None) -> Iterator[tuple[str, Text]]:
+    for constant in () if blocked is None else blocked.signs:
+        if blocked is not None and constant.names():
+            text = f"{in_text(constant, {})} {'>' if blocked.strict else '>='} 0"
+            yield f'add the constraint "{text}"', {**law, "constraints": [*law["constraints"], text]}
+
+
+def _ranges(law: Text, blocked: Blocked | None) -> Iterator[tuple[str, Text]]:
+    ranges = law.get("domain", {})
+    for force in () if blocked is None else sorted(blocked.part.names() & {*law["forces"]} - {*ranges}):
+        for end, side in (("min", ">="), ("max", "<=")):
+            action = f"ask for {force} {side} 0 alone: {force} = {{ {end} = 0 }} in the section [domain]"
+            yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
+
+
+def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[str, Text]]:
+    """g with a limit written out, and in a maximum with loads without which a part has no value."""
+    if blocked is None or "g" not in law or blocked.part.op not in ("log", "**"):
+        return
+    read = stated(law)
+    if not isinstance(read, StatedLaw) or not blocked.part.names() & {*read.forces}:
+        return
+    g, base, domain = read.g, blocked.part.args[0], over(read)
+    scale = domain.facts(product_of(*(f for f in factors(base) if domain.constant(f)))).sign
+    loads = [f for f in factors(base) if not domain.constant(f)] if scale == POSITIVE else [base]
+    ends, said = (", ".join(in_text(minus(load), own) for load in loads) for own in ({}, names))
+    whole = next((x for x in reversed([*g.parts()]) if x.op == "*" and blocked.part in x.parts() and len(loads) == 1), None)
+    if whole is not None and blocked.part.op == "log":
+        limit = Term("where", (Term(">", (loads[0], number(0))), whole, number(0)))
+        ways = in_text(limit, names), in_text(whole, names)
+        told = f"write {ways[0]} for {ways[1]}, and max(..., {said}) for g: so g has its limit where this is 0"
+        yield told, {**law, "g": f"max({in_text(g.put({whole: limit}), {})}, {ends})"}
+    yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
+
+
+def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked) -> Iterator[str]:
+    """The fewest parameters to fix, at plain values at which the claim is proved, and how far one of them may vary."""
+    part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
+    fixed = next((dict(choice) for choice in chain(_choices(law), choices) if asked(_with(law, _fixed(choice)))), {})
+    for name in sorted(fixed, key=lambda name: name in part):
+        fewer = {x: value for x, value in fixed.items() if x != name}
+        fixed = fewer if fewer and asked(_with(law, _fixed(fewer))) else fixed
+    for name, value in fixed.items():
+        others = {x: v for x, v in fixed.items() if x != name}
+        beside = "".join(f" and --set {x}={v}" for x, v in others.items())
+        for domain, told in _narrower(law["parameters"][name]):
+            if Bounds.read(domain).holds(value) and asked(_with(law, _fixed(others) | {name: domain})):
+                yield f"narrow {name} to {told}{beside}"
+                return
+    if fixed:
+        yield " ".join(f"--set {x}={v}" for x, v in fixed.items())
+
+
+def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
+    """A few plain values of the parameters, all together, within the constraints."""
+    free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if _free(domain)}
+    read = stated(law)
+    known = {name: own.low for name, own in read.parameters.items() if name not in free and own.low is not None}
+    tried = [{name: values[(k + k * i) % len(values)] for i, (name, values) in enumerate(free.items())} for k in range(_TURNS)]
+    tried = [{name: values[k % len(values)] for name, values in free.items()} for k in range(_TURNS)] + tried
+    seen = list[dict[str, Fraction]]()
+    for choice in tried if all(free.values()) and free else ():
+        if choice not in seen and len(seen) < _MOST_CHOICES and inhabited(read.parameters, read.constraints, {**known, **choice}):
+            seen.append(choice)
+            yield choice
+
+
+def _fixed(choice: Mapping[str, Fraction]) -> dict[str, Text]:
+    return {name: {"value": str(value)} for name, value in choice.items()}
+
+
+def _with(law: Text, domains: Mapping[str, Text]) -> Text:
+    return {**law, "parameters": {**law["parameters"], **domains}}
+
+
+def _free(domain: Text) -> bool:
+    own = Bounds.read(domain)
+    return own.low is None or own.low != own.high
+
+
+def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
+    """Parts of a domain: from 1 or up to 1, above or below 0, either half; as it is declared and in words."""
+    if not _free(domain):
+        return
+    own = Bounds.read(domain)
+    if own.sign() & (ZERO | NEGATIVE) and own.sign() & POSITIVE:
+        yield {"positive": True, **({} if own.high is None else {"max": str(own.high)})}, "what is > 0 (positive = true)"
+    if own.sign() & NEGATIVE and own.sign() & POSITIVE:
+        yield {"max": "0", **({} if own.low is None else {"min": str(own.low)})}, "max = 0"
+    beyond = Fraction(1) if own.low is None or own.low < 1 else own.low + 1
+    ends = [beyond] if own.low is None or own.high is None else [(own.low + own.high) / 2]
+    for end in ends:
+        if own.holds(end) and end not in (own.low, own.high):
+            yield {"min": str(end), **({} if own.high is None else {"max": str(own.high)})}, f"min = {end}"
+            below = {"positive": True} if own.open and own.low == 0 else {} if own.low is None else {"min": str(own.low)}
+            yield {**below, "max": str(end)}, f"max = {end}"
+
+
+def _plain(domain: Text) -> Iterator[Fraction]:
+    """A few plain values that lie in it, and its ends."""
+    own = Bounds.read(domain)
+    yield from dict.fromkeys(x for x in (*_PLAIN, *(end for end in own[:2] if end is not None)) if own.holds(x))

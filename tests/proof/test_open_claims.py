@@ -1,0 +1,140 @@
+"""What is said of claims that stay open: the part that no rule reads, the closest place, and things to try, each of which helps."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from random import Random
+
+import pytest
+
+import duhem
+from duhem import Criterion, Verdict, verify
+from duhem.law.domain import POSITIVE, Domain
+from duhem.proof.kernel.term import parse
+from duhem.proof.unsettled.term_text import in_text, names_of
+from duhem.proof.verdict import Unsettled
+from duhem.show.printing import sheet, text
+from tests.long import long_at
+from tests.oracles import drawn_formulas
+
+ANY = Domain()
+
+
+def law(g: str, parameters: dict[str, Domain] | None = None, forces: str = "ab", **more: object) -> Criterion:
+    return Criterion("law", g, parameters or {}, tuple(forces), None, **more)  # type: ignore[arg-type]
+
+
+QUADRATIC = "a**2/x**2 + k*a*b + b**2/y**2 + a - 1"
+# law, claim, part that no rule reads, what is lacking, what to try
+TOLD = [
+    (law("(q - p)**2 - m**2*p**2*(1 - (p/c)**r)", {"m": POSITIVE, "c": POSITIVE, "r": POSITIVE}, "qp"), "convexity",
+        "(p/c)**r", "not shown to have a value", "ask for p >= 0 alone: p = { min = 0 } in the section [domain]"),
+    (law("abs(q) - m*sqrt(p*(c - p))", {"m": POSITIVE, "c": POSITIVE}, "qp"), "convexity",
+        "sqrt(p*(c - p))", "not shown to have a value", "write max(g, -p, -(c - p)) for g"),
+    (law("q**2 + m**2*p**2*log(p/c)", {"m": POSITIVE, "c": POSITIVE}, "qp"), "origin",
+        "log(p/c)", "at zero force", "write where(p > 0, m**2*p**2*log(p/c), 0) for m**2*p**2*log(p/c), and max(..., -p) for g"),
+    (law("abs(t) - h*(s + n)**k", {"h": POSITIVE, "s": POSITIVE, "k": Domain.between("1/2", 1)}, "tn"), "convexity",
+        "(s + n)**k", "not shown to have a value", "write max(g, -(s + n)) for g"),
+    (law(QUADRATIC, {"x": POSITIVE, "y": POSITIVE, "k": ANY}), "smoothness", "a**2/x**2", "matrix is not shown to be positive semidefinite",
+        'add the constraint "'),
+    (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "dissipation", "norm(a, b)", "rise along the rays", "narrow d to max = 1"),
+    (law("norm(a, b) - log(s/t)", {"s": POSITIVE, "t": POSITIVE}), "dissipation", "norm(a, b) - log(s/t)", "rays", "narrow s to min = 1"),
+    (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "smoothness", "norm(a, b)", "may be 0 on the boundary", "--set d=1/2"),
+    (law("sqrt(a**2 + c**2) - (d + m*b)", {"c": ANY, "d": ANY, "m": ANY}), "smoothness",
+        "a**2 + c**2", "may be 0", "narrow c to what is > 0"),
+    (law("1 - exp(-(a**2 + b**2)**2) - k + 0*a", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows", "another form"),
+    (law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", {"t": POSITIVE}), "convexity",
+        "where(3*max", "a choice by the forces", "another form"),
+]  # fmt: skip
+
+
+def opened(criterion: Criterion, claim: str) -> Unsettled:
+    found = verify(criterion, claims=[claim], effort="quick")[claim]
+    assert found.verdict in (Verdict.TESTED, Verdict.UNDECIDED) and found.unsettled is not None
+    return found.unsettled
+
+
+def changed(criterion: Criterion, action: str) -> Criterion:
+    """The law after what an action says."""
+    more: dict[str, object] = {"g": criterion.written, "written": ""}
+    if found := re.match(r"narrow (\w+) to (?:(min|max) = (\S+)|what is > 0)", action):
+        name, end, value = found.groups()
+        own = criterion.parameters[name]
+        low, high = (value if end == word else x for word, x in (("min", own.low), ("max", own.high)))
+        positive = end is None or (end == "max" and own.positive)
+        more["parameters"] = {**criterion.parameters, name: replace(Domain.between(None if positive else low, high), positive=positive)}
+    if found := re.match(r'add the constraint "(.*)"', action):
+        more["constraints"] = (found[1],)
+    if found := re.match(r"ask for .* alone: (\w+) = \{ (min|max) = 0 \}", action):
+        more["domain"] = {found[1]: Domain.between(0) if found[2] == "min" else Domain.between(None, 0)}
+    if found := re.match(r"write (?:(?P<limit>where.*) for (?P<part>.*), and )?max\((?:g|\.\.\.), (?P<ends>.*)\) for g", action):
+        g = criterion.written if found["part"] is None else criterion.written.replace(found["part"], found["limit"])
+        more["g"] = f"max({g}, {found['ends']})"
+    settings = dict(re.findall(r"--set (\w+)=(\S+)", action))
+    criterion = replace(criterion, **more)  # type: ignore[arg-type]
+    return criterion.fix(settings) if settings else criterion
+
+
+@pytest.mark.parametrize(("criterion", "claim", "part", "why", "action"), long_at((0, 3, 4), TOLD))
+def test_an_open_claim_names_the_part_that_no_rule_reads_and_what_helps(
+    criterion: Criterion, claim: str, part: str, why: str, action: str
+) -> None:
+    found = opened(criterion, claim)
+    assert found.part is not None and found.why is not None and part in found.part and why in found.why
+    told = next(sentence for sentence in (*found.actions, *found.sentences()) if action in sentence)
+    if told in found.actions:
+        assert verify(changed(criterion, told), claims=[claim], effort="quick")[claim].verdict is Verdict.PROVED
+    else:
+        assert not found.actions  # nothing that was tried helped, and nothing is suggested
+
+
+def test_what_is_settled_is_not_open() -> None:
+    found = verify(law("norm(a, b) - 1"))
+    assert all(result.unsettled is None and result.to_dict()["open"] is None for result in found)
+
+
+def test_a_claim_that_follows_from_an_open_one_refers_to_it() -> None:
+    found = verify(TOLD[-1][0], claims=["normality", "dissipation"], effort="quick")
+    assert [result.unsettled.actions for result in found if result.unsettled] == [
+        (f"settle convexity first: {name} follows from it, so what helps convexity helps here",) for name in ("normality", "dissipation")
+    ]
+
+
+def test_the_closest_place_is_told_with_its_margin() -> None:
+    egg = law("a**2 + b**2*exp(k*a) - 1", {"k": Domain.between("-3/10", "3/10")})
+    found = opened(egg, "convexity")
+    assert found.margin is not None and 0.5 < found.margin < 0.9 and set(found.place) == {"k", "a", "b"}
+    told = json.loads(json.dumps(found.to_dict()))["closest"]
+    at = {name: float(value) for name, value in told["place"].items()}
+    assert abs(at["a"] ** 2 + at["b"] ** 2 * 2.718281828 ** (at["k"] * at["a"]) - 1) < 1e-4 and told["margin"] == found.margin
+
+
+@pytest.mark.long
+def test_a_place_at_which_the_claim_seems_to_fail_is_suggested() -> None:
+    found = opened(TOLD[0][0], "convexity")
+    sets = next(action for action in found.actions if "seems to be violated" in action)
+    assert verify(changed(TOLD[0][0], sets), claims=["convexity"])["convexity"].verdict is Verdict.REFUTED
+
+
+def test_text_and_sheet_say_what_is_open() -> None:
+    found = verify(TOLD[-1][0], claims=["convexity"], effort="quick")
+    told, page = " ".join(text(found).split()), str(sheet(found))
+    assert "open: v . Hess g v >= 0" in told and "which is a choice by the forces" in told and "Open: convexity" in page
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_term_is_written_as_text_that_is_read_as_the_same(seed: int) -> None:
+    term = parse(drawn_formulas.text(Random(seed), 4))
+    written = in_text(term, {})
+    assert in_text(parse(written), {}) == written
+
+
+def test_a_term_is_written_with_the_names_of_its_law() -> None:
+    criterion = duhem.load("original-cam-clay")
+    term = parse("sqrt(3*((sigma_1 - sigma_2)**2 + (sigma_2 - sigma_3)**2 + (sigma_3 - sigma_1)**2)/6)*M")
+    assert names_of(criterion)[parse("(-(sigma_1 + sigma_2 + sigma_3)/3)")] == "p"
+    assert in_text(term, {parse("(sigma_1 - sigma_2)**2"): "d"}).startswith("sqrt((d + ")
+    for given, same in (("a - (-b)", "a + b"), ("a/(b*c)", "a/(b*c)"), ("2/3*a**-2", "2/3/a**2"), ("(a/b)**c", "(a/b)**c")):
+        assert in_text(parse(given), {}) == same
