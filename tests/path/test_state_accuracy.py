@@ -137,9 +137,7 @@ def test_a_long_adiabatic_step_of_softening_friction_has_its_answer(a: float, c:
 def test_compiled_parts_come_to_the_same() -> None:
     pytest.importorskip("numba")
     path = Path.linear([0.0, 0.1, -0.05])
-    plain, machine = (
-        run("armstrong-frederick-recall", path, 1e-6, parameters=FREDERICK, compiled=compiled) for compiled in (False, True)
-    )
+    plain, machine = (run("armstrong-frederick-recall", path, 1e-6, parameters=FREDERICK, compiled=compiled) for compiled in (False, True))
     assert np.allclose(plain.to_array(), machine.to_array(), rtol=1e-6, atol=1e-8) and "compiled" in machine.why
 
 
