@@ -138,7 +138,21 @@ def drawn(law: Mapping[str, Any], part: str, rng: Random) -> Text | None:
         return None
     if part == "g" and _value_or_none(_at(new, path), {**point, **dict.fromkeys(law["forces"], Fraction(0))}) is not None:
         claims -= {"origin"}  # g has a value at zero force
+    if "energy" in law and _has_value(_at(new, path), point | _forces(law, point)):
+        claims -= {"dissipation"}  # it is asked in states alone, and there is a value in this one
     return Text(new, part, kin, point, frozenset(claims))
+
+
+def _forces(law: Mapping[str, Any], point: Mapping[str, Fraction]) -> dict[str, Fraction]:
+    """The forces of internal variables that the energy gives at their values, where they are numbers."""
+    energy, found = ast.parse(f"({law['energy']})", mode="eval").body, dict[str, Fraction]()
+    at = {n: mpmath.mpf(v.numerator) / v.denominator for n, v in point.items()}
+    for name, variable in law["variables"].items():
+        if "force" in variable and not variable.get("observable"):
+            with suppress(Undefined):
+                slope = mpmath.diff(lambda x, name=name: value(energy, at | {name: x}), at[name])
+                found[variable["force"]] = -Fraction(round(slope * 10**20), 10**20)
+    return found
 
 
 def _places(law: Mapping[str, Any]) -> Iterator[tuple[str, tuple[Any, ...]]]:
