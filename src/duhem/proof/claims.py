@@ -23,7 +23,8 @@ from duhem.proof.methods import coupled, curves, evidence, graphs, refuters
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = [
-    "CHEAP", "CLAIMS", "COUPLED", "DEAR", "EVERY", "Claim", "Consequence", "Finder", "Kernel", "ProofMethod", "Rules", "asked_of", "words",
+    "CHEAP", "CLAIMS", "COUPLED", "DEAR", "EVERY", "SPELLED_OTHERWISE", "Claim", "Consequence", "Finder", "Kernel", "ProofMethod", "Rules",
+    "asked_of", "words",
 ]  # fmt: skip
 
 S = TypeVar("S", bound=Subject)
@@ -34,8 +35,11 @@ Confirms = Callable[[Evidence], bool]
 class Kernel(Protocol):
     """Who decides what is proved, by rules of its own."""
 
-    def proof(self, claim: str, steps: int) -> Evidence | None:
-        """The first of its rules that proves the claim without evidence, each within so many steps; None where none does."""
+    def proof(self, claim: str, steps: int, as_written: bool | None = None) -> Evidence | None:
+        """The first of its rules that proves the claim without evidence, each within so many steps; None where none does.
+
+        A rule reads the law ``as_written`` alone, or in its normal forms alone, or in all of these.
+        """
 
     def confirms(self, claim: str, evidence: Evidence) -> bool:
         """Whether it accepts a proof of the claim."""
@@ -43,10 +47,14 @@ class Kernel(Protocol):
 
 @dataclass(frozen=True)
 class Rules:
-    """The kernel's rules that need no evidence, as a method of proof of either kind of law; each may cost so many ``steps``."""
+    """The kernel's rules that need no evidence, as a method of proof of either kind of law; each may cost so many ``steps``.
+
+    They read the law ``as_written`` alone, or in its normal forms alone, or in all of these.
+    """
 
     steps: int
     takes: type[Any] = Subject
+    as_written: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -78,7 +86,8 @@ class Finder(Generic[S]):
 
 
 Method = Rules | ProofMethod[Any] | Consequence[Any] | Finder[Any]
-CHEAP, DEAR = Rules(500_000), Rules(10_000_000, FormulaSubject)
+CHEAP, SPELLED_OTHERWISE = Rules(500_000, as_written=True), Rules(500_000, FormulaSubject, as_written=False)
+DEAR = Rules(10_000_000, FormulaSubject)
 OF_GRAPH = Rules(200_000_000, GraphSubject)
 _NO_DUAL = ProofMethod(GraphSubject, graphs.duality_left_out)
 WITHOUT_K = ProofMethod(RateSubject, refuters.without_k)
@@ -123,7 +132,7 @@ class Claim:
             on_method(words(method, self.name))
             match method:
                 case Rules():
-                    found = None if kernel is None else kernel.proof(self.name, method.steps)
+                    found = None if kernel is None else kernel.proof(self.name, method.steps, method.as_written)
                 case Finder():
                     found = next(filter(confirms, method.run(subject)), None)
                 case _:
@@ -203,6 +212,7 @@ of boundary points contains a point around which the curve does not wind.""",
             WITHOUT_K,
             ProofMethod(FormulaSubject, refuters.convexity_at_clear_dents),
             Finder(FormulaSubject, evidence.convexity_by_sums),
+            SPELLED_OTHERWISE,
             ProofMethod(FormulaSubject, refuters.convexity_at_deepest_dents),
             ProofMethod(FormulaSubject, refuters.convexity_at_far_points),
             ProofMethod(FormulaSubject, refuters.convexity_by_scouting, again=True),
@@ -240,6 +250,7 @@ A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0
             CHEAP,
             WITHOUT_K,
             Finder(FormulaSubject, evidence.smoothness_by_sums),
+            SPELLED_OTHERWISE,
             ProofMethod(FormulaSubject, refuters.smoothness_at_sharp_points, again=True),
             ProofMethod(FormulaSubject, refuters.smoothness_at_corners, again=True),
             DEAR,
@@ -272,6 +283,7 @@ between which they decrease refute it.""",
             ProofMethod(RateSubject, refuters.normality_of_rates, again=True),
             Consequence(FormulaSubject, refuters.normality_at_chord),
             Consequence(FormulaSubject, evidence.normality_parallel),
+            SPELLED_OTHERWISE,
             ProofMethod(FormulaSubject, refuters.normality_at_points, again=True),
             ProofMethod(FormulaSubject, refuters.normality_by_sampling),
             ProofMethod(CurveSubject, curves.normality_by_deviation),
@@ -302,6 +314,7 @@ force . rate.""",
             ProofMethod(RateSubject, refuters.dissipation_of_rates, again=True),
             Finder(FormulaSubject, evidence.dissipation_of_potential),
             Finder(FormulaSubject, evidence.dissipation_by_shares),
+            SPELLED_OTHERWISE,
             ProofMethod(FormulaSubject, refuters.dissipation_in_states, again=True),
             ProofMethod(FormulaSubject, refuters.dissipation_at_points, again=True),
             DEAR,
@@ -375,7 +388,7 @@ _TOGETHER = (
 K grows in proportion to the pressure.  This holds for Coulomb's law and every gauge, but not with a cohesion or a cap on the stress.
 
 Proof: g is positively homogeneous in the forces and the pressure together.  Refutation: a point of K and a multiple outside K.""",
-        methods=(CHEAP, WITHOUT_K, ProofMethod(FormulaSubject, coupled.homogeneity_along_rays)),
+        methods=(CHEAP, SPELLED_OTHERWISE, WITHOUT_K, ProofMethod(FormulaSubject, coupled.homogeneity_along_rays)),
     ),
     Claim(
         name="bipotential",

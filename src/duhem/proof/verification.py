@@ -232,9 +232,9 @@ def verdict_within(law: Criterion, claim: str, steps: int) -> Verdict:
     check_domain(law)
     kernel, asked = Confirmations(law, Budget(steps)), CLAIMS[claim]
     with _alone():
-        if kernel.proof(claim, CHEAP.steps) is None:
+        if kernel.proof(claim, CHEAP.steps, CHEAP.as_written) is None:
             for name in sorted(kernel.needs(claim)):
-                if (needed := kernel.proof(name, kernel.whole.left // _SHARE)) is not None:
+                if (needed := kernel.proof(name, kernel.whole.left // _SHARE, CHEAP.as_written)) is not None:
                     kernel.of(name, needed, ())
         subject = FormulaSubject(law, EFFORTS["quick"], kernel.whole)
         found = asked.provers_first().examine(subject, {}, kernel)
@@ -391,7 +391,8 @@ class Confirmations:
 
     def __post_init__(self) -> None:
         self._stated = _stated(self.law)
-        self._answers: list[tuple[str, Proof, bool, int]] = []  # with the steps that were allowed, where they were too few
+        # by the forms of the law that were read, with the steps that were allowed, where they were too few
+        self._answers: list[tuple[str, Proof, bool | None, bool, int]] = []
 
     def needs(self, claim: str) -> frozenset[str]:
         """The claims that the kernel's rules for a claim may rest on."""
@@ -402,9 +403,9 @@ class Confirmations:
         found = self.standings.get(claim)
         return frozenset() if found is None or found.proof is None else self._needed(claim, found.proof)
 
-    def proof(self, claim: str, steps: int) -> Evidence | None:
+    def proof(self, claim: str, steps: int, as_written: bool | None = None) -> Evidence | None:
         """What the first rule proves that needs no evidence, each within so many steps; None where none does."""
-        found = next((offer for offer in self._in_order(claim) if self._accepts(claim, offer, steps)), None)
+        found = next((offer for offer in self._in_order(claim) if self._accepts(claim, offer, steps, as_written)), None)
         row = None if found is None or self._stated is None else row_of(claim, found.rule, self._stated)
         return None if found is None or row is None else Evidence(Verdict.PROVED, found.rule, row.sentence, proof=found)
 
@@ -457,25 +458,25 @@ class Confirmations:
         offers = [*([] if offered is None else [offered]), *self._in_order(claim)]
         return next((offer for offer in offers if self._accepts(claim, offer, _MOST_STEPS)), None)
 
-    def _accepts(self, claim: str, offer: Proof, steps: int) -> bool:
+    def _accepts(self, claim: str, offer: Proof, steps: int, as_written: bool | None = None) -> bool:
         """Whether the kernel has no objection to a proof, found within so many steps."""
         if self._stated is None:
             return False
         steps = min(steps, self.whole.left)
-        for name, proof, holds, allowed in reversed(self._answers):
-            if (name, proof) == (claim, offer) and (holds or allowed >= steps):
+        for name, proof, read, holds, allowed in reversed(self._answers):
+            if (name, proof) == (claim, offer) and (holds or (read is as_written and allowed >= steps)):
                 return holds
         settled, allowed = frozenset(self.standings), ANY_STEPS
         with within(steps) as purse:
             try:
                 asked = _stated(self.law, offer.evidence.get(OVER)) if OVER in offer.evidence else self._stated
-                holds = asked is not None and not objection(claim, offer.rule, settled, asked, offer.evidence)
+                holds = asked is not None and not objection(claim, offer.rule, settled, asked, offer.evidence, as_written)
             except TooDearError:
                 holds, allowed = False, steps
         self.spent += purse.spent
         self.whole.pays(min(purse.spent, steps))  # the last step may have been too dear
         if holds or self._needed(claim, offer) <= settled:  # else it may still be proved
-            self._answers.append((claim, offer, holds, allowed))
+            self._answers.append((claim, offer, as_written, holds, allowed))
         return holds
 
 

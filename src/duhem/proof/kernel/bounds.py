@@ -44,9 +44,9 @@ class Bounds(NamedTuple):
 
     def sign(self) -> Sign:
         """The signs in it."""
-        below = NEGATIVE if self.low is None or self.low < 0 else 0
-        above = POSITIVE if self.high is None or self.high > 0 else 0
-        return below | above | (ZERO if self.holds(Fraction(0)) else 0)
+        low, high = -1 if self.low is None else self.low.numerator, 1 if self.high is None else self.high.numerator
+        zero = (low < 0 or (low == 0 and not self.open)) and (high > 0 or (high == 0 and not self.open_high))
+        return (NEGATIVE if low < 0 else 0) | (POSITIVE if high > 0 else 0) | (ZERO if zero else 0)
 
     def holds(self, x: Fraction) -> bool:
         """Whether ``x`` lies in it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel import boundary, obligations
@@ -19,9 +20,9 @@ from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
-from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends
+from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
-from duhem.proof.kernel.simpler_laws import cases, in_principal_stresses, without_outer_map
+from duhem.proof.kernel.simpler_laws import cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.state import (
     energy_differentiable,
     epigraph,
@@ -64,8 +65,13 @@ _MOST_CASES = 4  # choices one after another
 _OF_GRAPHS = ("evaluation", "composition", "normality-rule", "fenchel", "by-construction", "conductances")  # they look at a part once
 
 
-def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
-    """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does."""
+def objection(
+    claim: str, rule: str, settled: frozenset[str], law: StatedLaw | StatedCurve, evidence: Evidence, as_written: bool | None = None
+) -> str:
+    """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does.
+
+    It reads the law ``as_written`` alone, or in its normal forms alone, or in all of these.
+    """
     rules = _rules(law)
     if (claim, rule) not in rules:
         return f"no rule {rule!r} for this claim"
@@ -85,7 +91,7 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
             undecided = undecided or once(_MORE[claim])
     except UNREADABLE as fault:
         undecided = f"the law cannot be read: {in_words(fault)}"
-    return undecided or _objection_in_cases(claim, rule, check, law, evidence)
+    return undecided or _objection_to_forms(claim, rule, check, law, evidence, as_written)
 
 
 def _large(law: StatedLaw | StatedCurve) -> bool:
@@ -95,6 +101,18 @@ def _large(law: StatedLaw | StatedCurve) -> bool:
 def _suits(claim: str, rule: str, law: StatedLaw | StatedCurve) -> bool:
     """Whether the rule is for laws that have a K, or a potential, or for those whose forces are functions of the rates, as this one is."""
     return not isinstance(law, StatedLaw) or law.of_rates == (rule in _RULES_OF_RATES) or claim in _OF_THE_STATE
+
+
+def _objection_to_forms(
+    claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, as_written: bool | None
+) -> str:
+    """The objection to a law as it is written, and in its normal forms, or to some of these."""
+    found = f"the rule {rule!r} does not show it" if as_written is False else _objection_in_cases(claim, rule, check, law, evidence)
+    if found and not as_written and isinstance(law, StatedLaw) and not law.of_rates:
+        with suppress(*UNREADABLE):
+            if any(not _objection_in_cases(claim, rule, check, form, evidence) for form in law.once(_spelled_otherwise)):
+                return ""
+    return found
 
 
 def _objection_in_cases(
@@ -135,6 +153,19 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
         yield simpler
     if claim not in ("duality", *_OF_THE_STATE) and (principal := simpler.once(in_principal_stresses)) is not None:
         yield principal
+
+
+def _spelled_otherwise(law: StatedLaw) -> tuple[StatedLaw, ...]:
+    """The normal forms that say the same of K: g has a value for all forces, or where the same loads allow it, and is continuous there."""
+    if law.viscous or law.g.large:
+        return ()  # the rates of a potential are the gradient of the formula as written, at a kink too
+    if not law.once(obligations.formula):
+        return normal_forms(law)
+    if law.once(obligations.formula_where_loads_allow):
+        return ()
+    loads = region_of(law)
+    forms = (form for form in normal_forms(law) if not form.once(obligations.formula_where_loads_allow))
+    return tuple(form for form in forms if loads <= region_of(form) and not chooses(form.g, over(form)))
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:

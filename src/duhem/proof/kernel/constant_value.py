@@ -12,7 +12,7 @@ closer to 0 is 0.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import cache, reduce
@@ -171,15 +171,22 @@ def sign_over(term: Term, bounds: Mapping[str, Bounds], numbers: dict[Term, Encl
     boxes, found = [[Enclosure.between(low, high) for low, high in ends if low is not None and high is not None]], 0
     if len(boxes[0]) < len(names):
         return ANY
+
+    def sign_in(box: Sequence[Enclosure]) -> Sign:
+        pay(100)
+        try:
+            return enclosed(term, dict(zip(names, box, strict=True)), done=None if names else numbers).sign
+        except (ValueError, ZeroDivisionError):
+            return ANY
+
+    corners = ([Enclosure(x.low, x.low) for x in boxes[0]], [Enclosure(x.high, x.high) for x in boxes[0]])
+    if names and sign_in(corners[0]) | sign_in(corners[1]) not in (NEGATIVE, POSITIVE):
+        return ANY  # one of the boxes in which a corner lies is not decided
     for _ in range(_MOST_BOXES):
         if not boxes:
             return found
         box = boxes.pop()
-        pay(100)
-        try:
-            sign = enclosed(term, dict(zip(names, box, strict=True)), done=None if names else numbers).sign
-        except (ValueError, ZeroDivisionError):
-            sign = ANY
+        sign = sign_in(box)
         if sign in (NEGATIVE, POSITIVE) and found in (0, sign):
             found = sign
             continue

@@ -29,9 +29,11 @@ from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw
 from duhem.proof.kernel.forms import Matrix, degree_at_most, determinant, leading_minors, multiple, quadratic, sign_within
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Monomial, written
 from duhem.proof.kernel.profiles import closed_at_its_end, scaled, shape_of_two
 from duhem.proof.kernel.signs import sign_of_constant
+from duhem.proof.kernel.spans import below_right
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
@@ -45,7 +47,6 @@ _RISING = (  # words that rise, and have the sign of what they are of
 _PRICE = 100  # steps for a part of a formula, beside what its polynomials cost
 _SMALL, _LARGEST_BLOCK = 3, 6
 _Bend = tuple[Term, Term, Term]  # x, right, left
-_NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
 
 
 def over(law: StatedLaw) -> StatedDomain:
@@ -71,6 +72,9 @@ def shown(term: Term, domain: StatedDomain) -> Facts:
         known = Facts(known.defined, sign_of_constant(term, known.sign, domain), True, True, True)
     elif not (known.defined and known.convex) and not term.large:
         known = _of_parts_together(term, known, domain)
+        if term.op == "where" and not known.defined and (kink := _normal(term, domain, collects=False)) != term:  # it does not jump
+            there = domain.facts(kink)
+            known = replace(there, defined=there.defined and all(domain.facts(a).defined for a in term.args))
     if domain.sides and not domain.constant(term):
         known = replace(known, sign=known.sign & sign_within(term, known, domain))
     return known
@@ -86,7 +90,19 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
         return squared
     if known.defined and (found := quasiconvex_with_parts_freed(term, domain)) is not None:
         return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
+    rooted = term.op == "**" and term.args[1] == _HALF and known.defined and not known.convex
+    if rooted and (root := _normal(term, domain, collects=True)) != term:
+        found = domain.facts(root)
+        return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=known.quasiconvex or found.quasiconvex)
     return known
+
+
+def _normal(term: Term, domain: StatedDomain, collects: bool) -> Term:
+    """The normal form, which is its own; the term where that is too long, or another's."""
+    with suppress(NotWritten):
+        if normal(found := normal(term, domain, collects), domain, collects) == found:
+            return found
+    return term
 
 
 def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
@@ -138,14 +154,16 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             return Facts(x.defined, POSITIVE, x.convex_in_size, False, x.convex_in_size)
         case "atan2":
             return Facts(defined)  # it jumps where the first is 0 and the second < 0
-        case "tan" if defined and _below_right(term.args[0], domain):  # beyond it has another sign than its angle
+        case "tan" if defined and below_right(term.args[0], domain.sign):  # beyond it has another sign than its angle
             return _risen(x)
         case "tan":
             return Facts(defined)
         case word if word in _RISING:
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
-        case "cos" if _below_right(term.args[0], domain):
+        case "cos" if below_right(term.args[0], domain.sign):
             return Facts(x.defined, POSITIVE)
+        case "sin" if below_right(term.args[0], domain.sign):
+            return Facts(x.defined, x.sign)
         case "sin" | "cos":
             return Facts(x.defined)
         case "where":
@@ -156,11 +174,6 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
         case "<" | "<=" | ">" | ">=":
             return Facts(defined)
     return Facts()
-
-
-def _below_right(angle: Term, domain: StatedDomain) -> bool:
-    """Whether an angle is less than a right one in size."""
-    return all(domain.facts(Term("+", (_NEAR_RIGHT, side))).nonnegative for side in (angle, minus(angle)))
 
 
 def _risen(x: Facts) -> Facts:
@@ -252,7 +265,10 @@ def _square_over_load(term: Term, domain: StatedDomain) -> bool:
     """h^2/x with h convex and >= 0, x concave and > 0; h^2 is a sum of squares."""
     moving = [f for f in term.args if not domain.constant(f)]
     square, under = moving if moving[1].op == "**" and moving[1].args[1] == number(-1) else moving[::-1]
-    if under.op != "**" or under.args[1] != number(-1) or not _minkowski(Term("**", (square, _HALF)), domain):
+    if under.op != "**" or under.args[1] != number(-1):
+        return False
+    root = domain.facts(Term("**", (square, _HALF)))
+    if not (root.defined and root.convex):
         return False
     load = domain.facts(under.args[0])
     return load.concave and load.sign == POSITIVE

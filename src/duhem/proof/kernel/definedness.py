@@ -29,6 +29,7 @@ from typing import NamedTuple
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import by_forces
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.polynomial import number_in, written
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
@@ -103,8 +104,12 @@ class Reader(NamedTuple):
         return asks(term, self.domain.kept.setdefault("asks", {}))
 
     def sign(self, term: Term) -> Sign:
-        """The signs that a formula may have, all of whose parts have values."""
+        """The signs that a formula may have, all of whose parts have values: so its normal forms have its value."""
         known = self.domain.sign(term)
+        for collects in (False, True):
+            if known & NEGATIVE and known & POSITIVE and not self.domain.constant(term):
+                with suppress(NotWritten):
+                    known &= self.domain.sign(normal(term, self.domain, collects))
         return known if known in (NEGATIVE, ZERO, POSITIVE) else known & self.more(term)
 
     def _under(self, condition: Term, holds: bool, term: Term) -> Term | None:

@@ -20,6 +20,7 @@ from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Fac
 from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
+from duhem.proof.kernel.spans import ordered, span
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import (
     COMPARISONS,
@@ -43,11 +44,13 @@ __all__ = [
 
 _MOST_POWER, _MOST_POWER_OF_ONE, _MOST_STEPS, _MOST_CHOICES = 12, 64, 400_000, 64  # of a sum; of a single term
 _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two constraints to be tried together
+_FEW, _SHORT = 4, 12  # words that are no names, and terms, of which ends of spans are tried
 _MOST_TURNS = 24  # of an angle
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
 
 
 Answer = TypeVar("Answer")
+_Gaps = Sequence[tuple[Polynomial, bool]]  # each is >= 0, or > 0
 Declared = tuple[tuple[str, ...], dict[str, Bounds], tuple[Term, ...], dict[Term, Term]]
 
 
@@ -357,6 +360,7 @@ class StatedDomain:
         self._compared: dict[Term, Sign] = {}
         self.bounds = sharpened(self.bounds, self._gaps)
         self.known.clear()
+        self.kept.clear()
         self._polynomials.clear()
 
     def over(self, law: StatedLaw) -> StatedDomain:
@@ -406,35 +410,52 @@ class StatedDomain:
 
     def nonnegative(self, term: Term, strict: bool = False) -> bool:
         """Whether a constant is >= 0, or > 0, over the domain."""
-        poly = self._in_ranges(self.polynomial(term))
-        return self._nonnegative(poly, strict, 2 if len(poly) * sum(len(known) for known, _ in self._gaps) <= _MOST_PAIRS else 1)
+        poly = self.polynomial(term)
+        words = frozenset(x for m in poly for x, _ in m if x.op not in ("name", "abs", "norm") and self.constant(x))
+        gaps = [*self._gaps, *(ordered(words, self.sign) if len(words) > 1 else ())]
+        most = 2 if len(poly) * sum(len(known) for known, _ in gaps) <= _MOST_PAIRS else 1
+        forms = enumerate(self._in_ranges(poly, words, gaps))
+        return any(self._nonnegative(form, strict, 1 if i else most, known) for i, (form, known) in forms)
 
-    def _in_ranges(self, poly: Polynomial) -> Polynomial:
-        """The polynomial with a name for each exponential of a constant of known sign: it lies on one side of 1."""
-        for x in {x for m in poly for x, _ in m if x.op == "exp" and self.constant(x)}:
-            sign, name = self.sign(x.args[0]), self._named.setdefault(x, f"exponential {len(self._named)}")  # no name of a law
-            if not sign & POSITIVE:
-                self.bounds[name] = Bounds(Fraction(0), Fraction(1), True, not sign & ZERO)
-            elif not sign & NEGATIVE:
-                self.bounds[name] = Bounds(Fraction(1), None, not sign & ZERO)
-            else:
-                continue
-            poly = {
-                joined(tuple((y, n) for y, n in m if y != x), ((Term("name", name=name), dict(m).get(x, 0)),)): c for m, c in poly.items()
-            }
-        return poly
+    def _in_ranges(self, poly: Polynomial, words: frozenset[Term], gaps: _Gaps) -> Iterator[tuple[Polynomial, _Gaps]]:
+        """The polynomial, and what is >= 0, with names for exponentials; then for all words of which more is known than a sign."""
+        exponentials = frozenset(x for x in words if x.op == "exp")
+        yield self._with_names(poly, gaps, exponentials)
+        few = len(poly) <= _SHORT and len(words) <= _FEW
+        told = frozenset(x for x in words if few and not _is_root(x) and {*self.span(x)[:2]} - {None, Fraction(0)})
+        if told - exponentials:
+            yield self._with_names(poly, gaps, told)
 
-    def _nonnegative(self, poly: Polynomial, strict: bool, constraints: int) -> bool:
+    def _with_names(self, poly: Polynomial, gaps: _Gaps, words: Collection[Term]) -> tuple[Polynomial, _Gaps]:
+        swap = {x: Term("name", name=self._named.setdefault(x, f"constant {len(self._named)}")) for x in sorted(words)}  # no name of a law
+        self.bounds |= {swap[x].name: self.span(x) for x in words}
+
+        def put(form: Polynomial) -> Polynomial:
+            return {tuple(sorted((swap.get(x, x), n) for x, n in m)): c for m, c in form.items()} if swap else form
+
+        return put(poly), [(put(known), sharp) for known, sharp in gaps] if swap else gaps
+
+    def span(self, constant: Term) -> Bounds:
+        """Where a constant lies."""
+        if constant.op == "name":
+            own = self.bounds.get(constant.name)
+            return own if own is not None else span(constant, self.of, self.bounds)
+        kept: dict[Term, Bounds] = self.kept.setdefault("spans", {})
+        if constant not in kept:
+            kept[constant] = span(constant, self.of, self.bounds)
+        return kept[constant]
+
+    def _nonnegative(self, poly: Polynomial, strict: bool, constraints: int, gaps: _Gaps) -> bool:
         if any(self._by_terms(moved, strict) for moved in self._measured(poly)):
             return True
         for m, c in poly.items() if constraints else ():
-            for known, sharp in self._gaps:
+            for known, sharp in gaps:
                 for n, d in known.items():
                     share = joined(m, tuple((x, -k) for x, k in n))
                     if (sign := self._of_term(share, c / d)) & NEGATIVE or not sign:
                         continue
                     rest = total(poly, times({share: -c / d}, known))
-                    if self._nonnegative(rest, strict and not (sharp and sign == POSITIVE), constraints - 1):
+                    if self._nonnegative(rest, strict and not (sharp and sign == POSITIVE), constraints - 1, gaps):
                         return True
         return False
 
@@ -560,6 +581,11 @@ def _outweighed(m: Monomial, c: Fraction, above: Polynomial) -> bool:
             del above[one], above[other]
             return True
     return False
+
+
+def _is_root(term: Term) -> bool:
+    """Whether it is a power with a number for exponent: what such ones say beside their sign, squares say (:mod:`signs`)."""
+    return term.op == "**" and term.args[1].op == "number"
 
 
 def inhabited(parameters: Mapping[str, Bounds], constraints: tuple[Term, ...], point: Mapping[str, Fraction]) -> bool:

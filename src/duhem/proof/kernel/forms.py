@@ -32,7 +32,10 @@ def degree_at_most(term: Term, domain: StatedDomain) -> int | None:
     if term.op == "name":
         return 1
     if term.op == "**":
-        n, base = term.args[1], degree_at_most(term.args[0], domain)
+        n, inner = term.args[1], term.args[0]
+        if inner.op in ("abs", "norm") and n == number(2):
+            inner = Term("+", inner.args)  # the sum of the squares is of no higher degree than that of this
+        base = degree_at_most(inner, domain)
         whole = n.op == "number" and n.value.denominator == 1 and n.value > 0
         return base * int(n.value) if whole and base is not None else None
     degrees = [degree_at_most(a, domain) for a in term.args] if term.op in ("+", "*") else [None]

@@ -21,6 +21,7 @@ from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.definedness import undecided_beside
 from duhem.proof.kernel.domain import POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.identity import in_order, signs_as_sizes, value, vanishes
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, written
 from duhem.proof.kernel.regularity import tips
@@ -56,7 +57,8 @@ def potential_flows_outward(potential: Term, g: Term, share: Term, domain: State
     if not all(domain.facts(part).defined for part in (potential, g, share)) or not domain.constant(share) or not by_degree(g, domain):
         return False
     power = sum_of(*(product_of(written({m: c}), _rate(m, domain)) for m, c in domain.polynomial(potential).items()))
-    return domain.nonnegative(sum_of(power, minus(product_of(share, g))))
+    rest = sum_of(power, minus(product_of(share, g)))
+    return domain.nonnegative(rest) or domain.facts(normal(rest, domain, collects=True)).nonnegative
 
 
 def flows_with_a_share_of_g(law: StatedLaw, share: Term, rest: Term, scale: Term) -> bool:

@@ -7,7 +7,10 @@ from fractions import Fraction
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
-__all__ = ["ONE", "Monomial", "Polynomial", "in_powers", "joined", "negated", "number_in", "replaced", "slope", "times", "total", "written"]
+__all__ = [
+    "ONE", "Monomial", "Polynomial", "in_powers", "joined", "negated", "number_in", "replaced", "root_of_square", "slope", "times", "total",
+    "written",
+]  # fmt: skip
 
 Monomial = tuple[tuple[Term, int], ...]
 Polynomial = dict[Monomial, Fraction]
@@ -80,6 +83,32 @@ def in_powers(poly: Polynomial, x: Term) -> list[Polynomial]:
     for m, c in poly.items():
         found[dict(m).get(x, 0)][tuple((y, n) for y, n in m if y != x)] = c
     return found
+
+
+def root_of_square(poly: Polynomial) -> tuple[Fraction, Polynomial] | None:
+    """(c, p) where the polynomial is c p^2, c > 0, term by term from the greatest; None where it is none, or p has more terms than that."""
+    if not poly:
+        return None
+    names = sorted({x for m in poly for x, _ in m})
+
+    def rank(m: Monomial) -> tuple[int, ...]:
+        own = dict(m)
+        return tuple(own.get(x, 0) for x in names)
+
+    top, bottom = max(poly, key=rank), min(poly, key=rank)
+    c, left, root, last = poly[top], poly, Polynomial(), None
+    if c < 0 or poly[bottom] < 0 or any(n % 2 for _, n in (*top, *bottom)):
+        return None
+    lead = tuple((x, n // 2) for x, n in top)
+    while left and len(root) <= len(poly) // 2:
+        m = max(left, key=rank)
+        here = joined(m, tuple((x, -n) for x, n in lead))
+        if last is not None and rank(here) >= last:
+            return None
+        step, last = {here: left[m] / (c if not root else 2 * c)}, rank(here)
+        left = total(left, times(step, times({(): -c}, total(root, root, step))))
+        root |= step
+    return None if left else (c, root)
 
 
 def written(poly: Polynomial) -> Term:

@@ -30,8 +30,8 @@ from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.constant_value import sign_of_radicals, sign_over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.identity import multiplied_through
-from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, times, total, written
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, sum_of
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, root_of_square, times, total, written
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = [
     "RAY", "Interval", "Line", "divides", "line", "nonnegative", "nonnegative_on_the_line", "on_the_line", "parts", "roots",
@@ -62,6 +62,8 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain) -> Sign:
     if (sign := _of_sum_with_a_size(term, domain)) != ANY:
         return known & sign
     left = ANY
+    if (square := root_of_square(domain.polynomial(term))) is not None and len(square[1]) > 1:
+        left = POSITIVE | (domain.facts(written(square[1])).sign & ZERO)
     for form in _of_one_sign(term, domain):
         for turned, sign in ((form, POSITIVE), (minus(form), NEGATIVE)):
             if domain.nonnegative(turned) or _above_zero(turned, domain):
@@ -73,20 +75,24 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain) -> Sign:
 
 
 def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
-    """The sign of a sum that is < 0, or <= 0, although |x|, a norm or a root is one of its terms."""
+    """The sign of a sum that is < 0, or <= 0, although |x|, a norm or a root is one of its terms, perhaps times what is > 0."""
     for i, part in enumerate(map(domain.plain, term.args) if term.op == "+" else ()):
-        rest = sum_of(*term.args[:i], *term.args[i + 1 :])
-        if part.op == "abs":  # |x| + y < 0 where x + y < 0 and -x + y < 0
-            (x,) = part.args
+        sizes = [f for f in factors(part) if f.op in ("abs", "norm") or (f.op == "**" and f.args[1] == number(Fraction(1, 2)))]
+        scale = product_of(*(f for f in factors(part) if f not in sizes))
+        if len(sizes) != 1 or (part.op == "*" and domain.facts(scale).sign != POSITIVE):
+            continue
+        (size,), rest = sizes, sum_of(*term.args[:i], *term.args[i + 1 :])
+        if size.op == "abs":  # c |x| + y < 0 where c x + y < 0 and -c x + y < 0
+            x = product_of(scale, size.args[0]) if part.op == "*" else size.args[0]
             signs = [domain.facts(Term("+", (*term.args[:i], side, *term.args[i + 1 :]))).sign for side in (x, minus(x))]
             if not (signs[0] | signs[1]) & POSITIVE:
                 return signs[0] | signs[1]
-        rooted = part.op == "**" and part.args[1] == number(Fraction(1, 2))
-        if part.op == "norm" or rooted:  # |x| + y <= 0 where y <= 0 and x . x <= y^2; so is sqrt(x) + y where x <= y^2
-            squares = part.args[:1] if rooted else [Term("*", (a, a)) for a in part.args]
-            gap = Term("+", (Term("*", (rest, rest)), *map(minus, squares)))
-            if not domain.facts(rest).sign & POSITIVE and domain.nonnegative(gap):
-                return NEGATIVE if domain.nonnegative(gap, strict=True) else NEGATIVE | ZERO
+            continue
+        # c |x| + y <= 0 where y <= 0 and c^2 x . x <= y^2; so is c sqrt(x) + y where c^2 x <= y^2
+        squares = size.args[:1] if size.op == "**" else [Term("*", (a, a)) for a in size.args]
+        gap = Term("+", (Term("*", (rest, rest)), *(minus(product_of(scale, scale, square)) for square in squares)))
+        if not domain.facts(rest).sign & POSITIVE and domain.nonnegative(gap):
+            return NEGATIVE if domain.nonnegative(gap, strict=True) else NEGATIVE | ZERO
     return ANY
 
 
@@ -196,11 +202,10 @@ def _shares(coefficients: list[Polynomial], reach: Bounds) -> list[Polynomial]:
 
 
 def _reaches(x: Term, domain: StatedDomain) -> Iterator[Bounds]:
-    """Where a constant may lie, what has no end is cut at 0."""
-    sign = domain.of(x)
-    others = Bounds(None if sign & NEGATIVE else Fraction(0), None if sign & POSITIVE else Fraction(0), not sign & ZERO, not sign & ZERO)
-    found = domain.bounds.get(x.name, others)
-    yield from (found,) if found.low is not None or found.high is not None else (Bounds(Fraction(0), None), Bounds(None, Fraction(0)))
+    """Where a constant may lie; what has no end, or is no parameter, is cut at 0."""
+    found, zero = domain.span(x), Fraction(0)
+    across = found.sign() == ANY and (x.op != "name" or found.low is found.high is None)
+    yield from (found.above(zero, False), found.below(zero, False)) if across else (found,)
 
 
 # -- on the line ---------------------------------------------------------------------------------------------------------

@@ -16,6 +16,7 @@ invariant parts is; and so is the greatest eigenvalue of a matrix that turns wit
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import permutations
 from typing import NamedTuple
@@ -24,13 +25,38 @@ from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import AGAINST
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain, StatedLaw
 from duhem.proof.kernel.forms import degree_at_most
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Polynomial, negated, slope, times, total
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import Term, factors, minus, number
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
 
-__all__ = ["cases", "in_principal_stresses", "without_outer_map"]
+__all__ = ["cases", "in_principal_stresses", "normal_forms", "without_outer_map"]
 
 _SIZE = Term("name", name="size of the inner formula")  # no name of a law has blanks
+
+
+def normal_forms(law: StatedLaw) -> tuple[StatedLaw, ...]:
+    """The law in its normal forms, what has no value somewhere beside g as written; none of these is the law as it was written."""
+    domain, found = over(law), list[StatedLaw]()
+
+    def beside(term: Term, collects: bool) -> Term:
+        return normal(term, domain, collects) if domain.facts(term).defined else term
+
+    def flow(terms: tuple[Term, ...] | None, collects: bool) -> tuple[Term, ...] | None:
+        return None if terms is None else tuple(beside(term, collects) for term in terms)
+
+    for collects in (False, True):
+        with suppress(NotWritten):
+            new = law._replace(
+                g=normal(law.g, domain, collects),
+                flow=flow(law.flow, collects),
+                surfaces=tuple((normal(g, domain, collects), flow(own, collects)) for g, own in law.surfaces),
+                potential=None if law.potential is None else beside(law.potential, collects),
+                power=None if law.power is None else beside(law.power, collects),
+            )
+            if new not in (law, *found):
+                found.append(new)
+    return tuple(found)
 
 
 def cases(law: StatedLaw) -> tuple[StatedLaw, ...]:

@@ -1,0 +1,442 @@
+"""The same law with its formulas in a normal form, so that no rule depends on how they were spelled.
+
+Every step is an identity wherever the formula as written has a value.  What has a value is asked of the text as written, before
+(:mod:`obligations`): so nothing here may be read as showing that, and a form that has a value in more places says no more of the law.
+
+Kinks come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0, powers of powers to one, and what is multiplied and added
+up between words is multiplied out and collected.  ``where(d >= 0, a, b)`` with a - b = c d is b + c pos(d); r + c pos(d) is max(r, r + c d)
+for c >= 0; of a sum of squares under a root those that are no polynomials become parts of a norm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from math import isqrt
+from typing import NamedTuple
+
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
+from duhem.proof.kernel.forms import by_forces, multiple
+from duhem.proof.kernel.polynomial import (
+    Monomial,
+    Polynomial,
+    in_powers,
+    joined,
+    negated,
+    number_in,
+    replaced,
+    root_of_square,
+    times,
+    total,
+)
+from duhem.proof.kernel.steps import pay
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
+
+__all__ = ["normal"]
+
+_HALF, _ZERO = number(Fraction(1, 2)), number(0)
+_PRICE = 20  # steps for a part, beside what its polynomials cost
+_MOST_TERMS = 300  # of what is multiplied out
+_HIGHEST, _KEPT = 3, "power of a sum"  # whole powers that are multiplied out; the word of the others while polynomials are made
+_UNIT = Term("name", name="the unit")  # no name of a law has blanks
+
+
+def normal(term: Term, domain: StatedDomain, collects: bool) -> Term:
+    """The normal form; with simpler words alone, or with sums and products collected too.  NotWritten where there is too much of them."""
+    if term.large:
+        raise NotWritten("a formula is too large")
+    known: dict[Term, Term] = domain.kept.setdefault(f"normal forms, {collects}", {})
+    found = _Form(domain, collects, known).of(term)
+    return _as_written(found) if collects else found
+
+
+class _Form(NamedTuple):
+    """What the terms of a ``domain`` become, and those that were asked for; sums and products may be left as they are written."""
+
+    domain: StatedDomain
+    collects: bool
+    known: dict[Term, Term]
+
+    def of(self, term: Term) -> Term:
+        """The normal form."""
+        if not term.args or self.domain.constant(term):
+            return term
+        if term not in self.known:
+            pay(_PRICE)
+            self.known[term] = self._of(term._replace(args=tuple(map(self.of, term.args))))
+        return self.known[term]
+
+    def _of(self, term: Term) -> Term:
+        match term.op:
+            case "where":
+                return self._choice(term)
+            case "max" | "min":
+                return self._extreme(term)
+            case "abs" | "pos" | "neg":
+                return self._kink(term.op, term.args[0])
+            case "norm":
+                return self._norm(term.args)
+            case "**":
+                return self._power(*term.args)
+            case "+" | "*":
+                return self._collected(term)
+        return term
+
+    # -- kinks ---------------------------------------------------------------------------------------------------------
+
+    def _choice(self, term: Term) -> Term:
+        """b + c pos(d), where a is b + c d, and both have a value on either side."""
+        condition, one, two = term.args
+        if condition.op not in COMPARISONS or not all(self.domain.facts(x).defined for x in (*condition.args, one, two)):
+            return term
+        d = gap(condition)
+        c = multiple(self._poly(sum_of(one, minus(two))), self._poly(d), self.domain)
+        if c is None:
+            return term
+        return self._collected(sum_of(two, product_of(_plain(c), self._kink("pos", d))))
+
+    def _extreme(self, term: Term) -> Term:
+        """Of x alone x, of x and 0 pos(x), of x and k x, k <= 0, pos(x) - k neg(x); a minimum is the maximum of the negatives, turned."""
+        if term.op == "min":
+            turned = self._extreme(Term("max", tuple(self._collected(minus(a)) for a in term.args)))
+            return Term("min", tuple(sorted(term.args))) if turned.op == "max" else self._collected(minus(turned))
+        parts = dict[object, Term]()
+        for a in term.args:
+            for part in a.args if a.op == "max" else (a,):
+                parts.setdefault(frozenset(self._poly(part).items()), part)
+        args = sorted(parts.values())
+        if len(args) == 1:
+            return args[0]
+        if rest := [a for a in args if not self._poly(a)]:
+            return self._kink("pos", self._extreme(Term("max", tuple(a for a in args if a not in rest))))
+        if len(args) == 2 and (k := multiple(self._poly(args[0]), self._poly(args[1]), self.domain)) is not None:
+            if k == {(): Fraction(-1)}:
+                return self._kink("abs", args[0])
+            if not self.domain.facts(_plain(k)).sign & POSITIVE:
+                turned = product_of(_plain(negated(k)), self._kink("neg", args[1]))
+                return self._collected(sum_of(self._kink("pos", args[1]), turned))
+        return Term("max", tuple(args))
+
+    def _kink(self, word: str, x: Term) -> Term:
+        """c |y|, c pos(y) or c neg(y) for x = c y, y beginning with a coefficient > 0 and c a product of constants that is > 0."""
+        poly = self._poly(x)
+        if not poly:
+            return _ZERO
+        known = self.domain.facts(x).sign
+        if not known & NEGATIVE:
+            return _ZERO if word == "neg" else x
+        if not known & POSITIVE:
+            return _ZERO if word == "pos" else self._collected(minus(x))
+        content, rest = self._content(poly)
+        sign = self.domain.facts(_plain(content)).sign
+        if sign == NEGATIVE:
+            content, word = negated(content), {"pos": "neg", "neg": "pos"}.get(word, word)
+        elif sign != POSITIVE:
+            return Term(word, (x,))
+        inner = self._presented(rest) if self.collects or rest != poly else x
+        kink = Term(word, (inner,))
+        return kink if number_in(content) == 1 else product_of(_plain(content), kink)
+
+    def _content(self, poly: Polynomial) -> tuple[Polynomial, Polynomial]:
+        """(c, p) with poly = c p, c one term of constants that are > 0 or < 0, and p beginning with a coefficient > 0."""
+        shared = _shared(poly, lambda x: self.domain.constant(x) and self.domain.of(x) in (NEGATIVE, POSITIVE))
+        lead = Fraction(1 if poly[min(poly)] > 0 else -1)
+        return {shared: lead}, _divided(poly, shared, lead)
+
+    # -- powers --------------------------------------------------------------------------------------------------------
+
+    def _norm(self, args: Sequence[Term]) -> Term:
+        """Without parts that are 0, sizes and norms inside; of one part it is its size."""
+        parts = list[Term]()
+        for a in args:
+            parts += a.args if a.op in ("abs", "norm") else [a] if self._poly(a) else []
+        return self._kink("abs", parts[0]) if len(parts) == 1 else Term("norm", tuple(parts)) if parts else _ZERO
+
+    def _power(self, base: Term, exponent: Term) -> Term:
+        """(y^k)^p is y^(k p) for y >= 0 and |y|^(k p) for even k; even powers of sizes, and of norms, are polynomials."""
+        p = number_in(self.domain.polynomial(exponent)) if self.domain.constant(exponent) else None
+        if p is None or p == 0:
+            return self._power_of_power(base, exponent)
+        if p == 1:
+            return base
+        if self.collects and base.op == "+" and p.denominator == 1 and p > _HIGHEST:
+            return Term(_KEPT, (base, number(p)))
+        if p.denominator == 1 and p > 0 and p % 2 == 0 and base.op in ("abs", "norm"):
+            square = sum_of(*(product_of(a, a) for a in base.args)) if base.op == "norm" else base.args[0]
+            return self._power(self._collected(square), number(p / 2 if base.op == "norm" else p))
+        if p == Fraction(1, 2) and (norm := self._root(base)) is not None:
+            return norm
+        return self._power_of_power(base, number(p))
+
+    def _power_of_power(self, base: Term, p: Term) -> Term:
+        if base.op == "**" and self.domain.constant(base.args[1]):
+            y, k = base.args
+            product = number_in(self.domain.polynomial(product_of(k, p)))
+            even = k.op == "number" and k.value > 0 and k.value % 2 == 0
+            risen = self.domain.facts(k).sign == POSITIVE
+            if product and risen and (even or not self.domain.facts(y).sign & NEGATIVE):
+                inner = self._kink("abs", y) if even and self.domain.facts(y).sign & NEGATIVE and product % 2 else y
+                return inner if product == 1 else self._power(inner, number(product))
+            if product is None and even and self.domain.constant(p):
+                return Term("**", (self._kink("abs", y), product_of(k, p)))
+        return Term("**", (base, p))
+
+    def _root(self, base: Term) -> Term | None:
+        """The root of a polynomial of second degree in forces, and squares of other parts, as a norm; None for anything else."""
+        poly = self._reduced(self._poly(base))
+        if (whole := self._square(poly)) is not None and not self.domain.facts(_plain(whole[0])).sign & NEGATIVE:
+            return self._norm([self._collected(product_of(self._root_of(whole[0]), whole[1]))])
+        squares, rest = list[tuple[Polynomial, Term]](), dict[Monomial, Fraction]()
+        for moving, c in by_forces(poly, self.domain).items():
+            if len(moving) == 1 and moving[0][1] == 2 and moving[0][0].op != "name":
+                squares.append((c, moving[0][0]))
+            elif all(x.op == "name" and n > 0 for x, n in moving) and sum(n for _, n in moving) <= 2:
+                rest = total(rest, times(c, {moving: Fraction(1)}))
+            else:
+                return None
+        if (square := self._square(rest)) is not None:
+            squares.append(square)
+        elif rest:
+            known = _sum_of_squares(rest, self.domain)
+            inner = self._presented(rest) if known is None else _sum([_scaled(c, ((self._presented(y), 2),)) for c, y in known])
+            if not squares or (known is None and self.domain.facts(inner).sign & NEGATIVE):
+                return None if known is None else Term("**", (inner, _HALF))
+            squares.append(({(): Fraction(1)}, Term("**", (inner, _HALF))))
+        if any(self.domain.facts(_plain(c)).sign & NEGATIVE for c, _ in squares):
+            return None
+        return self._norm([self._collected(product_of(self._root_of(c), x)) for c, x in squares])
+
+    def _root_of(self, constant: Polynomial) -> Term:
+        if (value := number_in(constant)) is not None and value > 0:
+            root = Fraction(isqrt(value.numerator), isqrt(value.denominator))
+            if root * root == value:
+                return number(root)
+        return Term("**", (_plain(constant), _HALF))
+
+    def _square(self, poly: Polynomial) -> tuple[Polynomial, Term] | None:
+        """(d, y) where the polynomial is d y^2 with a constant d; None where it is no square."""
+        if not poly:
+            return None
+        common = _shared(poly, self.domain.constant)
+        found = root_of_square(_divided(poly, common))
+        return None if found is None else ({common: found[0]}, self._presented(found[1]))
+
+    # -- sums and products -----------------------------------------------------------------------------------------------
+
+    def _poly(self, term: Term) -> Polynomial:
+        poly = self.domain.polynomial(term)
+        if len(poly) > _MOST_TERMS:
+            raise NotWritten("there is too much to multiply out")
+        return poly
+
+    def _collected(self, term: Term) -> Term:
+        """What is added up and multiplied, multiplied out and collected; a kink is drawn out of a sum where that leaves less."""
+        if not self.collects:
+            return self._drawn_out(self._folded(term))
+        return self._drawn_out(self._presented(self._with_sizes(self._reduced(self._poly(term)))))
+
+    def _folded(self, term: Term) -> Term:
+        """A product with its numbers as one."""
+        if term.op != "*":
+            return term
+        value, others = Fraction(1), list[Term]()
+        for f in factors(term):
+            known = number_in(self.domain.polynomial(f)) if self.domain.constant(f) else None
+            value, others = (value, [*others, f]) if known is None else (value * known, others)
+        return _scaled(number(value), tuple((f, 1) for f in others))
+
+    def _with_sizes(self, poly: Polynomial) -> Polynomial:
+        """Ramps that are added up as sizes: pos(d) is (|d| + d)/2, neg(d) is (|d| - d)/2."""
+        for m in [*poly]:
+            moving = [(x, n) for x, n in m if not self.domain.constant(x)]
+            if len(moving) == 1 and moving[0][1] == 1 and (ramp := moving[0][0]).op in ("pos", "neg") and m in poly:
+                size, way = Term("abs", ramp.args), _HALF if ramp.op == "pos" else minus(_HALF)
+                both = self._poly(sum_of(product_of(_HALF, size), product_of(way, ramp.args[0])))
+                linear = {k: c for k, c in poly.items() if dict(k).get(ramp) == 1 and sum(not self.domain.constant(x) for x, _ in k) == 1}
+                rest = {k: c for k, c in poly.items() if k not in linear}
+                poly = total(rest, replaced(linear, ramp, both))
+        return poly
+
+    def _reduced(self, poly: Polynomial) -> Polynomial:
+        """Even powers of roots, sizes and norms undone."""
+        for x in sorted({x for m in poly for x, n in m if n >= 2}):
+            rooted = x.op == "**" and x.args[1] == _HALF
+            if x.op in ("abs", "norm") or rooted:
+                square = self._poly(x.args[0] if rooted else sum_of(*(product_of(a, a) for a in x.args)))
+                found: Polynomial = {}
+                for k, part in enumerate(in_powers({m: c for m, c in poly.items() if dict(m).get(x, 0) >= 0}, x)):
+                    for _ in range(k // 2):
+                        part = times(part, square)
+                    found = total(found, times(part, {((x, 1),) if k % 2 else (): Fraction(1)}))
+                poly = total(found, {m: c for m, c in poly.items() if dict(m).get(x, 0) < 0})
+        return poly
+
+    def _presented(self, poly: Polynomial) -> Term:
+        """A polynomial as a sum, each product of forces and words once, with what it is multiplied by; a square as one."""
+        if (value := number_in(poly)) is not None:
+            return number(value)
+        poly = dict(sorted(poly.items()))
+        if any(n == 2 for m in poly for x, n in m if not self.domain.constant(x)):
+            if (square := self._square(poly)) is not None:
+                return _scaled(_plain(square[0]), ((square[1], 2),))
+            if (squares := _sum_of_squares(poly, self.domain)) is not None:
+                return _sum([_scaled(c, ((self._presented(y), 2),)) for c, y in squares])
+            twice = {m: c for m, c in poly.items() if [n for x, n in m if x.op != "name" and not self.domain.constant(x)] in ([2], [1, 1])}
+            if 1 < len(twice) < len(poly) and (square := self._square(twice)) is not None:
+                rest = self._presented(total(poly, negated(twice)))
+                return sum_of(_scaled(_plain(square[0]), ((square[1], 2),)), rest)
+        poly, parts = self._with_ramps(poly)
+        groups: dict[tuple[Monomial, int], Polynomial] = {}
+        for moving, own in by_forces(poly, self.domain).items():
+            words = tuple((x, n) for x, n in moving if x.op != "name")
+            forces = tuple((x, n) for x, n in moving if x.op == "name")
+            degree = sum(n for _, n in forces) if all(n > 0 for _, n in forces) else -1
+            key = (words if degree >= 0 else moving, degree)
+            groups[key] = total(groups.get(key, {}), times(own, {forces if degree >= 0 else (): Fraction(1)}))
+        parts += [_scaled(self._group(own), words) for (words, _), own in sorted(groups.items())]
+        return _sum(parts)
+
+    def _group(self, poly: Polynomial) -> Term:
+        """A polynomial of one degree in the forces: what is common to all of it in front; a power of a sum, and the rest."""
+        common = _shared(poly, self.domain.constant)
+        rest = _divided(poly, common)
+        parts = list[Term]()
+        if (power := self._power_of_sum(rest)) is not None:
+            parts.append(power[0])
+            rest = power[1]
+        for moving, own in by_forces(rest, self.domain).items():
+            parts.append(_scaled(_plain(own), moving))
+        return _scaled(_sum(parts), common)
+
+    def _power_of_sum(self, poly: Polynomial) -> tuple[Term, Polynomial] | None:
+        """c (x + ...)^n with a number c, n > 2, and what is left of a polynomial of this degree, where that is much less."""
+        beside: Polynomial
+        for x in sorted({x for m in poly for x, _ in m if not self.domain.constant(x)}):
+            if any(k < 0 for m in poly for y, k in m if y == x):
+                continue
+            *_, beside, own = ({}, *in_powers(poly, x))
+            n, c = max(dict(m).get(x, 0) for m in poly), number_in(own)
+            if n > 2 and c and beside:
+                base = total({((x, 1),): Fraction(1)}, times({(): 1 / (n * c)}, beside))
+                power: Polynomial = {(): -c}
+                for _ in range(n):
+                    power = times(power, base)
+                rest = total(poly, power)
+                if 2 * len(rest) < len(poly):
+                    return _scaled(number(c), ((self._group(base), n),)), rest
+        return None
+
+    def _with_ramps(self, poly: Polynomial) -> tuple[Polynomial, list[Term]]:
+        """c |d| + k d as (c + k) pos(d) + (c - k) neg(d) where that leaves less beside it, and the terms that it makes."""
+        parts = list[Term]()
+        for moving, c in by_forces(poly, self.domain).items():
+            if len(moving) != 1 or moving[0][1] != 1 or (size := moving[0][0]).op != "abs":
+                continue
+            (d,), own = size.args, {joined(moving, m): a for m, a in c.items()}
+            inner, rest = self._poly(d), total(poly, negated(own))
+            forces = {m: a for m, a in rest.items() if any(not self.domain.constant(x) for x, _ in m)}
+            tried = [c, negated(c), *([k] if (k := multiple(forces, inner, self.domain)) else [])]
+            left = {i: total(rest, negated(times(k, inner))) for i, k in enumerate(tried)}
+            best = min(left, key=lambda i: len(left[i]))
+            if len(left[best]) < len(rest):
+                poly = left[best]
+                for word, way in (("pos", tried[best]), ("neg", negated(tried[best]))):
+                    if scale := total(c, way):
+                        parts.append(_scaled(_plain(scale), ((Term(word, (d,)), 1),)))
+        return poly, parts
+
+    def _drawn_out(self, term: Term) -> Term:
+        """r + c pos(d) as max(r, r + c d), r + c |d| as max(r + c d, r - c d), c > 0, where d is made of more than forces and constants."""
+        if term.op != "+":
+            return term
+        for i, part in enumerate(term.args):
+            scaled = part.args if part.op == "*" else (part,)
+            moving = [f for f in scaled if not self.domain.constant(f)]
+            if len(moving) != 1 or moving[0].op not in ("abs", "pos", "neg"):
+                continue
+            (d,) = moving[0].args
+            poly, rest = self._poly(d), sum_of(*term.args[:i], *term.args[i + 1 :])
+            c = product_of(*(f for f in scaled if self.domain.constant(f)))
+            whole, beside = self._poly(product_of(c, d)), self._poly(rest)
+            if moving[0].op == "abs" and beside in (whole, negated(whole)):  # c |d| + c d, c |d| - c d
+                return self._folded(product_of(number(2), c, Term("pos" if beside == whole else "neg", (d,))))
+            if all(x.op == "name" for m in poly for x, _ in m if not self.domain.constant(x)) and len(poly) < 4:
+                continue
+            if self.domain.facts(c).sign & NEGATIVE:
+                continue
+            ends = {"abs": (1, -1), "pos": (1, 0), "neg": (-1, 0)}[moving[0].op]
+            values = [self._reduced(self._poly(sum_of(rest, product_of(c, d, number(k))))) for k in ends]
+            words = [len({x for m in v for x, _ in m if x.op != "name" and not self.domain.constant(x)}) for v in values]
+            inside = len({x for m in poly for x, _ in m if x.op != "name" and not self.domain.constant(x)})
+            if max(words) <= inside and sum(map(len, values)) <= 2 * len(poly) + len(self._poly(rest)):
+                return self._extreme(Term("max", tuple(map(self._presented, values))))
+        return term
+
+
+def _as_written(term: Term) -> Term:
+    """The term with the powers of sums that were kept."""
+    args = tuple(map(_as_written, term.args))
+    return Term("**", args) if term.op == _KEPT else term if args == term.args else term._replace(args=args)
+
+
+def _shared(poly: Polynomial, counts: Callable[[Term], bool]) -> Monomial:
+    """What divides every term, and what every term divides by, of the variables that count."""
+    exponents = [dict(m) for m in poly]
+    found = list[tuple[Term, int]]()
+    for x in {x for e in exponents for x in e if counts(x)}:
+        own = [e.get(x, 0) for e in exponents]
+        found += [(x, min(own))] if min(own) > 0 else [(x, max(own))] if max(own) < 0 else []
+    return tuple(sorted(found))
+
+
+def _divided(poly: Polynomial, by: Monomial, scale: Fraction = Fraction(1)) -> Polynomial:
+    over_it = tuple((x, -n) for x, n in by)
+    return {joined(m, over_it): c / scale for m, c in poly.items()}
+
+
+def _sum_of_squares(poly: Polynomial, domain: StatedDomain) -> list[tuple[Term, Polynomial]] | None:
+    """Products of constants >= 0, each with a polynomial, the sum of whose squares it is, by Lagrange's reduction in fractions.
+
+    Its terms of second degree, in the forces and in what stands beside a force once, are taken for each product of other constants.
+    """
+    beside = {x for m in poly if sum(n for y, n in m if not domain.constant(y)) == 1 for x, n in m if domain.constant(x) and n == 1}
+    groups: dict[Monomial, Polynomial] = {}
+    for m, a in sorted(poly.items()):
+        own = tuple((x, n) for x, n in m if x in beside or not domain.constant(x))
+        if any(n < 0 for _, n in own) or (degree := sum(n for _, n in own)) > 2:
+            return None
+        own = tuple(sorted([*own, (_UNIT, 2 - degree)])) if degree < 2 else own
+        groups.setdefault(tuple((x, n) for x, n in m if (x, n) not in own), {})[own] = a
+    found = list[tuple[Term, Polynomial]]()
+    for scale, form in groups.items():
+        if domain.facts(_plain({scale: Fraction(1)})).sign & NEGATIVE:
+            return None
+        while form:
+            square = next(((x, a) for m, a in sorted(form.items()) for x, n in m if n == 2 and a > 0), None)
+            if square is None:
+                return None
+            x, a = square
+            beside_x = {m: b / (a if dict(m)[x] == 2 else 2 * a) for m, b in form.items() if x in dict(m)}
+            whole = {joined(m, ((x, -1),)): b for m, b in beside_x.items()}
+            form = total(form, times({(): -a}, times(whole, whole)))
+            line = {tuple(y for y in m if y[0] != _UNIT): b for m, b in whole.items()}
+            found.append((_scaled(number(a), scale), line))
+            if any(x in dict(m) for m in form):
+                return None
+    return found
+
+
+def _scaled(scale: Term, parts: Monomial) -> Term:
+    """A product of a scale, which may be 1, and powers."""
+    powers = [x if n == 1 else Term("**", (x, number(n))) for x, n in parts]
+    found = [*([] if scale == number(1) and powers else scale.args if scale.op == "*" else [scale]), *powers]
+    return found[0] if len(found) == 1 else Term("*", tuple(found))
+
+
+def _plain(poly: Polynomial) -> Term:
+    """A polynomial as it is."""
+    return _sum([_scaled(number(c), m) for m, c in sorted(poly.items())])
+
+
+def _sum(parts: list[Term]) -> Term:
+    return parts[0] if len(parts) == 1 else Term("+", tuple(parts)) if parts else _ZERO

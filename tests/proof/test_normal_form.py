@@ -1,0 +1,277 @@
+"""A law's verdicts do not depend on its spelling: what the kernel makes of a formula has its value, and shows nothing that is false."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from random import Random
+from typing import Any
+
+import pytest
+
+from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.constant_value import Enclosure, enclosed
+from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedLaw
+from duhem.proof.kernel.normal_form import normal
+from duhem.proof.kernel.term import minus, parse, sum_of
+from tests.long import mostly_long
+
+PARAMETERS: dict[str, Any] = {
+    **{name: {"positive": True} for name in ("k", "m", "s", "u")},
+    "v": {},
+    "w": {},
+    "e": {"min": "0", "max": "1"},
+    "c": {"min": "-1", "max": "1"},
+    "n": {"min": "1", "max": "9"},
+    "phi": {"min": "0", "max": "3/2"},
+    "psi": {"min": "0", "max": "3/2"},
+    "wide": {"min": "0", "max": "2"},
+    "turn": {"min": "0", "max": "3"},
+}
+
+
+def law(g: str, constraints: Sequence[str] = (), forces: str = "x y z", flow: Sequence[str] | None = None) -> StatedLaw:
+    given = {"forces": forces.split(), "pressure": None, "parameters": PARAMETERS, "constraints": list(constraints), "g": g}
+    return StatedLaw.read(given | {"flow": None if flow is None else list(flow)})
+
+
+def convex(g: str, *constraints: str) -> bool:
+    return not objection("convexity", "composition", frozenset(), law(g, constraints), {})
+
+
+SPELLED = [
+    ("norm(x, y)", "sqrt(x**2 + y**2)", "sqrt(x*x + abs(y)**2)", "norm(abs(x), y)", "sqrt(2*x**2/2 + norm(y)**2)", "norm(norm(x, y))"),
+    (
+        "norm(x - y, pos(z))",
+        "sqrt((x - y)**2 + pos(z)**2)",
+        "sqrt(x**2 - 2*x*y + y**2 + pos(z)**2)",
+        "sqrt((x - y)**2 + max(z, 0)*max(0, z))",
+    ),
+    (
+        "abs(x - y)",
+        "max(x - y, y - x)",
+        "where(x >= y, x - y, y - x)",
+        "pos(x - y) + neg(x - y)",
+        "sqrt((x - y)**2)",
+        "y - x + 2*pos(x - y)",
+    ),
+    (
+        "abs(x)**n + abs(y)**n",
+        "where(x > 0, x, -x)**n + max(y, -y)**n",
+        "(x**2)**(n/2) + abs(y)**n",
+        "sqrt(x**2)**n + (pos(y) + neg(y))**n",
+    ),
+    (
+        "norm(pos(x)/k + neg(x)/m, y)",
+        "norm(where(x > 0, x/k, -x/m), y)",
+        "norm((abs(x) + x)/(2*k) + (abs(x) - x)/2/m, y)",
+        "norm((1/k - 1/m)*x/2 + abs(x)*(k + m)/(2*k*m), y)",
+    ),
+    (
+        "max(norm(x, y), norm(x, 2*y))",
+        "norm(x, y) + pos(norm(x, 2*y) - norm(x, y))",
+        "where(norm(x, y) >= norm(x, 2*y), norm(x, y), norm(x, 2*y))",
+        "(norm(x, y) + norm(x, 2*y) + abs(norm(x, y) - norm(x, 2*y)))/2",
+    ),
+    (
+        "(max(x, y, z) - min(x, y, z))**2 - k*min(x, y, z)",
+        "max(x, y, z)**2 - 2*max(z, y, x)*min(x, y, z) + min(x, z, y)**2 - k*min(x, y, z)",
+    ),
+    ("abs(c*x + y)", "sqrt(c**2*x**2 + 2*c*x*y + y**2)"),
+    ("norm(e*(x + y), y)", "sqrt(e**2*x**2 + 2*e**2*x*y + e**2*y**2 + y**2)"),
+    ("sqrt(e)*abs(x + y)", "sqrt(e*x**2 + 2*e*x*y + e*y**2)"),
+    (
+        "max(-x, -y, -z, (x + y + z)**3 - k*x*y*z) + s",
+        "max(-x, -y, -z, x**3 + y**3 + z**3 + 3*(x**2*y + x**2*z + y**2*x + y**2*z + z**2*x + z**2*y) + (6 - k)*x*y*z) + s",
+    ),
+    ("max(x, y, z)*(1 + sin(phi)) - min(x, y, z)*(1 - sin(phi))", "max(x, y, z) - min(x, y, z) + (max(x, y, z) + min(x, y, z))*sin(phi)"),
+    ("norm(x/(k + c), y/(k - c))", "norm(x/(k + m*cos(2*v)), y/(k - m*cos(2*v)))"),
+]
+
+
+@pytest.mark.parametrize("text", [text for _, *others in SPELLED for text in others])
+def test_a_convex_law_is_proved_however_it_is_spelled(text: str) -> None:
+    assert convex(text.removesuffix(" + s") if text.endswith("s") else f"{text} - s", "m < k")
+
+
+WRONG = [
+    "min(x, y) - s",
+    "max(x, y) - abs(x - y) - s",
+    "norm(x, y) - pos(norm(x, y) - norm(x, 2*y)) - s",
+    "where(x >= 0, x, 2*x)**3 + abs(y) - abs(x)",
+    "where(x >= 0, c*x, 0) + y - s",
+    "where(x >= 0, x, 2*x) + y - s",
+    "where(x <= y, x, y) - s",
+    "where(x >= 1, x, -x) + y - s",
+    "(k - m)*abs(x) + (k + m)*x + y**2 - s",
+    "pos(x)/k - neg(x)/m + abs(y) - 2*pos(x) - s",
+    "sqrt(x**2 - 3*x*y + y**2 + 5*pos(x)**2) - s",
+    "sqrt(wide*x**2 + 2*wide*x*y + y**2) - s",
+    "sqrt(x**2 - 3*x*y + 4*y**2) - 2*abs(x) - s",
+    "x**2 - 2*x*y + y**2 - z**2 - s",
+    "x**3 + 3*x**2*y + 3*x*y**2 + y**3 - k*x*y - s",
+    "norm(x, y)**2 - 2*norm(x, y)*abs(x) + x**2 - s",
+    "max(x, y, z)**2 + 2*max(x, y, z)*min(x, y, z) + min(x, y, z)**2 - s",
+    "abs(x)**(1/2) + abs(y) - s",
+    "-sqrt(x**2 + y**2) + s",
+]
+
+
+@pytest.mark.parametrize("text", WRONG)
+def test_a_law_that_is_not_convex_is_refused_in_any_spelling(text: str) -> None:
+    assert not convex(text)
+
+
+UNDEFINED = [
+    "sqrt(x)**2 - x + abs(y) - s",
+    "sqrt(x)*sqrt(x) + abs(y) - s",
+    "x/x + abs(y) - s",
+    "abs(y)*x/x - s",
+    "log(x) - log(x) + abs(y) - s",
+    "max(1/x - 1/x + abs(y), abs(y)) - s",
+    "where(x > 0, y, sqrt(x)**2) - s",
+    "where(x >= sqrt(y)**2, x, sqrt(y)**2) - s",
+    "(x**3)**(1/3) + y - s",
+    "(x**(-2))**(-1/2) + y - s",
+    "(x**2)**(-1/2)*x**2 - s",
+    "norm(0*log(x), y) - s",
+    "max(log(x) - log(x), y) - s",
+    "abs(y)**(0*log(x) + 1) - s",
+    "norm(x/(k + m*cos(2*v)), y) - s",
+    "norm(x/(1 - sin(v)), y) - s",
+    "norm(x, y)*tan(turn) - s*tan(turn)",
+    "norm(x, y)/(k - m) - s",
+]
+
+
+@pytest.mark.parametrize("text", UNDEFINED)
+def test_what_has_no_value_somewhere_does_not_vanish(text: str) -> None:
+    assert objection("convexity", "composition", frozenset(), law(text, ["m <= k"]), {})
+
+
+def _terms(rng: Random, depth: int) -> str:
+    """A formula with a value everywhere, the same words standing for the same again and again."""
+    if depth == 0:
+        return rng.choice(("x", "y", "x - y", "x + y", "2*x", "0", "k*x", "e*y", "-x", "y - x", "1"))
+    one, two = (_terms(rng, depth - 1) for _ in range(2))
+    return rng.choice(
+        (
+            f"max({one}, {two})",
+            f"min({one}, {two})",
+            f"max({one}, -({one}))",
+            f"min({two}, 0)",
+            f"abs({one})",
+            f"pos({one}) - neg({two})",
+            f"norm({one}, {two})",
+            f"sqrt(({one})**2 + ({two})**2)",
+            f"sqrt(({one})**2)",
+            f"({one})*({two})",
+            f"({one})**2",
+            f"({one} + {two})/k",
+            f"where({one} >= {two}, {one}, {two})",
+            f"where({one} > 0, {one}, 0)",
+            f"where({one} < {two}, k*({one}), k*({two}))",
+            f"({one} + {two} + abs({one} - ({two})))/2",
+            f"abs({one})**2 - ({two})",
+            f"(({one})**2)**(3/2)",
+            f"({one})**2 - 2*({one})*({two}) + ({two})**2",
+            f"({one}) + 3*pos({two}) - ({two})",
+            f"sqrt(({one})**4)",
+            f"sqrt(k*({one})**2 + e*({two})**2)",
+            f"pos({one})*pos({one})",
+        )
+    )
+
+
+@pytest.mark.parametrize("seed", mostly_long(range(8), 0, 1))
+def test_a_normal_form_has_the_value_of_what_was_written(seed: int) -> None:
+    """So do the signs that are shown of it hold."""
+    rng, changed = Random(seed), 0
+    for _ in range(50):
+        text = _terms(rng, rng.choice((1, 2, 2, 3)))
+        if len(text) > 700:
+            continue
+        stated = law(f"({text}) + x - x + 0*y")
+        domain, term = over(stated), parse(text)
+        for collects in (False, True):
+            form = normal(term, domain, collects)
+            changed += form != term
+            for _ in range(4):
+                point = {n: Fraction(rng.randint(-6, 6), rng.choice((1, 2, 3))) for n in ("x", "y")}
+                point |= {"k": Fraction(rng.randint(1, 5), 2), "e": Fraction(rng.randint(0, 3), 3)}
+                box = {n: Enclosure.between(value, value) for n, value in point.items()}
+                gap = enclosed(sum_of(term, minus(form)), box)
+                assert gap.sign & ZERO and gap.high - gap.low < 1 << 60, (text, point)
+                sign = enclosed(term, box).sign
+                assert sign & domain.sign(term) & domain.sign(form), (text, point)
+    assert changed > 30
+
+
+SIGNS = [
+    ("tan(phi) - tan(psi)", ZERO | POSITIVE),
+    ("sin(phi) - sin(psi)", ZERO | POSITIVE),
+    ("cos(psi) - cos(phi)", ZERO | POSITIVE),
+    ("exp(k) - exp(m)", POSITIVE),
+    ("atan(m) - atan(k)", NEGATIVE),
+    ("1 - sin(v)", ZERO | POSITIVE),
+    ("k + m*cos(2*v)", POSITIVE),
+    ("m*tanh(v) - k", NEGATIVE),
+    ("1 - (m/k)**u", POSITIVE),
+    ("(k/m)**u - 1", POSITIVE),
+    ("m/k*exp(-e) + u", POSITIVE),
+    ("m + (k - m)*exp(-(v/u)**2)", POSITIVE),
+    ("2 - (e)**u", POSITIVE),
+    ("3*(sin(phi) - sin(psi))/(3 - sin(phi))/(3 - sin(psi))", ZERO | POSITIVE),
+    ("sin(phi)", ZERO | POSITIVE),
+    ("cos(phi)", POSITIVE),
+    ("2 - tan(e)", POSITIVE),
+    ("1 - sin(v)**2", ZERO | POSITIVE),
+]
+OPEN = [
+    "sin(turn) - sin(psi)",
+    "cos(turn) - sin(phi)",
+    "tan(turn)",
+    "cos(turn)",
+    "1 - 2*sin(v)",
+    "k + 2*m*cos(2*v)",
+    "1 - (m/k)**v",
+    "exp(v) - 1",
+    "tan(phi) - tan(turn)",
+    "cos(v) - cos(w)",
+    "sin(v) - sin(w)",
+    "(m/k)**c - 1",
+    "1 - tan(phi)",
+    "e**c - 1",
+    "atan(v) - 3/2",
+    "acos(c) - acos(e)",
+]
+
+
+@pytest.mark.parametrize(("text", "sign"), SIGNS)
+def test_the_sign_of_a_constant(text: str, sign: int) -> None:
+    domain = over(law("abs(x) - s", ["m < k", "psi <= phi", "v <= w"]))
+    assert domain.facts(parse(text)).sign == sign
+    assert domain.facts(minus(parse(text))).sign == {POSITIVE: NEGATIVE, NEGATIVE: POSITIVE}.get(sign, NEGATIVE | ZERO)
+
+
+@pytest.mark.parametrize("text", OPEN)
+def test_a_constant_of_either_sign_has_none(text: str) -> None:
+    assert over(law("abs(x) - s", ["m < k", "psi <= phi", "v <= w"])).facts(parse(text)).sign == ANY
+
+
+def test_a_dissipation_with_angles_is_that_with_slopes() -> None:
+    share = "sin(psi)*(3 - sin(phi))/(sin(phi)*(3 - sin(psi)))"
+    given: dict[str, Any] = {
+        "forces": ["x", "y"],
+        "pressure": None,
+        "constraints": ["psi <= phi"],
+        "g": "abs(x) + sin(phi)/(3 - sin(phi))*y - s",
+        "parameters": {"phi": {"positive": True, "max": "6/5"}, "psi": {"min": "0", "max": "6/5"}, "s": {"positive": True}},
+        "flow": {"potential": "abs(x) + sin(psi)/(3 - sin(psi))*y"},
+    }
+    assert not objection("dissipation", "potential", frozenset(), StatedLaw.read(given), {"share": share})
+    outward: dict[str, Any] = {"flow": {"potential": "abs(x) - sin(psi)/(3 - sin(psi))*y"}}
+    turned: dict[str, Any] = {"constraints": ["psi >= phi"]}
+    for wrong in ({"constraints": list[str]()}, turned, outward):
+        assert objection("dissipation", "potential", frozenset(), StatedLaw.read(given | wrong), {"share": share})
