@@ -143,9 +143,13 @@ class Claim:
         return Evidence(Verdict.UNDECIDED, "none", "no rule proves it, and no counterexample was found")
 
     def provers_first(self) -> Claim:
-        """The same claim for who needs a proof: the first refuter alone comes before what finds one, for it sees what is plainly false."""
-        later = [method for method in self.methods if isinstance(method, ProofMethod)][1:]
-        return replace(self, methods=tuple(sorted(self.methods, key=lambda method: method in later)))
+        """The same claim for who needs a proof: the first refuter alone comes before what finds one, for it sees what is plainly false.
+
+        Normal forms are read once, so that steps are left for the refuters.
+        """
+        later = [method for method in self.methods if isinstance(method, ProofMethod) and method is not WITHOUT_K][1:]
+        methods = (replace(method, as_written=True) if method is DEAR else method for method in self.methods)
+        return replace(self, methods=tuple(sorted(methods, key=lambda method: method in later)))
 
     def _counts(self, found: Evidence, subject: Subject, confirms: Confirms) -> bool:
         if found.witness is not None:

@@ -71,7 +71,7 @@ class Asked:
     values: dict[str, str] = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
     _refuted: dict[ParameterCell, Decided | None] = field(default_factory=dict)
-    _usual: dict[str, str] = field(default_factory=dict)  # the rule that first proved a claim on a cell, which is then asked alone
+    _usual: dict[str, tuple[str, bool]] = field(default_factory=dict)  # the rule that first proved a claim on a cell, asked alone then
 
     def __post_init__(self) -> None:
         try:
@@ -135,8 +135,10 @@ class Asked:
         if claim in known or claim in asked:
             return known.get(claim)
         found: list[dict[str, Any]] | None = None
-        usual = self._usual.get(claim) if self.name in law.parameters else None
-        for rule in rules_of(claim, law) if usual is None else (usual,):
+        usual = self._usual.get(claim)
+        readings = (True, False) if usual is None else (usual[1],)
+        every = [(rule, as_written) for as_written in readings for rule in rules_of(claim, law)]
+        for rule, as_written in every if usual is None or self.name not in law.parameters else [usual]:
             row, before = row_of(claim, rule, law), list[dict[str, Any]]()
             for need in sorted(row.needed if row is not None else ()):
                 more = self._steps_of(need, law, asked | {claim}, known)
@@ -145,18 +147,18 @@ class Asked:
                 before += [step for step in more if step not in before]
             else:
                 settled = frozenset(step["claim"] for step in before)
-                if not self._objection(claim, rule, settled, law):
+                if not self._objection(claim, rule, settled, law, as_written):
                     found = [*before, {"claim": claim, "rule": rule, "evidence": {}}]
                     if self.name in law.parameters:  # a single value may have a proof of its own
-                        self._usual[claim] = rule
+                        self._usual[claim] = rule, as_written
                     break
         known[claim] = found
         return found
 
-    def _objection(self, claim: str, rule: str, settled: frozenset[str], law: StatedLaw) -> str:
+    def _objection(self, claim: str, rule: str, settled: frozenset[str], law: StatedLaw, as_written: bool) -> str:
         with within(_MOST_STEPS) as purse:
             try:
-                said = objection(claim, rule, settled, law, {})
+                said = objection(claim, rule, settled, law, {}, as_written)
             except TooDearError:
                 said = "it is too dear"
         self.steps += purse.spent

@@ -129,7 +129,7 @@ class RoutineChecks:
                 checks: dict[str, Any] = {"checks": self.checks, "expected_failed_checks": dict(self.expect), **drawn}
                 report = conformance(known, _bound(self._found(), known), accuracy=self.accuracy, **checks)
                 if report.ended:
-                    raise KeyboardInterrupt if report.unfinished is None else DuhemError(report.ended)
+                    raise DuhemError(report.ended)
         except _NoMemory as fault:
             if fault.stated:
                 raise DuhemError("the routine raises MemoryError by a statement of its own") from None
