@@ -64,6 +64,42 @@ def test_creep_and_relaxation_to_an_accuracy() -> None:
     assert not found["sigma_b"].any() and np.abs(found.balance).max() <= 1e-11 * found.work.max()
 
 
+@pytest.mark.slow(8)
+@pytest.mark.parametrize(
+    ("k", "a", "n", "time"),
+    [
+        (1.0, 1.0, 5, (1e-6, 1e3)),
+        pytest.param(1e5, 1.0, 1, (1.0, 2.0), marks=pytest.mark.long),
+        pytest.param(1e4, 2.0, 1, (1e-3, 1e6), marks=pytest.mark.long),
+        pytest.param(50.0, 0.3, 2, (1.0, 1e9), marks=pytest.mark.long),
+    ],
+)
+def test_a_relaxation_much_longer_than_its_time(k: float, a: float, n: int, time: tuple[float, float]) -> None:
+    """Held after a load: the first parts are shorter than 2^-27 of the step, and at its end what flows is rounding."""
+    path = Path.linear([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]], time=[0.0, *time])
+    found = run("norton-hoff", path, parameters={"A": a, "n": n}, stiffness=k)
+    start, end = found["sigma_a"][1:]
+    held = k * a * (time[1] - time[0])
+    right = start * np.exp(-held) if n == 1 else (start ** (1 - n) + (n - 1) * held) ** (1.0 / (1 - n))
+    assert abs(end - right) <= 1e-8 * start
+
+
+@pytest.mark.long
+def test_a_slow_flow_ends_and_returns_within_a_path() -> None:
+    """A high exponent: what flows falls below rounding while the load turns, and comes back."""
+    path = Path.linear([[0.0, 0.0], [0.1, 0.0], [0.0, 0.0]], time=[0.0, 1.0, 2.0])
+    found = run("norton-hoff", path, parameters={"A": 1e-3, "n": 12}, stiffness=1e3)
+    at, ends = [0.0], []
+    for rate in (0.1, -0.1):
+
+        def relaxing(_: float, s: Any, rate: float = rate) -> Any:
+            return 1e3 * (rate - 1e-3 * s**12 * np.sign(s))
+
+        at = solve_ivp(relaxing, (0.0, 1.0), at, "Radau", rtol=1e-11, atol=1e-12).y[:, -1]
+        ends.append(at[0])
+    assert np.allclose(found["sigma_a"][1:], ends, rtol=1e-7, atol=0.0)
+
+
 def test_the_onset_of_viscous_flow_within_a_step() -> None:
     """Bingham at a constant rate v: the excess over R relaxes to eta v, x = eta v (1 - exp(-k t/eta)) from where R is reached."""
     found = run("bingham", Path.linear([[0.0, 0.0], [0.05, 0.0]], time=[0.0, 1.0]), parameters={"R": R, "eta": 2.0}, stiffness=K)
@@ -221,6 +257,7 @@ def test_a_part_of_another_run_is_refused() -> None:
     others: dict[str, Any] = {
         "another path": (law, Path.linear([0.0, 0.2, -0.05]), asked),
         "another start": (law, path, asked | {"state": {"alpha": 0.01}}),
+        "another number": (law, path, asked | {"parameters": FREDERICK | {"gamma": 2.0 * GAMMA}}),
         "another method": (law, path, asked | {"method": "extrapolated"}),
         "another law": ("slip-hardening", Path.linear([0.0, 0.1, -0.05], pressure=-1.0), {"parameters": {"mu": 0.3, "k": K, "H": 1}}),
         "a tangent": (law, path, asked | {"tangent": True}),
@@ -229,6 +266,15 @@ def test_a_part_of_another_run_is_refused() -> None:
     for other, where, more in others.values():
         with pytest.raises(InputError, match="another run"):
             duhem.simulate(other, where, start=part, **more)
+    fine = asked | {"method": "extrapolated", "accuracy": 1e-4}
+    part = duhem.simulate(law, path, **fine)
+    for another in ({"accuracy": 1e-6}, {"accuracy": None}):
+        with pytest.raises(InputError, match="another run"):
+            duhem.simulate(law, path, start=part.upto(3), **fine | another)
+    many: Any = duhem.simulate(law, Paths.linear([[0.0, 0.1, -0.05]] * 2), **asked | {"parameters": FREDERICK | {"gamma": [GAMMA, 1.0]}})
+    assert np.array_equal(duhem.simulate(law, path, start=many.point(0).upto(3), **asked)["alpha"], many.point(0)["alpha"])
+    with pytest.raises(InputError, match="another run"):
+        duhem.simulate(law, path, start=many.point(1).upto(3), **asked)
 
 
 def test_the_stress_of_damage_stands_in_the_table_and_is_drawn(tmp_path: Any) -> None:

@@ -148,6 +148,23 @@ def test_a_bad_routine_is_answered_soon_and_quietly(source, bad: str, capfd: pyt
     assert capfd.readouterr() == ("", "")
 
 
+def test_a_hang_in_the_search_for_the_elastic_range_ends_the_run(source) -> None:  # type: ignore[no-untyped-def]
+    """Each case would search again, and wait as long."""
+    begun = monotonic()
+    endless = umat(source("while (dstran[0] > 0.6) sleep(1);"), ntens=2, nstatv=1, seconds=0.5)
+    report = conformance(None, endless, max_examples=100, rows=6, seed=1)
+    assert not report.ok and "the search for the elastic range, by increments of stress of 10" in str(report), str(report)
+    assert monotonic() - begun < 20.0
+
+
+@pytest.mark.parametrize("unit", [1e-20, 1e-12, 1e12, 1e20])
+def test_the_elastic_range_is_found_in_any_unit(source, unit: float) -> None:  # type: ignore[no-untyped-def]
+    text = CLIPPED.replace("2 * dstran", f"{2 * unit} * dstran").replace("? 2 : 0", f"? {2 * unit} : 0")
+    scaled = source("", text.replace("> 1 ? 1", f"> {unit} ? {unit}").replace("< -1 ? -1", f"< {-unit} ? {-unit}"))
+    report = conformance(None, umat(scaled, ntens=2, nstatv=1, energies=False), max_examples=2, rows=6, tries=5, seed=1)
+    assert report.ok and report.visited["slip"] > 0.1 and report.visited["stick"] > 0.1, str(report)
+
+
 def test_what_is_printed_stays_away_from_the_terminal(source, capfd: pytest.CaptureFixture[str]) -> None:  # type: ignore[no-untyped-def]
     assert judged(source('printf("iteration\\n"); fflush(stdout); fprintf(stderr, "error\\n");')).ok
     assert capfd.readouterr() == ("", "")

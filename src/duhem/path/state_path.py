@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
 from duhem.law.state import prescribed
 from duhem.path.history import SUMS, Checkpoint, Due, Interrupted, LeftDomain, Tabled
 from duhem.path.run import Run
@@ -43,7 +44,8 @@ class StateHistory(Tabled):
     and sum h_k (T_k - T) dt where bodies exchange it.
     ``residual`` is the worst of the optimality conditions of each step, relative to the sizes that the law has there, at most 1e-10.
     ``held`` (m, internal) is where a bound holds a variable.  ``tangent`` (m, o, o) is d sigma/du, where asked for.  ``status`` is a
-    :class:`duhem.Status` of the last knot that was ``reached``: numbers, or (N,); states beyond it are nan.
+    :class:`duhem.Status` of the last knot that was ``reached``: numbers, or (N,); states beyond it are nan.  ``source`` is the law,
+    ``numbers`` are those of its parameters, (1,) or (N,), and ``accuracy`` what was asked for; None of a history that was read.
     """
 
     printed_by: ClassVar[str] = "duhem.path.picture"
@@ -74,6 +76,9 @@ class StateHistory(Tabled):
     method: str
     why: str
     timed: bool = True
+    accuracy: float | None = None
+    source: Criterion | None = None
+    numbers: Mapping[str, Array] | None = None
 
     @property
     def many(self) -> bool:
@@ -99,6 +104,8 @@ class StateHistory(Tabled):
     def point(self, i: int) -> StateHistory:
         """One of many paths by itself."""
         own = {name: getattr(self, name)[i] for name in _LONG if getattr(self, name) is not None}
+        if self.numbers is not None:
+            own["numbers"] = {name: x if len(x) == 1 else x[i : i + 1] for name, x in self.numbers.items()}
         return replace(self, **own, status=self.status[i], reached=self.reached[i])
 
     def upto(self, knots: int) -> StateHistory:
@@ -230,7 +237,7 @@ def recalled(run: Run, column: Mapping[str, Array]) -> StateHistory:
             array[0, :n] = np.array([column[each] for each in columns[name]]).reshape(-1, n).T
         else:
             array[0, :n] = column.get(name, 0.0)
-    return replace(block.history(run.method).point(0), time=column["time"], method="").upto(n)
+    return replace(block.history(run.method).point(0), time=column["time"], method="", source=None, numbers=None, accuracy=None).upto(n)
 
 
 class _Block:
@@ -273,12 +280,20 @@ class _Block:
         seen = slice(question.law.observables)
         if same and not question.law.stressed:
             same = all(np.array_equal(start.state[k, seen], question.paths.at(k)[0, seen]) for k in range(n))
-        if not same:
+        if not same or not self._likewise(start, here):
             raise InputError("the given history belongs to another run", where="start", remedy="start afresh")
         for name in arrays:
             if (old := getattr(start, name)) is not None:
                 arrays[name][0, :n] = old
         self.held[0, :n], self.reached[0] = start.held, n - 1
+
+    @staticmethod
+    def _likewise(start: StateHistory, here: StateHistory) -> bool:
+        """Whether it has the formulas, the numbers and the accuracy of this run, as far as it tells."""
+        if start.source is None or here.source is None or start.numbers is None or here.numbers is None:
+            return True
+        same = start.source == here.source and start.accuracy == here.accuracy and start.numbers.keys() == here.numbers.keys()
+        return same and all(np.array_equal(own, here.numbers[name]) for name, own in start.numbers.items())
 
     def advanced(self) -> Iterator[int]:
         """The steps, and how many are done."""
@@ -366,5 +381,8 @@ class _Block:
             method=method,
             why=question.why,
             timed=question.paths.timed,
+            accuracy=question.accuracy,
+            source=law,
+            numbers=question.others,
             **arrays,
         )

@@ -25,7 +25,8 @@ __all__ = ["Made", "accurate", "extrapolated", "implicit"]
 
 _MOST_RUNS = 6  # of 1, 2, 3 ... steps
 _LONGER = (8.0, 8.0, 8.0, 4.0, 2.0, 1.2, 0.8)  # the next part, after so many runs: most are made by five of them
-_LEAST = 2.0**-27  # of a step of the path: no part is shorter, and the first is as short as that
+_LEAST = 2.0**-27  # of a step of the path: the first part is as short as that, and the one across a place where flow begins or ends
+_FASTEST = 2.0**-44  # no part is shorter: what relaxes after a fast load needs such
 _MOST_PARTS = 4_000
 _SAFE = 0.1  # of the accuracy, which one part may be off by as it seems
 _ROUNDED = 1e-13  # of a variable: no difference
@@ -58,14 +59,25 @@ def implicit(asked: StateQuestion, base: Array, given: Array, dt: float, others:
 
 class _Divided(NamedTuple):
     """A step in equal parts: what it comes to, and in each part (N, 1 + S + internal) whether something flows, which criteria
-    are active and which variables held."""
+    are active and which variables held; ``faint``, whether what flows is rounding, as at the end of a relaxation."""
 
     made: Made
     patterns: list[Flags]
+    faint: list[bool]
+
+    def alike(self, before: _Divided, whole: _Divided) -> list[bool]:
+        """Of each part, whether it goes on as ``before``, or as the ``whole`` in one step where rounding flowed before.
+
+        A part in which rounding flows goes on as either.
+        """
+        loose = before.faint[-1]
+        flows, unknown = (whole if loose else before).patterns[-1][:, :1], loose and whole.faint[-1]
+        right = np.concatenate([flows, before.patterns[-1][:, 1:]], axis=1)
+        return [bool((each == right)[:, int(unknown or faint) :].all()) for each, faint in zip(self.patterns, self.faint, strict=True)]
 
 
 def _divided(asked: StateQuestion, base: Array, to: Drive, dt: float, n: int) -> _Divided:
-    at, parts = base, []
+    at, parts, inner = base, [], slice(asked.law.observables, asked.law.observables + asked.law.internal)
     for i in range(1, n + 1):
         given, others = to(i / n)
         parts.append(implicit(asked, at, given, dt / n, others))
@@ -78,7 +90,8 @@ def _divided(asked: StateQuestion, base: Array, to: Drive, dt: float, n: int) ->
     )
     added = tuple(np.sum(gains, axis=0) for gains in zip(*(part.added for part in parts), strict=True))
     patterns = [np.concatenate([(each.flow != 0.0).any(axis=1, keepdims=True), each.multiplier > 0.0, each.held], axis=1) for each in ends]
-    return _Divided(Made(end, np.sum([part.multiplier for part in parts], axis=0), added), patterns)
+    faint = [bool((np.abs(each.flow) <= _ROUNDED * np.abs(each.chi[:, inner])).all() and each.flow.any()) for each in ends]
+    return _Divided(Made(end, np.sum([part.multiplier for part in parts], axis=0), added), patterns, faint)
 
 
 def _weights(parts: Sequence[int]) -> Array:
@@ -129,7 +142,7 @@ def accurate(asked: StateQuestion, base: Array, to: Drive, dt: float, accuracy: 
     at, part, size, before, total = base, 0.0, _LEAST, None, None
     (psi,) = asked.law.stored(base, to(0.0)[1])[0]
     for _ in range(_MOST_PARTS):
-        size = 1.0 - part if part + size > 1.0 - _LEAST else size
+        size = 1.0 - part if part + size > 1.0 - min(_LEAST, size) else size
         runs, apart, same, shortest = list[_Divided](), np.inf, [True], size <= 2.0 * _LEAST
 
         def within(share: float, part: float = part, size: float = size) -> tuple[Array, Sequence[Array]]:
@@ -139,22 +152,22 @@ def accurate(asked: StateQuestion, base: Array, to: Drive, dt: float, accuracy: 
             runs.append(_divided(asked, at, within, size * dt, len(runs) + 1))
             if runs[-1].made.end.failed[0]:
                 break
-            same = [shortest or bool((pattern == before).all()) for pattern in runs[-1].patterns]
+            same = [True] if shortest or before is None else runs[-1].alike(before, runs[0])
             apart = _apart(asked, at, runs, within, size, stored, psi) if len(runs) > 1 else np.inf
         if not all(same):
             size = max(_LEAST, size * (same.index(False) or 0.25) / len(runs))
         elif (lost := bool(runs[-1].made.end.failed[0])) or apart > _SAFE * accuracy:
-            if shortest:
+            if (lost and shortest) or size <= _FASTEST:
                 return _failed(runs[-1].made, runs[-1].made.end.worst if lost else np.full(1, np.nan))
-            size = max(_LEAST, (0.1 if lost else 0.4) * size)
+            size = max(_LEAST, 0.1 * size) if lost else max(_FASTEST, 0.1 * size if shortest else 0.4 * size)
         else:
             made = _joined(asked, runs, within)
             total = made if total is None else _after(total, made)
             if made.end.failed[0] or part + size >= 1.0:
                 return total
-            at, part, before = made.end.chi, part + size, runs[-1].patterns[-1]
+            at, part, before = made.end.chi, part + size, runs[-1]
             stored = max(stored, abs(float(made.end.psi[0]) - psi))
-            size = max(_LEAST, size * _LONGER[len(runs)])
+            size *= _LONGER[len(runs)]
     assert total is not None
     return _failed(total, np.full(1, np.nan))
 

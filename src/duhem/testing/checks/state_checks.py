@@ -116,7 +116,8 @@ def _evolved(step: LawStep, which: NDArray[np.intp]) -> Condition:
 
     def say(i: int, j: int) -> str:
         v = which[j]
-        return f"{names[v]} changes by {step.change[i, v]:.6g}, and by {step.moved[i, v]:.6g} in the law"
+        change, right = step.change[i, v], step.moved[i, v]
+        return f"{names[v]} changes by {change:.6g}, and by {right:.6g} in the law, {change - right:.2g} off"
 
     return step.off[:, which], 2.0 * step.allowed[:, which], say
 

@@ -27,6 +27,7 @@ from duhem.testing.drawn.options import stiffness_matrix
 from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.values import MANTISSAS, Strategy, admitted, decades, scaled, table
 from duhem.testing.routines.material import ELASTIC, Material
+from duhem.testing.routines.unfinished import Unfinished
 
 __all__ = [
     "TURNS", "cases", "decades", "histories", "loadings", "parameters", "pressures", "stiffnesses", "trials", "turned", "ways",
@@ -348,7 +349,7 @@ _LONGER = [2.0, 0.5, 0.0, 1.5, 10.0, 0.1, 100.0]
 _BEFORE = [0.0, 2.0, 0.5, 1.5, 5.0, 3.0]  # of the path before, times the elastic reach; at 0 the step is the first
 _KNOTS = 4
 _DURATIONS = [0.5, 2.0, 0.1, 10.0]  # s, of a leg
-_DECADES = range(-12, 14)
+_LOWEST, _HIGHEST = -12, 13
 _HALVES, _BEYOND = 8, 1
 _FARTHEST = 100.0  # elastic strains, the typical one of a case: no increment goes farther
 
@@ -358,13 +359,16 @@ def _elastic_reach(
 ) -> Array:
     """How far along ``way`` (N, d) a first increment of stress is answered elastically, (N,), to a few per cent; nan where asking fails.
 
-    Looked for by decades from 1e-12 to 1e13, and no farther than one beyond the first limit that is met, nor than the ``largest``
-    strain; 0 where it is elastic at none of these, inf where at all.  What the routine raises is counted in ``searched``.
+    Looked for by decades from 1e-12 to 1e13, and from 1e-12 to 1e4 of the stiffness, which may have any unit; no farther than one beyond
+    the first limit that is met, nor than the ``largest`` strain; 0 where it is elastic at none of these, inf where at all.  What the
+    routine raises is counted in ``searched``; Unfinished is raised.
     """
     n = len(way)
     root = np.linalg.cholesky(material.elastic)
     most = np.inf if largest is None else largest / np.abs(np.linalg.solve(material.elastic, way.T)).max(axis=0)
-    last = len(_DECADES)
+    stiff = round(float(np.log10(np.diag(material.elastic).max())))
+    powers = range(min(_LOWEST, stiff + _LOWEST), max(_HIGHEST, stiff + 4) + 1)
+    last = len(powers)
 
     def elastic(size: Array, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
         trial = size[rows, None] * way[rows]
@@ -377,10 +381,10 @@ def _elastic_reach(
         off = np.linalg.norm(np.linalg.solve(root, (after.stress - trial).T), axis=0)
         return np.asarray(off <= max(ELASTIC, accuracy) * np.linalg.norm(np.linalg.solve(root, trial.T), axis=0))
 
-    low, high, open_ = np.zeros(n), np.full(n, np.inf), np.arange(n)
+    low, high, open_, size = np.zeros(n), np.full(n, np.inf), np.arange(n), np.zeros(n)
     try:
         with np.errstate(all="ignore"):
-            for i, power in enumerate(_DECADES):
+            for i, power in enumerate(powers):
                 size = np.full(n, 10.0**power)
                 open_ = open_[(size <= most)[open_]]
                 if not open_.size or i >= last:
@@ -394,6 +398,9 @@ def _elastic_reach(
                 size = np.where(np.isfinite(high), np.sqrt(low * np.where(np.isfinite(high), high, 1.0)), low)
                 good = elastic(size, between)
                 low[between[good]], high[between[~good]] = size[between[good]], size[between[~good]]
+    except Unfinished as fault:  # each further search would wait as long
+        where = f"the search for the elastic range, by increments of stress of {size.max():.3g}"
+        raise Unfinished(fault.what, where=where, remedy=fault.remedy) from None
     except (Exception, SystemExit) as fault:
         searched[f"the routine raised {type(fault).__name__}: {words_of(fault)}"] += 1
         return np.full(n, np.nan)
