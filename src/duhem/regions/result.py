@@ -188,6 +188,7 @@ class ParameterRegion(Shown):
             "cells": [vars(cell) | {"sample": dict(cell.sample)} for cell in self.cells],
             "ends": [vars(end) | {"enclosure": list(end.enclosure)} for end in self.ends],
             "open_share": self.open_share,
+            "joined": list(self.joined),
         }
 
     def _between_all(self) -> str:
