@@ -51,6 +51,13 @@ def test_an_input_convex_network_is_the_same_and_is_proved(tmp_path: Path, kind:
     assert verify(load(file), claims=["convexity"])["convexity"].trust == "checked"
 
 
+@pytest.mark.parametrize("small", [1e-300, -5e-324])
+def test_a_number_that_cannot_be_written_exactly_is_refused_at_once(tmp_path: Path, small: float) -> None:
+    with pytest.raises(InputError, match="more than 400 digits"):
+        imported(tmp_path, {**ICNN, "b2": np.array([small])}, "--stress", "plane")
+    assert not (tmp_path / "law.toml").exists()
+
+
 def test_a_plain_network_and_a_polynomial_are_the_same(tmp_path: Path) -> None:
     file = imported(tmp_path, MLP, "--forces", "a, b", "--activation", "tanh", kind="mlp")
     agrees(file, lambda x: np.tanh(x @ MLP["W0"].T + MLP["b0"]) @ MLP["W1"][0], 1e-12)

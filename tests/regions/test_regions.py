@@ -200,6 +200,36 @@ def test_a_picture_is_drawn(tmp_path: Any) -> None:
     assert [words.get_text() for words in axes.texts] == ["$c = 0$", "$c = 6$"]
 
 
+# -- constraints that relate the parameter to another ------------------------------------------------------------------
+
+
+def related(*constraints: str, high: Any = 5) -> duhem.Criterion:
+    parameters = {"e": duhem.Domain.between(0, high), "m": duhem.Domain.between(0, 1)}
+    g = "sigma_a**2 + e*sigma_a*sigma_b + sigma_b**2 - 1"
+    return duhem.Criterion(name="related", pressure=None, g=g, parameters=parameters, constraints=constraints)
+
+
+@pytest.mark.parametrize("constraint", ["e <= m", "m**2 + e <= 1", "e**2 + m <= 1"])
+def test_a_region_says_where_there_may_be_no_law(constraint: str) -> None:
+    """For e > 1 no m is admitted, and the claim would hold of nothing."""
+    assert f"as far as other parameters exist with {constraint}" in duhem.region(related(constraint, high=2), "e").sentence
+    assert "as far as" not in duhem.region(related("e*m <= 5"), "e").sentence
+
+
+@pytest.mark.parametrize("constraint", ["e <= m", "m**2 + e <= 1", "m**2 + (e - 1)**2 <= 1"])
+def test_a_witness_is_of_a_law_that_exists(constraint: str) -> None:
+    """A line that leaves K for e > 2 refutes nothing where the constraint leaves no m, or where m is not given."""
+    document = duhem.region(related(), "e").certificate()
+    held, fails = document["cells"]
+    assert (held["verdict"], fails["verdict"]) == ("proved", "refuted")
+    document["law"]["constraints"] = [constraint]
+    document["inhabited"] = {"e": "1/2", "m": "1/2"}
+    for values in ({}, {"m": "1"}, {"m": "0"}):
+        fails["evidence"]["values"] = values
+        document["sha256"] = digest(document)
+        assert not duhem.recheck(document).ok
+
+
 # -- certificates ------------------------------------------------------------------------------------------------------
 
 

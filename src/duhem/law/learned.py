@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from duhem.errors import InputError
 from duhem.expression.abbreviations import KINDS, Stress
+from duhem.expression.number import MOST_DIGITS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -154,7 +155,11 @@ def _list(names: Sequence[str]) -> str:
 
 def _exact(x: np.generic) -> str:
     """All decimals of what a number of any precision holds."""
-    return str(int(x)) if x.dtype.kind in "iu" else str(Decimal(float(x)))
+    told = str(int(x)) if x.dtype.kind in "iu" else str(Decimal(float(x)))
+    if len(told) > MOST_DIGITS:
+        remedy = "round such numbers, or save the arrays as 32-bit floats"
+        raise InputError(f"{float(x):.3g} has more than {MOST_DIGITS} digits, written exactly", remedy=remedy)
+    return told
 
 
 def stress_of(kind: str) -> Stress:

@@ -34,7 +34,10 @@ def table_beside(folder: Path | None, given: str, where: str) -> tuple[tuple[str
             what = f"the row has {len(row)} entries, and the first has {len(rows[0])}"
             raise InputError(what, where=f"{file}:{i}", remedy="make all rows as long, without blank lines")
         for j, entry in enumerate(row, 1):
-            if not _NUMBER.fullmatch(entry) or len(entry) > MOST_DIGITS:
+            if len(entry) > MOST_DIGITS:
+                what = f"entry {j} has {len(entry)} characters"
+                raise InputError(what, where=f"{file}:{i}", remedy=f"at most {MOST_DIGITS} are read")
+            if not _NUMBER.fullmatch(entry):
                 what = f"entry {j} is {f'{entry[:24]!r}, which is' if entry else 'blank, which is'} no number"
                 raise InputError(what, where=f"{file}:{i}", remedy="write finite decimals such as 0.15 or -1e-6, and no heading")
     return tuple(tuple(_plain(entry) for entry in row) for row in rows)

@@ -98,6 +98,14 @@ class Asked:
             return False
         return True
 
+    def inhabited(self, found: Decided) -> bool:
+        """Whether plain values of the other parameters are seen to be admitted at every value in a cell."""
+        with suppress(NotWritten):
+            law, swap = law_over(self.stated, self.name, found.cell, (found.row or {})["as"])
+            at_values(law, self.values, swap)
+            return True
+        return False
+
     @property
     def spent(self) -> bool:
         """Whether the budget is used up."""

@@ -57,7 +57,15 @@ def region(
 def _found(law: Criterion, name: str, claim: str, steps: int) -> ParameterRegion:
     check_domain(law)
     question = Asked(law, claim, name, steps)
-    return ParameterRegion(law, claim, (name,), tuple(cells_of(question)), question.whole)
+    cells = tuple(cells_of(question))
+    joined = tuple(text for text, c in zip(law.written_constraints, law.constraints, strict=True) if _joins(law, name, c))
+    empty = bool(joined) and not all(question.inhabited(done) for done in cells if done.verdict == "proved")
+    return ParameterRegion(law, claim, (name,), cells, question.whole, joined=joined if empty else ())
+
+
+def _joins(law: Criterion, name: str, constraint: sp.Basic) -> bool:
+    names = {x.name for x in constraint.free_symbols if isinstance(x, sp.Symbol)}
+    return name in names and len(names) > 1
 
 
 def _named(law: Criterion, parameters: str | Iterable[str] | None, over: Mapping[str, Range]) -> str:

@@ -56,6 +56,7 @@ class ParameterRegion(Shown):
     ``condition`` is a text of comparisons joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim is proved, and is
     ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an infinite one after
     x/(1 + |x|).  ``decided`` has the cells with what the kernel confirmed.  ``scales`` are parameters that a change of units made 1 here.
+    ``joined`` are constraints that may leave no values to the others where the claim is proved: there is no law there.
     """
 
     printed_by: ClassVar[str] = "duhem.regions.printing"
@@ -66,6 +67,7 @@ class ParameterRegion(Shown):
     decided: tuple[Decided, ...]
     domain: ParameterCell
     scales: tuple[str, ...] = ()
+    joined: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return (
@@ -110,7 +112,8 @@ class ParameterRegion(Shown):
         else:
             proved = "no value" if self.short == "false" else self.short
             said = f"{self.claim} is proved for {proved}; {self.open_share:.2%} of the domain are open"
-        return f"{said}, where {' = '.join(self.scales)} = 1" if self.scales else said
+        said = f"{said}, where {' = '.join(self.scales)} = 1" if self.scales else said
+        return f"{said}, as far as other parameters exist with {' and '.join(self.joined)}" if self.joined else said
 
     def told(self, domain: ParameterCell | None) -> str:
         """The condition; ends of the domain are named where none is given."""
@@ -185,6 +188,7 @@ class ParameterRegion(Shown):
             "cells": [vars(cell) | {"sample": dict(cell.sample)} for cell in self.cells],
             "ends": [vars(end) | {"enclosure": list(end.enclosure)} for end in self.ends],
             "open_share": self.open_share,
+            "joined": list(self.joined),
         }
 
     def _between_all(self) -> str:

@@ -178,7 +178,8 @@ def at_values(law: StatedLaw, values: Mapping[str, Any], swap: Mapping[Term, Ter
 
 def _at_terms(law: StatedLaw, terms: Mapping[str, Term]) -> StatedLaw:
     left = {name: own for name, own in law.parameters.items() if name not in terms}
-    alone = tuple(c for c in law.constraints if c.names() <= set(left))
+    # One that relates what is left is shown, not assumed: it may leave no values to some of a cell, which a witness must not pass over.
+    alone = tuple(c for c in law.constraints if c.names() <= set(left) and len(c.names()) < 2)
     domain = over(law._replace(parameters=left, constraints=alone, g=number(0), flow=None, surfaces=(), ranges=()))
     found = law
     for name, term in terms.items():
