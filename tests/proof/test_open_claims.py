@@ -138,3 +138,12 @@ def test_a_term_is_written_with_the_names_of_its_law() -> None:
     assert in_text(term, {parse("(sigma_1 - sigma_2)**2"): "d"}).startswith("sqrt((d + ")
     for given, same in (("a - (-b)", "a + b"), ("a/(b*c)", "a/(b*c)"), ("2/3*a**-2", "2/3/a**2"), ("(a/b)**c", "(a/b)**c")):
         assert in_text(parse(given), {}) == same
+
+
+@pytest.mark.parametrize("g", ["a**4 + ({})*abs(a) - 1", "exp(a**2) + ({})*abs(a)**3 - 3"])
+@pytest.mark.parametrize("constant", ["c*sin(c) - c**2 - 1/1000", "c*tanh(c) - c**2 - 1/1000"])
+def test_no_constraint_is_suggested_that_no_parameter_satisfies(g: str, constant: str) -> None:
+    # the constant is < 0 everywhere, and no rule shows it: of a law without admissible parameters every claim holds
+    found = opened(law(g.format(constant), {"c": ANY}, "a"), "convexity")
+    assert found.part is not None and found.part.startswith("c*")
+    assert not any("add the constraint" in action for action in found.actions)

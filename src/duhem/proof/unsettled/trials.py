@@ -6,6 +6,7 @@ Each trial is a law of which less is claimed.  One that is proved says what the 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import chain
 from typing import Any
@@ -52,7 +53,7 @@ def that_help(
     """
     asked = _Asked(claim, settled, steps)
     found = list[str]()
-    for kind in (_signs(law, blocked), _ranges(law, blocked), _forms(law, blocked, names)):
+    for kind in (_signs(law, blocked, choices), _ranges(law, blocked), _forms(law, blocked, names)):
         found += [action for action, changed in kind if asked(changed)][:1]
     return found + list(_values(law, blocked, choices, asked))
 
@@ -71,11 +72,14 @@ class _Asked:
         return helps
 
 
-def _signs(law: Text, blocked: Blocked | None) -> Iterator[tuple[str, Text]]:
+def _signs(law: Text, blocked: Blocked | None, choices: Sequence[Choice]) -> Iterator[tuple[str, Text]]:
+    """Constraints that hold somewhere: of a law without parameters that satisfy it every claim would be shown, and nothing be said."""
     for constant in () if blocked is None else blocked.signs:
         if blocked is not None and constant.names():
             text = f"{in_text(constant, {})} {'>' if blocked.strict else '>='} 0"
-            yield f'add the constraint "{text}"', {**law, "constraints": [*law["constraints"], text]}
+            changed = {**law, "constraints": [*law["constraints"], text]}
+            if any(True for _ in _choices(changed)) or any(_inhabits(choice, changed) for choice in choices):
+                yield f'add the constraint "{text}"', changed
 
 
 def _ranges(law: Text, blocked: Blocked | None) -> Iterator[tuple[str, Text]]:
@@ -127,15 +131,22 @@ def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked
 def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
     """A few plain values of the parameters, all together, within the constraints."""
     free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if _free(domain)}
-    read = stated(law)
-    known = {name: own.low for name, own in read.parameters.items() if name not in free and own.low is not None}
     tried = [{name: values[(k + k * i) % len(values)] for i, (name, values) in enumerate(free.items())} for k in range(_TURNS)]
     tried = [{name: values[k % len(values)] for name, values in free.items()} for k in range(_TURNS)] + tried
     seen = list[dict[str, Fraction]]()
     for choice in tried if all(free.values()) and free else ():
-        if choice not in seen and len(seen) < _MOST_CHOICES and inhabited(read.parameters, read.constraints, {**known, **choice}):
+        if choice not in seen and len(seen) < _MOST_CHOICES and _inhabits(choice, law):
             seen.append(choice)
             yield choice
+
+
+def _inhabits(choice: Choice, law: Text) -> bool:
+    """Whether the free parameters may have these values."""
+    with suppress(*UNREADABLE):
+        read = stated(law)
+        fixed = {name: x.low for name, x in read.parameters.items() if name not in choice and x.low is not None and x.low == x.high}
+        return inhabited(read.parameters, read.constraints, {**fixed, **choice})
+    return False
 
 
 def _fixed(choice: Mapping[str, Fraction]) -> dict[str, Text]:
