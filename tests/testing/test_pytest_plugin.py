@@ -117,6 +117,25 @@ def properties(file: Path) -> dict[str, dict[str, str]]:
     return {case.get("name", ""): {p.get("name", ""): p.get("value", "") for p in case.iter("property")} for case in cases}
 
 
+def test_a_routine_that_does_not_come_back_fails_and_stops_no_other_test(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        test_friction=HEAD
+        + """
+from duhem.testing.routines.unfinished import Unfinished
+
+@pytest.mark.duhem(law=None, checks=["dissipation", "vacuity"], pressure=-1.0, stiffness=np.eye(2), max_examples=2, rows=5)
+def endless(trial, pressure, stiffness):
+    raise Unfinished("it has not answered", where="endless", remedy="end its loop")
+
+def test_after():
+    pass
+"""
+    )
+    done = tried(pytester)
+    done.assert_outcomes(failed=3, passed=1)
+    done.stdout.fnmatch_lines(["*it has not answered*"])
+
+
 def test_what_an_expected_failure_explains_is_expected_whatever_is_selected(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         test_friction=HEAD

@@ -11,6 +11,7 @@ from typing import Any
 from duhem.errors import InputError
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
+from duhem.proof import verification
 from duhem.proof.certificate import admitted_values, law_as_text
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.certificate import stated
@@ -21,7 +22,6 @@ from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.verdict import Trust
-from duhem.proof.verification import verify
 from duhem.regions.suggested import Suggestion, changes, suggestions
 
 __all__ = ["MOST_STEPS", "Asked", "Decided"]
@@ -183,7 +183,7 @@ class Asked:
         domain = Domain.between(None if at_zero else ends[0], ends[1])
         law = self.law.within({self.name: Domain(high=domain.high, positive=True) if at_zero else domain})
         try:
-            found = verify(law, claims=[self.claim], effort="quick")
+            found = verification.verify(law, claims=[self.claim], effort="quick")
         except InputError:
             return None
         self.steps += sum(r.steps for r in (*found.results, *found.rests_on))
@@ -245,7 +245,7 @@ class Asked:
             return None
         self.chords += 1
         try:
-            (found,) = verify(self.law.fix({self.name: inside}), claims=[self.claim], effort="quick")
+            (found,) = verification.verify(self.law.fix({self.name: inside}), claims=[self.claim], effort="quick")
         except InputError:
             return None
         self.steps += found.steps

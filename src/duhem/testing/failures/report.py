@@ -33,7 +33,8 @@ class Report(Shown):
     check, how many of what it looked at more than the increments, such as the pairs of stresses of convexity; ``needs``: by that name,
     what it lacked where these are 0.  ``most_flagged``: the share that may be flagged, None for any.
     ``ended`` is what ended the run before its end, an interrupt or a routine that does not come back, "" where nothing did; the report
-    then has what was found so far, and ``unfinished`` the increment that was not answered.
+    then has what was found so far, and ``unfinished`` the increment that was not answered, if it was one
+    of a check.
     """
 
     printed_by: ClassVar[str] = __name__
@@ -58,6 +59,11 @@ class Report(Shown):
     most_flagged: float | None = None
     ended: str = ""
     unfinished: Failure | None = None
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether an interrupt ended the run, and not a routine that does not come back."""
+        return self.ended.startswith(KeyboardInterrupt.__name__)
 
     @property
     def ok(self) -> bool:

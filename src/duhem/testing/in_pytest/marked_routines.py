@@ -97,11 +97,11 @@ class Trial:
                 self._keep(self._outcome)
         if isinstance(self._outcome, DuhemError):
             pytest.fail(f"{self.node}: {self._outcome}", pytrace=False)
-        if self._outcome.ended and self._outcome.unfinished is None:
+        if self._outcome.interrupted:
             raise KeyboardInterrupt
-        if self._outcome.unfinished is not None:
-            again = self._outcome.unfinished.reproducer()
-            pytest.fail(f"{self.node}: {self._outcome.ended}\nto see it again:\n{again}", pytrace=False)
+        if self._outcome.ended:
+            again = "" if self._outcome.unfinished is None else f"\nto see it again:\n{self._outcome.unfinished.reproducer()}"
+            pytest.fail(f"{self.node}: {self._outcome.ended}{again}", pytrace=False)
         return self._outcome
 
     def fails(self, update: Update) -> bool:
