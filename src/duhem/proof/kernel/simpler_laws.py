@@ -33,10 +33,16 @@ from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
 __all__ = ["cases", "in_principal_stresses", "normal_forms", "without_outer_map"]
 
 _SIZE = Term("name", name="size of the inner formula")  # no name of a law has blanks
+_LONGEST = 1_500  # parts of g
 
 
 def normal_forms(law: StatedLaw) -> tuple[StatedLaw, ...]:
-    """The law in its normal forms, what has no value somewhere beside g as written; none of these is the law as it was written."""
+    """The law in its normal forms, what has no value somewhere beside g as written; none of these is the law as it was written.
+
+    There are none of a very long g: each rule would work through it twice more.
+    """
+    if law.g.size() > _LONGEST:
+        return ()
     domain, found = over(law), list[StatedLaw]()
 
     def beside(term: Term, collects: bool) -> Term:
