@@ -19,11 +19,12 @@ _SPRINGS, _COILS = 10, 9
 _ALONG, _ACROSS = Axis("x", "distance along $t_a$", "µm"), Axis("z", "height along $n$", "µm")
 _SEEN = 600.0  # of a specimen, in µm
 _PEAKS = 15
+_FLAT = {"mu_low": "1/1000", "mu_high": "1/999"}  # these sketches have no range of mu: one at which sides up to 89.9 degrees slide
 
 
 def _wedge(period: float, height: float, tan_alpha: float) -> tuple[Experiment, float, float, float]:
     """The specimen, and in µm its period, its height and the length of the side Gamma_alpha along t_a."""
-    test = replace(STEEL_ON_ALUMINIUM, period=period, height=height, tan_alpha=tan_alpha, mu_low="1/1000", mu_high="1/999")
+    test = replace(STEEL_ON_ALUMINIUM, period=period, height=height, tan_alpha=tan_alpha, **_FLAT)
     return test, _UM * period, _UM * height, _UM * height / tan_alpha
 
 
@@ -49,12 +50,12 @@ def texture(period: float = _PERIOD, height: float = _HEIGHT, tan_alpha: float =
         Curve("Gamma_alpha", np.array([long, long + foot]), np.array([0.0, high]), 0, r"$\Gamma_\alpha$, with $\mu_\alpha$"),
         Curve("Gamma_beta", np.array([long + foot, 2.0 * long]), np.array([high, 0.0]), 1, r"$\Gamma_\beta$, with $\mu_\beta$"),
         Curve("h", np.array([long + foot] * 2), np.array([0.0, high]), None),
-        Curve("L", np.array([long, 2.0 * long]), np.array([-0.3 * high] * 2), None),
+        Curve("L", np.array([long, 2.0 * long]), np.array([-0.6 * high] * 2), None),
         Arrows("t_a, n", np.array([[0.0, 1.6 * high]] * 2), np.eye(2), 0.6 * high, None, "$t_a$ and $n$"),
-        Note(rf"$\alpha = {alpha.value:.3g}°$", long, 0.0, "left"),
+        Note(rf"$\alpha = {alpha.value:.3g}°$", long, 0.0, "below right"),
         Note(rf"$\beta = {beta.value:.3g}°$", 2.0 * long, 0.0, "below right"),
         Note(f"$h = {high:g}$ µm", long + foot, high, "above left"),
-        Note(f"$L = {long:g}$ µm", 1.5 * long, -0.3 * high, "below right"),
+        Note(f"$L = {long:g}$ µm", 1.5 * long, -0.6 * high, "below right"),
         Note("body (2)", 0.5 * long, -0.9 * high, "centre"),
     )
     return Figure((Panel(_ALONG, replace(_ACROSS, limits=(-1.5 * high, 2.6 * high)), layers, equal=True),), facts=(alpha, beta))
@@ -124,10 +125,11 @@ def bench(
 ) -> Figure:
     """The parts of the test bench that the text names, not to scale, with its loads in N, to scale (Antoni et al. 2007, Fig. 7).
 
-    ``velocity`` of the hydraulic jack in m/s.  The tangential loads are those at which sliding is steady.
+    ``velocity`` of the hydraulic jack in m/s.  The tangential loads are those at which sliding is steady: ``measured_plus`` and
+    ``measured_minus`` times the normal load.
     """
     test = replace(STEEL_ON_ALUMINIUM, normal_load=normal_load, measured_plus=measured_plus, measured_minus=measured_minus)
-    loads = float(test.normal_load), float(measured_plus * normal_load), float(measured_minus * normal_load)
+    loads = tuple(float(part * test.normal_load) for part in (1, test.measured_plus, test.measured_minus))
     boxes = {
         "steel specimen, fixed": (0.0, 0.0, 10.0, 1.0), "aluminium specimen": (2.0, 1.05, 6.0, 1.0),
         "guidance": (2.0, 2.1, 6.0, 0.8), "rigid interface": (2.0, 2.95, 6.0, 0.8), "spring: normal load": (2.0, 3.8, 6.0, 1.2),
