@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,10 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import duhem
-from duhem import InputError, Path, Paths, Status
+from duhem import Domain, InputError, Path, Paths, Status
 from duhem.cli import cli
-from duhem.path import scene, scene_file, state_steps
+from duhem.path import scene, scene_file, state_path, state_steps
+from duhem.path.history import Interrupted
 from duhem.path.state_path import NoAnswer, StateHistory, state_history
 from duhem.show.growing_file import beside
 
@@ -248,6 +250,22 @@ def test_a_run_that_is_continued_is_the_whole_to_the_last_bit(law: str, method: 
     assert (tmp_path / "w.csv").read_bytes() == (tmp_path / "h.csv").read_bytes()
 
 
+@pytest.mark.parametrize("done", [1, 3])
+def test_a_continued_run_that_is_interrupted_in_its_first_step_keeps_what_it_began_with(done: int, monkeypatch: Any) -> None:
+    asked: dict[str, Any] = {"parameters": FREDERICK, "substeps": 2}
+    law, path = "armstrong-frederick-recall", Path.linear([0.0, 0.1, -0.05])
+    whole: Any = duhem.simulate(law, path, **asked)
+    part = whole.upto(done)
+
+    def interrupted(*_: Any) -> Any:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(state_path, "implicit", interrupted)
+    with pytest.raises(Interrupted, match=f"after {done - 1} steps") as stop:
+        duhem.simulate(law, path, start=part, **asked)
+    assert np.array_equal(stop.value.history.to_array(), part.to_array())
+
+
 def test_a_part_of_another_run_is_refused() -> None:
     path = Path.linear([0.0, 0.1, -0.05])
     asked: dict[str, Any] = {"parameters": FREDERICK, "substeps": 3}
@@ -288,6 +306,17 @@ def test_the_stress_of_damage_stands_in_the_table_and_is_drawn(tmp_path: Any) ->
     with pytest.raises(InputError, match="one point"):
         many.plot()
     assert many.point(1).plot()
+
+
+def test_a_point_that_ended_early_is_drawn_only_as_far_as_it_came() -> None:
+    """Beyond their last knot its states are nan, which no picture shows."""
+    law = duhem.load("armstrong-frederick-recall")
+    law = replace(law, domain={law.forces[0]: Domain.between(-2, 2)})
+    many: Any = duhem.simulate(law, Paths.linear([[0.0, 0.01, 0.5], [0.0, 0.005, 0.01]]), parameters=FREDERICK)
+    assert many.reached.tolist() == [1, 2]
+    with pytest.raises(InputError, match="not finite"):
+        many.point(0).plot()
+    assert many.point(0).upto(2).plot() and many.point(1).plot()
 
 
 @pytest.mark.long

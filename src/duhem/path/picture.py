@@ -58,16 +58,21 @@ def picture(
     """
     if ax is not None and axes is not None:
         raise InputError("both ax and axes are given", where="plot", remedy="give ax for the stress path alone, or axes for all three")
-    from duhem.path.trajectory import trajectory
-
-    if not np.isfinite(history.to_array()).all():
-        raise InputError("the history holds numbers that are not finite", where="plot", remedy="use other units, or draw only a part of it")
-    seen = trajectory(history)
+    seen = _seen(history)
     over = _over(history, law, parameters)
     if ax is not None:
         return figure.drawn(lambda place: stress_path(place, seen, over, parameters, units[0]), file, [ax])[0]
 
     return _three(seen, over, parameters, units, None, file, axes)
+
+
+def _seen(history: History) -> Trajectory:
+    """The history and what lies between its knots; InputError where it is not finite."""
+    from duhem.path.trajectory import trajectory
+
+    if not np.isfinite(history.to_array()).all():
+        raise InputError("the history holds numbers that are not finite", where="plot", remedy="use other units, or draw only a part of it")
+    return trajectory(history)
 
 
 def _three(
@@ -100,10 +105,8 @@ def picture_of_state(
     if history.many:
         raise InputError("a picture can show only one point", where="plot", remedy="draw history.point(i)")
     o, moved = len(history.stresses), np.any(np.diff(history.state[:, len(history.stresses) :], axis=0) != 0.0, axis=1)
-    from duhem.path.trajectory import trajectory
-
     names = ("psi", "dissipation", "work", "numerical", "balance", "time", "pressure", "law", "pressure_name", "method", "why", "timed")
-    seen = History(
+    shown = History(
         **{name: getattr(history, name) for name in names},
         forces=history.stresses,
         stress=history.stress,
@@ -111,7 +114,7 @@ def picture_of_state(
         slip=np.zeros_like(history.stress),
         multiplier=np.append(0.0, np.cumsum(moved)),  # it grows where the state moves
     )
-    return _three(trajectory(seen), None, {}, units, history.variables[:o], file, axes)
+    return _three(_seen(shown), None, {}, units, history.variables[:o], file, axes)
 
 
 def _over(history: History, law: Criterion | str | os.PathLike[str] | None, parameters: dict[str, Any]) -> Criterion | None:

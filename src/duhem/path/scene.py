@@ -239,8 +239,8 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
     From there ``resume`` goes on, and from what was kept every ``scene.checkpoint`` seconds if the process was killed.
     """
     fingerprint, start = scene.fingerprint, None
-    read: Any = partial(recalled, scene) if evolves(scene.law) else lambda column: history_of(scene.plan(), column)
     if table is not None and resume:
+        read: Any = partial(recalled, scene) if evolves(scene.law) else partial(history_of, scene.plan())
         start = recall(table, read, fingerprint)
     try:
         history = scene.run(start, on_step, None if table is None else lambda done: keep(done, table, fingerprint))

@@ -63,21 +63,18 @@ def driven(
         raise InputError(f"{type(on_step).__name__} cannot be called", where="on_step", remedy="give a function of (done, all)")
     law = load_formula(run.law)
     run = replace(run, law=law)
+    if start is not None and not isinstance(start, StateHistory if evolves(law) else History):
+        what = f"{type(start).__name__} is not a history of {law.name}"
+        raise InputError(what, where="start", remedy="give the history of the interrupted run")
+    if start is not None and isinstance(run.path, Paths):
+        raise InputError("a run of many points cannot be continued with start", where="start", remedy="run only the remaining points")
     if evolves(law):
-        if start is not None and not (isinstance(start, StateHistory) and isinstance(run.path, Path)):
-            raise InputError("this is no part of a path of a law with a state", where="start", remedy="give the history of its first part")
         return state_history(run, start, on_step, checkpoint)
-    if key := next(
-        (key for key, given in (("state", run.state), ("tangent", run.tangent or None), ("accuracy", run.accuracy)) if given is not None),
-        None,
-    ):
+    of_a_state = {"state": run.state, "tangent": run.tangent or None, "accuracy": run.accuracy}
+    if key := next((key for key, given in of_a_state.items() if given is not None), None):
         what = f"{law.name} has no state, and {key} applies only to laws with one"
         raise InputError(what, where=key, remedy="remove it; stress= is the initial stress, and duhem.project gives tangents")
-    if start is not None and not isinstance(start, History):
-        raise InputError(f"{type(start).__name__} is not a history", where="start", remedy="give the history of the interrupted run")
     if isinstance(run.path, Paths):
-        if start is not None:
-            raise InputError("a run of many points cannot be continued with start", where="start", remedy="run only the remaining points")
         return _many(Batch.of(run), method, run.threads, on_step)
     checked_count(run.threads, "threads", 1, MOST_THREADS)
     if run.keep != 1:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -114,12 +113,16 @@ class StateHistory(Tabled):
 
     def columns(self) -> tuple[str, ...]:
         """The names of the table's columns, in order."""
-        count = self.multiplier.shape[-1]
-        multipliers = ("lambda",) if count == 1 else tuple(f"lambda_{i + 1}" for i in range(count))
         warm = () if self.entropy is None else ("entropy", "heat")
         pressure = () if self.pressure_name is None else (self.pressure_name,)
         point = ("point",) if self.many else ()
-        return (*point, "time", *self.variables, *self.forces, *self._others(), *pressure, *multipliers, *_SUMS, *warm)
+        return (*point, "time", *self.variables, *self.forces, *self._others(), *pressure, *self.multipliers, *_SUMS, *warm)
+
+    @property
+    def multipliers(self) -> tuple[str, ...]:
+        """The names of the columns of ``multiplier``, one a surface."""
+        count = self.multiplier.shape[-1]
+        return ("lambda",) if count == 1 else tuple(f"lambda_{i + 1}" for i in range(count))
 
     def _others(self) -> tuple[str, ...]:
         """The stresses that are no forces of internal variables too."""
@@ -189,24 +192,23 @@ def state_history(
     """
     question = StateQuestion.of(run)
     size = _BLOCK if question.accuracy is None else 1  # of which each has parts of its own
-    n, parts, done = len(question.paths), [], 0
+    n, parts = len(question.paths), []
     steps = len(question.paths.time) - 1
     for first in range(0, n, size):
         which = np.arange(first, min(first + size, n))
         block = _Block(question, which)
         if start is not None:
-            block.resume(start, run.method)
+            block.resume(start)
         due = Due(checkpoint)
         try:
             for done in block.advanced():
                 if on_step is not None and question.alone:
                     on_step(done, steps)
                 if question.alone and done < steps:
-                    due(partial(block.reached_by, run.method, done + 1))
+                    due(block.so_far)
         except KeyboardInterrupt:
-            made = block.history(run.method)
-            raise Interrupted(made.point(0).upto(done + 1) if question.alone else None) from None
-        parts.append(block.history(run.method))
+            raise Interrupted(block.so_far() if question.alone else None) from None
+        parts.append(block.history())
         if on_step is not None and not question.alone:
             on_step(int(which[-1]) + 1, n)
     kept = [name for name in (*_LONG, "status", "reached") if getattr(parts[0], name) is not None]
@@ -226,18 +228,14 @@ def state_history(
 def recalled(run: Run, column: Mapping[str, Array]) -> StateHistory:
     """The history of one path of which the columns of the table were read; which bounds held variables is not among them."""
     block = _Block(StateQuestion.of(run), np.zeros(1, dtype=np.intp))
-    n, many = len(column["time"]), block.arrays["multiplier"].shape[2]
-    named = block.history(run.method)
-    columns = {
-        "state": named.variables, "force": named.forces, "stress": named.stresses,
-        "multiplier": ("lambda",) if many == 1 else tuple(f"lambda_{i + 1}" for i in range(many)),
-    }  # fmt: skip
+    n, named = len(column["time"]), block.history()
+    columns = {"state": named.variables, "force": named.forces, "stress": named.stresses, "multiplier": named.multipliers}
     for name, array in block.arrays.items():
         if name in columns:
             array[0, :n] = np.array([column[each] for each in columns[name]]).reshape(-1, n).T
         else:
             array[0, :n] = column.get(name, 0.0)
-    return replace(block.history(run.method).point(0), time=column["time"], method="", source=None, numbers=None, accuracy=None).upto(n)
+    return replace(block.history().point(0), time=column["time"], method="", source=None, numbers=None, accuracy=None).upto(n)
 
 
 class _Block:
@@ -263,37 +261,30 @@ class _Block:
         for name, array in self.arrays.items():
             array[:, 0] = first.get(name, 0.0)
 
-    def resume(self, start: StateHistory, method: str) -> None:
+    def resume(self, start: StateHistory) -> None:
         """Take the rows of an earlier part of the run; InputError where it is none, as far as it tells."""
         question, n, arrays = self.question, len(start.time), self.arrays
-        here = self.history(method).point(0)
+        here = self.history().point(0)
         same = (
-            isinstance(start, StateHistory)
-            and not start.many
+            not start.many
             and all(getattr(start, name) == getattr(here, name) for name in ("law", "variables", "forces", "stresses", "timed"))
-            and start.method in ("", method)  # a part that was read does not say how it was integrated
             and 1 <= n <= len(here.time)
             and all(np.array_equal(getattr(start, name), getattr(here, name)[:n]) for name in ("time", "pressure"))
             and np.array_equal(start.state[0], here.state[0])
-            and (question.tangent is False or start.tangent is not None)
+            and not (question.tangent and start.tangent is None)
         )
         seen = slice(question.law.observables)
         if same and not question.law.stressed:
             same = all(np.array_equal(start.state[k, seen], question.paths.at(k)[0, seen]) for k in range(n))
-        if not same or not self._likewise(start, here):
+        if same and start.numbers is not None:  # a part that was read does not say of which numbers it is, nor how it was integrated
+            same = all(getattr(start, name) == getattr(here, name) for name in ("source", "method", "accuracy"))
+            same = same and all(np.array_equal(numbers, question.others[name]) for name, numbers in start.numbers.items())
+        if not same:
             raise InputError("the given history belongs to another run", where="start", remedy="start afresh")
         for name in arrays:
             if (old := getattr(start, name)) is not None:
                 arrays[name][0, :n] = old
         self.held[0, :n], self.reached[0] = start.held, n - 1
-
-    @staticmethod
-    def _likewise(start: StateHistory, here: StateHistory) -> bool:
-        """Whether it has the formulas, the numbers and the accuracy of this run, as far as it tells."""
-        if start.source is None or here.source is None or start.numbers is None or here.numbers is None:
-            return True
-        same = start.source == here.source and start.accuracy == here.accuracy and start.numbers.keys() == here.numbers.keys()
-        return same and all(np.array_equal(own, here.numbers[name]) for name, own in start.numbers.items())
 
     def advanced(self) -> Iterator[int]:
         """The steps, and how many are done."""
@@ -354,11 +345,11 @@ class _Block:
         self.status[go], self.reached[go] = np.where(moved, Status.SLIP, Status.STICK), k
         return go
 
-    def reached_by(self, method: str, knots: int) -> StateHistory:
-        """The first knots of the one path of which this is."""
-        return self.history(method).point(0).upto(knots)
+    def so_far(self) -> StateHistory:
+        """Of one path, the knots that were reached."""
+        return self.history().point(0).upto(int(self.reached[0]) + 1)
 
-    def history(self, method: str) -> StateHistory:
+    def history(self) -> StateHistory:
         """The knots that are kept."""
         question, own = self.question, self.question.law
         knots, law = question.knots, own.law
@@ -378,7 +369,7 @@ class _Block:
             held=self.held[:, knots],
             status=self.status,
             reached=self.reached,
-            method=method,
+            method=question.method,
             why=question.why,
             timed=question.paths.timed,
             accuracy=question.accuracy,

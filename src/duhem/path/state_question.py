@@ -219,6 +219,7 @@ def _accuracy(run: Run) -> float:
 
 
 def inside(domain: Domain, values: Array) -> NDArray[np.bool_]:
+    """Which of the values lie in a range."""
     low, high = domain.ends
     return np.asarray(((values > low) if domain.positive else (values >= low)) & (values <= high))
 
