@@ -153,12 +153,12 @@ def loop_text(law: StateLaw) -> tuple[str, Array]:
     """The module to compile, and the constants of its formulas.  InputError for a word without derivatives as text."""
     made = _Functions()
     wired = [made.energy(law), made.criterion(law), made.rates(law)]
-    constants = np.array(made.constants)
+    constants, jets = np.array(made.constants), [each for _, each, _ in made.known.values()]
     sizes = {
         "D": len(law.order), "Z": len(law.names), "S": len(law.criteria),
         "SEEN": law.observables, "INNER": law.internal,
         "W": len(law.order) + len(law.names), "OTHERS": len(law.others), "CONSTANTS": len(constants),
-        "KINKS": max(1, *(jets.kinks for _, jets, _ in made.known.values())),
+        "KINKS": max(1, *(each.kinks for each in jets)),
         "TIMED": int(law.timed),
     }  # fmt: skip
     head = [
@@ -170,9 +170,5 @@ def loop_text(law: StateLaw) -> tuple[str, Array]:
         *(f"{name} = {value!r}" for name, value in {**sizes, **NUMBERS}.items()),
     ]
     sources = [inspect.getsource(state_kernel).partition(MARK)[2].partition("\n")[2], inspect.getsource(eliminated)]
-    axes = (
-        [inspect.getsource(function) for function in principal_axes.FUNCTIONS]
-        if any(jets.pairs for _, jets, _ in made.known.values())
-        else []
-    )
+    axes = [inspect.getsource(function) for function in principal_axes.FUNCTIONS] if any(each.pairs for each in jets) else []
     return "\n".join([*head, *axes, *made.texts, *wired, *sources]), constants

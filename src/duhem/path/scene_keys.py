@@ -33,7 +33,7 @@ SECTIONS: Mapping[str, Mapping[str, str]] = {  # beside [parameters], whose keys
         "projection": "the method that finds the closest point; auto chooses the cheapest method that applies",
         "substeps": "number of substeps in each step of the path (default 1)",
         "accuracy": "of a law with a state, with extrapolated steps: each step is divided until the estimated error, relative to "
-        "the state, is as small; for example 1e-8",
+        "the state, is at most this number; for example 1e-8",
         "compiled": "true: compile with numba (extra fast)",
         "threads": "number of threads for many points (default 1); the results do not depend on it",
         "convex": "ask: look for a proof that K is convex; require: reject the law without such a proof; assume: do not look for one",
