@@ -17,7 +17,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.state import evolves
 from duhem.path.batch_run import histories
 from duhem.path.closest import outside
-from duhem.path.history import Checkpoint, Due, Histories, History, Interrupted, LeftDomain, LeftPrecision
+from duhem.path.history import Checkpoint, Due, H, Histories, History, Interrupted, LeftDomain, LeftPrecision
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, Paths, checked_count
@@ -63,13 +63,9 @@ def driven(
         raise InputError(f"{type(on_step).__name__} cannot be called", where="on_step", remedy="give a function of (done, all)")
     law = load_formula(run.law)
     run = replace(run, law=law)
-    if start is not None and not isinstance(start, StateHistory if evolves(law) else History):
-        what = f"{type(start).__name__} is not a history of {law.name}"
-        raise InputError(what, where="start", remedy="give the history of the interrupted run")
-    if start is not None and isinstance(run.path, Paths):
-        raise InputError("a run of many points cannot be continued with start", where="start", remedy="run only the remaining points")
     if evolves(law):
-        return state_history(run, start, on_step, checkpoint)
+        return state_history(run, _part(start, StateHistory, run), on_step, checkpoint)
+    start = _part(start, History, run)
     of_a_state = {"state": run.state, "tangent": run.tangent or None, "accuracy": run.accuracy}
     if key := next((key for key, given in of_a_state.items() if given is not None), None):
         what = f"{law.name} has no state, and {key} applies only to laws with one"
@@ -106,6 +102,18 @@ def driven(
     except ArithmeticError:
         raise LeftPrecision(ledger.finite().history(plan, method, why), float(plan.path.time[ledger.done])) from None
     return _whole(ledger, plan, method, why)
+
+
+def _part(start: History | StateHistory | None, kind: type[H], run: Run) -> H | None:
+    """The first part of a run, where one is given; InputError where it is not of its kind, or the run is of many points."""
+    if start is None:
+        return None
+    if not isinstance(start, kind):
+        what = f"{type(start).__name__} is not a history of {load_formula(run.law).name}"
+        raise InputError(what, where="start", remedy="give the history of the interrupted run")
+    if isinstance(run.path, Paths):
+        raise InputError("a run of many points cannot be continued with start", where="start", remedy="run only the remaining points")
+    return start
 
 
 def check_compiled(method: str) -> None:
