@@ -16,12 +16,8 @@ from duhem.path import compiled_state, state_kernel
 from duhem.path.state_kernel import LEFT
 from duhem.path.state_path import StateHistory
 from duhem.projection.code_cache import interpreted_text
+from tests.path.states import ALONG, BACK, POSITIVE, QUADRATIC, SLIP, STORED
 
-POSITIVE = duhem.POSITIVE
-SLIP = {"u": Variable("sigma", observable=True), "u_in": Variable("sigma")}
-BACK = SLIP | {"alpha": Variable("X")}
-QUADRATIC, STORED = "k/2*(u - u_in)**2", "k/2*(u - u_in)**2 + C/2*alpha**2"
-ALONG = "(sigma + X)/norm(sigma + X)"
 NUMBERS = {"R": 1.0, "k": 100.0, "C": 5.0, "gamma": 2.0, "c": 0.3, "m": 3.0, "H": 3.0, "eta": 2.0, "N": 1.0}
 
 

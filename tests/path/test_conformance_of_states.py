@@ -5,12 +5,9 @@ Forces, entropy, criteria and flows are computed here from the formulas of the l
 
 from __future__ import annotations
 
-import inspect
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -26,10 +23,11 @@ from duhem.expression.branches import gradient
 from duhem.expression.numpy_ import compiled
 from duhem.law.atlas.entry import entry, groups
 from duhem.law.state import prescribed
-from duhem.path import state_path, state_question, state_step, state_steps
+from duhem.path import state_step, state_steps
 from duhem.path.state_path import StateHistory
 from duhem.path.state_step import StateLaw
 from tests.long import mostly_long
+from tests.path.states import mutate
 
 Array = Any
 
@@ -452,18 +450,6 @@ def test_a_wrong_tangent_is_no_slope(monkeypatch: pytest.MonkeyPatch) -> None:
     mutate(state_step, "moved = -_solved(", "moved = 0.9 * -_solved(", monkeypatch)
     with pytest.raises(AssertionError):
         tangents(load, [])
-
-
-def mutate(module: Any, old: str, new: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What paths take of a module is taken of one with another text."""
-    source = inspect.getsource(module)
-    assert source.count(old) == 1
-    mutant = ModuleType("mutant")
-    monkeypatch.setitem(sys.modules, "mutant", mutant)
-    exec(compile(source.replace(old, new), "mutant", "exec"), mutant.__dict__)
-    taken = ((state_question, "StateLaw"), (state_steps, "own_dissipation"))
-    for place, name in taken if module is state_step else ((state_path, "implicit"), (state_steps, "implicit")):
-        monkeypatch.setattr(place, name, getattr(mutant, name))
 
 
 @pytest.mark.long
