@@ -18,6 +18,8 @@ from duhem.path import scene, scene_file, state_path, state_steps
 from duhem.path.history import Interrupted
 from duhem.path.state_path import NoAnswer, StateHistory, state_history
 from duhem.show.growing_file import beside
+from tests.path.states import NORTON, NUMBERS, ONE, SOFTENING
+from tests.path.states import PRAGER as HARDENING
 
 R, K, C, GAMMA = 1.0, 100.0, 20.0, 3.0
 FREDERICK = {"R": R, "k": K, "C": C, "gamma": GAMMA}
@@ -293,6 +295,24 @@ def test_a_part_of_another_run_is_refused() -> None:
     assert np.array_equal(duhem.simulate(law, path, start=many.point(0).upto(3), **asked)["alpha"], many.point(0)["alpha"])
     with pytest.raises(InputError, match="another run"):
         duhem.simulate(law, path, start=many.point(1).upto(3), **asked)
+
+
+@pytest.mark.parametrize(
+    ("law", "path", "other", "asked"),
+    [
+        (SOFTENING, [[0.0, 300.0], [0.01, 301.0], [1.0, 302.0]], [0.01, 300.5], {"parameters": NUMBERS}),
+        (NORTON, [[0.3, 0.4], [0.3, 0.5], [0.3, 0.4]], [0.2, 0.5], {"parameters": {"A": 2.0, "n": 3.0}, "stiffness": 10.0}),
+        (HARDENING, [[0.0], [1.1], [1.2]], [1.15], {"parameters": ONE | {"C": 3.0}}),
+    ],
+)
+def test_a_part_of_another_temperature_or_of_other_forces_is_refused(law: Any, path: list[Any], other: list[float], asked: Any) -> None:
+    control = "displacement" if law is SOFTENING else "stress"
+    where, elsewhere = (Path.linear([path[0], knot, path[2]], time=[0.0, 1.0, 2.0], control=control) for knot in (path[1], other))
+    whole: Any = duhem.simulate(law, where, **asked)
+    again: Any = duhem.simulate(law, where, start=whole.upto(2), **asked)
+    assert np.array_equal(again.to_array(), whole.to_array())
+    with pytest.raises(InputError, match="another run"):
+        duhem.simulate(law, elsewhere, start=whole.upto(2), **asked)
 
 
 def test_the_stress_of_damage_stands_in_the_table_and_is_drawn(tmp_path: Any) -> None:
