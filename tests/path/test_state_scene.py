@@ -81,6 +81,7 @@ def test_the_faults_of_a_scene_have_their_places(tmp_path: Any) -> None:
         ("C = 5", "C = 5\nalpha = 1", r":3:1: .*is a variable"),
         ('law = "law.toml"', 'law = "law.toml"\nstiffness = 1', r":2:1: .*has an energy"),
         ("substeps = 4", 'integrator = "exact"', r":14:1: .*no method"),
+        ("substeps = 4", "substeps = 4\naccuracy = 1e-8", r":15:1: .*no accuracy"),
     ):
         with pytest.raises(scene_file.SceneFaults, match=said):
             scene_file.reads(SCENE.replace(old, new), "scene", tmp_path)

@@ -268,7 +268,8 @@ def perform_many(
 ) -> PointCounts:
     """Run the scene of many points, whose ``table`` grows as they are done; how many of them came out how.
 
-    Without a table the rows are said, some at a time.  Stopped if interrupted: the points that are done are kept.
+    Without a table the rows are said, some at a time.  Stopped if interrupted: the points that are done are kept.  Of a law with a
+    state there is one table at the end, and nothing is kept.
     """
     if evolves(scene.law):
         found = driven(scene, None, on_step)

@@ -37,9 +37,10 @@ from duhem.show.place import check_place
 __all__ = ["SceneFaults", "read", "reads"]
 
 MOST_BYTES = 1_000_000
-_PLAIN: Mapping[str, Any] = {"stiffness": 1.0, "threads": 1, "substeps": 1, "keep": 1, "stress": None, "compiled": False}
+_PLAIN: Mapping[str, Any] = {"stiffness": 1.0, "threads": 1, "substeps": 1, "keep": 1, "stress": None, "compiled": False, "accuracy": None}
 _MISFITS = {  # what a check of the run names: section and key of it
     "method": ("method", "integrator"),
+    "accuracy": ("method", "accuracy"),
     "compiled": ("method", "compiled"),
     "stiffness": ("", "stiffness"),
     "point ": ("points", "table"),
