@@ -84,6 +84,9 @@ OPEN = [
     ("max((q - a*p)**2 - 1/p, c - 2*p)", {}, {}),
     ("max(q**2 - (2*p - c)**2*(2 + h), p - c, -p)", {"h": Domain.between(0, 1)}, {}),  # two wedges that touch inside
     ("max(q**2 - p*(c - p)*(2*p - c)**2*(2 + h), p - c, -p)", {"h": Domain.between(0, 1)}, {}),
+    ("q**2 - p*p", {}, {}),  # two wedges, as p p >= 0 bounds p on no side
+    ("q**2 - M*(p + c)*(p + c)", {}, {}),
+    ("max(abs(q)**3 - M*p*(2*p), t - q)", {}, {}),
     (CUBIC.replace(", -p)", ")"), {"h": Domain.between("-9/10", 3)}, {}),
     (CLOSED.replace(", 0)", ", 1)"), {}, {}),
     (CLOSED.replace(", -p)", ")"), {}, {}),

@@ -257,8 +257,9 @@ def _loads_of_a_product(part: Term, domain: StatedDomain) -> Iterator[Term]:
         scales, moving = _apart(factors(product), domain)
         if len(moving) < 2 or domain.facts(product_of(*scales)).sign != NEGATIVE or not domain.facts(rest).nonnegative:
             continue
-        for x in (f for f in moving if domain.facts(f).affine and domain.facts(f).sign & NEGATIVE):
-            if all(_leaves(x, h, domain) for h in moving if h is not x):
+        for i, x in enumerate(moving):
+            others = [*moving[:i], *moving[i + 1 :]]  # x among them, where it stands twice: x x >= 0 on either side of 0
+            if domain.facts(x).affine and domain.facts(x).sign & NEGATIVE and all(_leaves(x, h, domain) for h in others):
                 yield x
 
 
