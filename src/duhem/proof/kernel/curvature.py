@@ -28,7 +28,7 @@ from duhem.proof.kernel.bounds import Facts, of_sum, signs_of_product
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw
-from duhem.proof.kernel.forms import Matrix, degree_at_most, determinant, leading_minors, multiple, quadratic, sign_within
+from duhem.proof.kernel.forms import Matrix, apart, degree_at_most, determinant, leading_minors, multiple, quadratic, sign_within
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Monomial, written
 from duhem.proof.kernel.profiles import closed_at_its_end, scaled, shape_of_two
@@ -36,7 +36,7 @@ from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spans import below_right
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["over", "shown", "within_ranges"]
 
@@ -200,8 +200,8 @@ def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
     if len(moving) != 1:
         if len(moving) != 2 or term.large:
             return Facts(defined, sign)
-        bowl = _size_by_its_logarithm(term, domain) or _square_over_load(term, domain)
         f, g = (a for a in term.args if not domain.constant(a))
+        bowl = any(_size_by_its_logarithm(a, b, domain) or _square_over_load(a, b, domain) for a, b in ((f, g), (g, f)))
         convex, concave = scaled((True, False) if bowl else shape_of_two(f, g, domain), scale)
         return Facts(defined, sign, convex, concave, convex)
     x = moving[0] if not scale & NEGATIVE else moving[0].negated()
@@ -217,9 +217,8 @@ def _quasiconcave(term: Term, domain: StatedDomain) -> bool:
     if known.concave or term.op not in ("exp", "tanh", "atan", "sinh", "pos", "log", "min", "**", "*"):
         return known.concave
     if term.op == "*":
-        moving = [a for a in term.args if not domain.constant(a)]
-        scale = domain.facts(product_of(*(a for a in term.args if domain.constant(a)))).sign
-        return len(moving) == 1 and not scale & NEGATIVE and _quasiconcave(moving[0], domain)
+        scale, moving = apart(term, domain)
+        return len(moving) == 1 and not domain.facts(scale).sign & NEGATIVE and _quasiconcave(moving[0], domain)
     if term.op == "**":
         base, exponent = (domain.facts(a).sign for a in term.args)
         return not base & NEGATIVE and domain.constant(term.args[1]) and exponent == POSITIVE and _quasiconcave(term.args[0], domain)
@@ -250,21 +249,16 @@ def _log_convex(term: Term, domain: StatedDomain) -> bool:
     return known[term]
 
 
-def _size_by_its_logarithm(term: Term, domain: StatedDomain) -> bool:
+def _size_by_its_logarithm(x: Term, logarithm: Term, domain: StatedDomain) -> bool:
     """x log(c x) with x affine and > 0, c > 0."""
-    moving = [f for f in term.args if not domain.constant(f)]
-    logarithm = next((f for f in moving if f.op == "log"), None)
-    if logarithm is None or not (size := domain.facts(logarithm.args[0])).affine or size.sign != POSITIVE:
+    if logarithm.op != "log" or not (size := domain.facts(logarithm.args[0])).affine or size.sign != POSITIVE:
         return False
-    (x,) = [f for f in moving if f is not logarithm] or [logarithm]
     share = multiple(domain.polynomial(x), domain.polynomial(logarithm.args[0]), domain)
     return bool(share) and share is not None and not domain.facts(written(share)).sign & NEGATIVE
 
 
-def _square_over_load(term: Term, domain: StatedDomain) -> bool:
-    """h^2/x with h convex and >= 0, x concave and > 0; h^2 is a sum of squares."""
-    moving = [f for f in term.args if not domain.constant(f)]
-    square, under = moving if moving[1].op == "**" and moving[1].args[1] == number(-1) else moving[::-1]
+def _square_over_load(square: Term, under: Term, domain: StatedDomain) -> bool:
+    """h^2/x with h convex and >= 0, the root of the first factor, and x concave and > 0."""
     if under.op != "**" or under.args[1] != number(-1):
         return False
     root = domain.facts(Term("**", (square, _HALF)))
@@ -319,11 +313,10 @@ def _geometric_mean(term: Term, domain: StatedDomain) -> bool:
     base, exponent = term.args
     if base.op == "pos" and domain.facts(base.args[0]).nonnegative:
         base = base.args[0]
-    parts = factors(base) if base.op == "*" else []
-    moving = [domain.facts(f) for f in parts if not domain.constant(f)]
-    scale = domain.facts(Term("*", (_ONE, *(f for f in parts if domain.constant(f)))))
+    scale, parts = apart(base, domain)
+    moving = [domain.facts(f) for f in parts]
     enough = domain.facts(Term("+", (_ONE, minus(Term("*", (number(len(moving)), exponent))))))
-    return len(moving) > 1 and all(x.concave and x.nonnegative for x in moving) and scale.nonnegative and enough.nonnegative
+    return len(moving) > 1 and all(x.concave and x.nonnegative for x in moving) and domain.facts(scale).nonnegative and enough.nonnegative
 
 
 def _root_of_quadratic(term: Term, domain: StatedDomain) -> bool:
@@ -339,10 +332,8 @@ def _minkowski(term: Term, domain: StatedDomain) -> bool:
     base, out = term.args
     shared: Term | None = None
     for part in base.args if base.op == "+" else (base,):
-        factors = part.args if part.op == "*" else (part,)
-        moving = [f for f in factors if not domain.constant(f)]
-        scale = domain.facts(Term("*", (_ONE, *(f for f in factors if domain.constant(f)))))
-        if not (scale.defined and scale.nonnegative):
+        scale, moving = apart(part, domain)
+        if not (domain.facts(scale).defined and domain.facts(scale).nonnegative):
             return False
         if not moving and out == _HALF:
             continue  # the square of its root: one term more
@@ -405,18 +396,18 @@ def nonnegative_when_bent(term: Term, domain: StatedDomain) -> bool:
 
 def nonnegative_as_a_spread(term: Term, domain: StatedDomain) -> bool:
     """Whether a sum is made of greatest less least values of what has a part in common, and of what is >= 0 itself."""
-    left = dict(_summed(term, domain))
-    for top in [part for part in left if part.op in ("max", "eigmax")]:
+    parts = _summed(term, domain)
+    left = dict(parts)
+    for top in [part for part in parts if part.op in ("max", "eigmax")]:
         low = next((part for part in left if part is not top and _beneath(part, top, domain)), None)
-        if low is None:
+        if low is None or top not in left:
             continue
         above, below = (sum_of(*left.pop(part)) for part in (top, low))
         share = below if low.op == "eigmax" else minus(below)
         if domain.facts(above).sign & NEGATIVE or domain.polynomial(above) != domain.polynomial(share):
             return False
-    return len(left) < len(_summed(term, domain)) and all(
-        domain.facts(product_of(sum_of(*scales), part)).nonnegative for part, scales in left.items()
-    )
+    others = (product_of(sum_of(*scales), part) for part, scales in left.items())
+    return len(left) < len(parts) and all(domain.facts(other).nonnegative for other in others)
 
 
 def _beneath(low: Term, top: Term, domain: StatedDomain) -> bool:

@@ -9,11 +9,11 @@ from itertools import combinations
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, negated, times, total, written
-from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
 
 __all__ = [
-    "Matrix", "Row", "affine", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "leading_minors", "multiple", "of_load",
-    "quadratic", "share_and_rest", "sign_within",
+    "Matrix", "Row", "affine", "apart", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "leading_minors", "multiple",
+    "of_load", "quadratic", "share_and_rest", "sign_within",
 ]  # fmt: skip
 
 Row = Sequence[Term]
@@ -23,6 +23,12 @@ Matrix = Sequence[Row]
 def at(term: Term, names: Sequence[str], values: Sequence[Term]) -> Term:
     """A term with values in the place of names."""
     return term.put({Term("name", name=n): v for n, v in zip(names, values, strict=True)})
+
+
+def apart(term: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
+    """The constants in a product, as their product, and its other factors."""
+    parts = factors(term)
+    return product_of(*(f for f in parts if domain.constant(f))), [f for f in parts if not domain.constant(f)]
 
 
 def degree_at_most(term: Term, domain: StatedDomain) -> int | None:

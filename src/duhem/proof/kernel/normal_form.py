@@ -11,12 +11,13 @@ for c >= 0; of a sum of squares under a root those that are no polynomials becom
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from fractions import Fraction
-from math import isqrt
 from typing import NamedTuple
 
+from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
-from duhem.proof.kernel.forms import by_forces, multiple
+from duhem.proof.kernel.forms import apart, by_forces, multiple
 from duhem.proof.kernel.polynomial import (
     Monomial,
     Polynomial,
@@ -207,11 +208,10 @@ class _Form(NamedTuple):
         return self._norm([self._collected(product_of(self._root_of(c), x)) for c, x in squares])
 
     def _root_of(self, constant: Polynomial) -> Term:
-        if (value := number_in(constant)) is not None and value > 0:
-            root = Fraction(isqrt(value.numerator), isqrt(value.denominator))
-            if root * root == value:
-                return number(root)
-        return Term("**", (_plain(constant), _HALF))
+        root = Term("**", (_plain(constant), _HALF))
+        with suppress(NotWritten):
+            return number(exact_value(root))
+        return root
 
     def _square(self, poly: Polynomial) -> tuple[Polynomial, Term] | None:
         """(d, y) where the polynomial is d y^2 with a constant d; None where it is no square."""
@@ -350,13 +350,11 @@ class _Form(NamedTuple):
         if term.op != "+":
             return term
         for i, part in enumerate(term.args):
-            scaled = part.args if part.op == "*" else (part,)
-            moving = [f for f in scaled if not self.domain.constant(f)]
+            c, moving = apart(part, self.domain)
             if len(moving) != 1 or moving[0].op not in ("abs", "pos", "neg"):
                 continue
             (d,) = moving[0].args
             poly, rest = self._poly(d), sum_of(*term.args[:i], *term.args[i + 1 :])
-            c = product_of(*(f for f in scaled if self.domain.constant(f)))
             whole, beside = self._poly(product_of(c, d)), self._poly(rest)
             if moving[0].op == "abs" and beside in (whole, negated(whole)):  # c |d| + c d, c |d| - c d
                 return self._folded(product_of(number(2), c, Term("pos" if beside == whole else "neg", (d,))))

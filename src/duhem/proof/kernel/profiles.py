@@ -1,6 +1,6 @@
 """Products that are convex or concave although two of their factors depend on the forces: profiles of bodies along a load.
 
-x w with x affine and w a sum is the sum of x times its parts, and x y^n = y^(n+1)/k for y = k x: so p (1 - b log(p/c)) is p less a multiple
+x w with x affine and w a sum is the sum of x times its parts, and x y^n = k y^(n+1) for x = k y: so p (1 - b log(p/c)) is p less a multiple
 of p log(p/c), and p (1 - (p/c)^n) is p less a power of p.
 
 where(y > 0, x^n w, 0), n > 0, is continuous where y >= 0, x and y being multiples of one load t and w made of logarithms of such by sums
@@ -23,9 +23,9 @@ from dataclasses import replace
 
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.forms import multiple, of_load, share_and_rest
+from duhem.proof.kernel.forms import apart, multiple, of_load, share_and_rest
 from duhem.proof.kernel.polynomial import Polynomial, written
-from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["closed_at_its_end", "opened", "scaled", "shape_of_two", "times_load"]
 
@@ -71,7 +71,7 @@ def closed_at_its_end(term: Term, domain: StatedDomain) -> Facts | None:
     if not (known.defined and known.affine and known.nonnegative) or domain.constant(y):
         return None
     load = domain.polynomial(y)
-    moving = _apart(inner, domain)[1]
+    moving = apart(inner, domain)[1]
     if not any(_vanishes(f, load, domain) for f in moving) or not all(_grows_slowly(f, load, domain) for f in moving):
         return None
     there = domain.where({y: True}).facts(inner)
@@ -94,21 +94,15 @@ def _grows_slowly(f: Term, load: Polynomial, domain: StatedDomain) -> bool:
 
 
 def _times(x: Term, part: Term, domain: StatedDomain) -> Term:
-    """x c y^n as c y^(n+1)/k where y = k x, k > 0; else their product."""
-    constants, moving = _apart(part, domain)
+    """x c y^n as c k y^(n+1) where x = k y, k > 0; else their product."""
+    scale, moving = apart(part, domain)
     if len(moving) == 1 and moving[0].op == "**" and domain.constant(moving[0].args[1]):
         y, n = moving[0].args
-        k = multiple(domain.polynomial(x), domain.polynomial(y), domain)  # x = y k here
+        k = multiple(domain.polynomial(x), domain.polynomial(y), domain)
         if k and domain.facts(written(k)).sign == POSITIVE:
             more = number(n.value + 1) if n.op == "number" else sum_of(n, _ONE)
-            return product_of(*constants, written(k), Term("**", (y, more)))
-    return product_of(*constants, x, *moving)
-
-
-def _apart(term: Term, domain: StatedDomain) -> tuple[list[Term], list[Term]]:
-    """The constants in a product, and its other factors."""
-    parts = factors(term)
-    return [f for f in parts if domain.constant(f)], [f for f in parts if not domain.constant(f)]
+            return product_of(scale, written(k), Term("**", (y, more)))
+    return product_of(scale, x, *moving)
 
 
 def _weighted_mean(x: Term, power: Term, domain: StatedDomain) -> bool:
@@ -155,8 +149,8 @@ def _trend(term: Term, load: Polynomial, domain: StatedDomain) -> tuple[bool, bo
         sign = domain.facts(written(split[0])).sign
         return not sign & NEGATIVE, not sign & POSITIVE
     if term.op == "*":
-        scale, moving = _apart(term, domain)
-        return scaled(_trend(moving[0], load, domain), domain.facts(product_of(*scale)).sign) if len(moving) == 1 else (False, False)
+        scale, moving = apart(term, domain)
+        return scaled(_trend(moving[0], load, domain), domain.facts(scale).sign) if len(moving) == 1 else (False, False)
     if term.op == "**" and domain.constant(term.args[1]) and domain.facts(term.args[0]).nonnegative:
         return scaled(_trend(term.args[0], load, domain), domain.facts(term.args[1]).sign)
     if term.op == "+" or term.op in _RISING:

@@ -38,7 +38,7 @@ from math import prod
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
-from duhem.proof.kernel.forms import at_end_of, multiple
+from duhem.proof.kernel.forms import apart, at_end_of, multiple
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replaced, slope, times, total, written
 from duhem.proof.kernel.profiles import times_load
 from duhem.proof.kernel.regularity import smooth_but_where_zero
@@ -254,8 +254,8 @@ def _divides(load: Term, part: Term, domain: StatedDomain) -> bool:
 def _loads_of_a_product(part: Term, domain: StatedDomain) -> Iterator[Term]:
     """Each x of ``part`` = A - c x h with A >= 0, c > 0 and h >= 0, that is >= 0 where h is 0 too."""
     for rest, product in _without_one(part) if part.op == "+" else ():
-        scales, moving = _apart(factors(product), domain)
-        if len(moving) < 2 or domain.facts(product_of(*scales)).sign != NEGATIVE or not domain.facts(rest).nonnegative:
+        scale, moving = apart(product, domain)
+        if len(moving) < 2 or domain.facts(scale).sign != NEGATIVE or not domain.facts(rest).nonnegative:
             continue
         for i, x in enumerate(moving):
             others = [*moving[:i], *moving[i + 1 :]]  # x among them, where it stands twice: x x >= 0 on either side of 0
@@ -333,15 +333,15 @@ def _without_one(whole: Term) -> Iterator[tuple[Term, Term]]:
 
 def _cleared(product: Term, rest: Term, domain: StatedDomain) -> tuple[Term, Term] | None:
     """c u^n and -k v_1 ... v_m of c u^n/(v_1 ... v_m) - k, c > 0 and the v_i > 0: they add up to what has its sign."""
-    scales, moving = _apart(factors(product), domain)
+    scale, moving = apart(product, domain)
     under = [f for f in moving if f.op == "**" and f.args[1].op == "number" and f.args[1].value < 0 and f.args[1].value.denominator == 1]
     above = [f for f in moving if f not in under]
-    if not under or len(above) != 1 or not domain.constant(rest) or domain.facts(product_of(*scales)).sign != POSITIVE:
+    if not under or len(above) != 1 or not domain.constant(rest) or domain.facts(scale).sign != POSITIVE:
         return None
     if any(domain.facts(f).sign != POSITIVE for f in under):
         return None
     divisors = [part for f in under for part in _repeated(f.args[0]) * -int(f.args[1].value)]
-    return above[0], product_of(rest, Term("**", (product_of(*scales), number(-1))), *divisors)
+    return above[0], product_of(rest, Term("**", (scale, number(-1))), *divisors)
 
 
 def _repeated(term: Term) -> list[Term]:
@@ -357,9 +357,8 @@ def _below(power: Term, rest: Term, domain: StatedDomain) -> bool:
     n = power.args[1].value if power.op == "**" and power.args[1].op == "number" else None
     if n is None or n.denominator > 1 or n <= 0:
         return False
-    u, parts = domain.facts(power.args[0]), factors(rest)
-    c = domain.facts(minus(product_of(*(f for f in parts if domain.constant(f)))))
-    concave = [domain.facts(f) for f in parts if not domain.constant(f)]
+    scale, moving = apart(rest, domain)
+    u, c, concave = domain.facts(power.args[0]), domain.facts(minus(scale)), [domain.facts(f) for f in moving]
     convex = u.defined and (u.convex_in_size if n % 2 == 0 else u.convex)
     return (
         convex and c.defined and c.nonnegative and 0 < len(concave) <= n and all(v.defined and v.concave and v.nonnegative for v in concave)
@@ -367,10 +366,10 @@ def _below(power: Term, rest: Term, domain: StatedDomain) -> bool:
 
 
 def _below_a_load(square: Term, rest: Term, domain: StatedDomain) -> bool:
-    scales, moving = _apart(factors(rest), domain)
+    scale, moving = apart(rest, domain)
     load = next((f.args[0] for f in moving if f.op == "**" and f.args[1] == number(2)), None)
     others = [f for f in moving if f.op != "**" or f.args[0] is not load]
-    c = domain.facts(minus(product_of(*scales)))
+    c = domain.facts(minus(scale))
     if load is None or not (len(others) == 1 < len(moving) == 2 and c.defined and c.sign in (NEGATIVE, POSITIVE)):
         return False
     w = others[0] if c.sign == POSITIVE else minus(others[0])
@@ -387,8 +386,8 @@ def _share_of_a_load(power: Term, rest: Term, domain: StatedDomain) -> bool:
     """Whether they are (|u|/x)^n, n >= 1, and -w."""
     if power.op != "**" or not domain.constant(power.args[1]) or domain.facts(sum_of(power.args[1], number(-1))).sign & NEGATIVE:
         return False
-    moving = [f for f in factors(power.args[0]) if not domain.constant(f)]
-    under = [y for f in moving if f.op == "**" and f.args[1] == number(-1) for y in factors(f.args[0]) if not domain.constant(y)]
+    _, moving = apart(power.args[0], domain)
+    under = [y for f in moving if f.op == "**" and f.args[1] == number(-1) for y in apart(f.args[0], domain)[1]]
     over_, scale = [f for f in moving if f.op != "**" or f.args[1] != number(-1)], domain.facts(power.args[0])
     if len(under) != 1 or len(over_) != 1 or not (scale.defined and scale.nonnegative):
         return False
@@ -427,22 +426,16 @@ def round_at_its_ends(law: StatedLaw) -> bool:
 def _gauge_and_parts(f: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
     """A and the h of f = A - c (h_1 ... h_k)^e; NotWritten where f is not of that form."""
     for root in f.args if f.op == "+" else ():
-        scales, moving = _apart(factors(root), domain)
-        if len(moving) != 1 or moving[0].op != "**" or domain.facts(product_of(*scales)).sign != NEGATIVE:
+        scale, moving = apart(root, domain)
+        if len(moving) != 1 or moving[0].op != "**" or domain.facts(scale).sign != NEGATIVE:
             continue
         base, e = moving[0].args
-        scales, parts = _apart(factors(base.args[0] if base.op == "pos" else base), domain)
+        scale, parts = apart(base.args[0] if base.op == "pos" else base, domain)
         below_one = domain.facts(sum_of(number(1), minus(e))).sign
-        if domain.constant(e) and domain.facts(e).sign == below_one == domain.facts(product_of(*scales)).sign == POSITIVE:
+        if domain.constant(e) and domain.facts(e).sign == below_one == domain.facts(scale).sign == POSITIVE:
             rest = [term for term in f.args if term is not root]
             return rest[0] if len(rest) == 1 else sum_of(*rest), parts
     raise NotWritten("no root is subtracted")
-
-
-def _apart(parts: list[Term], domain: StatedDomain) -> tuple[list[Term], list[Term]]:
-    """The constants among them, and the others."""
-    constants = [f for f in parts if domain.constant(f)]
-    return constants, [f for f in parts if f not in constants]
 
 
 def _ends_round(load: Term, loads: list[Term], parts: list[Term], domain: StatedDomain) -> bool:
