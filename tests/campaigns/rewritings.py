@@ -28,6 +28,7 @@ import sympy as sp
 from duhem import Criterion, Domain, InputError, load, verify
 from duhem.law import catalogue
 from duhem.law.atlas.entry import ASKED, groups
+from duhem.law.domain import POSITIVE
 from duhem.proof.certificate import law_as_text
 from duhem.proof.verification import Confirmations
 
@@ -162,20 +163,17 @@ REWRITINGS |= {
 }  # fmt: skip
 
 
-def _squares(node: ast.AST) -> str | None:
-    if not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and ast.unparse(node.right) == "2"):
-        return None
-    return f"({ast.unparse(node.left)})*({ast.unparse(node.left)})"
+def _squared(node: ast.AST) -> str | None:
+    """What the square is of."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and ast.unparse(node.right) == "2":
+        return ast.unparse(node.left)
+    return None
 
 
-def _sizes(node: ast.AST) -> str | None:
-    if not (isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and ast.unparse(node.right) == "2"):
-        return None
-    return f"abs({ast.unparse(node.left)})**2"
-
-
-REWRITINGS["square as product"] = _by_node(_squares)
-REWRITINGS["square of size"] = _by_node(_sizes)
+REWRITINGS |= {
+    "square as product": _by_node(lambda node: None if (x := _squared(node)) is None else f"({x})*({x})"),
+    "square of size": _by_node(lambda node: None if (x := _squared(node)) is None else f"abs({x})**2"),
+}
 
 
 @_named("root as norm")
@@ -186,9 +184,9 @@ def _root_as_norm(text: Text, rng: random.Random) -> Text:
         assert isinstance(node, ast.Call)
         parts = []
         for sign, part in _terms(node.args[0], 1):
-            if sign < 0 or not (isinstance(part, ast.BinOp) and isinstance(part.op, ast.Pow) and ast.unparse(part.right) == "2"):
+            if sign < 0 or (inner := _squared(part)) is None:
                 return None
-            parts.append(ast.unparse(part.left))
+            parts.append(inner)
         return f"norm({', '.join(parts)})"
 
     return _by_node(change)(text, rng)
@@ -326,23 +324,22 @@ def _domain(low: Mapping[str, Any], high: str) -> Domain:
     return Domain(low=None if "positive" in low else sp.Rational(low["min"]), high=sp.Rational(high), positive="positive" in low)
 
 
-@_named("quotient")
-def _quotient(text: Text, rng: random.Random) -> Text:
-    free = [n for n, d in text.parameters.items() if d.positive and d.high is None]
-    if not free:
-        return text
-    name = rng.choice(free)
-    one = Domain(positive=True)
-    return _in_place(name, f"above_{name}/below_{name}", text, {f"above_{name}": one, f"below_{name}": one})
+def _above_zero(formula: str, names: Mapping[str, Domain]) -> Rewriting:
+    """A formula that takes every value > 0, in the place of a parameter that does; "{}" is the name of that."""
+
+    def put(text: Text, rng: random.Random) -> Text:
+        if not (free := [n for n, d in text.parameters.items() if d.positive and d.high is None]):
+            return text
+        name = rng.choice(free)
+        return _in_place(name, formula.format(name), text, {own.format(name): domain for own, domain in names.items()})
+
+    return put
 
 
-@_named("product")
-def _product(text: Text, rng: random.Random) -> Text:
-    free = [n for n, d in text.parameters.items() if d.positive and d.high is None]
-    if not free:
-        return text
-    name = rng.choice(free)
-    return _in_place(name, f"{name}*exp(share_of_{name})", text, {name: text.parameters[name], f"share_of_{name}": Domain()})
+REWRITINGS |= {
+    "quotient": _above_zero("above_{0}/below_{0}", {"above_{0}": POSITIVE, "below_{0}": POSITIVE}),
+    "product": _above_zero("{0}*exp(share_of_{0})", {"{0}": POSITIVE, "share_of_{0}": Domain()}),
+}
 
 
 # -- laws --------------------------------------------------------------------------------------------------------------

@@ -33,7 +33,7 @@ from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Monomial, written
 from duhem.proof.kernel.profiles import closed_at_its_end, scaled, shape_of_two
 from duhem.proof.kernel.signs import sign_of_constant
-from duhem.proof.kernel.spans import below_right
+from duhem.proof.kernel.spans import RISING, below_right
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
@@ -41,9 +41,6 @@ from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of,
 __all__ = ["over", "shown", "within_ranges"]
 
 _HALF, _ONE = number(Fraction(1, 2)), number(1)
-_RISING = (  # words that rise, and have the sign of what they are of
-    "tanh", "atan",
-)  # fmt: skip
 _PRICE = 100  # steps for a part of a formula, beside what its polynomials cost
 _SMALL, _LARGEST_BLOCK = 3, 6
 _Bend = tuple[Term, Term, Term]  # x, right, left
@@ -158,7 +155,7 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             return _risen(x)
         case "tan":
             return Facts(defined)
-        case word if word in _RISING:
+        case "tanh" | "atan":
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
         case "cos" if below_right(term.args[0], domain.sign):
             return Facts(x.defined, POSITIVE)
@@ -214,7 +211,7 @@ def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
 def _quasiconcave(term: Term, domain: StatedDomain) -> bool:
     """Whether -f is quasiconvex: f is concave, or a function that rises of what is quasiconcave."""
     known = domain.facts(term)
-    if known.concave or term.op not in ("exp", "tanh", "atan", "sinh", "pos", "log", "min", "**", "*"):
+    if known.concave or term.op not in ("pos", "min", "**", "*", *RISING):
         return known.concave
     if term.op == "*":
         scale, moving = apart(term, domain)

@@ -437,9 +437,8 @@ class StatedDomain:
 
     def span(self, constant: Term) -> Bounds:
         """Where a constant lies."""
-        if constant.op == "name":
-            own = self.bounds.get(constant.name)
-            return own if own is not None else span(constant, self.of, self.bounds)
+        if constant.op == "name" and constant.name in self.bounds:
+            return self.bounds[constant.name]
         kept: dict[Term, Bounds] = self.kept.setdefault("spans", {})
         if constant not in kept:
             kept[constant] = span(constant, self.of, self.bounds)

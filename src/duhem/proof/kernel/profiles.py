@@ -25,11 +25,11 @@ from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.forms import apart, multiple, of_load, share_and_rest
 from duhem.proof.kernel.polynomial import Polynomial, written
+from duhem.proof.kernel.spans import RISING
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["closed_at_its_end", "opened", "scaled", "shape_of_two", "times_load"]
 
-_RISING = ("exp", "log", "sinh", "tanh", "atan", "asin", "pos", "max", "min")
 _ONE = number(1)
 
 
@@ -153,7 +153,7 @@ def _trend(term: Term, load: Polynomial, domain: StatedDomain) -> tuple[bool, bo
         return scaled(_trend(moving[0], load, domain), domain.facts(scale).sign) if len(moving) == 1 else (False, False)
     if term.op == "**" and domain.constant(term.args[1]) and domain.facts(term.args[0]).nonnegative:
         return scaled(_trend(term.args[0], load, domain), domain.facts(term.args[1]).sign)
-    if term.op == "+" or term.op in _RISING:
+    if term.op in ("+", "pos", "max", "min", *RISING):
         parts = [_trend(a, load, domain) for a in term.args]
         return all(up for up, _ in parts), all(down for _, down in parts)
     return False, False

@@ -7,6 +7,7 @@ A word that rises keeps the order of its arguments; a power of what is at most 1
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import suppress
 from fractions import Fraction
 from itertools import permutations
 
@@ -16,7 +17,7 @@ from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
-__all__ = ["below_right", "ordered", "span"]
+__all__ = ["RISING", "below_right", "ordered", "span"]
 
 _Signs = Callable[[Term], Sign]
 _COARSE = 40  # binary digits that the ends of a span need not have
@@ -26,7 +27,7 @@ _WITHIN = {
     "sin": Bounds(-_ONE, _ONE), "cos": Bounds(-_ONE, _ONE), "tanh": Bounds(-_ONE, _ONE, True, True), "exp": Bounds(Fraction(0), None, True),
     "atan": Bounds(-2 * _ONE, 2 * _ONE), "asin": Bounds(-2 * _ONE, 2 * _ONE), "acos": Bounds(Fraction(0), 4 * _ONE),
 }  # fmt: skip
-_RISING = ("exp", "log", "atan", "asin", "sinh", "tanh")
+RISING = ("exp", "log", "atan", "asin", "sinh", "tanh")  # words that rise wherever they have a value
 
 
 def span(atom: Term, sign: _Signs, bounds: Mapping[str, Bounds]) -> Bounds:
@@ -44,13 +45,11 @@ def span(atom: Term, sign: _Signs, bounds: Mapping[str, Bounds]) -> Bounds:
     ends = {name: bounds[name] for name in atom.names() - {"pi"} if name in bounds}
     if set(ends) == atom.names() - {"pi"} and all(own.low is not None and own.high is not None for own in ends.values()):
         pay(100)
-        try:
+        with suppress(ValueError, ZeroDivisionError):
             box = {name: Enclosure.between(own.low or Fraction(0), own.high or Fraction(0)) for name, own in ends.items()}
             low, high = enclosed(atom, box)
             found = found.above(Fraction(low >> _COARSE, 1 << BITS - _COARSE), False)
             found = found.below(Fraction(-(-high >> _COARSE), 1 << BITS - _COARSE), False)
-        except (ValueError, ZeroDivisionError):
-            pass
     return found
 
 
@@ -82,7 +81,7 @@ def ordered(atoms: Collection[Term], sign: _Signs) -> Iterator[tuple[Polynomial,
 
 def _rises(word: str, angles: Collection[Term], sign: _Signs) -> bool | None:
     """Whether a word rises, or falls, where these arguments may lie; None for a word that is not seen to do either."""
-    if word in _RISING or (word in ("tan", "sin") and all(below_right(angle, sign) for angle in angles)):
+    if word in RISING or (word in ("tan", "sin") and all(below_right(angle, sign) for angle in angles)):
         return True
     ends = (end for angle in angles for end in (angle, sum_of(_RIGHT, _RIGHT, minus(angle))))
     return False if word == "acos" or (word == "cos" and not any(sign(end) & NEGATIVE for end in ends)) else None
