@@ -391,7 +391,7 @@ class Confirmations:
 
     def __post_init__(self) -> None:
         self._stated = _stated(self.law)
-        # by the forms of the law that were read, with the steps that were allowed, where they were too few
+        # the claim, the proof, ``as_written``, whether it holds, and the steps that were allowed, where they were too few
         self._answers: list[tuple[str, Proof, bool | None, bool, int]] = []
 
     def needs(self, claim: str) -> frozenset[str]:

@@ -70,7 +70,7 @@ def objection(
 ) -> str:
     """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does.
 
-    It reads the law ``as_written`` alone, or in its normal forms alone, or in all of these.
+    ``as_written`` says what it reads: True the law as its text says it, False the law in its normal forms, None both.
     """
     rules = _rules(law)
     if (claim, rule) not in rules:

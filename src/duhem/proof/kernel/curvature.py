@@ -61,6 +61,7 @@ def within_ranges(law: StatedLaw) -> StatedDomain:
 
 
 def shown(term: Term, domain: StatedDomain) -> Facts:
+    """What the rules show of a term over a domain; ``StatedDomain.facts`` keeps it."""
     pay(_PRICE)
     known, plain = _by_its_word(term, domain), domain.plain(term)
     if plain is not term:  # its value is simpler; what must be defined is what was written

@@ -47,10 +47,11 @@ from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, pr
 
 __all__ = ["convex_by_its_profile", "convex_in_its_region", "region_of", "round_at_its_ends", "where_loads_allow"]
 
-# -- bodies with a profile ---------------------------------------------------------------------------------------------
-
-
+_ONE = Fraction(1)
 _Place = tuple[Fraction, Fraction]  # a root exactly, or between two numbers that are none
+
+
+# -- bodies with a profile ---------------------------------------------------------------------------------------------
 
 
 def convex_by_its_profile(f: Term, loads: Collection[Term], domain: StatedDomain) -> bool:
@@ -213,7 +214,7 @@ def _beyond_roots(p: Line) -> Fraction:
     return 1 + max((Fraction(abs(c), abs(p[-1])) for c in p[:-1]), default=Fraction(0))
 
 
-_ONE = Fraction(1)
+# -- the region that loads leave of K ------------------------------------------------------------------------------------
 
 
 def convex_in_its_region(law: StatedLaw) -> bool:

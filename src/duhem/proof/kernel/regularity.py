@@ -88,6 +88,7 @@ def _switch(term: Term, domain: StatedDomain) -> Switch:
 
 
 def regularity(term: Term, domain: StatedDomain) -> Kinks | None:
+    """Where a term may fail to be C^1; None where that is not known."""
     known: dict[Term, Kinks | None] = domain.kept.setdefault("regularity", {})
     if term not in known:
         found = _of_parts(term, domain)

@@ -11,7 +11,7 @@ from contextlib import suppress
 from fractions import Fraction
 from itertools import permutations
 
-from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds, Sign
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign
 from duhem.proof.kernel.constant_value import BITS, Enclosure, enclosed
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.steps import pay
@@ -58,16 +58,14 @@ def _beside_one(atom: Term, sign: _Signs) -> Sign:
     if atom.op == "exp":
         return sign(atom.args[0])
     if atom.op != "**" or sign(atom.args[0]) & NEGATIVE:
-        return NEGATIVE | ZERO | POSITIVE
+        return ANY
     base, exponent = sign(sum_of(atom.args[0], number(-1))), sign(atom.args[1])
     above, below = not base & NEGATIVE, not base & POSITIVE
     grows, falls = not exponent & NEGATIVE, not exponent & POSITIVE
-    strict = 0 if (base | exponent) & ZERO else ZERO
+    equal = (base | exponent) & ZERO
     if (above and grows) or (below and falls):
-        return POSITIVE | (ZERO & ~strict)
-    if (above and falls) or (below and grows):
-        return NEGATIVE | (ZERO & ~strict)
-    return NEGATIVE | ZERO | POSITIVE
+        return POSITIVE | equal
+    return NEGATIVE | equal if (above and falls) or (below and grows) else ANY
 
 
 def ordered(atoms: Collection[Term], sign: _Signs) -> Iterator[tuple[Polynomial, bool]]:
