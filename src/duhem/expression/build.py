@@ -21,7 +21,7 @@ from duhem.expression.floats import approximate, value_at
 from duhem.expression.inert_number import InertNumber, inert_exponent, reckoned
 from duhem.expression.vocabulary import NODES, WORDS, Atan2
 
-__all__ = ["AS_WRITTEN", "EVALUATED", "Building", "greatest", "least", "settled", "unacceptable"]
+__all__ = ["AS_WRITTEN", "EVALUATED", "UNMADE", "Building", "greatest", "least", "nested", "settled", "unacceptable"]
 
 MOST_POINTS = 16
 _MARGIN = 1e-6  # far beyond what rounding does to a formula of a law
@@ -136,6 +136,13 @@ def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
     return _checked(_in_words(_BUILT.get(word, WORDS[word].build)(*args)))
 
 
+def nested(word: str, parts: Sequence[str]) -> str:
+    """The text of a ``max`` or ``min`` of any number of parts, within one another, as many at once as are read."""
+    while len(parts) > MOST_ARGUMENTS:
+        parts = [nested(word, parts[k : k + MOST_ARGUMENTS]) for k in range(0, len(parts), MOST_ARGUMENTS)]
+    return f"{word}({', '.join(parts)})"
+
+
 def _in_words(expr: sp.Expr) -> sp.Expr:
     """What SymPy made of a word, without words of its own: tan(x + pi/2) is -cot(x)."""
     return expr.replace(sp.cot, lambda x: 1 / sp.tan(x)) if expr.has(sp.cot) else expr
@@ -202,6 +209,8 @@ def _written_call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
 EVALUATED = Building(total, product, power, call, evaluate=True)
 # Nothing cancelled, combined or put in order but numbers: x/x, exp(log(x)) and sqrt(x)**2 stay what they are.
 AS_WRITTEN = Building(_written_total, _written_product, _written_power, _written_call, evaluate=False)
+# Nothing is made of the parts: for a formula that is to be checked alone, and may be long.
+UNMADE = Building(*[lambda *_, **__: sp.S.Zero] * 4, evaluate=False)
 
 
 def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> InputError | None:

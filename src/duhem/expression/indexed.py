@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import NoReturn
 
 from duhem.errors import InputError
+from duhem.expression.build import nested
 from duhem.expression.spelling import spelled
 
 __all__ = ["Indexed", "WrittenOver", "component"]
@@ -21,7 +22,7 @@ __all__ = ["Indexed", "WrittenOver", "component"]
 _INDEXED = re.compile(r"\[|(?<!\w)(?:sum|max_over|vector)\s*\(")
 _ALLOWED = re.compile(r"[\w\s.+\-*/(),<>=\[\]]*")
 _MOST_IN_ALL = 50_000_000
-_MOST_CHARACTERS, _MOST_DEPTH, _MOST_TERMS, _MOST_AT_ONCE = 20_000, 60, 20_000, 32
+_MOST_CHARACTERS, _MOST_DEPTH, _MOST_TERMS = 20_000, 60, 20_000
 _WHOLE = "an index is a whole number, an index of a sum, or made of these by + - *"
 _USAGE = "write {0}(i, 1, 24, ...)"
 _Scope = Mapping[str, int]
@@ -116,11 +117,7 @@ class _Writer:
                 plain = len(part.args) == 4 and _is_factor(part.args[3])
                 return f"({' + '.join(x if plain else f'({x})' for x in self.within(_MOST_CHARACTERS, part, scope))})"
             case ast.Call(func=ast.Name(id="max_over")):
-                found = list(self.within(_MOST_CHARACTERS, part, scope))
-                while len(found) > 1:
-                    groups = (found[k : k + _MOST_AT_ONCE] for k in range(0, len(found), _MOST_AT_ONCE))
-                    found = [f"max({', '.join(group)})" if len(group) > 1 else group[0] for group in groups]
-                return f"({found[0]})"
+                return nested("max", list(self.within(_MOST_CHARACTERS, part, scope)))
         self.refuse(part, "a vector or a table stands where a formula should", "take one entry of it, as in w[1, 2] or z[1]")
 
     def within(self, most: int, call: ast.Call, scope: _Scope) -> Iterator[str]:

@@ -20,7 +20,7 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, names_in
-from duhem.expression.build import AS_WRITTEN, EVALUATED, MOST_ARGUMENTS, Building, settled, unacceptable
+from duhem.expression.build import AS_WRITTEN, EVALUATED, MOST_ARGUMENTS, UNMADE, Building, settled, unacceptable
 from duhem.expression.fold import fold
 from duhem.expression.indexed import WrittenOver
 from duhem.expression.number import DECIMAL, exact_number
@@ -106,27 +106,27 @@ def too_long(text: str, short: Abbreviations) -> bool:
     if not short.own:
         return False
     try:
-        made = short.written_out(text, lambda what, at, remedy: InputError(what, remedy=remedy), MOST_CHARACTERS).text
+        made = written_out(text, short)
     except InputError:
-        return all(spelled(name) not in short.to_come for name in names_in(text)) and any(name in short.own for name in names_in(text))
-    return len(made) > MOST_CHARACTERS or sum(token.lastgroup != "space" for token in _TOKEN.finditer(made)) > MOST_TOKENS
+        used = names_in(text)
+        return used.isdisjoint(short.to_come) and not used.isdisjoint(short.own)
+    return len(made) > MOST_CHARACTERS or _has_too_many_tokens(made)
 
 
 def check_size(text: str, *, where: str = "formula", line: int = 1, column: int = 0) -> None:
     """InputError where a formula, of which nothing else is to be checked, is longer than what is read."""
     place = _Place(where, line, column, text)
-    if len(text) > MOST_CHARACTERS:
-        raise place.error(f"the formula has {len(text)} characters", remedy=f"at most {MOST_CHARACTERS} are read")
-    if len(text) > MOST_TOKENS and sum(token.lastgroup != "space" for token in _TOKEN.finditer(text)) > MOST_TOKENS:
-        raise place.error("the formula is too large", remedy=f"at most {MOST_TOKENS} names, numbers and signs are read")
+    place.check_length()
+    if _has_too_many_tokens(text):
+        raise place.too_large()
 
 
 def check_formula(
     text: str, names: Collection[str], *, where: str = "formula", line: int = 1, column: int = 0, short: Abbreviations = NONE
 ) -> None:
     """InputError where the ``text`` is no formula over the ``names``; no value is made of it, so that it may be long."""
-    reader = _Reader.over(text, dict.fromkeys(names, sp.S.Zero), _Place(where, line, column, text), short=short)
-    reader.check_calls(reader.syntax())
+    reader = _Reader.over(text, dict.fromkeys(names, sp.S.Zero), _Place(where, line, column, text), UNMADE, short)
+    reader.value(reader.syntax(), 0)
 
 
 def parse_relation(
@@ -165,6 +165,14 @@ class _Place:
         column = len(before) - (before.rfind("\n") + 1) + (self.column if row == 0 else 0)
         return InputError(what, where=f"{self.where}:{self.line + row}:{column + 1}", remedy=remedy)
 
+    def too_large(self, at: int = 0) -> InputError:
+        return self.error("the formula is too large", at=at, remedy=f"at most {MOST_TOKENS} names, numbers and signs are read")
+
+    def check_length(self) -> None:
+        """InputError where the text has more characters than are read."""
+        if len(self.text) > MOST_CHARACTERS:
+            raise self.error(f"the formula has {len(self.text)} characters", remedy=f"at most {MOST_CHARACTERS} are read")
+
 
 @dataclass(frozen=True)
 class _Reader:
@@ -182,8 +190,7 @@ class _Reader:
         cls, text: str, known: Mapping[str, sp.Expr], place: _Place, build: Building = EVALUATED, short: Abbreviations = NONE
     ) -> _Reader:
         text = text.replace("\r", " ")  # line ends of other systems; offsets stay as they are
-        if len(text) > MOST_CHARACTERS:
-            raise place.error(f"the formula has {len(text)} characters", remedy=f"at most {MOST_CHARACTERS} are read")
+        place.check_length()
         names = {spelled(name): symbol for name, symbol in known.items()}
         for name in names:
             if name in WORDS or name in short.words() or name == "pi" or iskeyword(name):
@@ -215,7 +222,7 @@ class _Reader:
         for count, token in enumerate(self.tokens(), 1):
             at = token.start()
             if count > MOST_TOKENS:
-                raise self.place.error("the formula is too large", at=at, remedy=f"at most {MOST_TOKENS} names, numbers and signs are read")
+                raise self.place.too_large(at)
             self.check_order(token, previous)
             if token.lastgroup == "name":
                 self.check_name(token)
@@ -314,39 +321,6 @@ class _Reader:
         segment = " ".join(segment.split())
         return repr(segment if len(segment) <= 40 else segment[:37] + "...")
 
-    def check_calls(self, node: ast.expr, depth: int = 0) -> None:
-        """Every word has as many arguments as it takes, and comparisons stand first in a choice, and nowhere else."""
-        if depth > 4 * MOST_DEPTH:
-            raise self.place.error("the formula is nested too deeply", at=self.start(node), remedy="split it into smaller parts")
-        parts: list[ast.expr] = []
-        match node:
-            case ast.Call(func=ast.Name(id=name), args=[ast.Compare() | ast.BoolOp() as condition, *parts]) if name == "where":
-                self.evaluated(node, self.check_count, name, len(parts) + 1)
-                joined: list[ast.expr] = [condition]
-                while joined:
-                    match joined.pop():
-                        case ast.BoolOp(values=values):
-                            joined += values
-                        case ast.Compare(left=left, comparators=[right]):
-                            parts += [left, right]
-                        case other:
-                            raise self.place.error(f"{self.quote(other)} is no comparison", at=self.start(other), remedy=_CHOICE)
-            case ast.Call(func=ast.Name(id="where"), args=[condition, *_]):
-                raise self.place.error(f"{self.quote(condition)} is no comparison", at=self.start(node), remedy=_CHOICE)
-            case ast.Call(func=ast.Name(id=name), args=parts):
-                self.evaluated(node, self.check_count, name, len(parts))
-            case ast.Compare() | ast.BoolOp():
-                what = f"{self.quote(node)}: a comparison may only be the first argument of where"
-                raise self.place.error(what, at=self.start(node), remedy="write where(condition, a, b)")
-            case ast.BinOp(op=op):
-                family = (ast.Add, ast.Sub) if isinstance(op, ast.Add | ast.Sub) else (ast.Mult, ast.Div)
-                head, tail = _chain(node, family) if not isinstance(op, ast.Pow) else (node.left, [(ast.Pow, node.right)])
-                parts = [head, *(part for _, part in tail)]
-            case ast.UnaryOp(operand=inner):
-                parts = [inner]
-        for part in parts:
-            self.check_calls(part, depth + 1)
-
     # -- values ------------------------------------------------------------------------------------------------
 
     def value(self, node: ast.expr, depth: int) -> sp.Expr:
@@ -420,7 +394,7 @@ class _Reader:
             for part in reversed(condition.values):
                 found = _bounded(self.choice(part, found, b, depth) if both else self.choice(part, a, found, depth))
             return found
-        raise InputError(f"{self.quote(condition)} is no comparison", remedy="write where(x > 0, a, b)")
+        raise InputError(f"{self.quote(condition)} is no comparison", remedy=_CHOICE)
 
     def sides(self, node: ast.Compare, depth: int) -> tuple[sp.Expr, sp.Expr, type[Relational]]:
         if len(node.ops) != 1:
@@ -429,6 +403,10 @@ class _Reader:
         if kind is None:
             raise self.place.error(f"{self.quote(node)} is no comparison", at=self.start(node), remedy="comparisons are < <= > >=")
         return self.value(node.left, depth), self.value(node.comparators[0], depth), kind
+
+
+def _has_too_many_tokens(text: str) -> bool:
+    return len(text) > MOST_TOKENS and sum(token.lastgroup != "space" for token in _TOKEN.finditer(text)) > MOST_TOKENS
 
 
 def _ends_operand(token: re.Match[str]) -> bool:

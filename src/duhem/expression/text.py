@@ -15,7 +15,7 @@ from sympy.core.relational import Relational
 from sympy.printing.str import StrPrinter
 
 from duhem.errors import InputError
-from duhem.expression.build import MOST_ARGUMENTS, settled
+from duhem.expression.build import nested, settled
 from duhem.expression.inert_number import reckoned
 from duhem.expression.number import MOST_DIGITS
 from duhem.expression.parse import parse_expression, parse_relation
@@ -93,10 +93,7 @@ class _Printer(StrPrinter):
         return self._word("where", expr.args) if expr.sign_of is None else self._word("sign", [expr.sign_of])
 
     def _print_LatticeOp(self, expr: sp.Basic) -> str:
-        name, parts = type(expr).__name__.lower(), [self._print(x) for x in sorted(expr.args, key=sp.default_sort_key)]
-        while len(parts) > MOST_ARGUMENTS:  # as many as are read at once
-            parts = [f"{name}({', '.join(parts[k : k + MOST_ARGUMENTS])})" for k in range(0, len(parts), MOST_ARGUMENTS)]
-        return f"{name}({', '.join(parts)})"
+        return nested(type(expr).__name__.lower(), [self._print(x) for x in sorted(expr.args, key=sp.default_sort_key)])
 
     def _print_Integer(self, x: sp.Integer) -> str:
         return _digits(x.p)
