@@ -19,6 +19,7 @@ from duhem.expression.parse import parse_as_written
 from duhem.law import Domain
 from duhem.law.criterion_file import criterion_text, reads
 from duhem.proof.certificate import law_as_text
+from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.kernel import term
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.claims import objection, rules_of
@@ -99,6 +100,21 @@ def test_a_law_kept_as_a_graph_is_refused_in_one_sentence(tmp_path: Path) -> Non
     law = load(Network(12, 2, "softplus").write(tmp_path))
     with pytest.raises(InputError, match=r"kept as a graph of \d+ definitions"):
         project(law, [1.0, 0.0, 0.0], None, 1.0, {})
+
+
+@pytest.mark.parametrize(("span", "nearest"), [(None, -1), ((-10, -5), -5), (("-1/2", 0), "-1/2"), ((-3, 0), -1)])
+def test_the_pressure_is_the_one_of_its_range_nearest_to_minus_one(span: Any, nearest: Any) -> None:
+    given = wide(20, 2) | {"f": f"{wide(20, 2)['f']} + p"}
+    found = Criterion(
+        name="pressed", forces=("x", "y"), pressure="p", g="f", define=given, domain={"p": Domain.between(*span)} if span else {}
+    )
+    assert GraphSubject(found).values_at({}, [Fraction(0)] * 2)[found.symbols()["p"]] == Fraction(nearest)
+
+
+def test_a_law_without_values_in_doubles_is_looked_at_in_silence() -> None:
+    """Of inf - inf there is none anywhere."""
+    far = wide(20, 2, "softplus") | {"f": "softplus(g1_0 + 9000) - softplus(g1_1 + 9001)"}
+    assert verdicts(law(far, "f + g1_2 - g1_3"), "convexity")["convexity"] != "proved checked"
 
 
 # -- definitions that are written by hand ------------------------------------------------------------------------------
@@ -215,6 +231,7 @@ def test_parameters_are_fixed_inside_a_graph() -> None:
         ({"f": "where(h0, h1, 1)"}, "no comparison"), ({"f": "where(0 < h0 < 1, h1, 1)"}, "chains"), ({"f": "x.y"}, "unexpected"),
         ({"x": "h1"}, "declared twice"), ({"max": "h1"}, "already means"), ({"f": "g1_0(x)"}, "not a function"), ({"f": "(g1_0"}, "closed"),
         ({"f": "max()"}, "unexpected"), ({"f": "open(g1_0)"}, "not a function"), ({"f": "1 + (g1_0 > 0)"}, "comparison"),
+        ({"f": "1e999999*g1_0"}, "too long or too large"),
     ],
 )  # fmt: skip
 def test_a_wrong_definition_is_told(change: dict[str, str], said: str) -> None:

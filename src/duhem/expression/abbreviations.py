@@ -193,7 +193,7 @@ class Abbreviations:
     to_come: frozenset[str] = frozenset()
     own: Mapping[str, str] = field(default_factory=dict)
 
-    def names_in(self, text: str) -> list[str]:
+    def used_by(self, text: str) -> list[str]:
         """The definitions that a text uses, itself or by others, in order."""
         found, queue = set[str](), [text]
         while queue:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Collection, Iterator, Sequence
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -206,11 +206,15 @@ def _written_call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
     return WORDS[word].build(*args, evaluate=False)
 
 
+def _nothing(*_: Any, **__: Any) -> sp.Expr:
+    return sp.S.Zero
+
+
 EVALUATED = Building(total, product, power, call, evaluate=True)
 # Nothing cancelled, combined or put in order but numbers: x/x, exp(log(x)) and sqrt(x)**2 stay what they are.
 AS_WRITTEN = Building(_written_total, _written_product, _written_power, _written_call, evaluate=False)
 # Nothing is made of the parts: for a formula that is to be checked alone, and may be long.
-UNMADE = Building(*[lambda *_, **__: sp.S.Zero] * 4, evaluate=False)
+UNMADE = Building(_nothing, _nothing, _nothing, _nothing, evaluate=False)
 
 
 def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> InputError | None:

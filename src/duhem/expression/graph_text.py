@@ -18,7 +18,7 @@ def parse_graph(text: str, known: Mapping[str, sp.Symbol], short: Abbreviations,
     """The formula over the symbols ``known`` and the definitions of ``short``; InputError for anything outside the language."""
     check_formula(text, [*known, *short.own], where=where, line=line, column=column, short=short.alone())
     last = own_text(text, short)
-    nodes = tuple((name, short.own[name]) for name in short.names_in(last))
+    nodes = tuple((name, short.own[name]) for name in short.used_by(last))
     used = names_in(last).union(*(names_in(formula) for _, formula in nodes))
     names = tuple(name for name in known if name in used)
     return Shared(Graph(nodes, last, tuple(map(symbol, names)), _read), *(known[name] for name in names))

@@ -13,7 +13,7 @@ from decimal import Decimal
 from functools import cached_property, partial
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import sympy as sp
 
@@ -38,6 +38,7 @@ __all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts",
 
 Declared = tuple[str, str, str]  # a name, and the section and key that declare it
 Reading = Callable[..., tuple[sp.Expr, str]]  # of a place: the formula there, and its text
+T = TypeVar("T")
 Slots = Sequence[tuple[str, str | None]]  # what each entry of a flow is the rate of, and the force of that
 
 
@@ -345,21 +346,20 @@ class _CriterionReader(SectionReader):
         """What may be written with an index, and the definitions, a vector part by part."""
         known, found = self.tables(), dict[str, PlacedFormula]()
         for key, given in self.table("define", required=False).items():
-            of_list = isinstance(given, list)
-            entries = self.entries("define", key, example='["sigma_a", "sigma_b"]') if of_list else [("define", key)]
-            if (made := None if of_list else self.over(*entries[0], change=known.parts)) is not None:
-                texts, spots = made, [self.entry(*entries[0])[1:]] * len(made)
+            if isinstance(given, list):
+                entries, alike = self.entries("define", key, example='["sigma_a", "sigma_b"]'), False
+                formulas = [self.over(*entry, change=known.written_over) for entry in entries]
             else:
-                texts = [self.over(*entry, change=known.written_over) for entry in entries]
-                spots = [self.entry(*entry)[1:] for entry in entries]
-            vector = of_list or made is not None
-            for i, (text, spot) in enumerate(zip(texts, spots, strict=True)):
+                parts, line, column = self.over("define", key, change=known.parts)
+                alike = bool(parts)
+                formulas = [(text, line, column) for text in parts] if parts else [self.over("define", key, change=known.written_over)]
+            if vector := alike or isinstance(given, list):
+                known = replace(known, vectors={**known.vectors, spelled(key): len(formulas)})
+            for i, (text, line, column) in enumerate(formulas):
                 name = component(spelled(key), i + 1) if vector else key
                 if name in found:
                     raise self.error(f"{name!r} is declared twice", "define", key, remedy="give each definition a name of its own")
-                found[name] = PlacedFormula(text, self.where, *spot, self.place("define", key), made is not None and i > 0)
-            if vector:
-                known = replace(known, vectors={**known.vectors, spelled(key): len(texts)})
+                found[name] = PlacedFormula(text, self.where, line, column, self.place("define", key), alike and i > 0)
         return known, found
 
     def tables(self) -> Indexed:
@@ -374,21 +374,17 @@ class _CriterionReader(SectionReader):
         forces = head.get("forces", FORCES) if (stress := self.stress()) is None else stress.components
         return Indexed(read, {}, frozenset({*words, *filter(lambda x: isinstance(x, str), [*named, *forces])}))
 
-    def entry(self, *path: Key) -> tuple[str, int, int]:
-        """A formula as it stands in the file."""
-        return super().formula(*path)
-
-    def over(self, *path: Key, change: Callable[[str], Any]) -> Any:
-        """What is made of the text of a formula; a fault lies where that begins."""
-        text, line, column = self.entry(*path)
+    def over(self, *path: Key, change: Callable[[str], T]) -> tuple[T, int, int]:
+        """What is made of the text of a formula, and where that begins; a fault lies there."""
+        text, line, column = super().formula(*path)
         try:
-            return change(text)
+            return change(text), line, column
         except InputError as fault:
             raise InputError(fault.what, where=fault.where or f"{self.where}:{line}:{column + 1}", remedy=fault.remedy) from None
 
     def formula(self, *path: Key) -> tuple[str, int, int]:
         """A formula without indices, and where it begins."""
-        return (self.over(*path, change=self.placed[0].written_over), *self.entry(*path)[1:])
+        return self.over(*path, change=self.placed[0].written_over)
 
     def pressure(self) -> str | None:
         given = self.document["criterion"].get("pressure", PRESSURE)

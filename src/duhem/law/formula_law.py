@@ -76,11 +76,12 @@ class YieldSurface(Verbatim):
 
         The g of a ``whole`` law is kept as a graph where it is too long to be written out.
         """
-        if isinstance(self.g, str) and whole and too_long(self.g, short):
-            return replace(self, g=parse_graph(self.g, known, short, where=f"g of {owner}"), written="").read(known, forces, short, owner)
-        kept = self.g is sp.nan or isinstance(self.g, Shared)
-        g = self.g if kept else as_expression(self.g, known, f"g of {owner}", short)
-        written = text_of(self.g, g, self.written, known, short)
+        where, g = f"g of {owner}", self.g
+        if isinstance(g, str) and whole and too_long(g, short):
+            g = parse_graph(g, known, short, where=where)
+        elif not (g is sp.nan or isinstance(g, Shared)):
+            g = as_expression(g, known, where, short)
+        written = "" if isinstance(g, Shared) else text_of(self.g, g, self.written, known, short)
         flow, written_flow = self.flow, self.written_flow
         if flow is not None:
             given = listed(flow, "flow", owner)

@@ -9,23 +9,22 @@ import json
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 from duhem.errors import InputError
-from duhem.expression.abbreviations import KINDS, Stress
+from duhem.expression.abbreviations import Stress
 from duhem.expression.number import MOST_DIGITS
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["ACTIVATIONS", "LEARNED", "LearnedFile", "arrays_of", "learned"]
+__all__ = ["LearnedFile", "arrays_of", "learned"]
 
 Arrays = Mapping[str, "NDArray[Any]"]
-ACTIVATIONS = {"softplus": "softplus", "relu": "pos", "tanh": "tanh"}
-LEARNED = ("icnn", "mlp", "polynomial")
+_ACTIVATIONS = {"softplus": "softplus", "relu": "pos", "tanh": "tanh"}
 _MOST_NUMBERS = 1_000_000
 
 
@@ -77,14 +76,14 @@ def learned(
         g = _polynomial(book)
     else:
         inner, first = ("W", "W0") if kind == "mlp" else ("Wz", "Wx0")
-        rows, g = _network(book, ACTIVATIONS[activation], inner, first, kind == "icnn")
+        rows, g = _network(book, _ACTIVATIONS[activation], inner, first, kind == "icnn")
     book.check_used()
     own = (
-        f'stress = {{ name = "{forces.name}", kind = "{forces.kind}" }}' if isinstance(forces, Stress) else f"forces = {_list(components)}"
+        f'stress = {{ name = "{forces.name}", kind = "{forces.kind}" }}' if isinstance(forces, Stress) else f"forces = {_toml(components)}"
     )
-    head = ["[criterion]", f"name = {json.dumps(name)}", own, "pressure = false", f'g = "{g} - ({level})"']
-    files = [f'{table} = "{file}"' for table, file in book.files.items()]
-    text = [*head, "", "[tables]", *files, "", "[define]", f"x = {_list(components)}", *rows, ""]
+    head = ["[criterion]", f"name = {_toml(name)}", own, "pressure = false", f'g = "{g} - ({level})"']
+    files = [f"{table} = {_toml(file)}" for table, file in book.files.items()]
+    text = [*head, "", "[tables]", *files, "", "[define]", f"x = {_toml(components)}", *rows, ""]
     return LearnedFile("\n".join(text), book.texts)
 
 
@@ -95,9 +94,8 @@ class _Book:
     left: dict[str, NDArray[Any]]
     stem: str
     inputs: int
-
-    def __post_init__(self) -> None:
-        self.files, self.texts = dict[str, str](), dict[str, str]()
+    files: dict[str, str] = field(default_factory=dict)  # their names by table
+    texts: dict[str, str] = field(default_factory=dict)  # what they contain, by name
 
     def table(self, name: str, height: int | None, width: int) -> int:
         """Write an array down as a table, a vector as a column, and say how many rows it has."""
@@ -149,8 +147,8 @@ def _polynomial(book: _Book) -> str:
     return f"sum(i, 1, {count}, coefficients[i, 1]*{powers})"
 
 
-def _list(names: Sequence[str]) -> str:
-    return json.dumps(list(names))
+def _toml(value: str | Sequence[str]) -> str:
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _exact(x: np.generic) -> str:
@@ -160,10 +158,3 @@ def _exact(x: np.generic) -> str:
         remedy = "round such numbers, or save the arrays as 32-bit floats"
         raise InputError(f"{float(x):.3g} has more than {MOST_DIGITS} digits, written exactly", remedy=remedy)
     return told
-
-
-def stress_of(kind: str) -> Stress:
-    """The stress sigma of a kind that the command line names."""
-    if kind not in KINDS:
-        raise InputError(f"{kind!r} is no kind of stress", remedy=f"kinds are: {', '.join(KINDS)}")
-    return Stress("sigma", kind)

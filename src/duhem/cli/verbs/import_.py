@@ -29,12 +29,13 @@ def import_(file: str, kind: str, out: str, stress: str | None, forces: str | No
     Arrays: Wx0, b0, Wz1, Wx1, b1, ... of an input-convex network; W0, b0, W1, b1, ... of a plain one (rows are outputs, the last layer
     has one output and no activation); coefficients (n) and exponents (n x inputs) of a polynomial. Every weight is kept exactly.
     """
+    from duhem.expression.abbreviations import Stress
     from duhem.expression.number import exact_number
-    from duhem.law.learned import arrays_of, learned, stress_of
+    from duhem.law.learned import arrays_of, learned
 
     if (stress is None) == (forces is None):
         raise InputError("the inputs are not named", where="--stress", remedy="give either --stress or --forces")
-    names = stress_of(stress) if stress is not None else [name.strip() for name in (forces or "").split(",")]
+    names = Stress("sigma", stress) if stress is not None else [name.strip() for name in (forces or "").split(",")]
     place = Path(out)
     level = f"{exact_number(level)}"
     made = learned(arrays_of(file), kind, place.stem, forces=names, activation=activation, level=level, stem=place.stem)

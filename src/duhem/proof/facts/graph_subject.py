@@ -12,7 +12,8 @@ from itertools import islice
 import sympy as sp
 
 from duhem.expression import holds_at
-from duhem.expression.number import rational
+from duhem.expression.number import fraction, rational
+from duhem.law.domain import REAL
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS
 from duhem.proof.facts.subject import Subject, Values, plain_choices, rationals
@@ -57,12 +58,12 @@ class GraphSubject(Subject):
     def values_at(self, parameters: Values, point: Iterable[Fraction]) -> dict[sp.Symbol, Fraction]:
         """Every symbol of the law at a choice of the parameters and a point of the forces; the pressure is -1, or nearest to it."""
         law, table = self.law, self.law.symbols()
-        fixed = {x: Fraction(int(value.p), int(value.q)) for x, value in self.fixed.items()}
-        load = {} if law.pressure is None else {table[law.pressure]: self._pressure()}
+        fixed = {x: fraction(value) for x, value in self.fixed.items()}
+        load = {} if law.pressure is None else {table[law.pressure]: self._pressure(law.pressure)}
         return {**fixed, **parameters, **load, **dict(zip(law.force_symbols(), point, strict=True))}
 
-    def _pressure(self) -> Fraction:
-        span = self.law.domain.get(self.law.pressure or "")
-        low, high = (None, None) if span is None else (span.low, span.high)
-        ends = [Fraction(int(x.p), int(x.q)) for x in (low, high) if x is not None and x < 0]
-        return Fraction(-1) if span is None or rational(Fraction(-1)) in span else ends[0]
+    def _pressure(self, name: str) -> Fraction:
+        span = self.law.domain.get(name, REAL)
+        if -1 in span:
+            return Fraction(-1)
+        return fraction(span.low if span.low is not None and span.low > -1 else span.high)

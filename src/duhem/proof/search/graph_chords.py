@@ -52,10 +52,9 @@ def graph_chords(subject: GraphSubject, parameters: Values) -> Iterator[Chord]:
 def _inside(g: Callable[[Array], Array], d: int, rng: np.random.Generator) -> Array | None:
     """A point with g < 0: zero force, or the lowest of some."""
     tried = np.vstack([np.zeros((1, d)), *(2.0**k * rng.normal(size=(40, d)) for k in range(-8, 9))])
-    found = g(tried)
-    if found[0] < 0.0:
-        return tried[0]
-    return tried[np.nanargmin(found)] if np.nanmin(found) < 0.0 else None
+    found = np.nan_to_num(g(tried), nan=np.inf)
+    lowest = 0 if found[0] < 0.0 else int(np.argmin(found))
+    return tried[lowest] if found[lowest] < 0.0 else None
 
 
 def _boundary(g: Callable[[Array], Array], start: Array, directions: int, rng: np.random.Generator) -> Array:
