@@ -205,17 +205,14 @@ def check_stateless(law: Any, what: str) -> None:
         raise InputError(said, where="law", remedy=remedy)
 
 
-_CLAIMS_ALONE = "duhem verify decides its claims; nothing else is done with such a law"
-
-
 def check_has_k(law: Any) -> None:
-    """InputError for a law of which claims alone are decided: its forces are functions of the rates, or its g is kept as a graph."""
+    """InputError for a law with which nothing is computed: its forces are functions of the rates, or its g is kept as a graph."""
     if law.forces_of_rates:
         what = f"{law.name} gives forces as functions of the rates, so it has no K"
-        raise InputError(what, where="law", remedy=_CLAIMS_ALONE)
+        raise InputError(what, where="law", remedy="duhem verify decides its claims; nothing else is done with such a law")
     if (graph := graph_of(law.g)) is not None:
         what = f"g of {law.name} is kept as a graph of {len(graph.nodes)} definitions, since it is too large to be written out"
-        raise InputError(what, where="law", remedy=_CLAIMS_ALONE)
+        raise InputError(what, where="law", remedy="duhem verify decides its claims, duhem plot draws its K; all else takes a shorter formula")
 
 
 @lru_cache(maxsize=256)

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import compiled
+from duhem.expression.rays import Rays
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Values
+from duhem.proof.search.boundary_points import lowest
 
 __all__ = ["Chord", "graph_chords"]
 
@@ -22,7 +24,7 @@ Array = NDArray[np.float64]
 Chord = tuple[tuple[Fraction, ...], tuple[Fraction, ...]]
 _DIRECTIONS, _FEWEST, _PAIRS, _LENGTHS, _TURNS = 1500, 100, 4, 10, 3
 _LENGTH = 1_000_000  # letters of all definitions, beyond which fewer directions are looked at
-_DOUBLINGS, _HALVINGS = 40, 40
+_RADII, _BITS = 2.0 ** np.arange(-10, 30), 40
 _DIGITS = (2, 3, 4, 6, 9, 12)
 _BEST = 2  # of each length
 _NOISE = 1e-11  # relative to the sizes of g
@@ -41,7 +43,9 @@ def graph_chords(subject: GraphSubject, parameters: Values) -> Iterator[Chord]:
     rng = np.random.default_rng(0)
     length = sum(len(text) for _, text in subject.law.graph.nodes) if subject.law.graph else 0
     directions = int(np.clip(_DIRECTIONS * _LENGTH / max(length, 1), _FEWEST, _DIRECTIONS))
-    if (start := _inside(g, len(forces), rng)) is None or len(edge := _boundary(g, start, directions, rng)) < 2:
+    zero = np.zeros(len(forces))
+    start = zero if g(zero) < 0.0 else lowest(g, len(forces), rng, (-2, 2))
+    if start is None or len(edge := _boundary(g, start, directions, rng)) < 2:
         return
     with np.errstate(all="ignore"):  # where g has no value, or an infinite one
         found = [*_long(g, start, edge, rng), *_short(g, start, edge, rng)]
@@ -49,29 +53,13 @@ def graph_chords(subject: GraphSubject, parameters: Values) -> Iterator[Chord]:
         yield from _in_digits(a, b)
 
 
-def _inside(g: Callable[[Array], Array], d: int, rng: np.random.Generator) -> Array | None:
-    """A point with g < 0: zero force, or the lowest of some."""
-    tried = np.vstack([np.zeros((1, d)), *(2.0**k * rng.normal(size=(40, d)) for k in range(-8, 9))])
-    found = np.nan_to_num(g(tried), nan=np.inf)
-    lowest = 0 if found[0] < 0.0 else int(np.argmin(found))
-    return tried[lowest] if found[lowest] < 0.0 else None
-
-
 def _boundary(g: Callable[[Array], Array], start: Array, directions: int, rng: np.random.Generator) -> Array:
     """Points just inside of where rays from a point of K leave it."""
     ways = rng.normal(size=(directions, len(start)))
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-    reach = np.full(len(ways), 2.0**-10)
-    for _ in range(_DOUBLINGS):
-        inside = g(start + reach[:, None] * ways) <= 0.0
-        reach = np.where(inside, 2.0 * reach, reach)
-    ways, high = ways[~inside], reach[~inside]
-    low = np.zeros_like(high)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        within = g(start + middle[:, None] * ways) <= 0.0
-        low, high = np.where(within, middle, low), np.where(within, high, middle)
-    return start + low[:, None] * ways
+    rays = Rays(g, start, ways)
+    last, first = rays.left(_RADII, _BITS)
+    return rays.at(last)[last < first]
 
 
 def _long(g: Callable[[Array], Array], start: Array, edge: Array, rng: np.random.Generator) -> Iterator[tuple[Array, Array]]:
