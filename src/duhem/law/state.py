@@ -212,7 +212,7 @@ def check_has_k(law: Any) -> None:
         raise InputError(what, where="law", remedy="duhem verify decides its claims; nothing else is done with such a law")
     if (graph := graph_of(law.g)) is not None:
         what = f"g of {law.name} is kept as a graph of {len(graph.nodes)} definitions, since it is too large to be written out"
-        raise InputError(what, where="law", remedy="duhem verify decides its claims, duhem plot draws its K; all else takes a shorter formula")
+        raise InputError(what, where="law", remedy="duhem verify decides its claims, duhem plot draws K; all else takes a shorter formula")
 
 
 @lru_cache(maxsize=256)
