@@ -90,10 +90,10 @@ def test_a_wrong_index_is_told_with_its_place(tmp_path: Path, g: str, more: str,
     [
         ("", "empty"), ("1,2\n3\n", "1 entries"), ("1,nan\n", "no number"), ("1,inf\n", "no number"), ("1,-Infinity\n", "no number"),
         ("1,,2\n", "blank"), ("1,2\n\n3,4\n", "1 entries"), ("a,b\n1,2\n", "no number"), ("1;2\n", "no number"), ("0x10,1\n", "no number"),
-        ("1e999999,1\n", None), ("1_000,1\n", "no number"), ("1/3,1\n", "no number"), ("\u0661,1\n", "no number"),
+        ("1e999999,1\n", "too long or too large"), ("1_000,1\n", "no number"), ("1/3,1\n", "no number"), ("\u0661,1\n", "no number"),
     ],
 )  # fmt: skip
-def test_a_table_holds_finite_decimals_alone(tmp_path: Path, w: str, said: str | None) -> None:
+def test_a_table_holds_finite_decimals_alone(tmp_path: Path, w: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         law(tmp_path, "w[1, 1]*x - 1", w=w)
 

@@ -132,7 +132,7 @@ def _network(book: _Book, activation: str, inner: str, first: str, skips: bool) 
         if f"{inner}{k}" not in book.left:
             if height != 1 or k == 1:
                 what = f"the last layer has {height} outputs" if k > 1 else "there is one layer"
-                raise InputError(what, remedy="the last of several has one")
+                raise InputError(what, remedy="give two layers or more, the last of them with one output")
             return rows, re.sub(r"\[i, ", "[1, ", formula)
         rows.append(f'z{k - 1} = "vector(i, 1, {height}, {activation}({formula}))"')
 

@@ -27,8 +27,10 @@ def table_beside(folder: Path | None, given: str, where: str) -> tuple[tuple[str
         raise InputError(f"{given[:60]!r} is not beside the law", where=where, remedy="put the table in the folder of the criterion file")
     file = folder / place
     rows = tuple(tuple(entry.strip() for entry in line.split(",")) for line in text_of(file, "table of numbers", _MOST_BYTES).splitlines())
-    if not rows or len(rows) * len(rows[0]) > _MOST_NUMBERS:
-        raise InputError("the table is empty" if not rows else "the table is too large", where=f"{file}", remedy="check the file")
+    if not rows:
+        raise InputError("the table is empty", where=f"{file}", remedy="write rows of numbers with commas between them")
+    if len(rows) * len(rows[0]) > _MOST_NUMBERS:
+        raise InputError("the table is too large", where=f"{file}", remedy=f"at most {_MOST_NUMBERS} numbers are read")
     for i, row in enumerate(rows, 1):
         if len(row) != len(rows[0]):
             what = f"the row has {len(row)} entries, and the first has {len(rows[0])}"
