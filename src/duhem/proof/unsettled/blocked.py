@@ -61,7 +61,7 @@ def _undefined(terms: Sequence[Term], domain: StatedDomain) -> Blocked | None:
     if part is None:
         return None
     inner = part.args[0]
-    signs = (inner,) if domain.constant(inner) else ()
+    signs = (_plain(inner, domain),) if domain.constant(inner) else ()
     return Blocked(part, f"{_NEEDS.get(part.op, 'is a word')} that is not shown to have a value everywhere", signs, True)
 
 
