@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import re
+from contextlib import suppress
 from dataclasses import replace
 from random import Random
 
@@ -12,7 +14,11 @@ import pytest
 import duhem
 from duhem import Criterion, Verdict, verify
 from duhem.law.domain import POSITIVE, Domain
+from duhem.proof.certificate import law_as_text
+from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import parse
+from duhem.proof.unsettled import open_claims
+from duhem.proof.unsettled.blocked import blocked
 from duhem.proof.unsettled.term_text import in_text, names_of
 from duhem.proof.verdict import Unsettled
 from duhem.show.printing import sheet, text
@@ -126,9 +132,31 @@ def test_text_and_sheet_say_what_is_open() -> None:
 
 @pytest.mark.parametrize("seed", range(40))
 def test_a_term_is_written_as_text_that_is_read_as_the_same(seed: int) -> None:
-    term = parse(drawn_formulas.text(Random(seed), 4))
+    draw = Random(seed)
+    term = parse(drawn_formulas.text(draw, 4))
     written = in_text(term, {})
     assert in_text(parse(written), {}) == written
+    for at in ({**drawn_formulas.parameters(draw), **drawn_formulas.forces(draw)} for _ in range(20)):
+        with suppress(ValueError, OverflowError, ZeroDivisionError):  # it has no value there
+            assert math.isclose(drawn_formulas.value(parse(written), at), drawn_formulas.value(term, at), rel_tol=1e-6, abs_tol=1e-9), at
+
+
+def test_a_constraint_has_nothing_of_the_forces_that_are_0() -> None:
+    open_ = law("sqrt(a**2 + b**2 + c*d) - 1", {"c": ANY, "d": ANY})
+    found = blocked("origin", StatedLaw.read(law_as_text(open_)))
+    assert found is not None and [in_text(sign, {}) for sign in found.signs] == ["c*d"]
+
+
+def test_what_goes_wrong_beside_a_verdict_leaves_it_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    def wrong(*_: object) -> None:
+        raise RuntimeError
+
+    for name in ("law_as_text", "blocked"):
+        with monkeypatch.context() as patch:
+            patch.setattr(open_claims, name, wrong)
+            found = verify(TOLD[-1][0], claims=["convexity"], effort="quick")["convexity"]
+        assert found.verdict is Verdict.TESTED and found.unsettled is not None and found.unsettled.part is None
+        assert found.unsettled.sentences() == ("open: v . Hess g v >= 0 for all v with v . grad g = 0, wherever g = 0",)
 
 
 def test_a_term_is_written_with_the_names_of_its_law() -> None:

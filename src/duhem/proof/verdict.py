@@ -22,8 +22,7 @@ __all__ = ["CONTRADICTION", "ClaimResult", "Evidence", "Proof", "Trust", "Unsett
 _MOST = 60  # characters of parameters in one line
 CONTRADICTION = "contradiction"  # the method of a claim that one method proved and another refutes
 
-
-_FORM = "try: another form of this part, for narrower domains and fixed parameters did not help"
+_FORM = "try: another form of this part, for no narrower domain and no fixed parameter that was tried helped"
 
 
 class Verdict(StrEnum):

@@ -17,6 +17,7 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.claims import EVERY
+from duhem.proof.decide import EFFORTS
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Subject
@@ -70,8 +71,8 @@ A margin near 0 says that the law is at the limit there, and a margin below 0 th
 this place, and verify again.
 
 Try: what helps.  duhem changed the law (a narrower parameter, a constraint, a range of a force, fixed parameters) and asked the kernel
-again.  It suggests a change only if the claim was proved then.  So the change also says where the difficulty lies.  If no change helped,
-no parameter is to blame: it is the form of the part that no rule reads."""
+again.  It suggests a change only if the claim was proved then.  So the change also says where the difficulty lies.  If no change that was
+tried helped, the form of the part is more likely to blame than a parameter."""
 
 
 class _Asked(NamedTuple):
@@ -89,29 +90,32 @@ def unsettled(claim: str, law: Law, subject: Subject, settled: Mapping[str, Evid
     evidence = settled[claim]
     if evidence.verdict not in _OPEN or evidence.method == CONTRADICTION:
         return None
+    inequality = (_INEQUALITIES if isinstance(law, Criterion) else _OF_A_CURVE).get(claim, EVERY[claim].statement)
     if isinstance(subject, GraphSubject):  # its detail names what is open
-        return Unsettled(_INEQUALITIES.get(claim, EVERY[claim].statement))
+        return Unsettled(inequality)
+    try:
+        return _explained(inequality, _Asked(claim, law, law_as_text(law), subject, settled), decide)
+    except Exception:  # the verdicts stand, whatever goes wrong in what is said beside them
+        return Unsettled(inequality)
+
+
+def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettled:
+    claim, law, subject, settled = asked.claim, asked.law, asked.subject, asked.settled
     exhausted = subject.budget.left * 8 < subject.budget.left + subject.budget.spent
     subject.allow(_STEPS)
-    asked = _Asked(claim, law, law_as_text(law), subject, settled)
     first = next((name for name in _rests_on(asked) if settled[name].verdict in _OPEN), None)
     if first is not None:
         told = (f"settle {first} first: {claim} follows from it, so what helps {first} helps here",)
-        return Unsettled(_inequality(asked), actions=told)
+        return Unsettled(inequality, actions=told)
     part, why, actions = _blocked(asked)
     if not actions and decide is not None:
         actions = tuple(_decided(asked, decide))
     place, measure, margin = _closest(asked)
     if margin is not None and margin < 0 and (sets := [f"--set {x}={place[x]}" for x in _free(law) if x in place]):
         actions = (*actions, f"{' '.join(sets)} (in floating point the claim seems to be violated there)")
-    if exhausted:
+    if exhausted and subject.effort < EFFORTS["thorough"]:
         actions = (*actions, "--effort thorough: the steps for this claim ran out before every method had tried")
-    return Unsettled(_inequality(asked), part, why, place, measure, margin, actions)
-
-
-def _inequality(asked: _Asked) -> str:
-    table = _OF_A_CURVE if "boundary" in asked.text else _INEQUALITIES
-    return table.get(asked.claim, EVERY[asked.claim].statement)
+    return Unsettled(inequality, part, why, place, measure, margin, actions)
 
 
 def _blocked(asked: _Asked) -> tuple[str | None, str | None, tuple[str, ...]]:
