@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -113,8 +113,9 @@ class RecheckedRegion(Shown):
 def recheck(certificate: str | os.PathLike[str] | Mapping[str, Any]) -> Recheck | RecheckedRegion:
     """Check the proofs of a certificate against the text of its law, with the kernel alone.
 
-    ``certificate`` is the name of a file from ``duhem verify LAW --certificate FILE`` or :meth:`duhem.Verification.certificate`, its
-    text (which begins with a brace), or the object itself.  A proof that does not hold is not an error: its row says so. Raises
+    ``certificate`` is the name of a file from ``duhem verify`` or ``duhem region`` with ``--certificate FILE``, or from
+    :meth:`duhem.Verification.certificate` or :meth:`duhem.ParameterRegion.certificate`, its text (which begins with a brace), or the
+    object itself.  A proof that does not hold is not an error: its row says so. Raises
     InputError for an object that is not a certificate or was changed: its hash is wrong, its law cannot be read, or no parameter lies
     in the domain.
     """
@@ -179,11 +180,7 @@ def _with_each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 @text.register(Recheck)
 def as_text(done: Recheck, page: Page = PAGE) -> str:
     """The law as the certificate states it, a row a claim, and below them the count."""
-    fields = list(_law(done.law))
-    size = max(len(title) for title, _ in fields)
-    law = [line for title, said in fields for line in page.field(title, said, size)]
-    table = page.table([_HEAD, *_rows(done)], "lllll", "", rule=True)
-    return page.report([[*page.hanging(_name(done.law)), *law], table, [done.counted()]])
+    return _as_text(done, _law(done.law), [_HEAD, *_rows(done)], page)
 
 
 @sheet.register(Recheck)
@@ -202,10 +199,15 @@ def as_dict(done: Recheck) -> dict[str, Any]:
 @text.register(RecheckedRegion)
 def region_as_text(done: RecheckedRegion, page: Page = PAGE) -> str:
     """The law as the certificate states it, a row a cell, and below them the count."""
-    fields = [*_law(done.law), ("claim", f"{done.claim}, by {done.parameter}")]
+    fields = (*_law(done.law), ("claim", f"{done.claim}, by {done.parameter}"))
+    return _as_text(done, fields, [_HEAD_OF_CELLS, *_cells(done)], page)
+
+
+def _as_text(done: Recheck | RecheckedRegion, fields: Iterable[tuple[str, str]], rows: Sequence[tuple[str, ...]], page: Page) -> str:
+    fields = list(fields)
     size = max(len(title) for title, _ in fields)
     law = [line for title, said in fields for line in page.field(title, said, size)]
-    table = page.table([_HEAD_OF_CELLS, *_cells(done)], "llll", "", rule=True)
+    table = page.table(rows, "l" * len(rows[0]), "", rule=True)
     return page.report([[*page.hanging(_name(done.law)), *law], table, [done.counted()]])
 
 
@@ -224,8 +226,8 @@ def region_as_dict(done: RecheckedRegion) -> dict[str, Any]:
 
 
 def _cells(done: RecheckedRegion) -> tuple[tuple[str, ...], ...]:
-    words = {True: "-", False: "confirmed"}
-    return tuple((c.said, c.verdict, "failed" if c.reason else words[c.verdict == "open"], c.reason) for c in done.cells)
+    outcomes = ("failed" if c.reason else "-" if c.verdict == "open" else "confirmed" for c in done.cells)
+    return tuple((c.said, c.verdict, outcome, c.reason) for c, outcome in zip(done.cells, outcomes, strict=True))
 
 
 def _rows(done: Recheck) -> tuple[tuple[str, ...], ...]:
