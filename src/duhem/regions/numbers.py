@@ -7,6 +7,7 @@ from fractions import Fraction
 from math import gcd, isqrt
 
 from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import sign_at
 from duhem.proof.kernel.term import NotWritten
 
 __all__ = ["closest_fractions", "narrowed", "simplest", "square_root_near", "written_root"]
@@ -58,23 +59,19 @@ def square_root_near(low: Fraction, high: Fraction) -> RealRoot | None:
     return narrowed(found[1:], low - width, high + width)
 
 
-def _value(poly: tuple[int, ...], x: Fraction) -> Fraction:
-    return sum((c * x**i for i, c in enumerate(poly)), Fraction(0))
-
-
 def _crosses(poly: tuple[int, ...], low: Fraction, high: Fraction) -> bool:
-    return _value(poly, low) * _value(poly, high) < 0
+    return sign_at(poly, low) * sign_at(poly, high) < 0
 
 
 def narrowed(poly: tuple[int, ...], low: Fraction, high: Fraction, bits: int = 40) -> RealRoot | None:
     """The root of a polynomial between two fractions, enclosed to so many binary digits; None where it has not one there."""
-    if _value(poly, low) * _value(poly, high) >= 0:
+    if not _crosses(poly, low, high):
         return None
     while high - low > Fraction(1, 2**bits):
         middle = simplest(low + (high - low) / 4, high - (high - low) / 4)
-        if (here := _value(poly, middle)) == 0:
+        if sign_at(poly, middle) == 0:
             return RealRoot.of(middle)
-        low, high = (middle, high) if here * _value(poly, high) < 0 else (low, middle)
+        low, high = (middle, high) if _crosses(poly, middle, high) else (low, middle)
     try:
         return RealRoot.read({"polynomial": [str(c) for c in poly], "enclosure": [str(low), str(high)]})
     except NotWritten:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from itertools import pairwise, product
@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import Dent, dents
@@ -21,7 +22,7 @@ from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, number_in
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
-from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, number
+from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, Term, factors, number
 from duhem.regions.numbers import closest_fractions, narrowed
 
 __all__ = ["Suggestion", "changes", "suggestions"]
@@ -48,14 +49,14 @@ def suggestions(
         yield Suggestion("evaluation", {})
     free = [n for n, own in law.parameters.items() if own.low is None or own.low != own.high]
     if claim == "dissipation" and law.flow is not None:
-        with suppress(ValueError):
+        with suppress(*UNREADABLE):
             yield from _of_points(whole, name, cell)
     if claim == "convexity" and len(free) <= 1:
-        with suppress(NotWritten, ValueError):
+        with suppress(*UNREADABLE):
             yield from _of_forms(law, free[0] if free else name)
     if claim in ("convexity", "normality") and len(free) <= 1:
         for family in ("sector", "gauge"):
-            with suppress(NotWritten, RecursionError):
+            with suppress(*UNREADABLE):
                 yield from _of_dents(list(dents(law, family)), law, free[0] if free else name, cell, bool(swap))
 
 
@@ -127,7 +128,7 @@ def _of_dents(found: list[Dent], law: StatedLaw, variable: str, cell: ParameterC
     """The places where a dent is < 0 at all of the values of the variable that are looked at."""
     values = _looked_at(law, variable)
     for dent in found:
-        with suppress(NotWritten, ValueError, OverflowError, ZeroDivisionError):
+        with suppress(*UNREADABLE):
             for place in _places(dent, variable, values, cell, by_share):
                 at = np.array([float(place.low + place.high) / 2])
                 if all(_value(dent.poly, {RAY.name: at, variable: np.array([v])})[0] < 0 for v in values):
@@ -139,14 +140,19 @@ def _looked_at(law: StatedLaw, variable: str) -> list[float]:
     if variable not in law.parameters:
         return [0.0]
     own = law.parameters[variable]
+    return _in(own, [_AT_END, 2.0**-10, *np.linspace(0.05, 0.95, _PLACES), 1 - 2.0**-10, *([] if None in own[:2] else [1 - _AT_END])])
+
+
+def _in(own: Bounds, shares: Sequence[float]) -> list[float]:
+    """Values at shares of the way between two ends; after x/(1 + x) from the one end, or from 0 both ways."""
     low, high = (None if end is None else float(end) for end in own[:2])
-    shares = [_AT_END, 2.0**-10, *np.linspace(0.05, 0.95, _PLACES), 1 - 2.0**-10, 1 - _AT_END]
     if low is not None and high is not None:
         return [low + (high - low) * s for s in shares]
-    far = [s / (1 - s) for s in shares[:-1]]
-    if low is not None or high is not None:
-        return [low + x for x in far] if low is not None else [high - x for x in far]
-    return [*(-x for x in far), *far]
+    far = [s / (1 - s) for s in shares]
+    if low is not None:
+        return [low + x for x in far]
+    down = [(0.0 if high is None else high) - x for x in reversed(far)]
+    return down if high is not None else [*down, 0.0, *far]
 
 
 def _places(dent: Dent, variable: str, values: list[float], cell: ParameterCell, by_share: bool) -> Iterator[RealRoot]:
@@ -217,7 +223,7 @@ def changes(law: StatedLaw, name: str) -> list[tuple[float, float, bool]] | None
     """Stretches of the one parameter that is left, and whether the dents of the law are seen to be >= 0 there; None where none are told."""
     found = list[Dent]()
     for family in ("sector", "gauge"):
-        with suppress(NotWritten, RecursionError):
+        with suppress(*UNREADABLE):
             found = found or list(dents(law, family))
     if not found:
         return None
@@ -226,7 +232,7 @@ def changes(law: StatedLaw, name: str) -> list[tuple[float, float, bool]] | None
         return all(_least(dent, name, x) >= -_ZERO for dent in found)
 
     try:
-        places = _spread(law, name)
+        places = _in(law.parameters[name], np.linspace(0, 1, _SAMPLES + 2)[1:-1].tolist())
         flags = [round_at(x) for x in places]
         stretches, start = list[tuple[float, float, bool]](), places[0]
         for (x, one), (y, two) in pairwise(zip(places, flags, strict=True)):
@@ -237,21 +243,8 @@ def changes(law: StatedLaw, name: str) -> list[tuple[float, float, bool]] | None
                 stretches.append((start, low, one))
                 start = high
         return [*stretches, (start, places[-1], flags[-1])]
-    except (ValueError, OverflowError, ZeroDivisionError):
+    except UNREADABLE:
         return None
-
-
-def _spread(law: StatedLaw, name: str) -> list[float]:
-    """Values of a parameter from end to end, inside of them."""
-    own = law.parameters[name]
-    low, high = (None if end is None else float(end) for end in own[:2])
-    shares = np.linspace(0, 1, _SAMPLES + 2)[1:-1]
-    if low is not None and high is not None:
-        return [low + (high - low) * float(s) for s in shares]
-    far = [float(s / (1 - s)) for s in shares]
-    if low is not None:
-        return [low + x for x in far]
-    return [high - x for x in reversed(far)] if high is not None else [*(-x for x in reversed(far)), 0.0, *far]
 
 
 def _least(dent: Dent, name: str, x: float) -> float:
