@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -19,7 +20,11 @@ import duhem
 from duhem.cli import cli
 from duhem.law.builtin.lobes import lobe_law
 from duhem.proof.kernel.certificate import digest
+from duhem.proof.kernel.parameter_cells import ParameterCell
+from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.recheck import RecheckedRegion
+from duhem.regions import entry
+from duhem.regions.decided import Decided
 from tests.long import mostly_long
 
 CHRISTENSEN = duhem.Criterion(
@@ -154,6 +159,23 @@ def test_what_is_not_shown_is_open() -> None:
     assert duhem.recheck(done.certificate()).ok
 
 
+@pytest.mark.parametrize(("end", "share"), [("4", 1 / 4), ("12", 3 / 4), (None, 1 / 4)])
+def test_an_open_share_is_one_of_lengths(end: str | None, share: float) -> None:
+    """Of a domain without an end after x/(1 + |x|)."""
+    zero, three, last = (None if x is None else RealRoot.of(Fraction(x)) for x in ("0", "3", end))
+    cells = Decided(ParameterCell(zero, three), "proved", {}), Decided(ParameterCell(three, last, True), "open")
+    assert replace(found("limacon"), decided=cells, domain=ParameterCell(zero, last)).open_share == share
+
+
+def test_a_single_value_and_no_value_are_told_shortly() -> None:
+    any_, form = duhem.Domain(), "sigma_a**2 + {}*sigma_a*sigma_b + sigma_b**2 - {}"
+    one = duhem.region(duhem.Criterion(name="one", pressure=None, g=form.format("(2 + e**2)", 1), parameters={"e": any_}))
+    assert one.sentence == "convexity holds exactly for e = 0" and one.condition == "e >= 0 and e <= 0"
+    none = duhem.Criterion(name="none", pressure=None, g=form.format("(3 + e)", "mu**2"),
+                           parameters={"e": duhem.Domain.between(0, 1), "mu": duhem.POSITIVE})  # fmt: skip
+    assert duhem.region(none).sentence == "convexity holds for no value of the domain"
+
+
 def test_the_origin_has_a_region() -> None:
     law = duhem.Criterion(name="apart", pressure=None, g="norm(sigma_a - m, sigma_b) - 1", parameters={"m": duhem.REAL})
     done = duhem.region(law, claim="origin")
@@ -193,6 +215,21 @@ def test_verify_ends_with_the_region() -> None:
     assert done.output.endswith("For which parameters\n  convexity holds exactly for e <= 1/2\n")
 
 
+def test_the_command_that_finds_more_is_of_the_same_law(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(entry, "_STEPS_OF_A_SENTENCE", 1)
+    done = CliRunner().invoke(cli, ["verify", "limacon", "--set", "mu=1/3", "--claims", "convexity"])
+    assert done.output.endswith("for which e convexity holds: duhem region limacon --set mu=1/3 e\n")
+
+
+def test_what_goes_wrong_beside_the_verdicts_leaves_them_as_they_are(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
+    def wrong(*_: Any, **__: Any) -> None:
+        raise RuntimeError
+
+    monkeypatch.setattr(entry, "region", wrong)
+    done = CliRunner().invoke(cli, ["verify", "limacon", "--claims", "convexity", "--certificate", str(tmp_path / "e.json")])
+    assert done.exception is None and "refuted" in done.output and (tmp_path / "e.json").exists()
+
+
 def test_a_picture_is_drawn(tmp_path: Any) -> None:
     pytest.importorskip("matplotlib")
     (axes,) = found("quartic").plot(tmp_path / "c.svg")
@@ -220,6 +257,7 @@ def test_a_region_says_where_there_may_be_no_law(constraint: str) -> None:
 def test_a_witness_is_of_a_law_that_exists(constraint: str) -> None:
     """A line that leaves K for e > 2 refutes nothing where the constraint leaves no m, or where m is not given."""
     document = duhem.region(related(), "e").certificate()
+    assert duhem.recheck(document).ok
     held, fails = document["cells"]
     assert (held["verdict"], fails["verdict"]) == ("proved", "refuted")
     document["law"]["constraints"] = [constraint]

@@ -120,10 +120,13 @@ class Asked:
             self._known[cell] = found or (self.proved_by_all(cell) if self.by_all else None)
         return self._known[cell]
 
-    def ask_all(self) -> None:
-        """From now on everything that makes proofs is asked too."""
-        self.by_all = self.most >= _IN_DEPTH
+    def ask_all(self) -> bool:
+        """From now on everything that makes proofs is asked too; False where it is already, or the steps are too few."""
+        if self.by_all or self.spent or self.most < _IN_DEPTH:
+            return False
+        self.by_all = True
         self._known.clear()
+        return True
 
     def _proved_as(self, cell: ParameterCell, way: str) -> Decided | None:
         try:

@@ -50,7 +50,8 @@ def region(
         raise InputError(f"regions are not known of the claim {claim!r}", where="claim", remedy=remedy)
     found = _found(asked, _named(asked, parameters, over or {}), claim, steps)
     if parameters is None and not found.stretches("proved") and (scales := _absorbed(asked, found.parameters[0])):
-        found = replace(_found(asked.fix(dict.fromkeys(scales, 1)), found.parameters[0], claim, steps), scales=scales)
+        scaled = replace(_found(asked.fix(dict.fromkeys(scales, 1)), found.parameters[0], claim, steps), scales=scales)
+        found = scaled if scaled.stretches("proved") or not found.exact else found
     return found
 
 
@@ -151,11 +152,11 @@ def told(law: Law, claim: str, asked: str) -> str:
 
     ``asked`` is the law as the command line names it, for the command that finds more.  "" for a law of which nothing is known.
     """
-    if not isinstance(law, Criterion) or claim not in ASKED or len(names := shape_parameters(law)) != 1:
-        return ""
     try:
+        if not isinstance(law, Criterion) or claim not in ASKED or len(names := shape_parameters(law)) != 1:
+            return ""
         found = region(law, None, claim, steps=_STEPS_OF_A_SENTENCE)
-    except InputError:
+    except Exception:  # the verdicts stand, whatever goes wrong in what is said beside them
         return ""
     (name,) = names
     if found.exact and found.short not in ("true", "false"):

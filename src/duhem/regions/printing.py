@@ -80,7 +80,7 @@ def _latex_number(end: RealRoot) -> str:
 def _fields(region: ParameterRegion) -> Iterator[tuple[str, str]]:
     law, (name,) = region.criterion, region.parameters
     yield "claim", region.claim
-    yield "over", region.to_dict()["domain"].replace("true", f"all {name}")
+    yield "over", f"all {name}" if (over := region.to_dict()["domain"]) == "true" else over
     if others := [own.stated(other) for other, own in law.parameters.items() if other != name]:
         yield "others", ", ".join(others)
     if published := _published(region):
@@ -97,7 +97,9 @@ def _rows(region: ParameterRegion) -> list[tuple[str, ...]]:
     found = list[tuple[str, ...]]()
     for cell, done in zip(region.cells, region.decided, strict=True):
         by = "" if done.row is None else str(done.row["rule"])
-        found.append((cell.condition, cell.verdict, cell.trust or "-", by))
+        single = done.cell.low if done.cell.single else None
+        where = cell.condition if single is None else f"{region.parameters[0]} = {written_root(single)}"
+        found.append((where, cell.verdict, cell.trust or "-", by))
     return found
 
 

@@ -90,18 +90,19 @@ class ParameterRegion(Shown):
     @property
     def open_share(self) -> float:
         """How much of the domain is open, from 0 to 1; 0 too where single values are."""
-        left = sum(_length(done.cell) for done in self.decided if done.verdict == "open")
-        return left / whole if (whole := sum(_length(done.cell) for done in self.decided)) else float(not self.exact)
+        endless = None in (self.domain.low, self.domain.high)
+        left = sum(_length(done.cell, endless) for done in self.decided if done.verdict == "open")
+        return left / whole if (whole := _length(self.domain, endless)) else float(not self.exact)
 
     @property
     def condition(self) -> str:
         """Where the claim is proved, with the ends of the domain."""
-        return self.told(self.domain)
+        return self._told(with_domain=True)
 
     @property
     def short(self) -> str:
-        """The same without the ends of the domain, which go without saying: ``e <= 1/2``."""
-        return self.told(None)
+        """The same for people, without the ends of the domain, which go without saying: ``e <= 1/2``, ``e = 0``."""
+        return self._told(with_domain=False)
 
     @property
     def sentence(self) -> str:
@@ -115,9 +116,8 @@ class ParameterRegion(Shown):
         said = f"{said}, where {' = '.join(self.scales)} = 1" if self.scales else said
         return f"{said}, as far as other parameters exist with {' and '.join(self.joined)}" if self.joined else said
 
-    def told(self, domain: ParameterCell | None) -> str:
-        """The condition; ends of the domain are named where none is given."""
-        parts = [self._between(cell, domain is not None) for cell in self.stretches("proved")]
+    def _told(self, *, with_domain: bool) -> str:
+        parts = [self._between(cell, with_domain) for cell in self.stretches("proved")]
         if not parts:
             return "false"
         if any(not part for part in parts):
@@ -144,7 +144,8 @@ class ParameterRegion(Shown):
         if cell == own:
             return ""
         if cell.single and cell.low is not None:
-            return f"{name} >= {written_root(cell.low)} and {name} <= {written_root(cell.low)}"
+            at = written_root(cell.low)
+            return f"{name} >= {at} and {name} <= {at}" if with_domain else f"{name} = {at}"  # a condition has no sign for equal
         said = list[str]()
         if cell.low is not None and (with_domain or (cell.low, cell.open) != (own.low, own.open)):
             said.append(f"{written_root(cell.low)} {'<' if cell.open else '<='} {name}" if cell.high is not None and with_domain
@@ -220,9 +221,11 @@ def _as_plain(x: Any) -> Any:
     return dict(x) if isinstance(x, Mapping) else list(x) if isinstance(x, Iterable) else str(x)
 
 
-def _length(cell: ParameterCell) -> float:
-    """How long a cell is; of a whole that has no end after x/(1 + |x|), which is taken for all cells alike."""
+def _length(cell: ParameterCell, endless: bool) -> float:
+    """How long a cell is, in a domain that is ``endless`` after x/(1 + |x|)."""
     low, high = (None if end is None else float(end.low) for end in (cell.low, cell.high))
+    if low is not None and high is not None and not endless:
+        return high - low
     return (1.0 if high is None else high / (1 + abs(high))) - (-1.0 if low is None else low / (1 + abs(low)))
 
 

@@ -56,8 +56,7 @@ def _resolved(asked: Asked, gap: ParameterCell) -> Iterator[Decided]:
         if (grown := _grown(asked, seed, gap)) is not None:
             yield from _between(asked, gap, [grown])
             return
-    if not (asked.by_all or asked.spent) and gap == asked.whole:
-        asked.ask_all()
+    if gap == asked.whole and asked.ask_all():
         for seed in islice(_seeds(gap.bounds), _FEW_SEEDS):
             if (grown := _grown(asked, seed, gap)) is not None:
                 yield from _between(asked, gap, [grown])
@@ -232,7 +231,7 @@ def _refuted(asked: Asked, gap: ParameterCell, halvings: int) -> Iterator[Decide
 
 
 def _middle(cell: ParameterCell) -> Fraction | None:
-    low, high = (None if end is None else end for end in (cell.low, cell.high))
+    low, high = cell.low, cell.high
     if cell.single:
         return None
     if low is None or high is None:

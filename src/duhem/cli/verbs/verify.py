@@ -5,6 +5,7 @@ from __future__ import annotations
 import glob
 import json
 import os
+import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -138,7 +139,7 @@ def verify(
             found, interrupted = verification.Verification(law, tuple(decided), (), (), effort=effort, interrupted=True), True
         if form == "text":
             say(f"\n{text(found, page())}" if done else text(found, page()))
-            _say_for_which(found, laws[len(done)])
+            _say_for_which(found, shlex.join([laws[len(done)], *(word for setting in settings for word in ("--set", setting))]))
         done.append(found)
         if interrupted:
             break
