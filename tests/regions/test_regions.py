@@ -25,6 +25,7 @@ from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.recheck import RecheckedRegion
 from duhem.regions import entry
 from duhem.regions.decided import Decided
+from duhem.show.printing import text
 from tests.long import mostly_long
 
 CHRISTENSEN = duhem.Criterion(
@@ -174,6 +175,12 @@ def test_a_single_value_and_no_value_are_told_shortly() -> None:
     none = duhem.Criterion(name="none", pressure=None, g=form.format("(3 + e)", "mu**2"),
                            parameters={"e": duhem.Domain.between(0, 1), "mu": duhem.POSITIVE})  # fmt: skip
     assert duhem.region(none).sentence == "convexity holds for no value of the domain"
+
+
+def test_what_is_published_is_said_of_the_law_of_the_atlas_alone() -> None:
+    own = found("argyris")
+    other = replace(own, criterion=replace(own.criterion, summary="another law of this name"))
+    assert "published  for K >= 7/9" in text(own) and "published" not in text(other)
 
 
 def test_the_origin_has_a_region() -> None:

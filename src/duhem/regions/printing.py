@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
-from duhem.law.atlas.entry import entries
+from duhem.errors import InputError
+from duhem.law.atlas.entry import entry
 from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.regions.numbers import written_root
@@ -88,9 +90,11 @@ def _fields(region: ParameterRegion) -> Iterator[tuple[str, str]]:
 
 
 def _published(region: ParameterRegion) -> str:
-    """What the literature claims of a law of the atlas."""
-    own = next((entry for entry in entries() if entry.name == region.criterion.name), None)
-    return "" if own is None else own.claims.get(region.claim, "")
+    """What the literature claims of a law of the atlas; of another law that has its name nothing is known."""
+    with suppress(InputError):
+        own = entry(region.criterion.name)
+        return own.claims.get(region.claim, "") if own.summary == region.criterion.summary else ""
+    return ""
 
 
 def _rows(region: ParameterRegion) -> list[tuple[str, ...]]:
