@@ -198,6 +198,8 @@ def test_the_origin_has_a_region() -> None:
         ({"law": "limacon", "claim": "beauty"}, "regions are not known of the claim"),
         ({"law": "limacon", "over": {"e": "1"}}, "this is no range"),
         ({"law": "limacon", "over": {"e": "1/3:1/3"}}, "a range has two different ends"),
+        ({"law": "limacon", "over": {"e": "0:a"}}, "--over e=0:a: 'a' is not a number"),
+        ({"law": "limacon", "over": {"e": (1, 0)}}, "over e: the domain .* is empty"),
         ({"law": "willam-warnke", "parameters": "e"}, "e is fixed at 3/5"),
     ],
 )

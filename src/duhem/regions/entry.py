@@ -10,7 +10,6 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.number import exact_number
 from duhem.law.catalogue import load_formula
 from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
@@ -143,8 +142,10 @@ def _read(given: Any, where: str) -> Domain:
     parts = given.split(":") if isinstance(given, str) else list(given) if isinstance(given, tuple | list) else []
     if len(parts) != 2:
         raise InputError("this is no range", where=where, remedy="write LOW:HIGH, such as 0:1, or 0: for no upper end")
-    low, high = (None if part is None or (isinstance(part, str) and not part.strip()) else exact_number(part) for part in parts)
-    return Domain(low, high)
+    try:
+        return Domain.between(*(None if isinstance(part, str) and not part.strip() else part for part in parts))
+    except InputError as fault:
+        raise InputError(fault.what, where=where, remedy=fault.remedy) from None
 
 
 def told(law: Law, claim: str, asked: str) -> str:

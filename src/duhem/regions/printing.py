@@ -98,12 +98,12 @@ def _published(region: ParameterRegion) -> str:
 
 
 def _rows(region: ParameterRegion) -> list[tuple[str, ...]]:
-    found = list[tuple[str, ...]]()
+    found, (name,) = list[tuple[str, ...]](), region.parameters
     for cell, done in zip(region.cells, region.decided, strict=True):
         by = "" if done.row is None else str(done.row["rule"])
         single = done.cell.low if done.cell.single else None
-        where = cell.condition if single is None else f"{region.parameters[0]} = {written_root(single)}"
-        found.append((where, cell.verdict, cell.trust or "-", by))
+        where = cell.condition if single is None else f"{name} = {written_root(single)}"
+        found.append((f"all {name}" if done.cell == region.domain else where, cell.verdict, cell.trust or "-", by))
     return found
 
 
