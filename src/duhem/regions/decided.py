@@ -85,7 +85,7 @@ class Asked:
 
     def _plain_values(self) -> Iterator[tuple[str, str]]:
         """One for each other parameter that is not fixed: 1, if all are admitted there, else what the law admits."""
-        free = [n for n, own in self.stated.parameters.items() if n != self.name and (own.low is None or own.low != own.high)]
+        free = [n for n, own in self.stated.parameters.items() if n != self.name and not own.single]
         ones = {name: "1" for name in free}
         if free and not self._admitted(ones):
             ones = {**dict(admitted_values(self.law) or ones)}

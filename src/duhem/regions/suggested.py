@@ -47,7 +47,7 @@ def suggestions(
     """Families for a law over a cell, its other parameters fixed as they are not in the ``whole``; the most promising first."""
     if claim == "origin":
         yield Suggestion("evaluation", {})
-    free = [n for n, own in law.parameters.items() if own.low is None or own.low != own.high]
+    free = [n for n, own in law.parameters.items() if not own.single]
     if claim == "dissipation" and law.flow is not None:
         with suppress(*UNREADABLE):
             yield from _of_points(whole, name, cell)

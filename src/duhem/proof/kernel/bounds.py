@@ -42,6 +42,11 @@ class Bounds(NamedTuple):
                 return cls(ends.get("min"), ends.get("max"))
         raise NotWritten("a domain is none")
 
+    @property
+    def single(self) -> bool:
+        """Whether it is one value."""
+        return self.low is not None and self.low == self.high
+
     def sign(self) -> Sign:
         """The signs in it."""
         low, high = -1 if self.low is None else self.low.numerator, 1 if self.high is None else self.high.numerator

@@ -130,7 +130,7 @@ def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked
 
 def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
     """A few plain values of the parameters, all together, within the constraints."""
-    free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if _free(domain)}
+    free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if not Bounds.read(domain).single}
     tried = [{name: values[(k + k * i) % len(values)] for i, (name, values) in enumerate(free.items())} for k in range(_TURNS)]
     tried = [{name: values[k % len(values)] for name, values in free.items()} for k in range(_TURNS)] + tried
     seen = list[dict[str, Fraction]]()
@@ -144,7 +144,7 @@ def _inhabits(choice: Choice, law: Text) -> bool:
     """Whether the free parameters may have these values."""
     with suppress(*UNREADABLE):
         read = stated(law)
-        fixed = {name: x.low for name, x in read.parameters.items() if name not in choice and x.low is not None and x.low == x.high}
+        fixed = {name: x.low for name, x in read.parameters.items() if name not in choice and x.low is not None and x.single}
         return inhabited(read.parameters, read.constraints, {**fixed, **choice})
     return False
 
@@ -157,16 +157,11 @@ def _with(law: Text, domains: Mapping[str, Text]) -> Text:
     return {**law, "parameters": {**law["parameters"], **domains}}
 
 
-def _free(domain: Text) -> bool:
-    own = Bounds.read(domain)
-    return own.low is None or own.low != own.high
-
-
 def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
     """Parts of a domain: from 1 or up to 1, above or below 0, either half; as it is declared and in words."""
-    if not _free(domain):
-        return
     own = Bounds.read(domain)
+    if own.single:
+        return
     if own.sign() & (ZERO | NEGATIVE) and own.sign() & POSITIVE:
         yield {"positive": True, **({} if own.high is None else {"max": str(own.high)})}, "what is > 0 (positive = true)"
     if own.sign() & NEGATIVE and own.sign() & POSITIVE:
