@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from duhem.errors import InputError
@@ -158,7 +159,7 @@ class Asked:
                 before += [step for step in more if step not in before]
             else:
                 settled = frozenset(step["claim"] for step in before)
-                if not self._objection(claim, rule, settled, law, as_written):
+                if not self._within(partial(objection, claim, rule, settled, law, {}, as_written)):
                     found = [*before, {"claim": claim, "rule": rule, "evidence": {}}]
                     if self.name in law.parameters:  # a single value may have a proof of its own
                         self._usual[claim] = rule, as_written
@@ -166,10 +167,11 @@ class Asked:
         known[claim] = found
         return found
 
-    def _objection(self, claim: str, rule: str, settled: frozenset[str], law: StatedLaw, as_written: bool) -> str:
+    def _within(self, ask: Callable[[], str]) -> str:
+        """What the kernel has against something, for no more steps than one rule may cost on one cell."""
         with within(_MOST_STEPS) as purse:
             try:
-                said = objection(claim, rule, settled, law, {}, as_written)
+                said = ask()
             except TooDearError:
                 said = "it is too dear"
         self.steps += purse.spent
@@ -238,8 +240,8 @@ class Asked:
             for found in self._suggested(cell, way):
                 free = {name: text for name, text in self.values.items() if name != found.evidence.get("scale")}
                 evidence = {**found.evidence, "values": free}
-                if not self.spent and not self._fails(cell, way, found, evidence):
-                    return Decided(cell, "refuted", {"as": way, "rule": found.rule, "evidence": evidence})
+                if not self.spent and (done := self._confirmed(cell, way, found.rule, evidence)) is not None:
+                    return done
         return None
 
     def chord(self, cell: ParameterCell, inside: Fraction) -> Decided | None:
@@ -261,10 +263,7 @@ class Asked:
             return None
         values = {name: x for name, x in found.witness.parameters.items() if name in self.values}
         evidence = {"p": p, "q": q, "values": {**self.values, **values}, **pressure}
-        for way in _ways(cell):
-            if not self._fails(cell, way, Suggestion("chord", evidence), evidence):
-                return Decided(cell, "refuted", {"as": way, "rule": "chord", "evidence": evidence})
-        return None
+        return next(filter(None, (self._confirmed(cell, way, "chord", evidence) for way in _ways(cell))), None)
 
     def _suggested(self, cell: ParameterCell, way: str) -> list[Suggestion]:
         """The first families that floating point suggests over a cell; none where nothing is told in so many steps."""
@@ -280,11 +279,7 @@ class Asked:
             self.hopeful.add(cell)
         return found
 
-    def _fails(self, cell: ParameterCell, way: str, found: Suggestion, evidence: Mapping[str, Any]) -> str:
-        with within(_MOST_STEPS) as purse:
-            try:
-                said = refutation_fails(self.claim, found.rule, self.stated, self.name, cell, way, evidence)
-            except TooDearError:
-                said = "it is too dear"
-        self.steps += purse.spent
-        return said
+    def _confirmed(self, cell: ParameterCell, way: str, rule: str, evidence: Mapping[str, Any]) -> Decided | None:
+        """A family of witnesses, if the kernel confirms it."""
+        fault = self._within(partial(refutation_fails, self.claim, rule, self.stated, self.name, cell, way, evidence))
+        return None if fault else Decided(cell, "refuted", {"as": way, "rule": rule, "evidence": evidence})

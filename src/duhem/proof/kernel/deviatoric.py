@@ -390,7 +390,7 @@ class DeviatoricReader(PlaneVariable):
         law = self.domain.law
         if law.constraints:
             return self.signs
-        ends = {name: own._replace(open=True, open_high=True) if not own.single else own for name, own in law.parameters.items()}
+        ends = {name: own if own.single else own._replace(open=True, open_high=True) for name, own in law.parameters.items()}
         return Signs(self.domain.over(law._replace(parameters=ends)), _WALLS)
 
     def vanishes(self, value: PlaneFunction) -> bool:
