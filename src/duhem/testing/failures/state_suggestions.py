@@ -178,7 +178,7 @@ class _Probe:
         i = int(np.flatnonzero(rows)[np.abs(step.off[rows][:, at]).max(axis=1).argmax()])
         v = at[int(np.abs(step.off[i, at]).argmax())]
         size = (np.abs(step.change) + np.abs(step.ended[:, self.inner]))[:, at].max(axis=1, keepdims=True)
-        for name, others in self._other_numbers():
+        for name, _, others in self._other_numbers():
 
             def off(factor: float, others: Callable[[float], list[Array]] = others) -> Array:
                 flow, rate = step.flows(others=others(factor))
@@ -190,11 +190,12 @@ class _Probe:
                     yield f"{name} {stem}", f"in the evolution of {stem}, {name} is {often}"
                     return
 
-    def _other_numbers(self) -> Iterator[tuple[str, Callable[[float], list[Array]]]]:
-        """Each parameter, and the numbers with so many times its value."""
+    def _other_numbers(self) -> Iterator[tuple[str, float, Callable[[float], list[Array]]]]:
+        """Each parameter, its value, and the numbers with so many times that."""
         given = self.step.others
         for place, name in enumerate(self.own.others):
-            yield name, lambda c, place=place: [c * x if j == place else x for j, x in enumerate(given)]  # type: ignore[misc]
+            now = float(given[place][0])
+            yield name, now, lambda c, place=place: [c * x if j == place else x for j, x in enumerate(given)]  # type: ignore[misc]
 
     # -- what the stress is --------------------------------------------------------------------------------------------
 
@@ -238,20 +239,19 @@ class _Probe:
         for name, said, changed, chi in self._instead(end):
             if (np.abs(level(changed, chi)) <= allowed)[rows].all():
                 yield name, said
-        warm = np.arange(end.shape[1]) == (end.shape[1] - 1 if law.temperature is not None else -1)
-        tried: list[tuple[str, float, Callable[[float], Array]]] = []
+        tried: list[tuple[str, float | None, Callable[[float], Array]]] = []
         if law.temperature is not None:
+            warm = np.arange(end.shape[1]) == end.shape[1] - 1
             tried.append((f"the temperature {law.temperature}", float(end[0, -1]), lambda c: level(forces, np.where(warm, c * end, end))))
-        for name, others in self._other_numbers():
-            value = float(others(1.0)[self.own.others.index(name)][0])
+        for name, value, others in self._other_numbers():
             tried.append((f"in the yield check {name}", value, lambda c, others=others: level(forces, end, others(c))))  # type: ignore[misc]
-        tried.append(("in the yield check the stress, beside the limit,", 1.0, lambda c: level(c * forces, end)))
+        tried.append(("in the yield check the stress, beside the limit,", None, lambda c: level(c * forces, end)))
         i = int(np.flatnonzero(rows)[np.abs(level(forces, end) / allowed)[rows].argmax()])
-        for said, value, of in tried:
+        for said, now, of in tried:
             for factor in _roots(lambda c, of=of: float(of(c)[i])):  # type: ignore[misc]
                 if (np.abs(of(factor)) <= allowed)[rows].all():
-                    often = f"taken {factor:.6g} times as large, or the limit {1.0 / factor:.6g} times" if said.endswith(",") else ""
-                    yield said, f"{said} is {often or f'taken as {factor * value:.6g}, not {value:.6g}'}"
+                    times = f"{factor:.6g} times as large, or the limit {1.0 / factor:.6g} times"
+                    yield said, f"{said} is taken {times if now is None else f'as {factor * now:.6g}, not {now:.6g}'}"
 
     def _of_the_direction(self, wrong: Rows) -> Words:
         step, slips = self.step, self.step.of.slips
