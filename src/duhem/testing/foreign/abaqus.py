@@ -32,8 +32,6 @@ _KINDS = "p" * len((*_RETURNED, *_GIVEN)) + "n"
 _KEPT = frozenset(_GIVEN) - {"PNEWDT"}
 _ORDERS = {"abaqus": ("xx", "yy", "zz", "xy", "xz", "yz"), "voigt": ("xx", "yy", "zz", "yz", "xz", "xy")}
 _SECONDS = 10.0  # that all increments of one call may take
-_DEFAULTS: dict[str, Any] = {"axes": None, "energies": True, "tangent": True, "name": "MATERIAL", "symbol": "umat_", "isolated": True}
-_DEFAULTS |= {"order": "abaqus", "state": None, "seconds": _SECONDS}
 _SAFE = "duhem_umat"  # of the stubs: it comes back from XIT
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
@@ -162,6 +160,7 @@ def umat(
     given |= {"direct": ndi, "energies": energies, "tangent": tangent, "name": name, "symbol": symbol, "isolated": isolated}
     given |= {"order": order, "state": state, "seconds": seconds}
     said = [repr(str(Path(path).resolve())), repr([*map(float, props)]), repr(None if k is None else k.tolist())]
-    said += [f"{key}={value!r}" for key, value in given.items() if value != _DEFAULTS.get(key)]
+    defaults = umat.__kwdefaults__ or {}
+    said += [f"{key}={value!r}" for key, value in given.items() if value != defaults[key]]
     line = f"from duhem.testing.foreign import umat\nupdate = umat({', '.join(said)})"
     return Material(advance, k, first, energies, symbol.rstrip("_"), line, components=components, state=state)

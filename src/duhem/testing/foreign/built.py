@@ -12,10 +12,11 @@ from tempfile import mkdtemp
 
 from duhem.errors import InputError
 
-__all__ = ["built"]
+__all__ = ["SOURCES", "built"]
 
 _FORTRAN = (".f", ".for", ".ftn", ".f77", ".f90", ".f95", ".f03", ".f08")
 _C = (".c", ".cc", ".cpp", ".cxx")
+SOURCES = _FORTRAN + _C
 _COMPILERS = {"FC": ("gfortran", "ifx", "ifort", "flang"), "CC": ("cc", "gcc", "clang"), "CXX": ("c++", "g++", "clang++")}
 _STUBS = Path(__file__).with_name("abaqus_stubs.c")
 _PARAMETERS = "      implicit real*8(a-h,o-z)\n      parameter (nprecd=2)\n"
@@ -28,15 +29,14 @@ def built(path: str | Path) -> Path:
     Raises InputError where there is no such file, no compiler for it, or one that refuses it, with what it says.
     """
     file = Path(path)
-    ending = file.suffix.lower()
-    if ending not in _FORTRAN + _C or not file.is_file():
+    if file.suffix.lower() not in SOURCES or not file.is_file():
         return file
-    return _library(file.resolve(), ending in _FORTRAN, file.stat().st_mtime_ns)
+    return _library(file.resolve(), file.stat().st_mtime_ns)
 
 
 @cache
-def _library(file: Path, fortran: bool, _: int) -> Path:
-    kind = "FC" if fortran else "CC" if file.suffix == ".c" else "CXX"
+def _library(file: Path, _: int) -> Path:
+    kind = "FC" if file.suffix.lower() in _FORTRAN else "CC" if file.suffix == ".c" else "CXX"
     names = _COMPILERS[kind]
     found = next(filter(None, map(shutil.which, filter(None, (os.environ.get(kind), *names)))), None)
     if found is None:
