@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import stack
 from pathlib import Path
 from time import monotonic
 
@@ -10,7 +11,9 @@ import pytest
 
 from duhem.errors import InputError
 from duhem.testing import MaterialState, Report, conformance
+from duhem.testing.failures.report import as_junit, as_sheet
 from duhem.testing.foreign import umat
+from duhem.testing.routines.unfinished import Unfinished
 from tests.export.shared_library import compiler
 from tests.long import mostly_long
 
@@ -196,4 +199,16 @@ def test_an_interrupt_returns_what_is_known() -> None:
         return np.clip(trial, -1.0, 1.0)
 
     report = conformance(None, update, stiffness=[1.0, 2.0], max_examples=50, rows=4, seed=1)
-    assert not report.ok and report.ended == "KeyboardInterrupt" and report.points > 0 and "ended before its end" in str(report)
+    assert not report.ok and report.interrupted and report.ended == "KeyboardInterrupt" and report.points > 0
+    assert "ended before its end" in str(report) and '<testcase classname="mine" name="ended">' in as_junit({"mine": report})
+    assert as_sheet(report).notes[0] == ("Ended before its end", ("KeyboardInterrupt",))
+
+
+def test_a_routine_that_does_not_come_back_when_it_is_asked_what_it_does_instead_ends_the_run_with_what_was_found() -> None:
+    def update(trial: np.ndarray, pressure: object, stiffness: np.ndarray) -> np.ndarray:
+        if "diagnosed" in {frame.function for frame in stack()}:
+            raise Unfinished("endless")
+        return 2.0 * trial
+
+    report = conformance("coulomb", update, {"mu": 0.3}, max_examples=2, rows=4, seed=1, checks=["feasibility"])
+    assert report.failed == {"feasibility"} and report.ended == "Unfinished: endless" and not report.interrupted

@@ -25,7 +25,6 @@ from duhem.testing.drawn.values import Strategy
 from duhem.testing.failures.report import Report
 from duhem.testing.routines.material import Material, stateless
 from duhem.testing.routines.routine import Update
-from duhem.testing.routines.unfinished import Unfinished
 from duhem.testing.run import ConformanceRun
 
 __all__ = [
@@ -119,7 +118,7 @@ def violation(
         known = load_formula(law)
         warm = None if known.temperature is None else case.parameters[known.temperature]
         update = replace(update, temperature=warm, pressed=known.pressure is not None)
-        own = LawInState.of(known, update, parameters or {}, state if state is not None else update.state or {})
+        own = LawInState.of(known, update, parameters or {}, state)
         query = HistoryQuery(update, case, accuracy, law=own)
     else:
         passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
@@ -200,14 +199,9 @@ def conformance(
     drawn = {"stiffness": stiffness, "pressure": pressure, "max_examples": max_examples, "rows": rows, "every": every, "seed": seed}
     drawn |= {"largest_strain": largest_strain, "scale": scale}
     told: dict[str, Any] = {"accuracy": accuracy, "tries": tries, "seconds": seconds, "expected": expected_failed_checks, "given": law}
-    told |= {"held_to": held_to, "state": state if state is not None else getattr(update, "state", None)}
+    told |= {"held_to": held_to, "state": state}
     run = ConformanceRun(known, update if known is None else _routine(update), parameters, asked, **told, **drawn)  # type: ignore[arg-type]
-    run.try_first(first)
-    try:
-        report = run.to_the_end().report()
-    except (KeyboardInterrupt, Unfinished) as ended:
-        report = run.report(ended)
-    return replace(report, most_flagged=most_flagged)
+    return replace(run.outcome(first), most_flagged=most_flagged)
 
 
 def _routine(update: Update | Material) -> Update:

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.testing.checks.history import HistoryQuery
-from duhem.testing.checks.law_in_state import LawInState, Places, as_places
+from duhem.testing.checks.law_in_state import LawInState, Places
 from duhem.testing.checks.query import NoReply, NothingToCheck, Query, Raised, named_by
 from duhem.testing.checks.registry import Check, judged, registered
 from duhem.testing.checks.visited import Visited
@@ -50,11 +50,11 @@ _SINGLE = 300  # single increments among which a failure is looked for again, to
 
 
 class ConformanceRun:
-    """What a routine is held to, and what was found on the way; :meth:`report` may be asked before it has ended.
+    """What a routine is held to, and what was found on the way; :attr:`ended` is what ended it before its end, None where nothing did.
 
     ``law`` is None where none is known: the routine, or a material with its own stiffness and parameters, is put to the checks that need
-    none; with ``state``, the places of the variables of ``held_to``, a material is also held to that law.  ``options`` are those of
-    :class:`RunOptions`.
+    none; a material is also held to the law ``held_to``, whose variables have the places ``state`` (that of the material where left out).
+    ``options`` are those of :class:`RunOptions`.
     """
 
     def __init__(
@@ -79,10 +79,9 @@ class ConformanceRun:
             if self.warm is not None:
                 first = _temperatures(values.get(self.warm), self.warm)
             update = replace(update, temperature=None if first is None else first[0], pressed=held_to.pressure is not None)
-            self.in_state: LawInState | None = LawInState.of(held_to, update, values, state or {})
+            self.in_state: LawInState | None = LawInState.of(held_to, update, values, state)
             parameters = {} if first is None or self.warm is None else {self.warm: sampled_from(first)}
-            places = {name: as_places(at, update) for name, at in (state or {}).items()}
-            self.held = f"{drawn_again({'parameters': values})}, state={places!r}"
+            self.held = f"{drawn_again({'parameters': values})}, state={self.in_state.places!r}"
         else:
             self.in_state, self.held = None, ""
         self.held_to = held_to
@@ -113,6 +112,7 @@ class ConformanceRun:
         sizes = {name: size for name, size in self.sizes.items() if size is not None}
         again = drawn_again(said, **chosen, **counts, **sizes)
         self.again = f"{self.held}, {again}" if self.held and again else again
+        self.ended: KeyboardInterrupt | Unfinished | None = None
         self.found: list[Failure] = []
         self.left_out: dict[str, str] = {}
         self.judged: set[str] = set()
@@ -141,13 +141,23 @@ class ConformanceRun:
             return f"{getattr(self.update, 'name', 'material')} as {self.in_state.own.law.name}"
         return f"{getattr(self.update, 'name', None) or getattr(self.update, '__name__', 'update')}, without a law"
 
-    def try_first(self, cases: Iterable[Case]) -> None:
+    def outcome(self, first: Iterable[Case] = ()) -> Report:
+        """Try the cases that come ``first``, and draw others to the end; an interrupt or a routine that does not come back ends both."""
+        try:
+            self._try_first(first)
+            self._to_the_end()
+            return self.report()
+        except (KeyboardInterrupt, Unfinished) as ended:
+            self.ended = ended
+            return self.report()
+
+    def _try_first(self, cases: Iterable[Case]) -> None:
         """Note what fails on cases that are known already, one increment each; those that do not fit are passed over."""
         for case in cases:
             if len(case) == 1 and self.law is not None and case.fits(self.law.fix(self.parameters)):
                 self._note_all(list(self.failures(self.query(case), self.pending)))
 
-    def to_the_end(self) -> ConformanceRun:
+    def _to_the_end(self) -> None:
         """Draw cases until every check has failed or has seen them all."""
         while self.pending:
             self.visited, self.examples = self._nothing_visited(), 0
@@ -158,7 +168,6 @@ class ConformanceRun:
                 break
             self._note(*found)
         self.visited.demand_measured(self._title)
-        return self
 
     def _cases(self, parameters: Mapping[str, Any] | None, stiffness: ArrayLike | Strategy | None, rows: int = 1) -> Strategy:
         if self.law is not None:
@@ -324,8 +333,9 @@ class ConformanceRun:
 
     # -- what is told --------------------------------------------------------------------------------------------------
 
-    def report(self, ended: BaseException | None = None) -> Report:
-        """Return what was found so far; where something ``ended`` the run, without asking the routine what it does instead."""
+    def report(self) -> Report:
+        """Return what was found so far; where something has ended the run, without asking the routine what it does instead."""
+        ended = self.ended
         bad = {f.check.name for f in self.found}
         passed = tuple(c.name for c in self.asked if c.name in self.judged - bad)
         left_out = {name: why for name, why in self.left_out.items() if name not in self.judged}
@@ -337,6 +347,7 @@ class ConformanceRun:
             passed=passed,
             failures=tuple(map(self._short, causes)) if ended is None else causes,
             ended="" if ended is None else f"{type(ended).__name__}: {ended}".removesuffix(": "),
+            interrupted=isinstance(ended, KeyboardInterrupt),
             unfinished=getattr(ended, "failure", None),
             left_out=left_out,
             explained=explained,

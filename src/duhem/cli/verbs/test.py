@@ -173,7 +173,7 @@ def test(
     asked_for = _checks(None if free else subject, named, expected, material is not None and law is not None)
     if material is not None:
         routines, left_out = _held(subject, material, law, settings, places, held_to), dict[str, str]()
-        fixed["stiffness"] = None if subject.lower().endswith(_SOURCES) else fixed["stiffness"]
+        fixed["stiffness"] = None if _is_umat(subject) else fixed["stiffness"]
     else:
         routines, left_out = _routines(subject, law, free, settings, held_to, stiffness)
     if largest_strain is not None:
@@ -186,12 +186,7 @@ def test(
         click.echo(f"duhem: {unfinished}", err=True)
     reports = [each.report for each in tested.values()]
     if replay is not None:  # a test file for each cause, and for the increment that a routine does not come back from
-        from duhem.testing.failures.failure import write_replays
-
-        failures = [failure for report in reports for failure in report.failures]
-        if unfinished is not None and unfinished.failure is not None:
-            failures.append(unfinished.failure)
-        for file in write_replays(failures, replay):
+        for file in (file for report in reports for file in report.write_replays(replay)):
             wrote("a failure as a test", f"{file}")
     if isinstance(ended, KeyboardInterrupt):
         return INTERRUPTED
@@ -229,7 +224,7 @@ class _Tested:
 
 
 _STATE = ("NAME=PLACES", "--state X=7:13")
-_SOURCES = (".f", ".for", ".ftn", ".f77", ".f90", ".f95", ".f03", ".f08", ".c", ".cc", ".cpp", ".cxx", ".so", ".dylib", ".dll")
+_LIBRARIES = (".so", ".dylib", ".dll")
 
 
 def _places(text: str, where: str) -> list[int]:
@@ -248,7 +243,7 @@ def _material(
     from duhem.testing.foreign import umat
     from duhem.testing.routines.material import Material
 
-    if subject.lower().endswith(_SOURCES):
+    if _is_umat(subject):
         numbers = [] if props is None else read_numbers(props, "--props")
         return umat(subject, numbers, k, nstatv=nstatv or 0, ntens=ntens)
     if told := next((f"--{name}" for name, given in (("props", props), ("nstatv", nstatv), ("ntens", ntens)) if given is not None), None):
@@ -274,7 +269,7 @@ def _held(
         raise InputError(what, where=f"--set {settings[0]}", remedy="set them where the material is created")
     values = {name: float(value) for name, value in read_settings(settings).items()}
     known = None if law is None else load_formula(read_law(law))
-    options: dict[str, Any] = {} if known is None else {"held_to": known, "state": places or material.state, "given": law}
+    options: dict[str, Any] = {} if known is None else {"held_to": known, "state": places or None, "given": law}
     return {subject: (partial(ConformanceRun, None, material, values or None, **options), ACCURACY if accuracy is None else accuracy)}
 
 
@@ -290,9 +285,16 @@ def _checks(law: str | None, named: Sequence[str] | None, expected: Mapping[str,
     return [c for c in known.values() if c.demanded] if named is None else [known[name] for name in named]
 
 
+def _is_umat(subject: str) -> bool:
+    """Whether it is a source or a library."""
+    from duhem.testing.foreign.built import SOURCES
+
+    return subject.lower().endswith(SOURCES + _LIBRARIES)
+
+
 def _is_routine(subject: str) -> bool:
     """Whether it is something else than a law."""
-    if subject.lower().endswith(_SOURCES):
+    if _is_umat(subject):
         return True
     if ":" not in subject:
         return False
@@ -350,8 +352,6 @@ def _carry_out(
     routines: Mapping[str, Routine], checks: Sequence[Check], most_flagged: float, options: Mapping[str, Any]
 ) -> tuple[dict[str, _Tested], KeyboardInterrupt | Unfinished | None]:
     """What came of one after the other, and what ended it before its end."""
-    from duhem.testing.routines.unfinished import Unfinished
-
     tested: dict[str, _Tested] = {}
     with Progress("testing") as progress:
         for name, (made, accuracy) in routines.items():
@@ -364,15 +364,11 @@ def _carry_out(
                 progress.show(f"{name}: {run.examples} of {options['max_examples']}, {rate:.0f}/s{slip}, {len(run.found)} failed")
 
             run = _made(made, checks, accuracy=accuracy, on_case=seen, **options)
-            ended: KeyboardInterrupt | Unfinished | None = None
-            try:
-                run.to_the_end()
-            except (KeyboardInterrupt, Unfinished) as stop:
-                ended = stop
-            seconds, every = monotonic() - begun, run.every if any(each.again for each in run.asked) else 1
-            tested[name] = _Tested(replace(run.report(ended), most_flagged=most_flagged), seconds, every)
-            if ended is not None:
-                return tested, ended
+            report = replace(run.outcome(), most_flagged=most_flagged)
+            every = run.every if any(each.again for each in run.asked) else 1
+            tested[name] = _Tested(report, monotonic() - begun, every)
+            if run.ended is not None:
+                return tested, run.ended
     return tested, None
 
 

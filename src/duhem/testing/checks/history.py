@@ -167,7 +167,8 @@ class HistoryQuery(Query):
         loads = None if case.loads is None or case.pressure is None else np.concatenate([*case.loads.T[1:], case.pressure])
         asked = before.stress + (after.strain - before.strain) @ self.case.stiffness
         error = self.error(before.stress, asked, after.stress)
-        return self.law.step(before, after, np.full(len(before), case.factor), loads, error, self.accuracy, self._rounding, len(case))
+        others, dt = self.law.others(len(after), loads), np.full(len(before), case.factor)
+        return LawStep(self.law, before, after, dt, others, error, self.accuracy, self._rounding, len(case))
 
     @property
     def given_stiffness(self) -> Array | None:

@@ -29,7 +29,7 @@ from duhem.path.state_step import Guess, StateFormula, StateLaw, StepEquations
 from duhem.projection.result import Array
 from duhem.testing.routines.material import Material, MaterialState
 
-__all__ = ["Kept", "LawInState", "LawStep", "Places", "as_places"]
+__all__ = ["Kept", "LawInState", "LawStep", "Places"]
 
 _NEWTON = 40
 _MET = 1e-14
@@ -54,6 +54,7 @@ class LawInState:
 
     ``observed`` are the forces whose observables are the strains, ``numbers`` the parameters by name; ``first`` is what is read from the
     state alone, for the internal variables ``known``, and ``slips`` those read from the stress; ``more`` is what is kept of these too.
+    ``places`` are those of all that is kept, as it was told.
     """
 
     own: StateLaw
@@ -63,11 +64,15 @@ class LawInState:
     known: NDArray[np.intp]
     slips: NDArray[np.intp]
     observed: frozenset[str]
-    more: tuple[Kept, ...] = ()
+    more: tuple[Kept, ...]
+    places: Mapping[str, list[int]]
 
     @classmethod
-    def of(cls, law: Criterion, material: Material, parameters: Mapping[str, Any], state: Places) -> LawInState:
-        """InputError for parameters without a value, components that do not fit, and a state that does not tell the law's variables."""
+    def of(cls, law: Criterion, material: Material, parameters: Mapping[str, Any], state: Places | None) -> LawInState:
+        """The ``state`` is that of the material where left out.
+
+        InputError for parameters without a value, components that do not fit, and a state that does not tell the law's variables.
+        """
         where = f"state of {law.name}"
         check_has_k(law)
         if law.heat:
@@ -88,7 +93,8 @@ class LawInState:
         k = material.elastic[np.ix_(columns, columns)]
         own = StateLaw.of(fixed, k if fixed.energy is None else None, columns=d + (warm is not None))
         numbers = {n: float(x.value) for n, x in fixed.parameters.items() if x.value is not None and n not in law.variables}
-        kept = [*_read_places(own, state, material, tails, where)]
+        places = {told: _listed(at, material) for told, at in (material.state or {} if state is None else state).items()}
+        kept = _read_places(own, places, material, tails, where)
         inner = own.names[d : d + own.internal]
         observed = frozenset((*law.variables.observed(), *(() if law.energy is not None else law.forces)))  # type: ignore[attr-defined]
         slipping = {int(own.order[i]) for i, f in enumerate(law.forces) if f in observed}
@@ -106,7 +112,7 @@ class LawInState:
             what = f"{len(first)} places cannot tell {', '.join(inner[i] for i in known)}"
             raise InputError(what, where=where, remedy="give a place for each")
         more = tuple(each for each in kept if each not in first)
-        return cls(own, numbers, columns, first, np.array(known, dtype=np.intp), np.array(slips, dtype=np.intp), observed, more)
+        return cls(own, numbers, columns, first, np.array(known, dtype=np.intp), np.array(slips, dtype=np.intp), observed, more, places)
 
     # -- reading -------------------------------------------------------------------------------------------------------
 
@@ -143,14 +149,6 @@ class LawInState:
                 _solve(chi, o + rows, equations)
         return chi
 
-    def step(self, before: MaterialState, after: MaterialState, dt: Array, pressure: Array | None, error: Array, *relative: Any) -> LawStep:
-        """What the law asks of some steps; ``relative`` are the last fields of :class:`LawStep`."""
-        others = self.others(len(after), pressure)
-        with np.errstate(all="ignore"):
-            begun = self.read(before, others)
-            ended = self.read(after, others, begun)
-        return LawStep(self, before, after, begun, ended, dt, others, error, *relative)
-
 
 def _solve(chi: Array, columns: NDArray[np.intp], equations: Callable[[Array], tuple[Array, Array, Array]]) -> None:
     """Newton's method by least squares for some ``columns`` of chi, in place; nan where a derivative has no value."""
@@ -168,7 +166,7 @@ def _spelled(text: str, names: Mapping[str, str]) -> str:
     return _WORD.sub(lambda m: names.get(m[0], m[0]), text)
 
 
-def as_places(given: int | slice | Sequence[int], material: Material) -> list[int]:
+def _listed(given: int | slice | Sequence[int], material: Material) -> list[int]:
     """The places in the state of a material that are given as a number, several, or a slice."""
     size = len(np.asarray(material.variables))
     return [*range(size)[given]] if isinstance(given, slice) else [given] if isinstance(given, int) else [*given]
@@ -180,21 +178,20 @@ def _reaches(own: StateLaw, i: int) -> bool:
     return any(own.symbols[o + i] in slope.free_symbols for slope in gradient(own.energy, own.symbols[:o]))
 
 
-def _read_places(own: StateLaw, state: Places, material: Material, tails: Sequence[str], where: str) -> list[Kept]:
+def _read_places(own: StateLaw, places: Mapping[str, list[int]], material: Material, tails: Sequence[str], where: str) -> list[Kept]:
     """What stands at each place.  A name that is no variable, but is one with each ending of the stress, is a tensor."""
     law, table = own.law, own.law.symbols()
     known = {name: table[name] for name in own.others} | dict(zip(own.names, own.symbols, strict=True))
     driven = [own.symbols[own.observables + i] for i in own.order.tolist()]
     forces = dict(zip(law.force_symbols(), (-x for x in gradient(own.energy, driven)), strict=True))
-    known |= {name: symbol for name, symbol in zip(law.forces, law.force_symbols(), strict=True)}
+    known |= dict(zip(law.forces, law.force_symbols(), strict=True))
     ends, found, size = material.components or tuple(tails), [], len(np.asarray(material.variables))
-    for told, places in state.items():
-        at = as_places(places, material)
+    for told, at in places.items():
         inside = {w: [f"{w}_{end}" for end in ends] for w in _WORD.findall(told) if w not in known}
         tensors = {w: parts for w, parts in inside.items() if {*parts} <= {*known}}
         texts = [_spelled(told, {w: parts[i] for w, parts in tensors.items()}) for i in range(len(ends) if tensors else 1)]
         if len(texts) != len(at) or not all(isinstance(p, int) and 0 <= p < size for p in at):
-            what = f"{told!r} has {len(texts)} components, and the places {places!r} of {size} are {len(at)}"
+            what = f"{told!r} has {len(texts)} components, and the places {at} of {size} are {len(at)}"
             raise InputError(what, where=where, remedy="count from 0, and give NSTATV, or all variables, where the material is made")
         for text, place in zip(texts, at, strict=True):
             formula = parse_expression(text, known, where=where).xreplace(forces)
@@ -204,7 +201,7 @@ def _read_places(own: StateLaw, state: Places, material: Material, tails: Sequen
 
 @dataclass(eq=False)
 class LawStep:
-    """Steps of a routine against the law, M rows: ``begun`` and ``ended`` chi (M, n), and what follows from them.
+    """Steps of a routine from ``before`` to ``after`` against the law, M rows: ``begun`` and ``ended`` chi (M, n), and what follows.
 
     ``error`` (M,) is the length by which the stress may be off (:meth:`HistoryQuery.error`), of which ``accuracy`` and ``rounding`` are the
     parts relative to the stresses; of the ``histories`` the first steps come first.  ``multiplier`` (M, S) and its error, ``moved``
@@ -215,8 +212,6 @@ class LawStep:
     of: LawInState
     before: MaterialState
     after: MaterialState
-    begun: Array
-    ended: Array
     dt: Array
     others: Sequence[Array]
     error: Array
@@ -226,6 +221,8 @@ class LawStep:
 
     def __post_init__(self) -> None:
         with np.errstate(all="ignore"):
+            self.begun = self.of.read(self.before, self.others)
+            self.ended = self.of.read(self.after, self.others, self.begun)
             self._measure()
 
     def equations(self, multiplier: Array, dt: Array, chi: Array | None = None, others: Sequence[Array] | None = None) -> StepEquations:
@@ -248,16 +245,16 @@ class LawStep:
         inner = slice(o, o + own.internal)
         bent, slips = own.free_energy(self.begun, self.others)[2], of.slips
         known = np.isfinite(bent).all(axis=(1, 2)) & (np.linalg.eigvalsh(np.nan_to_num(bent[:, :o, :o])).min(axis=1) > 0.0)
-        self.lower = np.linalg.cholesky(np.where(known[:, None, None], bent[:, :o, :o], np.eye(o)))
+        lower = np.linalg.cholesky(np.where(known[:, None, None], bent[:, :o, :o], np.eye(o)))
         self.flow, self.rate = self.flows()
         self.change = self.ended[:, inner] - self.begun[:, inner]
-        stretched = [np.linalg.norm(np.einsum("nji,nj->ni", self.lower, x[:, :o]), axis=1) for x in (self.begun, self.ended)]
+        stretched = [np.linalg.norm(np.einsum("nji,nj->ni", lower, x[:, :o]), axis=1) for x in (self.begun, self.ended)]
         error = self.error + self.rounding * (stretched[0] + stretched[1])
         # what slips make of the stress, as a vector whose length is that of the stress
-        metric = np.zeros((len(error), o if slips.size else own.internal, own.internal))
-        metric[:, :, slips if slips.size else slice(None)] = (
-            np.linalg.inv(self.lower) @ np.nan_to_num(bent[:, :o, o + slips]) if slips.size else np.eye(own.internal)
-        )
+        metric = np.tile(np.eye(own.internal), (len(error), 1, 1))
+        if slips.size:
+            metric = np.zeros((len(error), o, own.internal))
+            metric[:, :, slips] = np.linalg.inv(lower) @ np.nan_to_num(bent[:, :o, o + slips])
         self.inverse = np.linalg.pinv(metric[:, :, slips])
         alpha = np.abs(self.ended[:, inner]) + np.abs(self.begun[:, inner]) + np.abs(self.change)
         delta = (self.accuracy + self.rounding) * alpha
@@ -268,14 +265,14 @@ class LawStep:
         length = np.linalg.norm(drawn, axis=2)
         off = error if slips.size else np.linalg.norm(delta, axis=1)
         self.multiplier_error = 2.0 * off[:, None] / np.where(length > 0.0, length, np.inf)
-        delta = delta + np.where(
-            np.isin(np.arange(own.internal), slips), 0.0, (np.abs(self.flow) * self.multiplier_error[:, :, None]).sum(axis=1)
-        )
+        drawn_off = (np.abs(self.flow) * self.multiplier_error[:, :, None]).sum(axis=1)
+        self.delta = delta + np.where(np.isin(np.arange(own.internal), slips), 0.0, drawn_off)
+        self.slip_error = error
         self.multiplier = np.zeros((len(error), len(own.criteria)))
         found = self.equations(self.multiplier, self.dt)
         slope = found.by_state[:, own.internal :, :]
         self.level, self.size = found.criteria, found.criterion_size
-        self.level_allowed = self.spread(slope, delta, error) + 256.0 * _EPS * self.size
+        self.level_allowed = self.spread(slope, error) + 256.0 * _EPS * self.size
         if self.multiplier.shape[1] == 1:
             square = length[:, 0] ** 2
             self.multiplier[:, 0] = np.where(square > 0.0, (far * drawn[:, 0]).sum(axis=1) / np.where(square > 0.0, square, 1.0), 0.0)
@@ -288,26 +285,25 @@ class LawStep:
         self.off = self.change - self.moved
         jacobian = self.equations(self.multiplier, self.dt).by_state[:, : own.internal, :]
         jacobian = np.where(np.isfinite(jacobian), jacobian, 0.0)
-        self.allowed = 2.0 * (self.spread(jacobian, delta, error) + delta)
+        self.allowed = 2.0 * (self.spread(jacobian, error) + self.delta)
         at_low, at_high = self.ended[:, inner] <= own.low, self.ended[:, inner] >= own.high
         held = (at_low & (self.off > 0.0)) | (at_high & (self.off < 0.0))
         self.off = np.where(held, 0.0, self.off)
         pushed = self.flow.sum(axis=1) + self.rate  # against a bound, whose reaction takes part in the force
         self.bound = (((at_high & (pushed > 0.0)) | (at_low & (pushed < 0.0))) & own.reacts).any(axis=1)
         self.slipped = (self.multiplier > 4.0 * self.multiplier_error).any(axis=1)
-        self.delta, self.slip_error = delta, error
 
-    def spread(self, slope: Array, delta: Array, error: Array) -> Array:
-        """What errors of the state make of values with these derivatives (M, k, n): of slips as one vector, of others each."""
+    def spread(self, slope: Array, error: Array) -> Array:
+        """What errors of the state make of values with these derivatives (M, k, n): ``error`` of the slips as one vector, others each."""
         o, slips = self.of.own.observables, self.of.slips
         by = np.abs(slope[:, :, o : o + self.of.own.internal])
         others = np.delete(np.arange(self.of.own.internal), slips)
         along = np.nan_to_num(slope[:, :, o + slips]) @ self.inverse
-        return np.asarray(np.linalg.norm(along, axis=2) * error[:, None] + np.einsum("nkj,nj->nk", by[:, :, others], delta[:, others]))
+        return np.asarray(np.linalg.norm(along, axis=2) * error[:, None] + np.einsum("nkj,nj->nk", by[:, :, others], self.delta[:, others]))
 
     def derived(self, chi: Array | None = None) -> tuple[Array, Array]:
         """What is kept of the slips too, as stress and strain have it (M, k), and what it may be off by: each step adds its error."""
         pairs = [each.formula.first(self.ended if chi is None else chi, self.others) for each in self.of.more]
         value, slope = np.stack([v for v, _ in pairs], axis=1), np.stack([s for _, s in pairs], axis=1)
         error = self.slip_error + np.cumsum(self.error.reshape(-1, self.histories), axis=0).ravel()
-        return value, 4.0 * self.spread(slope, self.delta, error) + 64.0 * _EPS * np.abs(value)
+        return value, 4.0 * self.spread(slope, error) + 64.0 * _EPS * np.abs(value)

@@ -32,9 +32,9 @@ class Report(Shown):
     power of ten of what was drawn, in ``examples`` cases by ``seed``.  ``tried``: by the name of a
     check, how many of what it looked at more than the increments, such as the pairs of stresses of convexity; ``needs``: by that name,
     what it lacked where these are 0.  ``most_flagged``: the share that may be flagged, None for any.
-    ``ended`` is what ended the run before its end, an interrupt or a routine that does not come back, "" where nothing did; the report
-    then has what was found so far, and ``unfinished`` the increment that was not answered, if it was one
-    of a check.
+    ``ended`` is what ended the run before its end, "" where nothing did; the report then has what was found so far.  ``interrupted``:
+    this was an interrupt, not a routine that does not come back.  ``unfinished`` is the increment that was not answered, if a check
+    asked for it.
     """
 
     printed_by: ClassVar[str] = __name__
@@ -58,12 +58,8 @@ class Report(Shown):
     needs: Mapping[str, str] = field(default_factory=dict)
     most_flagged: float | None = None
     ended: str = ""
+    interrupted: bool = False
     unfinished: Failure | None = None
-
-    @property
-    def interrupted(self) -> bool:
-        """Whether an interrupt ended the run, and not a routine that does not come back."""
-        return self.ended.startswith(KeyboardInterrupt.__name__)
 
     @property
     def ok(self) -> bool:
@@ -88,8 +84,8 @@ class Report(Shown):
         return next((f for f in (*self.failures, *self.explained) if f.check.name == check), None)
 
     def write_replays(self, folder: str | Path) -> tuple[Path, ...]:
-        """One test file a cause (:meth:`Failure.replay`), written to a folder that is made where there is none."""
-        return write_replays(self.failures, folder)
+        """One test file a cause and for ``unfinished`` (:meth:`Failure.replay`), in a folder that is made where there is none."""
+        return write_replays((*self.failures, *([] if self.unfinished is None else [self.unfinished])), folder)
 
     def counted(self) -> str:
         """How many checks came out in which way, and how many increments were asked for, in words."""
@@ -182,6 +178,7 @@ def as_sheet(report: Report) -> Sheet:
         head=("check", "outcome"),
         rows=tuple(outcomes.items()),
         notes=(
+            ("Ended before its end", (report.ended,) if report.ended else ()),
             ("Failures", tuple(f"{f.check.name}: {f.diagnosis or f.message}" for f in report.failures)),
             ("Reasons", tuple(f"{name}: {why}" for name, why in reasons.items())),
             ("Tested", report.tested()),
@@ -219,7 +216,7 @@ def _finite(x: float) -> float | None:
 def as_junit(reports: Mapping[str, Report]) -> str:
     """Return JUnit's XML: a suite a routine, by its name, with a case a check, and one for what it flags where that is bounded.
 
-    What was visited and drawn stands in properties.
+    A run that ended before its end has one more case, which fails.  What was visited and drawn stands in properties.
     """
     return as_xml(_suite(name, report) for name, report in reports.items())
 
@@ -230,11 +227,13 @@ def _suite(name: str, report: Report) -> JUnitSuite:
     properties |= {} if report.most_flagged is None else {"most_flagged": f"{report.most_flagged:g}"}
     properties |= {f"visited {key}": f"{share:.6g}" for key, share in report.visited.items()}
     cases = [_case(check, report) for check in (*report.passed, *sorted(report.failed), *report.left_out)]
-    return JUnitSuite(name, (*cases, *_flagged(report)), properties)
+    return JUnitSuite(name, (*cases, *_of_the_run(report)), properties)
 
 
-def _flagged(report: Report) -> Iterator[JUnitCase]:
-    """Yield the case of what is flagged, where the share of it is bounded."""
+def _of_the_run(report: Report) -> Iterator[JUnitCase]:
+    """Yield the case of a run that ended before its end, and that of what is flagged, where the share of it is bounded."""
+    if report.ended:
+        yield JUnitCase("ended", Outcome.FAILED, report.ended, "" if report.unfinished is None else str(report.unfinished))
     if report.flags_too_many:
         yield JUnitCase("flagged", Outcome.FAILED, report.flags())
     elif report.most_flagged is not None:
