@@ -9,7 +9,7 @@ import pytest
 
 from duhem import Criterion, Domain
 from duhem.errors import InputError
-from duhem.testing import Material, MaterialState, conformance, violation
+from duhem.testing import Material, MaterialState, check, conformance, violation
 from duhem.testing.checks.registry import registered
 from tests.long import mostly_long
 from tests.testing.atlas_materials import NAMES
@@ -159,6 +159,8 @@ def test_what_cannot_be_held_to_a_law_is_told() -> None:
         conformance(law, material, parameters, state={"p": 0, "X": [7, 8]})
     with pytest.raises(InputError, match=r"the law has 2 components of stress .* and the routine 6"):
         conformance("prager", material, PRAGER["parameters"])
+    with pytest.raises(InputError, match="the check feasibility is not for such a routine"):
+        conformance(law, material, parameters, checks=[check("feasibility")])
     with pytest.raises(InputError, match=r"unknown name|is not declared|unknown"):
         conformance(law, material, parameters, state={"p": 0, "Z": 3})
     with pytest.raises(InputError, match="the temperature T has no value"):

@@ -78,14 +78,13 @@ def test_what_abaqus_offers_is_there(source) -> None:  # type: ignore[no-untyped
     """A stress of principal values 3, 2, 1 turned by an angle: its invariants, directions, and what turns it back."""
     text = """
     const int kind = 1, normal = 3, shear = 3;
-    double s[6] = {2.5, 2.5, 1, 0.5, 0, 0}, turned[6], r[9] = {0, 1, 0, -1, 0, 0, 0, 0, 1}, values[3], axes[9], p, q, none;
+    double s[6] = {2.5, 2.5, 1, 0.5, 0, 0}, turned[6], values[3], axes[9], p, q, none;
     const double c = sqrt(0.5), back[9] = {c, -c, 0, c, c, 0, 0, 0, 1};
     int code = 0, no = 0;
     sinv_(s, &p, &q, &normal, &shear);
     sprind_(s, values, axes, &kind, &normal, &shear);
     rotsig_(s, back, turned, &kind, &normal, &shear);
     getvrm_("S", &none, cmname, cmname, &code, &no, &no, &no, &no);
-    (void)r;
     const double found[13] = {p, q, values[0], values[1], values[2], fabs(axes[0] * axes[3]), turned[0],
                               turned[1], turned[2], turned[3], code, 0, 0};
     for (int i = 0; i < 13; i++) statev[i] = found[i];

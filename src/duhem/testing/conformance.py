@@ -81,7 +81,11 @@ def checks_asked(law: _Law, checks: Iterable[Check | str] | Check | str | None, 
         raise InputError("no check is selected", where="checks", remedy=remedy)
     if wrong := [each for each in named if not isinstance(each, str | Check)]:
         raise InputError(f"{wrong[0]!r} is no check", where="checks", remedy=remedy)
-    return tuple(_named(each, law is not None, of_states) if isinstance(each, str) else each for each in named)
+    found = tuple(_named(each, law is not None, of_states) if isinstance(each, str) else each for each in named)
+    if wrong := [each.name for each in found if not each.applies(law is not None, of_states)]:
+        remedy = "name others; the marker of a material that is held to a law takes its state too"
+        raise InputError(f"the check {wrong[0]} is not for such a routine", where="checks", remedy=remedy)
+    return found
 
 
 def check_expected(law: _Law, expected: Mapping[str, str] | None, of_states: bool = False) -> None:

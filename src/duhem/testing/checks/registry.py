@@ -61,6 +61,10 @@ class Check:
     of_a_law: bool = True
     of_states: bool = False
 
+    def applies(self, of_a_law: bool, of_states: bool) -> bool:
+        """Whether it is one of routines with a law or without, or of a material that is held to a law (``of_states``)."""
+        return self.of_a_law == (of_a_law and not of_states) and of_states >= self.of_states
+
     @property
     def __name__(self) -> str:  # pytest names parametrised tests by it
         return self.name
@@ -92,7 +96,7 @@ def registered(of_a_law: bool = True, of_states: bool = False) -> dict[str, Chec
 
     Those of a material and a law of which it keeps the state (``of_states``) are those that need none, and more.
     """
-    found = [check for check in _checks.values() if check.of_a_law == (of_a_law and not of_states) and of_states >= check.of_states]
+    found = [check for check in _checks.values() if check.applies(of_a_law, of_states)]
     return {check.name: check for check in sorted(found, key=lambda c: not c.law_only)}
 
 

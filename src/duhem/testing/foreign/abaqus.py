@@ -71,20 +71,20 @@ def umat(
 
     A source in Fortran or C (``.f``, ``.for``, ``.f90``, ``.c``, ...) is compiled with the compiler that FC or CC names, or gfortran or cc,
     together with stubs of what Abaqus offers: XIT and STDB_ABQERR(-3, ...), which end the increment as not solved, ROTSIG, SINV, SPRINC,
-    SPRIND, GETVRM (which knows no output variable) and ABA_PARAM.INC.
+    SPRIND, GETVRM (which knows no output variable) and ABA_PARAM.INC.  Tested with C alone: no source in Fortran has been tried.
 
     ``props`` are PROPS; ``nstatv`` the number of STATEV, ``variables`` their values at the beginning (default: 0).  ``ntens`` (default
     6) is 6, 4 (NDI = 3, NSHR = 1) or 3 (plane stress, NDI = 2), or any other with ``direct`` for NDI.  ``order`` names the components of
     the routine: "abaqus" (xx yy zz xy xz yz), "voigt" (xx yy zz yz xz xy), or the names themselves; a law with a stress of such
     components is put in that order.  Shear strains are those of engineers.  ``state`` says where the variables of a law stand in
     STATEV (:func:`duhem.testing.conformance`).  ``stiffness`` (NTENS, NTENS), the elastic one, is measured if left out, and compared
-    with what is measured if given.  ``axes``: the material's directions as rows (3, 3), where they are
-    not those of the strains: what UMAT is given and returns is then turned, six components alone.  ``energies``, ``tangent``:
-    whether it sets SSE and SPD (with SCD), which are not judged where they stay 0, and DDSDDE, which is zero before.  A PNEWDT below 1
-    says that the increment is not solved.  The last argument beside
-    Abaqus' is the length of CMNAME, as gfortran and ifort pass it.  DFGRD0, DFGRD1 and DROT are the identity (small strains); times
-    are in s, TEMP is the temperature of the points, or 0, each point an element of its own (NOEL).  ``isolated``, ``seconds`` and
-    what it has to leave as it is, as in :func:`shared_library`; what an isolated routine prints is shown where it fails, and nowhere else.
+    with what is measured if given.  ``axes``: the material's directions as rows (3, 3), where they are not those of the strains: what
+    UMAT is given and returns is then turned, six components alone.  ``energies``, ``tangent``: whether it sets SSE and SPD (with SCD),
+    which are not judged where they stay 0, and DDSDDE, which is zero before.  A PNEWDT below 1 says that the increment is not solved.
+    The last argument beside Abaqus' is the length of CMNAME, as gfortran and ifort pass it.  DFGRD0, DFGRD1 and DROT are the identity
+    (small strains); times are in s, TEMP is the temperature of the points, or 0, each point an element of its own (NOEL).
+    ``isolated``, ``seconds`` and what it has to leave as it is, as in :func:`shared_library`; what an isolated routine prints is shown
+    where it fails, and nowhere else.
 
     Raises InputError for a missing file or symbol, a source that does not compile, and for sizes that do not fit.
     """

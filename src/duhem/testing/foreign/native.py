@@ -29,8 +29,8 @@ SECONDS = 120.0  # that all rows of one call may take
 
 _VALUES = {"d": ctypes.c_double, "i": ctypes.c_int, "n": ctypes.c_size_t}
 _GUARD = 64  # bytes before and after each array that a routine is given
-_TOLD = 400  # bytes of what a routine has printed
 _NOBODYS = 0xFF  # what they hold: a double of it is nan, so that reading there is seen too
+_TOLD = 400  # bytes of what a routine has printed
 
 Called: TypeAlias = tuple[NDArray[np.int64], NDArray[np.bool_]]
 
