@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
@@ -52,13 +53,12 @@ class Kept:
 class LawInState:
     """``own`` is the law as its steps take it; ``columns`` (o,) has the component of the material of each observable.
 
-    ``observed`` are the forces whose observables are the strains, ``numbers`` the parameters by name; ``first`` is what is read from the
-    state alone, for the internal variables ``known``, and ``slips`` those read from the stress; ``more`` is what is kept of these too.
-    ``places`` are those of all that is kept, as it was told.
+    ``observed`` are the forces whose observables are the strains; ``first`` is what is read from the state alone, for the internal
+    variables ``known``, and ``slips`` those read from the stress; ``more`` is what is kept of these too.  ``places`` are those of all
+    that is kept, as it was told.
     """
 
     own: StateLaw
-    numbers: Mapping[str, float]
     columns: NDArray[np.intp]
     first: tuple[Kept, ...]
     known: NDArray[np.intp]
@@ -92,7 +92,6 @@ class LawInState:
         columns = np.array([material.components.index(t) for t in tails] if own_order else range(d), dtype=np.intp)
         k = material.elastic[np.ix_(columns, columns)]
         own = StateLaw.of(fixed, k if fixed.energy is None else None, columns=d + (warm is not None))
-        numbers = {n: float(x.value) for n, x in fixed.parameters.items() if x.value is not None and n not in law.variables}
         places = {told: _listed(at, material) for told, at in (material.state or {} if state is None else state).items()}
         kept = _read_places(own, places, material, tails, where)
         inner = own.names[d : d + own.internal]
@@ -105,21 +104,22 @@ class LawInState:
         first = tuple(each for each in kept if within(each) and not within(each) & slipping)
         known = sorted(set().union(*map(within, first)))
         slips = sorted({*range(own.internal)} - {*known})
-        if lost := [inner[i] for i in slips if i not in slipping and not _reaches(own, i)]:
+        stress = set[sp.Basic]().union(*(slope.free_symbols for slope in gradient(own.energy, own.symbols[:d])))
+        if lost := [inner[i] for i in slips if i not in slipping and own.symbols[d + i] not in stress]:
             what = f"nothing says what {lost[0]} is: no place is given, and the stress does not depend on it"
             raise InputError(what, where=where, remedy=f'give its place in STATEV, counted from 0: state={{"{lost[0]}": 0}}')
         if len(first) < len(known):
             what = f"{len(first)} places cannot tell {', '.join(inner[i] for i in known)}"
             raise InputError(what, where=where, remedy="give a place for each")
         more = tuple(each for each in kept if each not in first)
-        return cls(own, numbers, columns, first, np.array(known, dtype=np.intp), np.array(slips, dtype=np.intp), observed, more, places)
+        return cls(own, columns, first, np.array(known, dtype=np.intp), np.array(slips, dtype=np.intp), observed, more, places)
 
     # -- reading -------------------------------------------------------------------------------------------------------
 
     def others(self, n: int, pressure: Array | None) -> list[Array]:
         """The numbers that the formulas take beside the variables, each (N,)."""
-        load = np.zeros(n) if pressure is None else pressure
-        return [load if name == self.own.law.pressure else np.full(n, self.numbers[name]) for name in self.own.others]
+        law, load = self.own.law, np.zeros(n) if pressure is None else pressure
+        return [load if name == law.pressure else np.full(n, law.parameters[name].value, np.float64) for name in self.own.others]
 
     def read(self, state: MaterialState, others: Sequence[Array], near: Array | None = None) -> Array:
         """chi (N, n) of a state of the routine; nan where its equations have no solution.  ``near`` is where they are begun."""
@@ -170,12 +170,6 @@ def _listed(given: int | slice | Sequence[int], material: Material) -> list[int]
     """The places in the state of a material that are given as a number, several, or a slice."""
     size = len(np.asarray(material.variables))
     return [*range(size)[given]] if isinstance(given, slice) else [given] if isinstance(given, int) else [*given]
-
-
-def _reaches(own: StateLaw, i: int) -> bool:
-    """Whether the stress depends on an internal variable."""
-    o = own.observables
-    return any(own.symbols[o + i] in slope.free_symbols for slope in gradient(own.energy, own.symbols[:o]))
 
 
 def _read_places(own: StateLaw, places: Mapping[str, list[int]], material: Material, tails: Sequence[str], where: str) -> list[Kept]:

@@ -249,8 +249,8 @@ def shared_library(
     ``parameters`` are further numbers, fixed ones; what conformance leaves open comes by name.  An int that the function returns,
     or writes to ``status``, is its status: the increment counts as solved where it is one of ``solved``.  ``column_major``: the
     tangent is in Fortran's order.  ``isolated``: run in a process of its own, so that a crash is a failed check, not the end of
-    the test run, and a call that takes more than ``seconds``, as one without end does, an error that names the increment
-    (:class:`duhem.testing.routines.unfinished.Unfinished`): no check is decided by the clock.  What is returned is filled with nan
+    the test run, and a call that takes more than ``seconds``, as one without end does, ends a run with the increment
+    (:attr:`duhem.testing.Report.unfinished`): no check is decided by the clock.  What is returned is filled with nan
     before, so that what the routine leaves out is seen; what it is only given, and 64 bytes before and behind each array, it has to
     leave as they are (the check ``inputs``).
 
