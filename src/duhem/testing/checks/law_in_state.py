@@ -5,8 +5,8 @@ With the state chi = (u, alpha, T) read from the routine before and after a step
     g(Y; chi) <= 0,   alpha - alpha_n = lambda h(Y; chi) + dt r(Y; chi),   lambda >= 0,   lambda g = 0        (duhem.path.state_step).
 
 Slips, the variables of forces whose observables are the strains, are read from sigma = d psi/d u, all others from the places given
-to them; a place given to a slip too is compared with that.  lambda is what the slips show, as least squares in the energy of the
-stiffness; where nothing slips, what the variable shows that flows most.
+to them; a place given to a slip too is compared with that.  lambda fits the slips by least squares in the energy of the stiffness, and
+all variables where the law has no slips.
 """
 
 from __future__ import annotations
@@ -197,10 +197,11 @@ def _read_places(own: StateLaw, places: Mapping[str, list[int]], material: Mater
 class LawStep:
     """Steps of a routine from ``before`` to ``after`` against the law, M rows: ``begun`` and ``ended`` chi (M, n), and what follows.
 
-    ``error`` (M,) is the length by which the stress may be off (:meth:`HistoryQuery.error`), of which ``accuracy`` and ``rounding`` are the
-    parts relative to the stresses; of the ``histories`` the first steps come first.  ``multiplier`` (M, S) and its error, ``moved``
-    (M, internal) what the law changes, ``off`` what the routine changes beyond that and ``allowed``, both (M, internal); ``level`` g
-    (M, S), what it may be and the size of its terms.  ``slipped`` (M,): the multiplier is more than its error.
+    ``error`` (M,) is the length by which the stress may be off (:meth:`HistoryQuery.error`), of which ``accuracy`` and ``rounding`` are
+    the parts relative to the stresses; the rows are the first steps of all ``histories``, then the second ones.  ``multiplier`` (M, S)
+    and its error, ``moved`` (M, internal) what the law changes, ``off`` what the routine changes beyond that and ``allowed``, both
+    (M, internal); ``level`` g (M, S), what it may be and the size of its terms.  ``slipped`` (M,): the multiplier is more than its
+    error.
     """
 
     of: LawInState

@@ -1,7 +1,7 @@
 """What a material satisfies whose law is known, with the state that it keeps: the implicit step of that law, condition by condition.
 
 The checks look at the steps of a path and at the one beyond it, as they were taken (:class:`duhem.testing.checks.law_in_state.LawStep`);
-none asks the routine anew.  The stress may be off by u, of which each tolerance is what the conditions of the law make.
+none asks the routine anew.  The stress may be off by u, and each tolerance is what the law's condition makes of u.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def _condition(name: str, statement: str, formula: str, tolerance: str = "what u
 
 
 def _worst(h: HistoryQuery, off: Array, allowed: Array, say: Callable[[int, int], str]) -> Finding:
-    """Of the conditions of the steps of each row the one that is violated most."""
+    """Return, for each row, the condition that its steps violate most."""
     n, (many, count), step = len(h.case), off.shape, h.law_step
     with np.errstate(all="ignore"):
         ratio = np.where(allowed > 0.0, np.abs(off) / np.where(allowed > 0.0, allowed, 1.0), np.where(off == 0.0, 0.0, np.inf))

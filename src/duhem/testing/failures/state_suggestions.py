@@ -35,7 +35,7 @@ Instead: TypeAlias = Iterator[tuple[str, str, Array, Array]]
 
 
 def beside_in_state(case: Case) -> Case:
-    """Histories like the one of a case, of other sizes and a little turned, from other states too, whatever the path that failed."""
+    """Return histories like that of a case: of other sizes, a little turned, and from other states."""
     rng, d = np.random.default_rng(5), case.trial.shape[1]
     sizes = np.concatenate([[1.0], np.geomspace(0.05, 2.5, _ROWS - 1)])
     turn = np.concatenate([np.zeros((1, d)), rng.normal(size=(_ROWS - 1, d))])
@@ -90,8 +90,8 @@ class _Probe:
             flow, rate, multiplier, moved = *step.flows(ref.chi), ref.multiplier, (ref.chi - step.begun)[:, self.inner]
         elif (apart <= 1e-3 * size)[chosen].all():
             least = float((apart / size)[wrong].max())
-            why = "single precision, a loose tolerance, or too high an accuracy"
-            yield "imprecise", f"the stress is right to {least:.1g} of it only: {why}"
+            why = "single precision, a loose tolerance, or too high a promised accuracy"
+            yield "imprecise", f"the stress is right to {least:.1g} of its size only: {why}"
             return
         else:
             flow, rate, multiplier, moved = step.flow, step.rate, step.multiplier, step.moved
