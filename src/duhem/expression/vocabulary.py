@@ -282,7 +282,9 @@ WORDS: dict[str, Word] = {
     **{name: Word(word.node, 1, 1, word.meaning) for name, word in ELEMENTARY.items()},
     "log10": Word(_log10, 1, 1, "logarithm to base 10"),
     "softplus": Word(_softplus, 1, 1, "log(1 + exp(x)), a smooth max(x, 0); infinite in double precision for x > 710"),
-    "logsumexp": Word(_log_sum_exp, 1, None, "log(exp(x) + exp(y) + ...), a smooth max; infinite in double precision for an argument > 710"),
+    "logsumexp": Word(
+        _log_sum_exp, 1, None, "log(exp(x) + exp(y) + ...), a smooth max; infinite in double precision for an argument > 710"
+    ),
     "atan2": Word(Atan2, 2, 2, "atan2(y, x), the angle (rad) of the point (x, y)"),
     "min": Word(sp.Min, 1, None, "least of its arguments"),
     "max": Word(sp.Max, 1, None, "greatest of its arguments"),

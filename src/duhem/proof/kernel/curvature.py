@@ -41,6 +41,9 @@ from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of,
 __all__ = ["over", "shown", "within_ranges"]
 
 _HALF, _ONE = number(Fraction(1, 2)), number(1)
+_SIGN_KEPT = (  # words that rise, and have the sign of what they are of
+    "tanh", "atan",
+)  # fmt: skip
 _PRICE = 100  # steps for a part of a formula, beside what its polynomials cost
 _SMALL, _LARGEST_BLOCK = 3, 6
 _Bend = tuple[Term, Term, Term]  # x, right, left
@@ -156,7 +159,7 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             return _risen(x)
         case "tan":
             return Facts(defined)
-        case "tanh" | "atan":
+        case word if word in _SIGN_KEPT:
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
         case "cos" if below_right(term.args[0], domain.sign):
             return Facts(x.defined, POSITIVE)
