@@ -33,7 +33,8 @@ TESTS: Mapping[str, str] = {
     " test_kernel_rules test_kernel_boundary test_kernel_pieces test_kernel_edges test_kernel_*"
     " test_homogeneity test_power_share test_smooth_sections test_regions test_kernel test_composition_rules test_tampering test_fan"
     " test_states* test_potentials_of_rates test_heat* test_coupled*"
-    " test_false_proofs test_undefined_parts test_product_bounds test_spectrum test_smooth_roots test_profiles test_isotropy",
+    " test_false_proofs test_undefined_parts test_product_bounds test_spectrum test_smooth_roots test_profiles test_isotropy"
+    " test_concave_profiles test_graphs test_normal_form test_parameter_cells",
     "decide": "decide/test_clearing decide/test_rays decide/test_exact_signs"
     " decide/test_degenerate_sets decide/test_deciders decide/test_* test_budget test_cells",
     "methods": "test_methods_formula test_methods_implicit test_methods_flow test_methods_neighbours test_open_answers test_curve_methods"
