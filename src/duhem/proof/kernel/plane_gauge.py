@@ -26,11 +26,13 @@ from duhem.proof.kernel.signs import (
     RAY,
     Interval,
     Line,
+    common_roots,
     divides,
     nonnegative,
     on_the_line,
     parts,
     roots,
+    roots_between,
     roots_of_both,
     sign_inside,
     without_content,
@@ -221,11 +223,19 @@ class StarGauge:
             yield piece.bend(), (piece.arc.start[1], piece.arc.stop[0])
 
     def jumps(self) -> Iterator[tuple[Polynomial, Interval]]:
-        """By how much gamma'/gamma rises from each arc to the next, up to positive factors, and for which t."""
+        """By how much gamma'/gamma rises from each arc to the next, up to positive factors, and for which t.
+
+        An end that is not exact is the one root between two numbers of a polynomial: where that is a root of the rise too, it is 0.
+        """
         for side, after in zip(self._sides, self._sides[::-1], strict=True):
             for one, two in pairwise(side):
-                yield _rise(one.turn(), two.turn()), two.arc.start
+                yield self._at_the_end(_rise(one.turn(), two.turn()), two.arc), two.arc.start
             yield _rise(_at(side[-1].turn(), 1), _at(after[0].turn(), -1)), (Fraction(0), Fraction(0))
+
+    def _at_the_end(self, rise: Polynomial, arc: DirectionArc) -> Polynomial:
+        """What a rise is where an arc begins."""
+        plain = None if arc.start[0] == arc.start[1] else on_the_line(without_content(rise, self._domain))
+        return {} if plain and roots_between(common_roots(plain, arc.switches), *arc.start) else rise
 
 
 _Quotient = tuple[Polynomial, Polynomial]  # of two, the second > 0

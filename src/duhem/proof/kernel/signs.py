@@ -34,8 +34,8 @@ from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, root_of
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = [
-    "RAY", "Interval", "Line", "divides", "line", "nonnegative", "nonnegative_on_the_line", "on_the_line", "parts", "roots",
-    "roots_between", "roots_of_both", "sign_at", "sign_inside", "sign_of_constant", "without_content",
+    "RAY", "Interval", "Line", "common_roots", "divides", "line", "nonnegative", "nonnegative_on_the_line", "on_the_line", "parts",
+    "roots", "roots_between", "roots_of_both", "sign_at", "sign_inside", "sign_of_constant", "without_content",
 ]  # fmt: skip
 
 Line = tuple[int, ...]  # the coefficients of a polynomial, that of 1 first, none at the top 0; a positive factor is as good as none
@@ -295,6 +295,11 @@ def _product(p: Line, q: Line) -> Line:
 def roots_of_both(p: Line, q: Line) -> Line:
     """The roots of both, once each if they are so in each."""
     return _product(p, _quotient(q, _chain(p, q)[-1]))
+
+
+def common_roots(p: Line, q: Line) -> Line:
+    """The greatest common divisor of p and q, neither of which is 0."""
+    return _chain(p, q)[-1]
 
 
 def divides(p: Line, q: Line) -> bool:
