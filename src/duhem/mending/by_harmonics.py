@@ -29,8 +29,8 @@ def by_harmonics(law: Criterion, scale: LoadScale, most: int) -> Iterator[tuple[
     """g of the nearest law with ``most`` harmonics; of a symmetric law it has the same symmetry."""
     import cvxpy as cp
 
-    ways = ways_of(law)
-    loads = limit_loads(law, plain_values(law), ways)
+    ways, values = ways_of(law), plain_values(law)
+    loads = limit_loads(law, values, ways) / scale.size(values)
     if not np.isfinite(loads).all():
         raise InputError("K has no end in some directions", where=law.name, remedy="mend it by hull or by parameters")
     gauge, angle = 1.0 / loads, np.arctan2(ways[:, 1], ways[:, 0])

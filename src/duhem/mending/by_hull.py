@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise, product
-from math import ceil, gcd, prod
+from math import ceil, gcd
 
 import numpy as np
 import sympy as sp
@@ -43,8 +43,7 @@ _WINDOWS = (0.02, 0.005, 0.005)  # rad around a place where a line touches
 _INWARD = Fraction(1, 1000)
 _ALIKE, _MOST_DENOMINATOR = 3e-7, 400
 _SHORT = [w for w in product(range(-3, 4), repeat=2) if gcd(*w) == 1]  # directions of axes of symmetry
-_SIDES, _OUTWARD = 48, 5e-4
-_AT_ONCE = 24  # arguments of one maximum
+_MOST_SIDES, _OUTWARD = 32, 1e-3
 _HALVINGS = 20
 Touched = Callable[[Array], Array]  # points (m, 2) of the boundary at angles (m,), where K is of the scale 1
 
@@ -79,7 +78,7 @@ def hull_loads(points: Array, ways: Array) -> Array:
 def by_hull(law: Criterion, scale: LoadScale) -> Iterator[tuple[str, str]]:
     """g of the hull, exact ones first, then those with lines moved inward, last a polygon around K; what is said of each."""
     values = plain_values(law)
-    size = float(prod(float(values.get(name, 1)) ** float(power) for name, power in scale.powers.items()))
+    size = scale.size(values)
 
     def touched(angles: Array) -> Array:
         ways = np.column_stack([np.cos(angles), np.sin(angles)])
@@ -246,23 +245,23 @@ def _polygon(law: Criterion, scale: LoadScale, points: Array, lines: Sequence[Ar
     """Lines all around K and those of its dents, each a little outside, and whether they are shown to enclose K."""
     from scipy.spatial import ConvexHull
 
-    angles = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
-    normals = np.column_stack([np.cos(angles), np.sin(angles)])
+    angles = np.linspace(0.0, 2.0 * np.pi, max(3, _MOST_SIDES - len(lines)), endpoint=False)
+    shape = np.linalg.cholesky(np.linalg.inv(points.T @ points))  # of a long K the sides are evenly around as if it were round
+    normals = np.column_stack([np.cos(angles), np.sin(angles)]) @ shape.T
     rows = np.vstack([normals / (normals @ points.T).max(axis=1)[:, None], *[line[None] for line in lines]]) * (1.0 - _OUTWARD)
     rows = rows[ConvexHull(rows).vertices]
     faces = [tuple(Fraction(decimal(x)) for x in row) for row in rows.tolist()]
     closed = _encloses(law, scale, faces)
     told = f"a polygon of {len(faces)} sides around K{', which is shown by enclosures' if closed else ''}"
     sides = [linear(row, law.forces) for row in rows]
-    parts = [f"max({', '.join(sides[i : i + _AT_ONCE])})" for i in range(0, len(sides), _AT_ONCE)]
-    return f"max({', '.join(parts)}) - {scale.text}", told
+    return f"max({', '.join(sides)}) - {scale.text}", told
 
 
 def _encloses(law: Criterion, scale: LoadScale, faces: Sequence[tuple[Fraction, ...]]) -> bool:
     """Whether g > 0 on the whole boundary, so that what of K is joined to zero force lies in the polygon."""
     values, table = plain_values(law), law.symbols()
     fixed = {table[name]: value for name, value in values.items()} | ({table[law.pressure]: sp.S.NegativeOne} if law.pressure else {})
-    if any(values.get(name, 1) != 1 for name, power in scale.powers.items() if power):
+    if scale.size(values) != 1.0:
         return False
     level = balls.compiled(law.g.xreplace(fixed), law.force_symbols())
     corners = [_meeting(one, two) for one, two in pairwise([faces[-1], *faces, faces[0]])]

@@ -12,6 +12,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.law.domain import POSITIVE, Domain
 from duhem.law.formula_law import Criterion
+from duhem.mending.limit_load import plain_values
 from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.regions import region, shape_parameters
 
@@ -22,13 +23,17 @@ _FINEST = 6  # decimals of a value that stands for an end which is open or no de
 
 
 def by_parameters(law: Criterion, base: Criterion) -> Iterator[tuple[Criterion, str]]:
-    """The law with one of its fixed parameters moved into its region; ``base`` is the law before parameters were fixed."""
+    """The law with one of its fixed parameters moved into its region; ``base`` is the law before parameters were fixed.
+
+    The region is asked at plain numbers for the parameters that are free, which K is only proportional to.
+    """
+    plain = law.fix(plain_values(law))
     ranges = {n: _range(base.parameters[n], own.value) for n, own in law.parameters.items() if own.value is not None}
     for name in shape_parameters(law.within(ranges)):
         if (value := law.parameters[name].value) is None:
             continue
         with suppress(InputError):
-            found = region(law.within({name: ranges[name]}), name, steps=_STEPS)
+            found = region(plain.within({name: ranges[name]}), name, steps=_STEPS)
             ends = [x for cell in found.stretches("proved") if (x := _nearest(cell, Fraction(value.p, value.q))) is not None]
             if ends:
                 x = min(ends, key=lambda end: abs(end - Fraction(value.p, value.q)))

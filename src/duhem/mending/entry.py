@@ -11,6 +11,7 @@ from typing import Any
 
 from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
+from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.mending.by_coefficients import by_coefficients
@@ -67,6 +68,8 @@ def _tried(way: str, law: Criterion, base: Criterion, scale: LoadScale, harmonic
     best: Tried | None = None
     try:
         for other, told in _CANDIDATES[way](law, base, scale, harmonics):
+            other = reads(criterion_text(other))  # what is verified is what is written
+            assert isinstance(other, Criterion)
             convex = verdict_within(other, "convexity", _STEPS) is Verdict.PROVED
             one = Tried(way, told, other, distance(law, other), convex)
             if best is None or (convex, -_largest(one)) > (best.convex, -_largest(best)):

@@ -7,8 +7,9 @@ is measured by the mean limit load of the law, so that directions in which it ca
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
-from math import log2
+from math import prod
 
 import numpy as np
 import sympy as sp
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.rays import exits
 from duhem.law.formula_law import Criterion
-from duhem.law.parameter_domain import simple_points
+from duhem.proof.certificate import admitted_values
 
 __all__ = ["Distance", "LoadScale", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
 
@@ -51,12 +52,21 @@ class LoadScale:
         named = {f"abs({name})" if name == self.pressure else name: p for name, p in self.powers.items() if p}
         return "*".join(name if p == 1 else f"{name}**({p})" for name, p in named.items()) or "1"
 
+    def size(self, values: Numbers) -> float:
+        """Its value, at the pressure -1."""
+        return float(prod(float(values.get(name, 1)) ** float(p) for name, p in self.powers.items()))
+
 
 def plain_values(law: Criterion) -> dict[str, sp.Rational]:
-    """A number for each parameter: its own, 1 where that is in its domain, else a plain one in it."""
-    simple = {x.name: value for x, value in next(simple_points(law)).items()}
-    free = {name: sp.S.One if sp.S.One in own else simple[name] for name, own in law.parameters.items() if own.value is None}
-    return {name: free[name] if own.value is None else own.value for name, own in law.parameters.items()}
+    """A number for each parameter: its own, and 1 for those that are free, or plain ones where these are not admitted.
+
+    InputError where none are found.
+    """
+    ones = {name: sp.S.One for name, own in law.parameters.items() if own.value is None and sp.S.One in own}
+    found = admitted_values(law.fix(ones)) or admitted_values(law)
+    if found is None:
+        raise InputError("duhem found no numbers for its parameters", where=law.name, remedy="give each of them with --set")
+    return {name: sp.Rational(value) for name, value in found.items()}
 
 
 def ways_of(law: Criterion) -> Array:
@@ -88,7 +98,7 @@ def distance(law: Criterion, other: Criterion) -> Distance:
     """By how much the limit load of another law with the same forces differs, each parameter at a plain value."""
     ways, values = ways_of(law), plain_values(law)
     own = limit_loads(law, values, ways)
-    new = limit_loads(other, {**values, **plain_values(other)}, ways)
+    new = limit_loads(other, {n: values[n] if domain.value is None else domain.value for n, domain in other.parameters.items()}, ways)
     ended = np.isfinite(own)
     if not ended.any():
         return Distance(0.0, 0.0) if not np.isfinite(new).any() else Distance(np.inf, np.inf)
@@ -103,16 +113,18 @@ def scale_of(law: Criterion) -> LoadScale:
     own, powers = limit_loads(law, values, ways), dict[str, sp.Rational]()
     free = [name for name, domain in law.parameters.items() if domain.value is None]
     for name in [*free, *([law.pressure] if law.pressure else [])]:
-        for factor in (2.0, 3.0):
-            at = values if name == law.pressure else {**values, name: values[name] * sp.Integer(factor)}
-            with np.errstate(invalid="ignore"):
-                rate = limit_loads(law, at, ways, factor if name == law.pressure else 1.0) / own
-            rate = np.where(np.isnan(rate), factor, rate)  # without end both times
-            power = sp.Rational(round(12 * log2(float(rate[0])) / log2(factor)), 12)
-            if np.allclose(rate, factor ** float(power), rtol=_ALIKE) and powers.setdefault(name, power) == power:
-                continue
-            if name == law.pressure:
-                return LoadScale(powers, name, False)
+        rates = dict[int, Array]()
+        with suppress(InputError), np.errstate(invalid="ignore"):
+            for factor in (2, 3) if values.get(name, 1) else ():
+                at = values if name == law.pressure else {**values, name: values[name] * factor}
+                rate = limit_loads(law, at, ways, float(factor) if name == law.pressure else 1.0) / own
+                rates[factor] = np.where(np.isnan(rate), 1.0, np.log(rate) / np.log(factor))  # 1 where there is no end both times
+        power = sp.Rational(round(12 * float(rates[2].min())), 12) if 2 in rates and np.isfinite(rates[2].min()) else None
+        if power is not None and len(rates) == 2 and all(np.allclose(rate, float(power), atol=_ALIKE) for rate in rates.values()):
+            powers[name] = power
+        elif name == law.pressure:
+            return LoadScale(powers, name, False)
+        else:
             what = f"the shape of K depends on {name}, which has no value"
             raise InputError(what, where=law.name, remedy=f"give it one: --set {name}=VALUE; duhem region tells for which K is convex")
     return LoadScale(powers, law.pressure, True)

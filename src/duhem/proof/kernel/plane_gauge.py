@@ -127,6 +127,8 @@ class DirectionArc(PlaneVariable):
         """Of values of one degree."""
         best, moving = values[0], [v for v in values if v.poly] or values[:1]
         if word in ("max", "min"):
+            if len(values) > _MOST_ARCS:
+                raise NotWritten("a maximum has too many arms")
             for other in values[1:]:
                 if (self.sign(self.difference(best, other)) < 0) is (word == "max"):
                     best = other

@@ -1,0 +1,60 @@
+"""``duhem mend``: the nearest admissible law of a law whose K is not convex."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import click
+
+from duhem.cli.arguments import format_option, law_argument, modules_beside_the_user, read_settings, settings_option
+from duhem.cli.output import HELD, UNDECIDED, Progress, page, say, wrote
+from duhem.show.place import check_places
+
+__all__ = ["mend"]
+
+
+@click.command()
+@law_argument
+@settings_option
+@click.option(
+    "--by",
+    type=click.Choice(["auto", "parameters", "hull", "harmonics", "coefficients"]),
+    default="auto",
+    show_default=True,
+    help="How to mend the law. auto tries all ways, and takes the result whose largest change of the limit load is least.",
+)
+@click.option("--harmonics", type=click.IntRange(1, 16), default=8, show_default=True, help="Number of harmonics of the gauge.")
+@click.option("--out", metavar="FILE", help="Write the mended law to this criterion file.")
+@click.option("--plot", metavar="FILE", help="Draw K of both laws (.png, .pdf, .svg, ...).")
+@format_option("text", "json", says="For people or for programs.")
+def mend(law: str, settings: Sequence[str], by: str, harmonics: int, out: str | None, plot: str | None, form: str) -> int:
+    """Find the nearest admissible law of LAW, if K of LAW is not convex.
+
+    Four ways exist. parameters: the nearest value of a parameter for which K is convex. hull: the convex hull of K. harmonics: the
+    nearest gauge with a few harmonics of the angle. coefficients: the nearest polynomial that is convex by sums of squares. hull and
+    harmonics are for laws of two forces.
+
+    duhem verifies the result, and prints by how much the limit load changes: in the mean over all directions of force, and at most, both
+    divided by the mean limit load. Each parameter on which the shape of K depends must have a value; give it with --set.
+
+    Exit code 3 means that the result is not proved admissible.
+    """
+    from duhem import mending
+    from duhem.show.printing import text
+
+    check_places([out, plot], [law])
+    if plot is not None:
+        from duhem.show import figure
+
+        figure.check(plot)
+    with modules_beside_the_user(law), Progress("mending"):
+        done = mending.mend(law, by, read_settings(settings), harmonics=harmonics)
+    if out is not None:
+        done.to_toml(out)
+    say(text(done, page()) if form == "text" else json.dumps(done.to_dict(out), indent=2, ensure_ascii=False))
+    if plot is not None:
+        done.plot(plot)
+    wrote("the mended law", out)
+    wrote("the picture", plot)
+    return HELD if done.admissible else UNDECIDED
