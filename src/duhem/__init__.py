@@ -21,6 +21,7 @@ __all__ = [
     "History",
     "Identification",
     "InputError",
+    "Mended",
     "MissingExtraError",
     "ParameterRegion",
     "ParametricCriterion",
@@ -42,6 +43,7 @@ __all__ = [
     "derive",
     "identify",
     "load",
+    "mend",
     "plot",
     "prepare",
     "project",
@@ -70,6 +72,7 @@ if TYPE_CHECKING:
     from duhem.proof.verdict import Verdict, Witness
     from duhem.proof.verification import Verification, verify
     from duhem.regions import ParameterRegion, region
+    from duhem.regions.mending import Mended, mend
     from duhem.screening import campaign
 
 _HOMES = {
@@ -88,6 +91,7 @@ _HOMES = {
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),
     "regions": ("ParameterRegion", "region"),
+    "regions.mending": ("Mended", "mend"),
     "screening": ("campaign",),
     "api.contact": ("contact",),
     "api.histories": ("simulate",),

@@ -40,16 +40,16 @@ def mend(law: str, settings: Sequence[str], by: str, harmonics: int, out: str | 
 
     Exit code 3 means that the result is not proved admissible.
     """
-    from duhem import mending
+    from duhem.regions.mending import mend as mended
     from duhem.show.printing import text
 
     check_places([out, plot], [law])
     if plot is not None:
-        from duhem.show import figure
+        from duhem.show.figure import check
 
-        figure.check(plot)
+        check(plot)
     with modules_beside_the_user(law), Progress("mending"):
-        done = mending.mend(law, by, read_settings(settings), harmonics=harmonics)
+        done = mended(law, by, read_settings(settings), harmonics=harmonics)
     if out is not None:
         done.to_toml(out)
     say(text(done, page()) if form == "text" else json.dumps(done.to_dict(out), indent=2, ensure_ascii=False))

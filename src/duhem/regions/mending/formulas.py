@@ -1,16 +1,14 @@
-"""Pieces of formulas as text: decimals, sums and powers."""
+"""Pieces of formulas as text: decimals, sums, powers and linear forms."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from decimal import Decimal
 
-__all__ = ["decimal", "linear", "norm_of", "power", "total"]
-
-_DIGITS = 6
+__all__ = ["decimal", "linear", "power", "total"]
 
 
-def decimal(x: float, digits: int = _DIGITS) -> str:
+def decimal(x: float, digits: int = 6) -> str:
     """A number to so many significant digits, as a formula has it: ``0.00125``, without an exponent."""
     text = f"{Decimal(f'{x:.{digits}g}'):f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
@@ -26,12 +24,6 @@ def power(base: str, n: int) -> str:
     return base if n == 1 else f"{base}**{n}"
 
 
-def norm_of(forces: Sequence[str]) -> str:
-    """The size of the forces."""
-    return f"norm({', '.join(forces)})"
-
-
 def linear(row: Sequence[float], forces: Sequence[str]) -> str:
-    """A linear form in the forces, with decimals; what is next to nothing beside the rest of it is left out."""
-    most = max(map(abs, row))
-    return total(f"{decimal(c)}*{f}" for c, f in zip(row, forces, strict=True) if abs(c) > 10.0**-_DIGITS * most)
+    """A linear form in the forces, without what is next to nothing beside the rest of it."""
+    return total(f"{decimal(c)}*{f}" for c, f in zip(row, forces, strict=True) if abs(c) > 1e-7 * max(map(abs, row)))

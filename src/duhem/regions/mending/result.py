@@ -7,8 +7,8 @@ from os import PathLike
 from typing import Any, ClassVar
 
 from duhem.law.formula_law import Criterion
-from duhem.mending.limit_load import Distance
 from duhem.proof.verification import Verification
+from duhem.regions.mending.limit_load import Distance
 from duhem.show.place import write
 from duhem.show.printing import Shown, draw
 
@@ -22,7 +22,7 @@ class Tried:
     by: str
     told: str
     law: Criterion | None = None
-    distance: Distance | None = None
+    distance: Distance = Distance()
     convex: bool = False
 
 
@@ -34,7 +34,7 @@ class Mended(Shown):
     ``verification`` says what is proved of ``law``; ``tried`` are all ways that were asked, with what each gives.
     """
 
-    printed_by: ClassVar[str] = "duhem.mending.printing"
+    printed_by: ClassVar[str] = "duhem.regions.mending.printing"
 
     criterion: Criterion
     law: Criterion
@@ -61,23 +61,14 @@ class Mended(Shown):
 
     def to_dict(self, file: str | None = None) -> dict[str, Any]:
         """The JSON of the interface; ``file`` is where the law was written."""
-        fixed = {name: str(own.value) for name, own in self.law.parameters.items() if own.value is not None}
+        values = {name: str(own.value) for name, own in self.law.parameters.items() if own.value is not None}
+        tried = [{"by": x.by, "told": x.told, "convex": x.convex, **(x.distance._asdict() if x.law else {})} for x in self.tried]
         return {
-            "criterion": self.criterion.name,
-            "by": self.by or None,
-            "parameters": fixed if self.by == "parameters" else None,
-            "file": file,
-            "mean_distance": self.distance.mean,
-            "largest_distance": self.distance.largest,
-            "admissible": self.admissible,
-            "told": self.told,
-            "tried": [
-                {"by": one.by, "told": one.told, "convex": one.convex, **({} if one.distance is None else vars(one.distance))}
-                for one in self.tried
-            ],
-            "verification": self.verification.to_dict(),
-        }
+            "criterion": self.criterion.name, "by": self.by or None, "parameters": values if self.by == "parameters" else None, "file": file,
+            "mean_distance": self.distance.mean, "largest_distance": self.distance.largest, "admissible": self.admissible,
+            "told": self.told, "tried": tried, "verification": self.verification.to_dict(),
+        }  # fmt: skip
 
     def plot(self, file: Any = None, axes: Any = None) -> Any:
-        """K of the mended law with the boundary of the other in one section (extra ``plot``); written to ``file``, if one is given."""
+        """Both boundaries in the plane of the first two forces (extra ``plot``); written to ``file``, if one is given."""
         return draw(self, file, axes)

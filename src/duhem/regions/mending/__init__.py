@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from duhem.mending.entry import WAYS, mend
-from duhem.mending.result import Mended, Tried
+from duhem.regions.mending.entry import mend
+from duhem.regions.mending.result import Mended, Tried
 
-__all__ = ["WAYS", "Mended", "Tried", "mend"]
+__all__ = ["Mended", "Tried", "mend"]

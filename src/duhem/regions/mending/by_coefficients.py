@@ -1,0 +1,89 @@
+"""The sos-convex polynomial with the monomials of g whose limit load is nearest to that of a polynomial law.
+
+P is sos-convex if y . Hess P(x) y is a sum of squares of polynomials in x and y, which are linear in y; then it is convex (Helton, Nie 2010,
+Math. Program. 122, 21).  That is a semidefinite condition on the coefficients, asked with a margin, so that rounded ones satisfy it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations_with_replacement, product
+from warnings import catch_warnings, simplefilter
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.errors import InputError
+from duhem.expression.text import formula
+from duhem.law.formula_law import Criterion
+from duhem.regions.mending.formulas import decimal, power, total
+from duhem.regions.mending.limit_load import limit_loads, plain_values, ways_of
+
+__all__ = ["by_coefficients"]
+
+Array = NDArray[np.float64]
+Monomial = tuple[int, ...]
+_MARGINS = (1e-5, 1e-4, 1e-3)  # of the mean coefficient of a Gram matrix
+_LEAST, _POINTS, _MOST_SQUARES = 1e-9, 1000, 120
+
+
+def by_coefficients(law: Criterion) -> Iterator[tuple[str, str]]:
+    """g with other coefficients, the farther inside the border of sos-convexity the later; InputError for a g that is no polynomial."""
+    import cvxpy as cp
+
+    poly, ways = _polynomial(law), ways_of(law)[:: max(1, len(ways_of(law)) // _POINTS)]
+    loads = limit_loads(law, plain_values(law), ways)
+    ways, loads = ways[np.isfinite(loads)], loads[np.isfinite(loads)]
+    powers, size = [m for m in poly.monoms() if any(m)], float(loads.mean())
+    old = np.array([float(poly.coeff_monomial(m)) * size ** sum(m) for m in powers])
+    table = np.column_stack([np.prod((ways * (loads / size)[:, None]) ** np.array(m), axis=1) for m in powers])
+    rate = table @ (old * np.array([sum(m) for m in powers]))  # sigma . grad g, over which what g changes is what the limit load does
+    squares = _squares(powers, len(law.forces))
+    if sum(map(len, squares)) > _MOST_SQUARES:
+        raise InputError("its polynomial has too many terms for sums of squares", where=law.name, remedy="mend it by parameters")
+    a, margin = cp.Variable(len(powers)), cp.Parameter(nonneg=True)
+    sides: dict[Monomial, list[object]] = {}
+    for block in squares:
+        gram = cp.Variable((len(block), len(block)), PSD=True)
+        for (i, p), (j, q) in combinations_with_replacement(enumerate(block), 2):
+            sides.setdefault(tuple(np.add(p, q)), []).append(gram[i, j] + margin if i == j else 2 * gram[i, j])
+    for n, m in enumerate(powers):
+        for i, j in product(range(len(m)), repeat=2):  # of y . Hess(x^m) y
+            place = (*(x - (k == i) - (k == j) for k, x in enumerate(m)), *((k == i) + (k == j) for k in range(len(m))))
+            if min(place) >= 0:
+                sides.setdefault(place, []).append(-m[i] * (m[j] - (i == j)) * a[n])
+    off = ((loads / size / rate)[:, None] * table) @ (a - old)
+    problem = cp.Problem(cp.Minimize(cp.sum_squares(off)), [sum(side) == 0 for side in sides.values()])
+    for least in _MARGINS:
+        margin.value = least * np.abs(old).mean()
+        with catch_warnings():
+            simplefilter("ignore")  # that a solution may be inaccurate: it is proved, or not
+            problem.solve(solver=cp.CLARABEL)
+        if a.value is not None:
+            rounded = {m: decimal(x / size ** sum(m)) for m, x in zip(powers, a.value, strict=True) if abs(x) > _LEAST}
+            terms = ("*".join([c, *(power(f, k) for f, k in zip(law.forces, m, strict=True) if k)]) for m, c in rounded.items())
+            yield total([*terms, formula(poly.coeff_monomial(1))]), "the nearest sos-convex polynomial with the same monomials"
+
+
+def _polynomial(law: Criterion) -> sp.Poly:
+    fault = InputError("g is no polynomial of the forces with numbers for coefficients", where=law.name, remedy="mend it in another way")
+    try:
+        poly = sp.Poly(law.g.xreplace(law.settled()), *law.force_symbols())
+    except sp.PolynomialError:
+        raise fault from None
+    if poly.total_degree() < 2 or not all(c.is_Rational for m, c in poly.terms() if any(m)):
+        raise fault
+    return poly
+
+
+def _squares(powers: list[Monomial], n: int) -> list[list[Monomial]]:
+    """Monomials x^p y_j whose products stand in the form, in blocks that the changes of sign which leave P alone keep apart."""
+    sizes = [sum(m) for m in powers if sum(m) >= 2]
+    signs = [s for s in product((0, 1), repeat=n) if all(np.dot(s, m) % 2 == 0 for m in powers)]
+    blocks: dict[tuple[int, ...], list[Monomial]] = {}
+    for p in product(range(max(sizes) // 2), repeat=n):
+        if (min(sizes) - 1) // 2 <= sum(p) <= max(sizes) // 2 - 1:
+            for y in np.eye(n, dtype=int).tolist():
+                blocks.setdefault(tuple(int(np.dot(s, np.add(p, y)) % 2) for s in signs), []).append((*p, *y))
+    return list(blocks.values())

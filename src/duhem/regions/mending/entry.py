@@ -1,0 +1,94 @@
+"""What is asked for: a law with numbers for its shape, and the ways by which it is mended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+
+from duhem.errors import InputError
+from duhem.law.catalogue import load_formula
+from duhem.law.criterion_file import criterion_text, reads
+from duhem.law.curve_law import Law
+from duhem.law.formula_law import Criterion
+from duhem.proof.verdict import Verdict
+from duhem.proof.verification import verdict_within, verify
+from duhem.regions.mending.by_coefficients import by_coefficients
+from duhem.regions.mending.by_harmonics import by_harmonics
+from duhem.regions.mending.by_hull import by_hull
+from duhem.regions.mending.by_parameters import by_parameters
+from duhem.regions.mending.limit_load import Distance, LoadScale, distance, limit_loads, plain_values, scale_of, ways_of
+from duhem.regions.mending.result import Mended, Tried
+
+__all__ = ["WAYS", "mend"]
+
+WAYS = ("parameters", "hull", "harmonics", "coefficients")
+_STEPS = 4_000_000
+
+
+def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None = None, *, harmonics: int = 8) -> Mended:
+    """The nearest admissible law of a law whose K is not convex, with the change of its limit load, verified.
+
+    ``by`` is ``parameters`` (the nearest point of the region of one parameter), ``hull`` (the convex hull of K), ``harmonics`` (the nearest
+    gauge of so many ``harmonics``) or ``coefficients`` (the nearest sos-convex polynomial); ``auto`` takes what changes the limit load
+    least at its largest.  ``parameters`` fixes some values: all on which the shape of K depends must have one.  Hull and harmonics are for
+    laws of two forces.  Raises InputError for an unknown law or way, and where the law cannot be mended by it.
+    """
+    if by not in ("auto", *WAYS):
+        near = get_close_matches(str(by), WAYS, n=1)
+        remedy = f"did you mean {near[0]!r}?" if near else f"one of: auto, {', '.join(WAYS)}"
+        raise InputError(f"no law is mended by {by!r}", where="by", remedy=remedy)
+    if not 1 <= harmonics <= 16:
+        raise InputError(f"{harmonics} harmonics are asked for", where="harmonics", remedy="ask for 1 to 16")
+    base = load_formula(law)
+    given = base.fix(parameters)
+    if given.variables or given.viscous or given.forces_of_rates or not given.associated:
+        raise InputError("a law with a state, rates or a flow of its own is not mended", where=given.name, remedy="mend its g alone")
+    if (known := verify(given))["convexity"].verdict is Verdict.PROVED:
+        return Mended(given, given, "", "K is convex, there is nothing to mend", Distance(), known)
+    scale = scale_of(given)
+    tried = [_tried(way, given, base, scale, harmonics) for way in (WAYS if by == "auto" else (by,))]
+    best = min(tried, key=_rank)
+    if best.law is None:
+        why = "; ".join(f"{one.by}: {one.told}" for one in tried)
+        raise InputError(f"no such law was found ({why})", where=given.name, remedy="mend it in another way, or ask duhem region")
+    return Mended(given, best.law, best.by, best.told, best.distance, verify(best.law), tuple(tried))
+
+
+def _rank(one: Tried) -> tuple[bool, bool, float]:
+    return one.law is None, not one.convex, one.distance.largest
+
+
+def _tried(way: str, law: Criterion, base: Criterion, scale: LoadScale, harmonics: int) -> Tried:
+    """The nearest law of one way that is proved to be convex, or else one that is not; why there is none."""
+    best = Tried(way, "nothing was found")
+    try:
+        for other, told in _candidates(way, law, base, scale, harmonics):
+            written = reads(criterion_text(replace(other, name=f"{law.name}-mended", summary=f"{law.name}, mended: {told}")))
+            assert isinstance(written, Criterion)  # what is verified is what is written
+            convex = verdict_within(written, "convexity", _STEPS) is Verdict.PROVED
+            best = min(best, Tried(way, told, written, distance(law, written), convex), key=_rank)
+            if convex and way != "parameters":
+                break
+    except InputError as fault:
+        best = best if best.law else Tried(way, fault.what)
+    return best
+
+
+def _candidates(way: str, law: Criterion, base: Criterion, scale: LoadScale, harmonics: int) -> Iterator[tuple[Criterion, str]]:
+    """Laws that may be convex, and what each is."""
+    if way == "parameters":
+        yield from by_parameters(law, base)
+        return
+    plane = len(law.forces) == 2 and not law.domain and (law.pressure is None or law.pressure in scale.powers)
+    if way != "coefficients" and not (plane and np.isfinite(limit_loads(law, plain_values(law), ways_of(law))).all()):
+        what = "this is for laws of two forces, with a K that ends and grows in proportion to a power of the pressure"
+        raise InputError(what, where=law.name, remedy="mend it by parameters or coefficients")
+    formulas = {"hull": lambda: by_hull(law, scale), "harmonics": lambda: by_harmonics(law, scale, harmonics)}
+    free = {name: own for name, own in law.parameters.items() if own.value is None}
+    for g, told in formulas.get(way, lambda: by_coefficients(law))():
+        made = Criterion(law.name, g, free, law.forces, law.pressure, stress=law.stress, domain=law.domain, source=law.source)
+        yield made, told
