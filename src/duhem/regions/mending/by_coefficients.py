@@ -1,13 +1,14 @@
 """The sos-convex polynomial with the monomials of g whose limit load is nearest to that of a polynomial law.
 
-P is sos-convex if y . Hess P(x) y is a sum of squares of polynomials in x and y, which are linear in y; then it is convex (Helton, Nie 2010,
-Math. Program. 122, 21).  That is a semidefinite condition on the coefficients, asked with a margin, so that rounded ones satisfy it.
+P is sos-convex if y . Hess P(x) y is a sum of squares of polynomials in x and y, which are linear in y; then it is convex (Helton, Nie
+2010, Math. Program. 122, 21).  That is a semidefinite condition on the coefficients, asked with a margin, so that rounded ones satisfy it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import combinations_with_replacement, product
+from typing import Any
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
@@ -43,7 +44,7 @@ def by_coefficients(law: Criterion) -> Iterator[tuple[str, str]]:
     if sum(map(len, squares)) > _MOST_SQUARES:
         raise InputError("its polynomial has too many terms for sums of squares", where=law.name, remedy="mend it by parameters")
     a, margin = cp.Variable(len(powers)), cp.Parameter(nonneg=True)
-    sides: dict[Monomial, list[object]] = {}
+    sides: dict[Monomial, list[Any]] = {}
     for block in squares:
         gram = cp.Variable((len(block), len(block)), PSD=True)
         for (i, p), (j, q) in combinations_with_replacement(enumerate(block), 2):

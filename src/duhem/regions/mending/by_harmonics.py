@@ -46,7 +46,8 @@ def by_harmonics(law: Criterion, scale: LoadScale, most: int) -> Iterator[tuple[
 def _symmetric(gauge: Array) -> list[tuple[int, np.ufunc]]:
     """The waves that the symmetries of a gauge allow: turns by a part of a circle, reflections of the one force or the other."""
     found = np.fft.rfft(gauge) / len(gauge)
-    seen = {turn: [k for k in range(1, len(found)) if abs(part[k]) > _SEEN * found[0].real] for turn, part in ((np.cos, found.real), (np.sin, found.imag))}
+    sizes = {np.cos: np.abs(found.real), np.sin: np.abs(found.imag)}
+    seen = {turn: [k for k in range(1, len(found)) if part[k] > _SEEN * found[0].real] for turn, part in sizes.items()}
     step = gcd(*seen[np.cos], *seen[np.sin]) or 1
     mirrored = all(k % 2 == 0 for k in seen[np.cos]) and all(k % 2 for k in seen[np.sin])  # theta -> pi - theta
     waves = [(k, turn) for k in range(0, len(found), step) for turn in (np.cos, np.sin) if k or turn is np.cos]

@@ -4,10 +4,10 @@ Let gamma be the gauge of K, L_i <= 1 the lines and s_i > 0 the cones of the den
 
     max(L_1, ..., L_n, min(gamma, T_1, ..., T_n)),   T_i = max(d, L_i - m s_i) with a great m and a small d > 0,
 
-is the gauge of the hull: inside cone i T_i is no greater than L_i, elsewhere no less than gamma.  Where g has no roots but the norm, gamma -
-m (pos(s_1) + ... + pos(s_n)) takes the place of the minimum, and is sooner proved.  What g = A - S^k B says of gamma^k = A/B is said of
-these without a quotient.  So it is of dents that are symmetric about short directions, where the line or its square has short fractions.
-Other hulls are enclosed by a polygon.  All this is found in floating point: what is proved is proved of the text.
+is the gauge of the hull: inside cone i T_i is no greater than L_i, elsewhere no less than gamma.  Where g has no roots but the norm,
+gamma - m (pos(s_1) + ... + pos(s_n)) takes the place of the minimum, and is sooner proved.  What g = A - S^k B says of gamma^k = A/B
+is said of these without a quotient.  So it is of dents that are symmetric about short directions, where the line or its square has
+short fractions.  Other hulls are enclosed by a polygon.  All this is found in floating point: what is proved is proved of the text.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ Array = NDArray[np.float64]
 _DEEP, _SEAM = 1e-7, 1e-6  # of the load, where a dent begins; of a cone, what is its border
 _WINDOW = 0.02  # rad around the place where a line touches
 _ALIKE, _MOST_DENOMINATOR = 3e-7, 400
-_SHORT = [(np.array(w) / np.hypot(*w), w) for w in product(range(-3, 4), repeat=2) if gcd(*w) == 1]
+_SHORT = [(np.array([a, b]) / np.hypot(a, b), (a, b)) for a, b in product(range(-3, 4), repeat=2) if gcd(a, b) == 1]
 _MOST_SIDES, _OUTWARD = 32, 1e-3
 _HALVINGS = 20
 
 
 class Dent(NamedTuple):
-    """The ``line`` . force <= 1 touches K at two rays; of a symmetric dent, its ``axis``, its distance, and the cosine of half its width."""
+    """The ``line`` . force <= 1 touches K at two rays; of a symmetric dent its ``axis``, its distance and the cosine of half its width."""
 
     line: Array
     axis: tuple[int, int] | None = None
@@ -82,7 +82,7 @@ def _dents(points: Array, boundary: Callable[[Array], Array]) -> Iterator[Dent]:
             middle = np.array([np.cos(step * (i + j) / 2.0), np.sin(step * (i + j) / 2.0)])
             if max(np.abs(line / np.linalg.norm(line) - unit).max(), np.abs(middle - unit).max()) < 1e-5:
                 reach = np.polynomial.Polynomial.fit(steps, boundary(step * j + _WINDOW * steps) @ unit, 10)
-                best = min((x.real for x in reach.deriv().roots() if abs(x.imag) < 1e-9), key=abs, default=0.0)
+                best = float(min((x.real for x in reach.deriv().roots() if abs(x.imag) < 1e-9), key=abs, default=0.0))
                 yield Dent(line, axis, float(reach(best)), float(np.cos(step * (j - i) / 2.0 + _WINDOW * best)))
                 break
         else:
@@ -92,7 +92,9 @@ def _dents(points: Array, boundary: Callable[[Array], Array]) -> Iterator[Dent]:
 def _split(law: Criterion, scale: LoadScale, ways: Array, loads: Array) -> tuple[sp.Expr, sp.Expr, int] | None:
     """A, B and k where g = A - S^k B, both > 0; None for another g."""
     t, table = sp.Symbol("t", positive=True), law.symbols()
-    name = next((n for n in reversed(scale.powers) if scale.powers[n]), None)  # the pressure, or else a parameter, stands for the scale
+    name = next(
+        (n for n in reversed(list(scale.powers)) if scale.powers[n]), None
+    )  # that stands for the scale
     if name is None:
         return None
     swap = {**law.settled(), **{table[n]: sp.S.NegativeOne if n == law.pressure else sp.S.One for n in scale.powers}}
@@ -127,9 +129,10 @@ def _form(dent: Dent, forces: Sequence[str], squares: bool) -> tuple[str, str] |
 def _text(law: Criterion, scale: LoadScale, split: Any, forms: Sequence[tuple[str, str]], ways: Array, squares: bool) -> str:
     """The gauge of the hull, multiplied out, to the power of g, or twice that where squares of odd powers are asked for."""
     known = dict(zip(law.forces, law.force_symbols(), strict=True))
+    places = dict(zip(known.values(), ways.T, strict=True))
 
     def at(text: str) -> Array:
-        return np.asarray(np.broadcast_to(evaluate(parse_expression(text, known), dict(zip(known.values(), ways.T, strict=True))), len(ways)))
+        return np.asarray(np.broadcast_to(evaluate(parse_expression(text, known), places), len(ways)))
 
     twice = 2 if squares and split[2] % 2 else 1
     over, under, degree = formula(split[0] ** twice), formula(split[1] ** twice), split[2] * twice

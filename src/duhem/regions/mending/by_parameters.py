@@ -38,7 +38,8 @@ def by_parameters(law: Criterion, base: Criterion) -> Iterator[tuple[Criterion, 
             near = [x for cell in found.stretches("proved") if (x := _nearest(cell, value)) is not None]
             if near:
                 x = min(near, key=lambda x: abs(x - value))
-                yield law.within({name: Domain.fixed(sp.Rational(x.numerator, x.denominator))}), f"{name} from {value} to {x}; {found.sentence}"
+                moved = law.within({name: Domain.fixed(sp.Rational(x.numerator, x.denominator))})
+                yield moved, f"{name} from {value} to {x}; {found.sentence}"
 
 
 def _nearest(cell: ParameterCell, value: Fraction) -> Fraction | None:

@@ -20,7 +20,7 @@ from duhem.regions.mending.by_coefficients import by_coefficients
 from duhem.regions.mending.by_harmonics import by_harmonics
 from duhem.regions.mending.by_hull import by_hull
 from duhem.regions.mending.by_parameters import by_parameters
-from duhem.regions.mending.limit_load import Distance, LoadScale, distance, limit_loads, plain_values, scale_of, ways_of
+from duhem.regions.mending.limit_load import NO_DISTANCE, LoadScale, distance, limit_loads, plain_values, scale_of, ways_of
 from duhem.regions.mending.result import Mended, Tried
 
 __all__ = ["WAYS", "mend"]
@@ -48,7 +48,7 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
     if given.variables or given.viscous or given.forces_of_rates or not given.associated:
         raise InputError("a law with a state, rates or a flow of its own is not mended", where=given.name, remedy="mend its g alone")
     if (known := verify(given))["convexity"].verdict is Verdict.PROVED:
-        return Mended(given, given, "", "K is convex, there is nothing to mend", Distance(), known)
+        return Mended(given, given, "", "K is convex, there is nothing to mend", NO_DISTANCE, known)
     scale = scale_of(given)
     tried = [_tried(way, given, base, scale, harmonics) for way in (WAYS if by == "auto" else (by,))]
     best = min(tried, key=_rank)

@@ -20,7 +20,7 @@ from duhem.expression.rays import exits
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import admitted_values
 
-__all__ = ["Distance", "LoadScale", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
+__all__ = ["NO_DISTANCE", "Distance", "LoadScale", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
 
 Array = NDArray[np.float64]
 Numbers = Mapping[str, sp.Rational]
@@ -36,6 +36,9 @@ class Distance(NamedTuple):
     largest: float = 0.0
 
 
+NO_DISTANCE = Distance()
+
+
 class LoadScale(NamedTuple):
     """What K is proportional to: a product of ``powers`` of the free parameters and of the size of the ``pressure``."""
 
@@ -45,7 +48,8 @@ class LoadScale(NamedTuple):
     @property
     def text(self) -> str:
         """In the words of a criterion file: ``mu*abs(sigma_n)``; "1" where K is fixed."""
-        return "*".join(f"{f'abs({n})' if n == self.pressure else n}{'' if p == 1 else f'**({p})'}" for n, p in self.powers.items() if p) or "1"
+        named = {f"abs({name})" if name == self.pressure else name: p for name, p in self.powers.items() if p}
+        return "*".join(name if p == 1 else f"{name}**({p})" for name, p in named.items()) or "1"
 
     def size(self, values: Numbers) -> float:
         """Its value, at the pressure -1."""

@@ -27,8 +27,8 @@ _HEAD = ("by", "mean change", "largest", "K", "")
 @sheet.register(Mended)
 def as_sheet(done: Mended) -> Sheet:
     """What was done, the formula, what is proved of it, and a row for each way that was tried."""
-    rows = tuple(map(_row, done.tried)) if len(done.tried) > 1 else ()
-    return Sheet(f"{done.criterion.name}: {f'mended by {done.by}' if done.by else done.told}", tuple(_fields(done)), _HEAD if rows else (), rows)
+    title = f"{done.criterion.name}: {f'mended by {done.by}' if done.by else done.told}"
+    return Sheet(title, tuple(_fields(done)), _HEAD, tuple(map(_row, done.tried)) if len(done.tried) > 1 else ())
 
 
 def _fields(done: Mended) -> Iterator[tuple[str, str]]:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from duhem.law.formula_law import Criterion
 from duhem.proof.verification import Verification
-from duhem.regions.mending.limit_load import Distance
+from duhem.regions.mending.limit_load import NO_DISTANCE, Distance
 from duhem.show.place import write
 from duhem.show.printing import Shown, draw
 
@@ -17,18 +17,18 @@ __all__ = ["Mended", "Tried"]
 
 @dataclass(frozen=True)
 class Tried:
-    """One way to mend a law: ``law`` is what it gives, None where it gives nothing, and ``told`` says what it is, or why there is nothing."""
+    """One way to mend a law: ``law`` is what it gives, None where it gives nothing; ``told`` says what it is, or why there is nothing."""
 
     by: str
     told: str
     law: Criterion | None = None
-    distance: Distance = Distance()
+    distance: Distance = NO_DISTANCE
     convex: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Mended(Shown):
-    """``law`` is the nearest law of ``criterion`` that was found, by the way ``by``; ``criterion`` itself where its K is convex (``by`` "").
+    """``law`` is the nearest law of ``criterion`` that was found, by the way ``by``; ``criterion`` itself, and ``by`` "", if K is convex.
 
     ``distance`` has the mean and the largest change of the limit load over directions of force, over the mean limit load.
     ``verification`` says what is proved of ``law``; ``tried`` are all ways that were asked, with what each gives.
@@ -64,9 +64,9 @@ class Mended(Shown):
         values = {name: str(own.value) for name, own in self.law.parameters.items() if own.value is not None}
         tried = [{"by": x.by, "told": x.told, "convex": x.convex, **(x.distance._asdict() if x.law else {})} for x in self.tried]
         return {
-            "criterion": self.criterion.name, "by": self.by or None, "parameters": values if self.by == "parameters" else None, "file": file,
-            "mean_distance": self.distance.mean, "largest_distance": self.distance.largest, "admissible": self.admissible,
-            "told": self.told, "tried": tried, "verification": self.verification.to_dict(),
+            "criterion": self.criterion.name, "by": self.by or None, "parameters": values if self.by == "parameters" else None,
+            "file": file, "mean_distance": self.distance.mean, "largest_distance": self.distance.largest,
+            "admissible": self.admissible, "told": self.told, "tried": tried, "verification": self.verification.to_dict(),
         }  # fmt: skip
 
     def plot(self, file: Any = None, axes: Any = None) -> Any:
