@@ -375,3 +375,38 @@ def test_what_is_shown_of_drawn_gauges_holds_on_drawn_rays(count: int) -> None:
     shown, wrong = drawn_gauges(1, count)
     assert wrong == []
     assert min(shown) > count / 12
+
+
+# -- seams that are roots ----------------------------------------------------------------------------------------------
+
+R, GAUGE = "norm(a, b)", "(norm(a, b) + {e}*a)"
+
+
+def bridged(e: F, line_off: F | int = 0, cone_off: F | int = 0) -> StatedLaw:
+    """A limacon whose dent is bridged by -4 e a <= m |s| where 2 e a <= -r: exactly, or by a line or in a cone that is off."""
+    under, line, cone = GAUGE.format(e=e), f"{-4 * e * (1 + line_off)}*a", f"({-2 * e}*a - {1 + cone_off}*{R})"
+    return law(f"max({line}*{under}, {R}**2 - 20*pos({cone})*{under}) - m*abs(s)*{under}", m=POSITIVE)
+
+
+@pytest.mark.parametrize("e", [F(4, 5), F(5, 8), F(3, 5), F(9, 10)])
+def test_a_boundary_is_seen_to_go_on_smoothly_where_a_line_touches_it(e: F) -> None:
+    assert judged(bridged(e)) == (True, True)  # the seam is a root of 3 t^2 = 13 and the like, where gamma' does not jump
+
+
+@pytest.mark.parametrize("off", [F(1, 10**k) for k in (2, 4, 8, 12)])
+def test_a_line_or_a_cone_that_is_off_is_not_taken_for_one_that_touches(off: F) -> None:
+    for wrong in (bridged(F(4, 5), line_off=-off), bridged(F(4, 5), cone_off=off), bridged(F(4, 5), cone_off=-off)):
+        assert judged(wrong) in (None, (False, False))  # a corner that turns inward, or a jump
+    assert judged(bridged(F(4, 5), line_off=off)) in (None, (True, False))  # the line cuts K, in corners that turn outward
+
+
+def test_a_jump_between_two_seams_that_come_together_is_seen() -> None:
+    for c in (F(1701, 1000), F(1999, 1000), 2 - F(1, 10**6), 2 - F(1, 10**9)):  # of 2 the line b = m |s| touches the circle
+        assert judged(law(f"max({R}, {2 / c}*b) - m*abs(s)", m=POSITIVE)) in (None, (True, False))
+        assert judged(law(f"{R} - pos(2*b - {c}*{R})/4 - m*abs(s)", m=POSITIVE)) in (None, (False, False))
+    assert judged(law(f"max({R}, b) - m*abs(s)", m=POSITIVE)) == (True, True)
+
+
+def test_a_maximum_of_many_arms_is_left_to_other_rules() -> None:
+    arms = ", ".join(f"{F(k, 7)}*a + {F(30 - k, 11)}*b" for k in range(30))
+    assert judged(law(f"max({arms}, -a, -b) - m*abs(s)", m=POSITIVE)) is None

@@ -26,9 +26,10 @@ __all__ = ["mend"]
 )
 @click.option("--harmonics", type=click.IntRange(1, 16), default=8, show_default=True, help="Number of harmonics of the gauge.")
 @click.option("--out", metavar="FILE", help="Write the mended law to this criterion file.")
-@click.option("--plot", metavar="FILE", help="Draw K of both laws (.png, .pdf, .svg, ...).")
+@click.option("--plot", metavar="FILE", help="Draw the boundary of K of both laws (.png, .pdf, .svg, ...).")
 @format_option("text", "json", says="For people or for programs.")
-def mend(law: str, settings: Sequence[str], by: str, harmonics: int, out: str | None, plot: str | None, form: str) -> int:
+@click.option("--strict", is_flag=True, help="End with exit code 3 if the result is not proved admissible.")
+def mend(law: str, settings: Sequence[str], by: str, harmonics: int, out: str | None, plot: str | None, form: str, strict: bool) -> int:
     """Find the nearest admissible law of LAW, if K of LAW is not convex.
 
     Four ways exist. parameters: the nearest value of a parameter for which K is convex. hull: the convex hull of K. harmonics: the
@@ -37,8 +38,6 @@ def mend(law: str, settings: Sequence[str], by: str, harmonics: int, out: str | 
 
     duhem verifies the result, and prints by how much the limit load changes: in the mean over all directions of force, and at most, both
     divided by the mean limit load. Each parameter on which the shape of K depends must have a value; give it with --set.
-
-    Exit code 3 means that the result is not proved admissible.
     """
     from duhem.regions.mending import mend as mended
     from duhem.show.printing import text
@@ -57,4 +56,4 @@ def mend(law: str, settings: Sequence[str], by: str, harmonics: int, out: str | 
         done.plot(plot)
     wrote("the mended law", out)
     wrote("the picture", plot)
-    return HELD if done.admissible else UNDECIDED
+    return UNDECIDED if strict and not done.admissible else HELD

@@ -41,7 +41,7 @@ _MOST_SIDES, _OUTWARD = 32, 1e-3
 _HALVINGS = 20
 
 
-class Dent(NamedTuple):
+class Bridge(NamedTuple):
     """The ``line`` . force <= 1 touches K at two rays; of a symmetric dent its ``axis``, its distance and the cosine of half its width."""
 
     line: Array
@@ -68,7 +68,7 @@ def by_hull(law: Criterion, scale: LoadScale) -> Iterator[tuple[str, str]]:
     yield _polygon(law, scale, points, [dent.line for dent in dents])
 
 
-def _dents(points: Array, boundary: Callable[[Array], Array]) -> Iterator[Dent]:
+def _dents(points: Array, boundary: Callable[[Array], Array]) -> Iterator[Bridge]:
     from scipy.spatial import ConvexHull
 
     corners = sorted(ConvexHull(points).vertices.tolist())
@@ -83,18 +83,16 @@ def _dents(points: Array, boundary: Callable[[Array], Array]) -> Iterator[Dent]:
             if max(np.abs(line / np.linalg.norm(line) - unit).max(), np.abs(middle - unit).max()) < 1e-5:
                 reach = np.polynomial.Polynomial.fit(steps, boundary(step * j + _WINDOW * steps) @ unit, 10)
                 best = float(min((x.real for x in reach.deriv().roots() if abs(x.imag) < 1e-9), key=abs, default=0.0))
-                yield Dent(line, axis, float(reach(best)), float(np.cos(step * (j - i) / 2.0 + _WINDOW * best)))
+                yield Bridge(line, axis, float(reach(best)), float(np.cos(step * (j - i) / 2.0 + _WINDOW * best)))
                 break
         else:
-            yield Dent(line)
+            yield Bridge(line)
 
 
 def _split(law: Criterion, scale: LoadScale, ways: Array, loads: Array) -> tuple[sp.Expr, sp.Expr, int] | None:
     """A, B and k where g = A - S^k B, both > 0; None for another g."""
     t, table = sp.Symbol("t", positive=True), law.symbols()
-    name = next(
-        (n for n in reversed(list(scale.powers)) if scale.powers[n]), None
-    )  # that stands for the scale
+    name = next((n for n in reversed(list(scale.powers)) if scale.powers[n]), None)  # that stands for the scale
     if name is None:
         return None
     swap = {**law.settled(), **{table[n]: sp.S.NegativeOne if n == law.pressure else sp.S.One for n in scale.powers}}
@@ -112,7 +110,7 @@ def _split(law: Criterion, scale: LoadScale, ways: Array, loads: Array) -> tuple
     return (over, under, int(degree)) if fits else None
 
 
-def _form(dent: Dent, forces: Sequence[str], squares: bool) -> tuple[str, str] | None:
+def _form(dent: Bridge, forces: Sequence[str], squares: bool) -> tuple[str, str] | None:
     """The line of a dent and what is > 0 in its cone, or their squares, by short fractions."""
     if dent.axis is None:
         return None
@@ -158,10 +156,21 @@ def _polygon(law: Criterion, scale: LoadScale, points: Array, lines: Sequence[Ar
     """Lines all around K and those of its dents, each a little outside, and whether they are shown to enclose K."""
     from scipy.spatial import ConvexHull
 
-    angles = np.linspace(0.0, 2.0 * np.pi, max(3, _MOST_SIDES - len(lines)), endpoint=False)
-    shape = np.linalg.cholesky(np.linalg.inv(points.T @ points))  # of a long K the sides are evenly around as if it were round
-    normals = np.column_stack([np.cos(angles), np.sin(angles)]) @ shape.T
-    rows = np.vstack([normals / (normals @ points.T).max(axis=1)[:, None], *[line[None] for line in lines]]) * (1.0 - _OUTWARD)
+    hull = ConvexHull(points)
+    outer, faces = points[hull.vertices], hull.equations[:, :2] / -hull.equations[:, 2:]
+    angles = np.unique([*(0.5 * np.pi * np.arange(4)), *(np.arctan2(y, x) % (2.0 * np.pi) for x, y in lines)])
+    while True:
+        normals = np.column_stack([np.cos(angles), np.sin(angles)])
+        reach = (normals @ outer.T).max(axis=1)
+        if len(angles) >= _MOST_SIDES:
+            break
+        halves = np.diff(angles, append=angles[0] + 2.0 * np.pi) / 2.0  # one side more, below the corner that lies farthest off the hull
+        middles, after = angles + halves, np.roll(reach, -1)
+        along, aside = (reach + after) / (2.0 * np.cos(halves)), (after - reach) / (2.0 * np.sin(halves))
+        corners = along * np.array([np.cos(middles), np.sin(middles)]) + aside * np.array([-np.sin(middles), np.cos(middles)])
+        beyond = np.hypot(*corners) * (1.0 - 1.0 / (faces @ corners).max(axis=0))
+        angles = np.unique([*angles, middles[beyond.argmax()]])
+    rows = (1.0 - _OUTWARD) * normals / reach[:, None]
     rows = rows[ConvexHull(rows).vertices]
     closed = _encloses(law, scale, [(Fraction(decimal(x)), Fraction(decimal(y))) for x, y in rows.tolist()])
     told = f"a polygon of {len(rows)} sides around K{', as enclosures of g show' if closed else ''}"

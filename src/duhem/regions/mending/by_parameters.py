@@ -18,7 +18,7 @@ from duhem.regions.mending.limit_load import plain_values
 
 __all__ = ["by_parameters"]
 
-_STEPS = 12_000_000  # for the region of one parameter
+_STEPS = 12_000_000  # for the regions of all parameters
 _FINEST = Fraction(1, 10**6)  # values are decimals, which a criterion file can state
 
 
@@ -31,10 +31,11 @@ def by_parameters(law: Criterion, base: Criterion) -> Iterator[tuple[Criterion, 
     signs = {n: POSITIVE if x > 0 else Domain.between(None, 0) if x < 0 else Domain() for n, x in fixed.items()}
     ranges = {n: signs[n] if base.parameters[n].value is not None else base.parameters[n] for n in fixed}
     plain = law.fix(plain_values(law))
-    for name in (n for n in shape_parameters(law.within(ranges)) if n in fixed):
+    names = [n for n in shape_parameters(law.within(ranges)) if n in fixed]
+    for name in names:
         value = Fraction(fixed[name].p, fixed[name].q)
         with suppress(InputError):
-            found = region(plain.within({name: ranges[name]}), name, steps=_STEPS)
+            found = region(plain.within({name: ranges[name]}), name, steps=_STEPS // len(names))
             near = [x for cell in found.stretches("proved") if (x := _nearest(cell, value)) is not None]
             if near:
                 x = min(near, key=lambda x: abs(x - value))

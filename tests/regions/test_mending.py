@@ -1,0 +1,206 @@
+"""The nearest admissible law: distances held to those worked out by other means, and what may not be called admissible."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from scipy.spatial import ConvexHull
+
+import duhem
+from duhem.cli import cli
+from duhem.law.builtin.lobes import lobe_law
+from duhem.law.formula_law import Criterion
+from duhem.proof.verdict import Verdict
+from duhem.proof.verification import verdict_within
+from duhem.regions.mending import entry
+from duhem.regions.mending.by_coefficients import by_coefficients
+from duhem.regions.mending.by_harmonics import by_harmonics
+from duhem.regions.mending.by_hull import by_hull
+from duhem.regions.mending.formulas import decimal, linear
+from duhem.regions.mending.limit_load import distance, limit_loads, plain_values, scale_of, ways_of
+from duhem.show.printing import text
+from tests.long import mostly_long
+
+TILTED = duhem.Criterion(  # a dent about no axis of coordinates, and no symmetry
+    "tilted", "norm(x, y)**3 - c*(norm(x, y)**2*1.2 + 0.7*norm(x, y)*(0.8*x + 0.6*y) + 0.1*x*y)", {"c": duhem.POSITIVE},
+    forces=("x", "y"), pressure=None,
+)  # fmt: skip
+LAWS: dict[str, Criterion] = {
+    "limacon": duhem.load("limacon").fix({"e": "4/5"}),
+    "limacon 5/8": duhem.load("limacon").fix({"e": "5/8"}),
+    "matchstick": duhem.load("matchstick").fix({"mu_a": 1, "mu_b": "1/2"}),
+    "two lobes": lobe_law(2).fix({"e": "2/5"}),
+    "three lobes": lobe_law(3).fix({"e": "3/10"}),
+    "five lobes": lobe_law(5).fix({"e": "-1/10"}),
+    "tilted": TILTED,
+}
+EXACT = ("limacon", "limacon 5/8", "matchstick", "two lobes")
+
+
+def made(law: Criterion, g: str) -> Criterion:
+    free = {name: own for name, own in law.parameters.items() if own.value is None}
+    return Criterion("made", g, free, law.forces, law.pressure)
+
+
+def fine_hull(law: Criterion, ways: Any) -> Any:
+    """How far the hull of 20,000 points of the boundary reaches."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 20_000, endpoint=False)
+    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    faces = ConvexHull(around * limit_loads(law, plain_values(law), around)[:, None]).equations
+    return 1.0 / (ways @ (faces[:, :2] / -faces[:, 2:]).T).max(axis=1)
+
+
+@pytest.mark.slow(4)
+@pytest.mark.parametrize("name", mostly_long(LAWS, "limacon", "matchstick", "tilted"))
+def test_hulls_are_those_of_many_points_and_proved(name: str) -> None:
+    law = LAWS[name]
+    ways, found = ways_of(law), list(by_hull(law, scale_of(law)))
+    hull, size = fine_hull(law, ways), limit_loads(law, plain_values(law), ways).mean()
+    assert len(found) > 1 if name in EXACT else [told.startswith("a polygon") for _, told in found] == [True]
+    for g, told in (found[0], found[-1]):
+        other = made(law, g)
+        reached = limit_loads(other, plain_values(law), ways)
+        exact = not told.startswith("a polygon")
+        assert np.abs(reached - hull).max() < (1e-6 if exact else 0.01) * size
+        assert exact or ((reached > hull).all() and told.endswith("enclosures of g show"))
+        assert verdict_within(other, "convexity", 2_000_000) is Verdict.PROVED
+
+
+@pytest.mark.slow
+def test_a_polygon_that_does_not_enclose_is_not_said_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("duhem.regions.mending.by_hull._OUTWARD", -1e-3)
+    *_, (_, told) = by_hull(LAWS["limacon"], scale_of(LAWS["limacon"]))
+    assert told.startswith("a polygon of") and told.endswith("sides around K")
+
+
+@pytest.mark.slow(2)
+@pytest.mark.parametrize("name", mostly_long(LAWS, "matchstick", "three lobes"))
+def test_gauges_of_harmonics_are_proved_and_keep_symmetries(name: str) -> None:
+    law = LAWS[name]
+    ((g, _),) = by_harmonics(law, scale_of(law), 8)
+    other, ways, values = made(law, g), ways_of(law), plain_values(law)
+    before, after = (limit_loads(x, values, ways).reshape(2880) for x in (law, other))
+    for turned in (lambda r: np.roll(r, 960), lambda r: np.roll(r, 1440), lambda r: np.roll(r[::-1], 1), lambda r: np.roll(r[::-1], 1441)):
+        assert not np.allclose(turned(before), before) or np.allclose(turned(after), after, rtol=1e-9)
+    assert distance(law, other).largest < 0.2
+    assert verdict_within(other, "convexity", 2_000_000) is Verdict.PROVED
+
+
+@pytest.mark.slow(3)
+@pytest.mark.parametrize(
+    ("by", "mean", "largest"),
+    [("parameters", 0.191, 0.300), pytest.param("hull", 0.018, 0.113, marks=pytest.mark.long), ("harmonics", 0.020, 0.102)],
+)
+def test_the_limacon_is_mended(by: str, mean: float, largest: float) -> None:
+    done = duhem.mend("limacon", by, {"e": "0.8"})
+    assert done.by == by and done.admissible
+    assert done.distance.mean == pytest.approx(mean, abs=5e-4) and done.distance.largest == pytest.approx(largest, abs=5.1e-4)
+    assert done.to_dict()["parameters"] == ({"e": "1/2"} if by == "parameters" else None)
+
+
+@pytest.mark.long
+def test_the_way_that_changes_least_is_taken() -> None:
+    done = duhem.mend("limacon", parameters={"e": "0.8"})
+    assert [one.by for one in done.tried] == list(entry.WAYS)
+    assert done.by == "harmonics" and done.distance == min(one.distance for one in done.tried if one.law is not None and one.by == done.by)
+    assert all(one.convex for one in done.tried if one.law is not None) and "hull" in text(done)
+
+
+@pytest.mark.slow(3)
+@pytest.mark.parametrize("name", mostly_long(["poly6-aa6016-t4", "hu"], "poly6-aa6016-t4"))
+def test_published_polynomials_that_are_not_convex_are_mended(name: str) -> None:
+    done = duhem.mend(name, "coefficients")
+    assert done.admissible and done.distance.largest < 0.025
+    assert duhem.verify(done.criterion, claims=["convexity"])["convexity"].verdict is Verdict.REFUTED
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", mostly_long(range(6), 0, 1))
+def test_drawn_quartics_are_mended_by_coefficients(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    a, b, c = rng.uniform(-2.5, -0.5), rng.uniform(-0.9, 3.0), rng.uniform(-1.5, 1.5)
+    law = Criterion(
+        "quartic", f"x**4 + {a:.3f}*x**3*y + {b + 2:.3f}*x**2*y**2 + {c:.3f}*x*y**3 + y**4 - 1", forces=("x", "y"), pressure=None
+    )
+    g, _ = next(by_coefficients(law))
+    assert verdict_within(made(law, g), "convexity", 2_000_000) is Verdict.PROVED
+    if verdict_within(law, "convexity", 500_000) is Verdict.PROVED:
+        assert distance(law, made(law, g)).largest < 1e-3
+
+
+@pytest.mark.slow
+def test_what_is_written_is_what_was_verified(tmp_path: Path) -> None:
+    file, picture = tmp_path / "mended.toml", tmp_path / "k.png"
+    done = CliRunner().invoke(
+        cli, ["mend", "limacon", "--set", "e=0.8", "--by", "hull", "--out", str(file), "--plot", str(picture), "--format", "json"]
+    )
+    assert done.exit_code == 0, done.output
+    said = json.loads(done.stdout)
+    assert said["file"] == str(file) and said["admissible"] and said["by"] == "hull" and picture.stat().st_size > 1000
+    assert {c["claim"]: c["verdict"] for c in said["verification"]["claims"]}["convexity"] == "proved"
+    read = duhem.load(file)
+    assert set(read.parameters) == {"mu"} and distance(LAWS["limacon"], read).largest == pytest.approx(said["largest_distance"])
+
+
+def test_a_convex_law_is_left_alone() -> None:
+    done = duhem.mend("coulomb")
+    assert done.by == "" and done.law == done.criterion and done.distance.largest == 0.0 and done.admissible
+    assert "nothing to mend" in repr(done) and "nothing to mend" in text(done)
+
+
+@pytest.mark.slow
+def test_what_is_not_proved_is_never_called_admissible(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = LAWS["limacon"]
+    monkeypatch.setattr(entry, "_candidates", lambda way, *_: iter([(replace(law, name="same"), "the same again")]))
+    done = duhem.mend(law, "hull")
+    assert not done.admissible and not done.tried[0].convex and "not proved admissible" in repr(done) and "not proved" in text(done)
+    assert not done.to_dict()["admissible"]
+    command = ["mend", "limacon", "--set", "e=0.8", "--by", "hull"]
+    codes = [CliRunner().invoke(cli, [*command, *more], standalone_mode=False).return_value for more in ([], ["--strict"])]
+    assert codes == [0, 3]
+
+
+@pytest.mark.parametrize(
+    ("law", "by", "values", "said"),
+    [
+        ("limacon", "hul", {"e": "0.8"}, "did you mean 'hull'"),
+        ("limacon", "hull", {}, "the shape of K depends on e"),
+        ("matchstick", "hull", {"mu_a": 1}, "the shape of K depends on mu_b"),
+        ("limacon", "coefficients", {"e": "0.8"}, "g is no polynomial"),
+        ("rotated-flow", "hull", {}, "a flow of its own"),
+    ],
+)
+def test_what_cannot_be_mended_is_one_error(law: str, by: str, values: dict[str, Any], said: str) -> None:
+    with pytest.raises(duhem.InputError, match=said):
+        duhem.mend(law, by, values)
+
+
+def test_more_forces_no_end_and_zero_outside_are_errors() -> None:
+    cube = Criterion("cube", "x**4 + y**4 + z**4 - 6*x**2*y**2 + 9*x**2*y**2*z**2 - 1", forces=("x", "y", "z"), pressure=None)
+    with pytest.raises(duhem.InputError, match="two forces"):
+        duhem.mend(cube, "hull")
+    cross = Criterion("cross", "abs(x*y) - 1", forces=("x", "y"), pressure=None)
+    with pytest.raises(duhem.InputError, match="a K that ends"):
+        duhem.mend(cross, "harmonics")
+    away = Criterion("away", "1 - norm(x, y) + norm(x, y)**4/10", forces=("x", "y"), pressure=None)
+    with pytest.raises(duhem.InputError, match="zero force lies outside K"):
+        duhem.mend(away, "hull")
+
+
+def test_scales_stay_free() -> None:
+    scale = scale_of(
+        Criterion("s", "norm(x, y)**2 - m**3*abs(p)*sqrt(k)*norm(x, y)/k", {"m": duhem.POSITIVE, "k": duhem.POSITIVE}, ("x", "y"), "p")
+    )
+    assert scale.text == "m**(3)*k**(-1/2)*abs(p)"
+    assert "p" not in scale_of(Criterion("c", "norm(x, y) - 1 + p/2", {}, ("x", "y"), "p")).powers
+
+
+def test_numbers_are_written_without_exponents() -> None:
+    assert [decimal(x) for x in (1e-7, -0.00125, 1234567.0, 2.0)] == ["0.0000001", "-0.00125", "1234570", "2"]
+    assert linear((1.0, -2.5), ("x", "y")) == "1*x - 2.5*y" and linear((1e-12, 1.0), ("x", "y")) == "1*y"
