@@ -165,6 +165,12 @@ def test_a_fit_is_as_its_schema_says() -> None:
     held("identify", duhem.identify(points).to_dict())
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("law", mostly_long(["coulomb", "limacon"], "coulomb"))
+def test_a_mended_law_is_as_its_schema_says(law: str) -> None:
+    held("mend", duhem.mend(law, "auto", {"e": "0.8"} if law == "limacon" else {}).to_dict())
+
+
 @pytest.mark.long
 def test_the_pages_are_built_without_a_warning(tmp_path: Path) -> None:
     pytest.importorskip("sphinx", reason="the extra docs is not installed")
