@@ -68,7 +68,7 @@ def test_hulls_are_those_of_many_points_and_proved(name: str) -> None:
         reached = limit_loads(other, plain_values(law), ways)
         exact = not told.startswith("a polygon")
         assert np.abs(reached - hull).max() < (1e-6 if exact else 0.01) * size
-        assert exact or ((reached > hull).all() and told.endswith("enclosures of g show"))
+        assert exact or ((reached > hull).all() and told.endswith("enclosures of g on it show"))
         assert verdict_within(other, "convexity", 2_000_000) is Verdict.PROVED
 
 

@@ -173,7 +173,7 @@ def _polygon(law: Criterion, scale: LoadScale, points: Array, lines: Sequence[Ar
     rows = (1.0 - _OUTWARD) * normals / reach[:, None]
     rows = rows[ConvexHull(rows).vertices]
     closed = _encloses(law, scale, [(Fraction(decimal(x)), Fraction(decimal(y))) for x, y in rows.tolist()])
-    told = f"a polygon of {len(rows)} sides around K{', as enclosures of g show' if closed else ''}"
+    told = f"a polygon of {len(rows)} sides around K{', as enclosures of g on it show' if closed else ''}"
     return f"max({', '.join(linear(row, law.forces) for row in rows)}) - {scale.text}", told
 
 

@@ -47,15 +47,16 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
     given = base.fix(parameters)
     if given.variables or given.viscous or given.forces_of_rates or not given.associated:
         raise InputError("a law with a state, rates or a flow of its own is not mended", where=given.name, remedy="mend its g alone")
-    if (known := verify(given))["convexity"].verdict is Verdict.PROVED:
-        return Mended(given, given, "", "K is convex, there is nothing to mend", NO_DISTANCE, known)
+    known = verify(given)
+    if (before := known["convexity"].verdict) is Verdict.PROVED:
+        return Mended(given, before, given, "", "K is convex, there is nothing to mend", NO_DISTANCE, known)
     scale = scale_of(given)
     tried = [_tried(way, given, base, scale, harmonics) for way in (WAYS if by == "auto" else (by,))]
     best = min(tried, key=_rank)
     if best.law is None:
         why = "; ".join(f"{one.by}: {one.told}" for one in tried)
         raise InputError(f"no such law was found ({why})", where=given.name, remedy="mend it in another way, or ask duhem region")
-    return Mended(given, best.law, best.by, best.told, best.distance, verify(best.law), tuple(tried))
+    return Mended(given, before, best.law, best.by, best.told, best.distance, verify(best.law), tuple(tried))
 
 
 def _rank(one: Tried) -> tuple[bool, bool, float]:

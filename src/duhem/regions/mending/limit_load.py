@@ -35,6 +35,10 @@ class Distance(NamedTuple):
     mean: float = 0.0
     largest: float = 0.0
 
+    def plain(self) -> dict[str, float | None]:
+        """As JSON has it, None for what is infinite."""
+        return {name: x if np.isfinite(x) else None for name, x in self._asdict().items()}
+
 
 NO_DISTANCE = Distance()
 
@@ -87,7 +91,8 @@ def limit_loads(law: Criterion, values: Numbers, ways: Array, load: float = 1.0)
 def distance(law: Criterion, other: Criterion) -> Distance:
     """By how much the limit load of another law with the same forces differs, the free parameters at plain values."""
     ways, values = ways_of(law), plain_values(law)
-    own = limit_loads(law, values, ways)
+    if not np.isfinite(own := limit_loads(law, values, ways)).any():
+        raise InputError("K has no end in any direction", where=law.name, remedy="there is no limit load that could change")
     new = limit_loads(other, {n: values[n] if domain.value is None else domain.value for n, domain in other.parameters.items()}, ways)
     with np.errstate(invalid="ignore"):
         change = np.where(own == new, 0.0, np.abs(new - own)) / own[np.isfinite(own)].mean()

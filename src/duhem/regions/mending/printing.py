@@ -34,6 +34,7 @@ def as_sheet(done: Mended) -> Sheet:
 def _fields(done: Mended) -> Iterator[tuple[str, str]]:
     if done.by:
         mean, largest = done.distance
+        yield "before", f"convexity {done.before.value}"
         yield "result", done.told
         yield "change", f"{mean:.3g} in the mean, {largest:.3g} at the largest, of the mean limit load over directions of force"
     if done.by not in ("", "parameters"):

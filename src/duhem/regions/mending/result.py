@@ -7,6 +7,7 @@ from os import PathLike
 from typing import Any, ClassVar
 
 from duhem.law.formula_law import Criterion
+from duhem.proof.verdict import Verdict
 from duhem.proof.verification import Verification
 from duhem.regions.mending.limit_load import NO_DISTANCE, Distance
 from duhem.show.place import write
@@ -30,6 +31,7 @@ class Tried:
 class Mended(Shown):
     """``law`` is the nearest law of ``criterion`` that was found, by the way ``by``; ``criterion`` itself, and ``by`` "", if K is convex.
 
+    ``before`` is what is known of the convexity of K of ``criterion``: it may be open.
     ``distance`` has the mean and the largest change of the limit load over directions of force, over the mean limit load.
     ``verification`` says what is proved of ``law``; ``tried`` are all ways that were asked, with what each gives.
     """
@@ -37,6 +39,7 @@ class Mended(Shown):
     printed_by: ClassVar[str] = "duhem.regions.mending.printing"
 
     criterion: Criterion
+    before: Verdict
     law: Criterion
     by: str
     told: str
@@ -62,10 +65,11 @@ class Mended(Shown):
     def to_dict(self, file: str | None = None) -> dict[str, Any]:
         """The JSON of the interface; ``file`` is where the law was written."""
         values = {name: str(own.value) for name, own in self.law.parameters.items() if own.value is not None}
-        tried = [{"by": x.by, "told": x.told, "convex": x.convex, **(x.distance._asdict() if x.law else {})} for x in self.tried]
+        tried = [{"by": x.by, "told": x.told, "convex": x.convex, **(x.distance.plain() if x.law else {})} for x in self.tried]
+        mean, largest = self.distance.plain().values()
         return {
-            "criterion": self.criterion.name, "by": self.by or None, "parameters": values if self.by == "parameters" else None,
-            "file": file, "mean_distance": self.distance.mean, "largest_distance": self.distance.largest,
+            "criterion": self.criterion.name, "before": self.before.value, "by": self.by or None,
+            "parameters": values if self.by == "parameters" else None, "file": file, "mean_distance": mean, "largest_distance": largest,
             "admissible": self.admissible, "told": self.told, "tried": tried, "verification": self.verification.to_dict(),
         }  # fmt: skip
 
