@@ -21,6 +21,7 @@ from duhem.regions.mending.limit_load import LoadScale, limit_loads, plain_value
 __all__ = ["by_harmonics"]
 
 Array = NDArray[np.float64]
+_DIGITS = 12  # that Chebyshev's polynomials make of the short coefficients
 _MARGIN, _LEAST, _SEEN = 1e-3, 1e-6, 1e-7  # of the mean gauge; a harmonic below the last is forbidden by a symmetry
 
 
@@ -39,7 +40,7 @@ def by_harmonics(law: Criterion, scale: LoadScale, most: int) -> Iterator[tuple[
     cp.Problem(cp.Minimize(cp.sum_squares(off)), [bends @ a >= _MARGIN, table @ a >= _MARGIN]).solve(solver=cp.CLARABEL)
     if a.value is None:
         raise InputError("no such gauge was found", where=law.name, remedy="ask for another number of harmonics")
-    found = [(k, turn is np.sin, decimal(x * size)) for (k, turn), x in zip(waves, a.value, strict=True) if abs(x) > _LEAST]
+    found = [(k, turn is np.sin, decimal(x * size, 4)) for (k, turn), x in zip(waves, a.value, strict=True) if abs(x) > _LEAST]
     yield _formula(law, scale, found), f"the nearest gauge of {most} harmonics"
 
 
@@ -56,11 +57,16 @@ def _symmetric(gauge: Array) -> list[tuple[int, np.ufunc]]:
 
 
 def _formula(law: Criterion, scale: LoadScale, waves: list[tuple[int, bool, str]]) -> str:
-    """r^N gamma - S r^(N - 1), r the norm of the forces: polynomials and norms, without a quotient that is 0/0 at zero force."""
-    x, y = sp.symbols(law.forces, real=True)
-    norm, last, terms = f"norm({', '.join(law.forces)})", max(1, *(k for k, _, _ in waves)), list[str]()
-    for k, is_sine, c in waves:
-        wave = sp.expand((x + sp.I * y) ** k)
-        part = sp.im(wave) if is_sine else sp.re(wave)
-        terms.append("*".join([c, *([f"({part})"] if k else []), *([power(norm, last - k)] if last > k else [])]))
+    """r^N gamma - S r^(N - 1), r the norm of the forces: polynomials and norms, without a quotient that is 0/0 at zero force.
+
+    cos k theta = T_k(cos theta) and sin k theta = sin theta U_(k - 1)(cos theta), Chebyshev's polynomials.
+    """
+    x, norm, last, terms = sp.Symbol("x"), f"norm({', '.join(law.forces)})", max(1, *(k for k, _, _ in waves)), list[str]()
+    even = sp.Poly(sum(sp.Rational(c) * sp.chebyshevt_poly(k, x) for k, is_sine, c in waves if not is_sine), x)
+    odd = sp.Poly(sum(sp.Rational(c) * sp.chebyshevu_poly(k - 1, x) for k, is_sine, c in waves if is_sine), x)
+    for poly, sine in ((even, []), (odd, [law.forces[1]])):
+        for (n,), c in poly.terms() if poly else ():
+            rest = last - n - len(sine)
+            factors = [*sine, *([power(law.forces[0], n)] if n else []), *([power(norm, rest)] if rest else [])]
+            terms.append("*".join([decimal(float(c), _DIGITS), *factors]))
     return f"{total(terms)} - {'*'.join([scale.text, *([power(norm, last - 1)] if last > 1 else [])])}"
