@@ -7,6 +7,7 @@ P is sos-convex if y . Hess P(x) y is a sum of squares of polynomials in x and y
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import combinations_with_replacement, product
 from typing import Any
 from warnings import catch_warnings, simplefilter
@@ -25,6 +26,7 @@ __all__ = ["by_coefficients"]
 
 Array = NDArray[np.float64]
 Monomial = tuple[int, ...]
+_SOLVED = ("optimal", "optimal_inaccurate")
 _MARGINS = (1e-5, 1e-4, 1e-3)  # of the mean coefficient of a Gram matrix
 _LEAST, _POINTS, _MOST_SQUARES = 1e-9, 1000, 120
 
@@ -58,10 +60,10 @@ def by_coefficients(law: Criterion) -> Iterator[tuple[str, str]]:
     problem = cp.Problem(cp.Minimize(cp.sum_squares(off)), [sum(side) == 0 for side in sides.values()])
     for least in _MARGINS:
         margin.value = least * np.abs(old).mean()
-        with catch_warnings():
+        with catch_warnings(), suppress(cp.SolverError):
             simplefilter("ignore")  # that a solution may be inaccurate: it is proved, or not
             problem.solve(solver=cp.CLARABEL)
-        if a.value is not None:
+        if problem.status in _SOLVED:
             rounded = {m: decimal(x / size ** sum(m)) for m, x in zip(powers, a.value, strict=True) if abs(x) > _LEAST}
             terms = ("*".join([c, *(power(f, k) for f, k in zip(law.forces, m, strict=True) if k)]) for m, c in rounded.items())
             yield total([*terms, formula(poly.coeff_monomial(1))]), "the nearest sos-convex polynomial with the same monomials"

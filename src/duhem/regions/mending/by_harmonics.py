@@ -7,6 +7,7 @@ coefficients, asked with a margin at many angles, so that the rounded coefficien
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from math import gcd
 
 import numpy as np
@@ -37,7 +38,8 @@ def by_harmonics(law: Criterion, scale: LoadScale, most: int) -> Iterator[tuple[
     bends = table * (1.0 - np.array([k for k, _ in waves]) ** 2)
     a = cp.Variable(len(waves))
     off = cp.multiply(loads**2 * size, table @ a - gauge / size)  # the limit load changes by -load^2 times what the gauge does
-    cp.Problem(cp.Minimize(cp.sum_squares(off)), [bends @ a >= _MARGIN, table @ a >= _MARGIN]).solve(solver=cp.CLARABEL)
+    with suppress(cp.SolverError):
+        cp.Problem(cp.Minimize(cp.sum_squares(off)), [bends @ a >= _MARGIN, table @ a >= _MARGIN]).solve(solver=cp.CLARABEL)
     if a.value is None:
         raise InputError("no such gauge was found", where=law.name, remedy="ask for another number of harmonics")
     found = [(k, turn is np.sin, decimal(x * size, 4)) for (k, turn), x in zip(waves, a.value, strict=True) if abs(x) > _LEAST]
