@@ -37,7 +37,7 @@ _DEEP, _SEAM = 1e-7, 1e-6  # of the load, where a dent begins; of a cone, what i
 _WINDOW = 0.02  # rad around the place where a line touches
 _ALIKE, _MOST_DENOMINATOR = 1e-11, 10_000
 _SHORT = [(np.array([a, b]) / np.hypot(a, b), (a, b)) for a, b in product(range(-3, 4), repeat=2) if gcd(a, b) == 1]
-_MOST_SIDES, _OUTWARD = 32, 1e-3
+_MOST_SIDES, _OUTWARD = 32, 5e-4
 _HALVINGS = 20
 
 

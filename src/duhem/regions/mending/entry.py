@@ -33,8 +33,8 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
     """The nearest admissible law of a law whose K is not convex, with the change of its limit load, verified.
 
     ``by`` is ``parameters`` (the nearest point of the region of one parameter), ``hull`` (the convex hull of K), ``harmonics`` (the nearest
-    gauge of so many ``harmonics``) or ``coefficients`` (the nearest sos-convex polynomial); ``auto`` takes what changes the limit load
-    least at its largest.  ``parameters`` fixes some values: all on which the shape of K depends must have one.  Hull and harmonics are for
+    gauge of so many ``harmonics``) or ``coefficients`` (the nearest sos-convex polynomial); ``auto`` takes the admissible law of which the
+    largest change is least.  ``parameters`` fixes some values: all on which the shape of K depends must have one.  Hull and harmonics are for
     laws of two forces.  Raises InputError for an unknown law or way, and where the law cannot be mended by it.
     """
     if by not in ("auto", *WAYS):
@@ -51,12 +51,16 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
     if (before := known["convexity"].verdict) is Verdict.PROVED:
         return Mended(given, before, given, "", "K is convex, there is nothing to mend", NO_DISTANCE, known)
     scale = scale_of(given)
-    tried = [_tried(way, given, base, scale, harmonics) for way in (WAYS if by == "auto" else (by,))]
-    best = min(tried, key=_rank)
-    if best.law is None:
+    tried = tuple(_tried(way, given, base, scale, harmonics) for way in (WAYS if by == "auto" else (by,)))
+    nearest: Mended | None = None
+    for one in sorted(tried, key=_rank):
+        if one.law is not None and (nearest is None or not nearest.admissible):
+            done = Mended(given, before, one.law, one.by, one.told, one.distance, verify(one.law), tried)
+            nearest = done if nearest is None or done.admissible else nearest
+    if nearest is None:
         why = "; ".join(f"{one.by}: {one.told}" for one in tried)
         raise InputError(f"no such law was found ({why})", where=given.name, remedy="mend it in another way, or ask duhem region")
-    return Mended(given, before, best.law, best.by, best.told, best.distance, verify(best.law), tuple(tried))
+    return nearest
 
 
 def _rank(one: Tried) -> tuple[bool, bool, float]:
