@@ -34,7 +34,7 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
 
     ``by`` is ``parameters`` (the nearest point of the region of one parameter), ``hull`` (the convex hull of K), ``harmonics`` (the nearest
     gauge of so many ``harmonics``) or ``coefficients`` (the nearest sos-convex polynomial); ``auto`` takes the admissible law of which the
-    largest change is least.  ``parameters`` fixes some values: all on which the shape of K depends must have one.  Hull and harmonics are for
+    largest change is least.  ``parameters`` fixes some values: all on which the shape of K depends need one.  Hull and harmonics are for
     laws of two forces.  Raises InputError for an unknown law or way, and where the law cannot be mended by it.
     """
     if by not in ("auto", *WAYS):
