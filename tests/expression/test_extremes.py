@@ -8,7 +8,9 @@ import pytest
 import sympy as sp
 
 from duhem.expression.build import greatest, least
+from duhem.expression.numpy_ import evaluate
 from duhem.expression.parse import parse_expression
+from duhem.expression.pnorm import recognised
 from duhem.expression.vocabulary import EigMax, Norm, Pos, Where, symbol
 
 X, Y, Z = (symbol(name) for name in "xyz")
@@ -98,3 +100,13 @@ def test_sides_of_a_polygon_are_not_compared(monkeypatch):
         assert set(parse_expression(f"max({text})", known).args) == set(forms)
     with pytest.raises(AssertionError, match="SymPy compares"):
         sp.Max(*forms)
+
+
+@pytest.mark.parametrize("extreme", ["max", "min"])
+@pytest.mark.parametrize("number", ["(1 + sqrt(2))**4", "(1 + abs(norm(1, 1)))**4", "(2 - sqrt(3))**6*(1 + sqrt(5))"])
+def test_norms_are_recognised_beside_numbers_that_sympy_does_not_compare(extreme, number):
+    """Where an extreme is built anew of parts that have changed, SymPy would ask which is the greater."""
+    given = parse_expression(f"{extreme}(sqrt(x**2 + y**2), norm(x + x, 3), {number}) + sqrt((x - y)**2 + y**2)", {"x": X, "y": Y})
+    found, point = recognised(given), {X: 1.5, Y: -0.25}
+    assert not any(p.base.is_Add for p in found.atoms(sp.Pow) if p.free_symbols)
+    assert evaluate(given, point) == pytest.approx(float(given.subs(point)))

@@ -10,6 +10,7 @@ import pytest
 from duhem.proof.kernel.boundary import _positive_semidefinite, _product, _quadratic_form
 from duhem.proof.kernel.polynomial import Polynomial, times, total
 from duhem.proof.kernel.term import NotWritten, Term
+from duhem.proof.search.identities import _positive_semidefinite as found_semidefinite
 
 NAMES = [Term("name", name=n) for n in "xyz"]
 
@@ -56,10 +57,10 @@ def test_semidefinite_matrices() -> None:
         n, rank = random.randint(1, 5), random.randint(0, 4)
         factor = [[Fraction(random.randint(-5, 5), random.randint(1, 4)) for _ in range(rank)] for _ in range(n)]
         gram = [[sum((a * b for a, b in zip(r, s, strict=True)), Fraction(0)) for s in factor] for r in factor]
-        assert _positive_semidefinite(gram)
+        assert _positive_semidefinite(gram) and found_semidefinite(gram, lambda _: True)
         if rank < n:
             less = [[x - (i == j) * Fraction(1, 10**12) for j, x in enumerate(row)] for i, row in enumerate(gram)]
-            assert not _positive_semidefinite(less)
+            assert not _positive_semidefinite(less) and not found_semidefinite(less, lambda _: True)
         if n > 1:
             gram[0][1] += Fraction(1, 10**12)
             assert not _positive_semidefinite(gram)

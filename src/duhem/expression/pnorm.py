@@ -6,6 +6,7 @@ the recognised formula; it has the same value wherever the original has one.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import sympy as sp
@@ -28,19 +29,30 @@ class PNorm(sp.Function):
 
 def recognised(expr: sp.Basic) -> sp.Basic:
     """The formula with its norms written as ``Norm`` and ``PNorm``, innermost first."""
-    return expr.replace(sp.Mul, _odd_power).replace(lambda node: isinstance(node, sp.Pow) and node.base.is_Add, _norm)
+    return _throughout(_throughout(expr, sp.Mul, _odd_power), sp.Pow, _norm)
 
 
-def _odd_power(*factors: sp.Expr) -> sp.Expr:
+def _throughout(expr: Any, kind: type[sp.Expr], rewrite: Callable[[Any], sp.Expr]) -> Any:
+    """The formula with every node of a kind rewritten.  Max and Min are not evaluated anew: SymPy refuses what it cannot compare."""
+    args = tuple(_throughout(a, kind, rewrite) for a in expr.args)
+    if args != expr.args:
+        expr = expr.func(*args, **({"evaluate": False} if isinstance(expr, sp.Max | sp.Min) else {}))
+    return rewrite(expr) if isinstance(expr, kind) else expr
+
+
+def _odd_power(product: sp.Mul) -> sp.Expr:
+    factors = product.args
     for size in factors:
         for even in factors:
             if isinstance(size, sp.Abs) and even.is_Pow and even.base == size.args[0] and even.exp.is_even:
                 rest = (f for f in factors if f is not size and f is not even)
                 return sp.Mul(PNorm(1, even.base) ** (even.exp + 1), *rest)
-    return sp.Mul(*factors)
+    return product
 
 
 def _norm(node: Any) -> sp.Expr:
+    if not node.base.is_Add:
+        return node
     p = 1 / node.exp
     bases = [_base(term, p) for term in node.base.args]
     if p == 1 or not p.is_positive or any(x is None for x in bases):

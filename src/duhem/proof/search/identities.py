@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
 from itertools import combinations, islice, product
-from math import comb
+from math import comb, lcm
 from typing import Any
 
 import clarabel
@@ -420,9 +420,13 @@ class _System:
         return sums, [(zero, p) for zero, p in found if p]
 
 
-def _positive_semidefinite(rows: list[list[Fraction]], pays: Pays) -> bool:
-    """By elimination, the greatest entry of the diagonal first; of numbers too long to eliminate with, False."""
-    digits = len(rows) * max((max(abs(x.numerator), x.denominator).bit_length() for row in rows for x in row), default=0)
+def _positive_semidefinite(gram: Sequence[Sequence[Fraction]], pays: Pays) -> bool:
+    """By elimination in whole numbers, the greatest entry of the diagonal first, each step dividing by the pivot before it (Bareiss 1968,
+    Math. Comp. 22, 565); of numbers too long to eliminate with, False.
+    """
+    below, before = lcm(*(x.denominator for row in gram for x in row)), 1
+    rows = [[flint.fmpz(x.numerator * (below // x.denominator)) for x in row] for row in gram]
+    digits = len(rows) * max((int(x).bit_length() for row in rows for x in row), default=0)
     if digits > _MOST_DIGITS or not pays(len(rows) ** 3 * (1 + digits // _LONG)):
         return False
     while rows:
@@ -430,9 +434,10 @@ def _positive_semidefinite(rows: list[list[Fraction]], pays: Pays) -> bool:
         if (pivot := rows[k][k]) <= 0:
             return not any(map(any, rows))
         left = [i for i in range(len(rows)) if i != k]
-        rows = [[rows[i][j] - rows[i][k] * rows[k][j] / pivot for j in left] for i in left]
+        rows = [[(pivot * rows[i][j] - rows[i][k] * rows[k][j]) // before for j in left] for i in left]
         if any(row[i] < 0 for i, row in enumerate(rows)):
             return False
+        before = pivot
     return True
 
 
