@@ -120,6 +120,18 @@ def test_values_of_other_parameters_must_be_admitted() -> None:
     assert set(at_values(put, {"mu_a": "3", "mu_b": "1"}, {}).parameters) == {"shift"}
 
 
+@pytest.mark.parametrize("relation", ["b**3 + a <= 1", "a + b**3 < 1", "a*exp(b) <= 1", "b**3 <= 1 - a**2"])
+def test_one_value_to_which_a_relation_leaves_no_other_is_not_refuted(relation: str) -> None:
+    """Two branches of a hyperbola: so it is for every a > 0, but where b >= 0 is left no value there is no law."""
+    given = {"forces": ["q", "p"], "pressure": None, "flow": None, "g": "q**2 - a*p**2 - 1 + 0*b", "constraints": [relation]}
+    law = StatedLaw.read({**given, "parameters": {"a": {"min": "0", "max": "2"}, "b": {"min": "0"}}})
+    chord = {"p": {"q": "2", "p": "3"}, "q": {"q": "2", "p": "-3"}}
+    for value in ("1/2", "3/2"):
+        one = ParameterCell(at(value), at(value))
+        refused = [bool(refutation_fails("convexity", "chord", law, "a", one, "range", {**chord, "values": b})) for b in ({}, {"b": "0"})]
+        assert refused == [True, value == "3/2"]
+
+
 def test_cells_must_cover_the_domain() -> None:
     half, whole = at("1/2"), Bounds(Fraction(0), Fraction(1), False, True)
     low, high = ParameterCell(at("0"), half), ParameterCell(half, at("1"), True, True)

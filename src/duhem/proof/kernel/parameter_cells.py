@@ -10,7 +10,7 @@ roots and 0 <= s <= 1.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -171,15 +171,18 @@ def _vanishes_at_ends(end: RealRoot, other: RealRoot) -> bool:
 # -- refuted -----------------------------------------------------------------------------------------------------------
 
 
-def at_values(law: StatedLaw, values: Mapping[str, Any], swap: Mapping[Term, Term]) -> StatedLaw:
-    """The law at values of some of its parameters, given by formulas in the others; NotWritten where these are not shown to be admitted."""
-    return _at_terms(law, {name: parse(text).put(dict(swap)) for name, text in as_object(values).items()})
+def at_values(law: StatedLaw, values: Mapping[str, Any], swap: Mapping[Term, Term], related: Collection[Term] = ()) -> StatedLaw:
+    """The law at values of some of its parameters, given by formulas in the others; NotWritten where these are not shown to be admitted.
+
+    ``related`` are constraints that related parameters before some were put.
+    """
+    return _at_terms(law, {name: parse(text).put(dict(swap)) for name, text in as_object(values).items()}, related)
 
 
-def _at_terms(law: StatedLaw, terms: Mapping[str, Term]) -> StatedLaw:
+def _at_terms(law: StatedLaw, terms: Mapping[str, Term], related: Collection[Term] = ()) -> StatedLaw:
     left = {name: own for name, own in law.parameters.items() if name not in terms}
     # One that relates what is left is shown, not assumed: it may leave no values to some of a cell, which a witness must not pass over.
-    alone = tuple(c for c in law.constraints if c.names() <= set(left) and len(c.names()) < 2)
+    alone = tuple(c for c in law.constraints if c.names() <= set(left) and len(c.names()) < 2 and c not in related)
     domain = over(law._replace(parameters=left, constraints=alone, g=number(0), flow=None, surfaces=(), ranges=()))
     found = law
     for name, term in terms.items():
@@ -278,7 +281,7 @@ def refutation_fails(claim: str, rule: str, law: StatedLaw, name: str, cell: Par
         if {name, _SHARE.name} & {*as_object(evidence.get("values", {})), evidence.get("scale")}:
             raise NotWritten("a family is for one value of the parameter alone")
         put, swap = law_over(law, name, cell, way)
-        put = at_values(put, evidence.get("values", {}), swap)
+        put = at_values(put, evidence.get("values", {}), swap, [c.put(swap) for c in law.constraints if len(c.names()) > 1])
         undecided = obligations.constraints(put) or obligations.numbers_in_formula(put)
         return undecided or ("" if REFUTATIONS[claim, rule](put, evidence) else f"the rule {rule!r} does not show it")
     except UNREADABLE as fault:
