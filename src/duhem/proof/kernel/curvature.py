@@ -91,7 +91,7 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
         return squared
     if known.defined and (found := quasiconvex_with_parts_freed(term, domain)) is not None:
         return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
-    rooted = term.op == "**" and term.args[1] == _HALF and known.defined and not known.convex
+    rooted = term.op == "**" and term.args[1] == _HALF and term.args[0].op in ("+", "*", "**") and known.defined and not known.convex
     if rooted and (root := _normal(term, domain, collects=True)) != term:
         found = domain.facts(root)
         return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=known.quasiconvex or found.quasiconvex)

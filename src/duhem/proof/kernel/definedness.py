@@ -106,11 +106,13 @@ class Reader(NamedTuple):
     def sign(self, term: Term) -> Sign:
         """The signs that a formula may have, all of whose parts have values: so its normal forms have its value."""
         known = self.domain.sign(term)
+        if known not in (NEGATIVE, ZERO, POSITIVE):
+            known &= self.more(term)
         for collects in (False, True):
             if known & NEGATIVE and known & POSITIVE and not self.domain.constant(term):
                 with suppress(NotWritten):
                     known &= self.domain.sign(normal(term, self.domain, collects))
-        return known if known in (NEGATIVE, ZERO, POSITIVE) else known & self.more(term)
+        return known
 
     def _under(self, condition: Term, holds: bool, term: Term) -> Term | None:
         """What is undecided of a formula that is read where a condition holds, or does not."""

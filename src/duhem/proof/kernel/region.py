@@ -368,12 +368,11 @@ def _below(power: Term, rest: Term, domain: StatedDomain) -> bool:
 
 def _below_a_load(square: Term, rest: Term, domain: StatedDomain) -> bool:
     scale, moving = apart(rest, domain)
-    load = next((f.args[0] for f in moving if f.op == "**" and f.args[1] == number(2)), None)
-    others = [f for f in moving if f.op != "**" or f.args[0] is not load]
-    c = domain.facts(minus(scale))
-    if load is None or not (len(others) == 1 < len(moving) == 2 and c.defined and c.sign in (NEGATIVE, POSITIVE)):
+    c, squared = domain.facts(minus(scale)), [i for i, f in enumerate(moving) if f.op == "**" and f.args[1] == number(2)]
+    if not squared or len(moving) != 2 or not (c.defined and c.sign in (NEGATIVE, POSITIVE)):
         return False
-    w = others[0] if c.sign == POSITIVE else minus(others[0])
+    load, other = moving[squared[0]].args[0], moving[1 - squared[0]]
+    w = other if c.sign == POSITIVE else minus(other)
     x, root = domain.facts(load), domain.facts(Term("**", (square, number(Fraction(1, 2)))))
     profile = domain.facts(times_load(load, w, domain))
     return (
@@ -426,7 +425,7 @@ def round_at_its_ends(law: StatedLaw) -> bool:
 
 def _gauge_and_parts(f: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
     """A and the h of f = A - c (h_1 ... h_k)^e; NotWritten where f is not of that form."""
-    for root in f.args if f.op == "+" else ():
+    for rest, root in _without_one(f) if f.op == "+" else ():
         scale, moving = apart(root, domain)
         if len(moving) != 1 or moving[0].op != "**" or domain.facts(scale).sign != NEGATIVE:
             continue
@@ -434,8 +433,7 @@ def _gauge_and_parts(f: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
         scale, parts = apart(base.args[0] if base.op == "pos" else base, domain)
         below_one = domain.facts(sum_of(number(1), minus(e))).sign
         if domain.constant(e) and domain.facts(e).sign == below_one == domain.facts(scale).sign == POSITIVE:
-            rest = [term for term in f.args if term is not root]
-            return rest[0] if len(rest) == 1 else sum_of(*rest), parts
+            return rest, parts
     raise NotWritten("no root is subtracted")
 
 
