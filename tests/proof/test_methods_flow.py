@@ -13,6 +13,7 @@ from duhem import Criterion, Domain, Verdict, verify
 from duhem.law.criterion_file import reads
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import evidence, refuters
+from duhem.proof.search import boundary_identities
 from duhem.proof.search.boundary_points import BoundaryScout, scouts
 from duhem.proof.verdict import Evidence, Proof, Witness
 from duhem.proof.witness.points import EnclosedPoint
@@ -263,6 +264,15 @@ def test_what_shows_that_a_flow_is_parallel() -> None:
         known = parallel.normality(subject(DISC, slip))
         assert known is not None and known.proof is not None and set(known.proof.evidence) == {"along", "across"}
         assert evidence.normality_parallel(subject(DISC, slip), {"convexity": Evidence(Verdict.TESTED, "", "")}) is None
+
+
+@pytest.mark.parametrize("slip", [("-b", "b - m*a"), ("b - m*a", "-b")])
+def test_no_identity_is_sought_without_end(slip: tuple[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """K is empty: identities of ever higher degrees would be tried, of each component across the normal."""
+    monkeypatch.setattr(boundary_identities, "_MOST_STEPS", 100_000)
+    asked = subject("a**2 + b**2 - b + 1", slip, m=Domain.between(1, None), domain={"b": Domain.between(0, 1)})
+    assert boundary_identities.parallel(asked) == {}
+    assert asked.whole.spent <= 100_000  # nothing is sought once one is missing
 
 
 def test_of_two_surfaces_each_flow_counts() -> None:

@@ -18,17 +18,19 @@ from duhem.expression import Where
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, smooth_below, thick
 from duhem.expression.invariance import invariant_directions
 from duhem.law.formula_law import Criterion
+from duhem.proof.decide import Budget
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
 from duhem.proof.statement import Face, faces
 
 if TYPE_CHECKING:
-    from duhem.proof.search.identities import Pays, Polynomial
+    from duhem.proof.search.identities import Polynomial
 
 __all__ = ["composed_of_sums", "convex_sums", "directions", "inward", "outward", "parallel", "steep"]
 
 _GOAL, _BOUNDARY, _TANGENT = "the goal", "the boundary", "the tangent"
 _MOST_PIECES, _MOST_MONOMIALS, _LONGEST = 64, 150, 20_000
+_MOST_STEPS = 50_000_000  # of one identity: more than any of a known law takes, some seconds
 Identities = tuple[Mapping[str, Any], ...]
 
 
@@ -77,12 +79,11 @@ def parallel(subject: FormulaSubject) -> Mapping[str, Any]:
             gradient = [g.diff(x) for x in forms.forces]
             products = [flow[i] * gradient[j] - flow[j] * gradient[i] for i, j in combinations(range(len(flow)), 2)]
             goals = [minor for product in products if not product.is_zero for minor in (product, -product)]
-            known = [forms.everywhere(goal, ">", g, where) for goal in goals]
-            lead = forms.everywhere(-sum((d * n for d, n in zip(flow, gradient, strict=True)), forms.zero), ">=", g, where)
-            if not lead or not all(known):
-                return {}
-            along += lead
-            across += [one for some in known for one in some]
+            lead = -sum((d * n for d, n in zip(flow, gradient, strict=True)), forms.zero)
+            for goal, op, found in ((lead, ">=", along), *((goal, ">", across) for goal in goals)):
+                if not (known := forms.everywhere(goal, op, g, where)):
+                    return {}
+                found += known
     return {"along": along, "across": across}
 
 
@@ -157,7 +158,7 @@ class _Forms:
     law: Criterion
     forces: tuple[sp.Symbol, ...]
     generators: tuple[sp.Expr, ...]
-    pays: Pays
+    whole: Budget
 
     @classmethod
     def of(cls, subject: FormulaSubject) -> _Forms:
@@ -167,7 +168,7 @@ class _Forms:
         formulas = sp.Tuple(law.g, *(d for face in faces(law) for d in face.flow or ()))
         divisors = {p.base for p in formulas.atoms(sp.Pow) if p.exp.is_negative and p.base.is_positive}
         rest = [*([table[law.pressure]] if law.pressure else []), *(1 / x if x in divisors else x for x in free)]
-        return cls(law, forces, (*forces, *(sp.Symbol(name, real=True) for name in directions(law)), *rest), subject.whole.pays)
+        return cls(law, forces, (*forces, *(sp.Symbol(name, real=True) for name in directions(law)), *rest), subject.whole)
 
     def settled(self, expr: sp.Expr) -> sp.Expr:
         """With the fixed parameters put in place."""
@@ -227,7 +228,7 @@ class _Forms:
         bounds = [*((side, ">=") for side in sides), *((self.form(gap), op) for gap, op in self._domain())]
         given = [Condition(name, _terms(poly), "==") for name, poly in zero.items()]
         given += [Condition(text(_terms(poly), names), _terms(poly), op) for poly, op in bounds if poly is not None]
-        return identity(names, Condition(_GOAL, _terms(goal), op), given, self.pays)
+        return identity(names, Condition(_GOAL, _terms(goal), op), given, self.whole.part(_MOST_STEPS).pays)
 
     @property
     def names(self) -> list[str]:

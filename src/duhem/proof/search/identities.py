@@ -424,7 +424,7 @@ def _positive_semidefinite(gram: Sequence[Sequence[Fraction]], pays: Pays) -> bo
     """By elimination in whole numbers, the greatest entry of the diagonal first, each step dividing by the pivot before it (Bareiss 1968,
     Math. Comp. 22, 565); of numbers too long to eliminate with, False.
     """
-    below, before = lcm(*(x.denominator for row in gram for x in row)), 1
+    below, before = lcm(*(x.denominator for row in gram for x in row)), flint.fmpz(1)
     rows = [[flint.fmpz(x.numerator * (below // x.denominator)) for x in row] for row in gram]
     digits = len(rows) * max((int(x).bit_length() for row in rows for x in row), default=0)
     if digits > _MOST_DIGITS or not pays(len(rows) ** 3 * (1 + digits // _LONG)):
