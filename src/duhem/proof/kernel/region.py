@@ -388,10 +388,10 @@ def _share_of_a_load(power: Term, rest: Term, domain: StatedDomain) -> bool:
         return False
     _, moving = apart(power.args[0], domain)
     under = [y for f in moving if f.op == "**" and f.args[1] == number(-1) for y in apart(f.args[0], domain)[1]]
-    over_, scale = [f for f in moving if f.op != "**" or f.args[1] != number(-1)], domain.facts(power.args[0])
-    if len(under) != 1 or len(over_) != 1 or not (scale.defined and scale.nonnegative):
+    above, ratio = [f for f in moving if f.op != "**" or f.args[1] != number(-1)], domain.facts(power.args[0])
+    if len(under) != 1 or len(above) != 1 or not (ratio.defined and ratio.nonnegative):
         return False
-    u, x, whole = domain.facts(over_[0]), domain.facts(under[0]), domain.facts(times_load(under[0], minus(rest), domain))
+    u, x, whole = domain.facts(above[0]), domain.facts(under[0]), domain.facts(times_load(under[0], minus(rest), domain))
     return (
         (u.defined and u.convex and u.nonnegative and x.defined and x.affine and x.sign == POSITIVE)
         and domain.facts(rest).defined
