@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import pytest
 
 from duhem import load, verify
 from duhem.cli import cli
-from duhem.errors import InputError
+from duhem.errors import InputError, MissingExtraError
 from duhem.expression import numpy_
 
 RNG = np.random.default_rng(0)
@@ -85,9 +86,21 @@ def test_what_is_no_such_network_is_told(tmp_path: Path, change: dict[str, Any],
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:
-    for name, said in (("net.onnx", "only .npz"), ("net.pt2", "only .npz"), ("missing.npz", "no such file"), ("bad.npz", "cannot be read")):
-        (tmp_path / "bad.npz").write_bytes(b"PK\x03\x04nothing")
+    (tmp_path / "bad.npz").write_bytes(b"PK\x03\x04nothing")
+    for name, said in (("net.pt2", "only .npz.*torch.onnx.export"), ("missing.npz", "no such file"), ("bad.npz", "cannot be read")):
+        asked = ["import", f"{tmp_path / name}", "--kind", "mlp", "--out", f"{tmp_path / 'o.toml'}", "--forces", "a"]
         with pytest.raises(InputError, match=said):
-            cli.main(
-                ["import", f"{tmp_path / name}", "--kind", "mlp", "--out", f"{tmp_path / 'o.toml'}", "--forces", "a"], standalone_mode=False
-            )
+            cli.main(asked, standalone_mode=False)
+
+
+def test_what_was_learned_must_be_said_of_arrays(tmp_path: Path) -> None:
+    np.savez(tmp_path / "net.npz", **MLP)
+    with pytest.raises(InputError, match="give icnn, mlp or polynomial"):
+        cli.main(["import", f"{tmp_path / 'net.npz'}", "--out", f"{tmp_path / 'o.toml'}", "--forces", "a,b"], standalone_mode=False)
+
+
+def test_without_the_extra_an_onnx_file_is_refused_with_the_command_that_installs_it(tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.setitem(sys.modules, "onnx", None)
+    asked = ["import", f"{tmp_path / 'net.onnx'}", "--out", f"{tmp_path / 'o.toml'}", "--forces", "a"]
+    with pytest.raises(MissingExtraError, match=r'pip install "duhem\[learned\]"'):
+        cli.main(asked, standalone_mode=False)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["LearnedFile", "arrays_of", "learned"]
+__all__ = ["Book", "LearnedFile", "arrays_of", "check_numbers", "exact", "learned"]
 
 Arrays = Mapping[str, "NDArray[Any]"]
 _ACTIVATIONS = {"softplus": "softplus", "relu": "pos", "tanh": "tanh"}
@@ -42,8 +42,8 @@ def arrays_of(file: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
 
     where = os.fspath(file)
     if not where.endswith(".npz"):
-        remedy = "save the weights with numpy.savez: the how-to page on learned laws shows it for PyTorch and ONNX"
-        raise InputError("only .npz files of NumPy are read", where=where, remedy=remedy)
+        remedy = "export the network with torch.onnx.export, or save the weights with numpy.savez, as the page on learned laws shows"
+        raise InputError("only .npz files of NumPy and .onnx files are read", where=where, remedy=remedy)
     try:
         with open(file, "rb") as stream, np.load(stream, allow_pickle=False) as given:
             found = {name: np.asarray(given[name]) for name in given.files}
@@ -53,11 +53,18 @@ def arrays_of(file: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
         reason = " ".join(str(fault).split())[:80]
         raise InputError(f"the file cannot be read: {reason}", where=where, remedy="save plain arrays with numpy.savez") from None
     for name, array in found.items():
-        if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8 or array.size > _MOST_NUMBERS or array.ndim > 2:
-            raise InputError(f"{name} is no matrix of numbers", where=where, remedy="save arrays of floats of at most 64 bits")
-        if not np.isfinite(array).all():
-            raise InputError(f"{name} holds a number that is not finite", where=where, remedy="train again, or look at the export")
+        check_numbers(name, array, where)
     return found
+
+
+def check_numbers(name: str, array: NDArray[Any], where: str = "") -> None:
+    """InputError for what is no matrix of finite numbers."""
+    import numpy as np
+
+    if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8 or array.size > _MOST_NUMBERS or array.ndim > 2:
+        raise InputError(f"{name} is no matrix of numbers", where=where, remedy="save arrays of floats of at most 64 bits")
+    if not np.isfinite(array).all():
+        raise InputError(f"{name} holds a number that is not finite", where=where, remedy="train again, or look at the export")
 
 
 def learned(
@@ -69,8 +76,7 @@ def learned(
     be left out for k > 0.  ``mlp``: the same with W_k alone.  ``polynomial``: sum_i coefficients_i prod_j x_j^exponents_ij.  Rows are
     outputs.  InputError for an array that is missing, is of another shape or is not used.
     """
-    components = forces.components if isinstance(forces, Stress) else tuple(forces)
-    book = _Book({**arrays}, stem, len(components))
+    book = Book({**arrays}, stem, forces)
     rows: list[str] = []
     if kind == "polynomial":
         g = _polynomial(book)
@@ -78,24 +84,26 @@ def learned(
         inner, first = ("W", "W0") if kind == "mlp" else ("Wz", "Wx0")
         rows, g = _network(book, _ACTIVATIONS[activation], inner, first, kind == "icnn")
     book.check_used()
-    own = (
-        f'stress = {{ name = "{forces.name}", kind = "{forces.kind}" }}' if isinstance(forces, Stress) else f"forces = {_toml(components)}"
-    )
-    head = ["[criterion]", f"name = {_toml(name)}", own, "pressure = false", f'g = "{g} - ({level})"']
-    files = [f"{table} = {_toml(file)}" for table, file in book.files.items()]
-    text = [*head, "", "[tables]", *files, "", "[define]", f"x = {_toml(components)}", *rows, ""]
-    return LearnedFile("\n".join(text), book.texts)
+    return book.criterion_file(name, rows, g, level)
 
 
 @dataclass
-class _Book:
-    """Arrays that become tables as they are asked for."""
+class Book:
+    """Arrays of a law over ``forces`` that become tables beside ``stem`` as they are asked for."""
 
     left: dict[str, NDArray[Any]]
     stem: str
-    inputs: int
+    forces: Sequence[str] | Stress
     files: dict[str, str] = field(default_factory=dict)  # their names by table
     texts: dict[str, str] = field(default_factory=dict)  # what they contain, by name
+
+    @property
+    def components(self) -> Sequence[str]:
+        return self.forces.components if isinstance(self.forces, Stress) else self.forces
+
+    @property
+    def inputs(self) -> int:
+        return len(self.components)
 
     def table(self, name: str, height: int | None, width: int) -> int:
         """Write an array down as a table, a vector as a column, and say how many rows it has."""
@@ -106,15 +114,24 @@ class _Book:
         if array.shape[1] != width or array.shape[0] != (height or array.shape[0]) or not array.size:
             raise InputError(f"{name} has {array.shape[0]} x {array.shape[1]} numbers", remedy=f"it takes {height or 'n'} x {width}")
         self.files[name] = file = f"{self.stem}_{name}.csv"
-        self.texts[file] = "".join(",".join(map(_exact, row)) + "\n" for row in array)
+        self.texts[file] = "".join(",".join(map(exact, row)) + "\n" for row in array)
         return int(array.shape[0])
 
     def check_used(self) -> None:
         if self.left:
             raise InputError(f"the array {next(iter(self.left))} is not used", remedy="leave it out, or choose another --kind")
 
+    def criterion_file(self, name: str, rows: Sequence[str], g: str, level: str) -> LearnedFile:
+        """The law g <= level, with ``rows`` of definitions over the vector x of the forces."""
+        own, x = self.forces, _toml(self.components)
+        inputs = f'stress = {{ name = "{own.name}", kind = "{own.kind}" }}' if isinstance(own, Stress) else f"forces = {x}"
+        head = ["[criterion]", f"name = {_toml(name)}", inputs, "pressure = false", f'g = "{g} - ({level})"']
+        files = [f"{table} = {_toml(file)}" for table, file in self.files.items()]
+        text = [*head, "", "[tables]", *files, "", "[define]", f"x = {x}", *rows, ""]
+        return LearnedFile("\n".join(text), self.texts)
 
-def _network(book: _Book, activation: str, inner: str, first: str, skips: bool) -> tuple[list[str], str]:
+
+def _network(book: Book, activation: str, inner: str, first: str, skips: bool) -> tuple[list[str], str]:
     """The definitions of the hidden layers, and the formula of the last."""
     rows, below, k = list[str](), 0, 0
     while True:
@@ -137,7 +154,7 @@ def _network(book: _Book, activation: str, inner: str, first: str, skips: bool) 
         rows.append(f'z{k - 1} = "vector(i, 1, {height}, {activation}({formula}))"')
 
 
-def _polynomial(book: _Book) -> str:
+def _polynomial(book: Book) -> str:
     count = book.table("coefficients", None, 1)
     exponents = book.left.get("exponents")
     if exponents is not None and (exponents.dtype.kind not in "iu" or (exponents < 0).any()):
@@ -151,7 +168,7 @@ def _toml(value: str | Sequence[str]) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def _exact(x: np.generic) -> str:
+def exact(x: np.generic) -> str:
     """All decimals of what a number of any precision holds."""
     told = str(int(x)) if x.dtype.kind in "iu" else str(Decimal(float(x)))
     if len(told) > MOST_DIGITS:
