@@ -100,8 +100,8 @@ CLAMPED = Net(
 )  # fmt: skip
 SCALED = Net(
     [
-        node("Constant", "", "half", value_float=0.5), node("Sub", "stress mean", "a"), node("Div", "a size", "b"),
-        node("Gemm", "b W bias", "c", transB=0, alpha=0.3, beta=-0.7), node("Mul", "c half", "d"), node("Mul", "d d", "e"),
+        node("Constant", "", "half", value=onnx.helper.make_tensor("half", 1, [], [0.5])), node("Sub", "stress mean", "a"), node("Div", "a size", "b"),
+        node("Gemm", "b W bias", "c", transB=0, alpha=1.0, beta=1.0), node("Mul", "c half", "d"), node("Mul", "d d", "e"),
         node("Relu", "d", "f"), node("Concat", "e f", "g", axis=1), node("MatMul", "g last", "h"), node("Add", "h d", "i"),
         node("MatMul", "i last2", "out"),
     ],
@@ -173,6 +173,7 @@ WRONG: dict[str, tuple[Net, str]] = {
     "matrix": (wrong([node("MatMul", "stress b", "out")]), "MatMul"),
     "from": (wrong([node("MatMul", "stress c", "out")], weights={"c": normal(2, 1)}), "c has 2 numbers for each output; it takes 3"),
     "gemm": (wrong([node("Gemm", "stress W", "out", transA=1)]), "Gemm"),
+    "scaled": (wrong([node("Gemm", "stress W", "out", alpha=0.5)]), "Gemm"),
     "weights": (wrong([node("Softplus", "W", "a"), node("MatMul", "stress a", "out")]), "Softplus"),
     "nan": (wrong([node("MatMul", "stress c", "out")], weights={"c": np.full((3, 1), np.nan)}), "c holds a number that is not finite"),
     "kind": (wrong([node("MatMul", "stress c", "out")], weights={"c": np.ones((3, 1), "complex64")}), "c is no matrix of numbers"),

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Book", "LearnedFile", "arrays_of", "check_numbers", "exact", "learned"]
+__all__ = ["Book", "LearnedFile", "arrays_of", "check_numbers", "learned"]
 
 Arrays = Mapping[str, "NDArray[Any]"]
 _ACTIVATIONS = {"softplus": "softplus", "relu": "pos", "tanh": "tanh"}
@@ -114,7 +114,7 @@ class Book:
         if array.shape[1] != width or array.shape[0] != (height or array.shape[0]) or not array.size:
             raise InputError(f"{name} has {array.shape[0]} x {array.shape[1]} numbers", remedy=f"it takes {height or 'n'} x {width}")
         self.files[name] = file = f"{self.stem}_{name}.csv"
-        self.texts[file] = "".join(",".join(map(exact, row)) + "\n" for row in array)
+        self.texts[file] = "".join(",".join(map(_exact, row)) + "\n" for row in array)
         return int(array.shape[0])
 
     def check_used(self) -> None:
@@ -168,7 +168,7 @@ def _toml(value: str | Sequence[str]) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def exact(x: np.generic) -> str:
+def _exact(x: np.generic) -> str:
     """All decimals of what a number of any precision holds."""
     told = str(int(x)) if x.dtype.kind in "iu" else str(Decimal(float(x)))
     if len(told) > MOST_DIGITS:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError, MissingExtraError
 from duhem.expression.abbreviations import Stress
-from duhem.law.learned import Book, LearnedFile, check_numbers, exact
+from duhem.law.learned import Book, LearnedFile, check_numbers
 
 __all__ = ["onnx_network"]
 
@@ -100,16 +100,16 @@ class _Reader:
 
     def value(self, node: Any) -> Array | _Vector:
         """What a node makes of what was found before it."""
-        from onnx import helper
+        from onnx import helper, numpy_helper
 
         given = {each.name: helper.get_attribute_value(each) for each in node.attribute}
         if node.domain not in ("", "ai.onnx") or node.op_type not in _OPERATORS:
             known = ", ".join(_OPERATORS)
             raise InputError(f"{_told(node)} is not read", remedy=f"operators that are read: {known}; {_REMEDY}")
-        if node.op_type == "Constant":
-            return _constant(node, given)
         parts = [self.found[each] for each in node.input if each]
         match node.op_type, parts:
+            case "Constant", [] if "value" in given:
+                return numpy_helper.to_array(given["value"])
             case "Identity", [x]:
                 return x
             case "Transpose", [np.ndarray() as x]:
@@ -120,9 +120,9 @@ class _Reader:
                 return self.linear(x, w.T, node.input[1])
             case "MatMul", [np.ndarray() as w, _Vector(rank=1) as x] if w.ndim == 2:
                 return self.linear(x, w, node.input[0])
-            case "Gemm", [_Vector(rank=2) as x, np.ndarray() as w, *rest] if w.ndim == 2 and not given.get("transA"):
-                made = _times(given.get("alpha", 1.0), self.linear(x, w if given.get("transB") else w.T, node.input[1]))
-                return self.joined("+", made, _times(given.get("beta", 1.0), self.vector(rest[0], 2, node)), node) if rest else made
+            case "Gemm", [_Vector(rank=2) as x, np.ndarray() as w, *bias] if w.ndim == 2 and _is_plain(given):
+                made = self.linear(x, w if given.get("transB") else w.T, node.input[1])
+                return self.joined("+", made, self.vector(bias[0], 2, node), node) if bias else made
             case (("Relu" | "Softplus" | "Tanh"), [_Vector() as x]):
                 return _Vector(f"{_WORDS[node.op_type]}({x.formula})", x.width, x.rank)
             case (("Add" | "Sub" | "Mul" | "Div"), [a, b]) if isinstance(a, _Vector) or isinstance(b, _Vector):
@@ -178,20 +178,9 @@ class _Reader:
         return _Vector(f"{name}[i]", width, rank)
 
 
-def _times(factor: float, x: _Vector) -> _Vector:
-    """By a number of a node, which is kept exactly too."""
-    return x if factor == 1.0 else _Vector(f"({exact(np.float64(factor))})*({x.formula})", x.width, x.rank)
-
-
-def _constant(node: Any, given: dict[str, Any]) -> Array:
-    from onnx import numpy_helper
-
-    (kind, value), *_ = given.items()
-    if kind == "value":
-        return numpy_helper.to_array(value)
-    if kind not in ("value_float", "value_floats", "value_int", "value_ints"):
-        raise InputError(f"{_told(node)} holds no numbers", remedy=_REMEDY)
-    return np.asarray(value)
+def _is_plain(gemm: dict[str, Any]) -> bool:
+    """Whether it is x w + b."""
+    return not gemm.get("transA") and gemm.get("alpha", 1.0) == gemm.get("beta", 1.0) == 1.0
 
 
 def _told(node: Any) -> str:

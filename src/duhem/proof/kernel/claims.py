@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel import boundary, obligations
 from duhem.proof.kernel.bounds import Facts
+from duhem.proof.kernel.boxes import convex_in_its_box
 from duhem.proof.kernel.cones import Fan
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
@@ -62,7 +63,8 @@ _OF_THE_STATE = ("state_laws", "thermal")  # the claims that are about neither K
 _MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": potential_least_at_zero, "dissipation": stored_and_rates}
 _RULES_OF_RATES = ("resistance", "monotone-resistance")  # those of laws whose forces are functions of the rates
 _MOST_CASES = 4  # choices one after another
-_OF_GRAPHS = ("evaluation", "composition", "normality-rule", "fenchel", "by-construction", "conductances")  # they look at a part once
+# they look at a part once
+_OF_GRAPHS = ("evaluation", "composition", "curvature-in-a-box", "normality-rule", "fenchel", "by-construction", "conductances")
 
 
 def objection(
@@ -435,6 +437,11 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("convexity", "implicit-curvature"): RuleRow(
         _NONE, curved, obligations.formula,
         "K is star-shaped about 0 and its boundary curves inward everywhere (Tietze 1928, Nakajima 1928)", True,
+    ),
+    ("convexity", "curvature-in-a-box"): RuleRow(
+        _NONE, lambda law, _: convex_in_its_box(law), obligations.nothing,
+        "K is star-shaped about a point and its boundary curves inward, by enclosures in parts of the ranges of the forces "
+        "(Tietze 1928, Nakajima 1928; Moore 1966)", True, most_forces=2,
     ),
     ("smoothness", "composition"): RuleRow(
         _NONE, smoothness, obligations.formula_where_loads_allow,

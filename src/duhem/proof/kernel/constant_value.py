@@ -115,6 +115,8 @@ class Enclosure(_Ends):
 
     def times(self, other: Enclosure) -> Enclosure:
         """x y."""
+        if self.low >= 0 and other.low >= 0:
+            return type(self)(self.low * other.low >> self.bits, -(-self.high * other.high >> self.bits))
         ends = (self.low * other.low, self.low * other.high, self.high * other.low, self.high * other.high)
         return type(self)(min(ends) >> self.bits, -(-max(ends) >> self.bits))
 
@@ -288,11 +290,14 @@ def _series(x: Enclosure, divisors: Callable[[int], int]) -> Enclosure:
     return Enclosure(total.low - 1, total.high + 1)
 
 
+_ODD_SHARES = tuple(Enclosure.between(share := Fraction(1, 2 * i + 1), share) for i in range(_TERMS, -1, -1))
+
+
 def _odd_series(x: Enclosure, square: Enclosure) -> Enclosure:
     """x (1 + q/3 + q^2/5 + ...) with q the ``square``, at most 1/9 in size."""
     total = Enclosure(0, 0)
-    for i in range(_TERMS, -1, -1):
-        total = _over(Enclosure(_ONE, _ONE), 2 * i + 1).plus(total.times(square))
+    for share in _ODD_SHARES:
+        total = share.plus(total.times(square))
     return Enclosure(total.low - 1, total.high + 1).times(x)
 
 
@@ -333,7 +338,12 @@ def _log_at(x: Enclosure) -> Enclosure:
         raise ValueError("a logarithm of what may be <= 0")
     e = x.low.bit_length() - BITS - 1
     m = Fraction(x.low, 1 << BITS + e)  # x = m 2^e, 1 <= m < 2, and log m = 2 atanh z
-    return _twice_atanh((m - 1) / (m + 1)).plus(_times_whole(_twice_atanh(Fraction(1, 3)), e))
+    return _twice_atanh((m - 1) / (m + 1)).plus(_times_whole(_log_two(), e))
+
+
+@cache
+def _log_two() -> Enclosure:
+    return _twice_atanh(Fraction(1, 3))
 
 
 def _twice_atanh(z: Fraction) -> Enclosure:

@@ -19,17 +19,19 @@ from duhem.expression.branches import seam, seams
 from duhem.expression.dimensions import degree
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
+from duhem.law.domain import REAL
 from duhem.proof.decide import Question, Sense
 from duhem.proof.decide.question import obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums, directions, inward, outward, parallel, steep
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = [
-    "convexity_by_branches", "convexity_by_sums", "convexity_on_boundary", "dissipation_by_identities", "dissipation_by_shares",
-    "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "smoothness_by_identities",
-    "smoothness_by_sums", "smoothness_on_boundary", "state_laws_not_stated", "without_heat",
+    "convexity_by_branches", "convexity_by_sums", "convexity_in_a_box", "convexity_on_boundary", "dissipation_by_identities",
+    "dissipation_by_shares", "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel",
+    "smoothness_by_identities", "smoothness_by_sums", "smoothness_on_boundary", "state_laws_not_stated", "without_heat",
 ]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
@@ -70,6 +72,14 @@ def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
         proof = Proof("implicit-curvature", {**rises, "directions": directions(subject.law), "inward": list(inward(subject))})
         detail = "K is star-shaped about 0 and its boundary curves inward everywhere"
         yield Evidence(Verdict.PROVED, "implicit-curvature", detail, proof=proof)
+
+
+def convexity_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evidence]:
+    """In each part of the ranges of the forces the boundary curves inward."""
+    ranges = [subject.law.domain.get(x, REAL) for x in subject.law.forces]
+    if len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges):
+        detail = "K is star-shaped and its boundary curves inward, by enclosures in parts of the ranges of the forces"
+        yield Evidence(Verdict.PROVED, "curvature-in-a-box", detail, proof=Proof("curvature-in-a-box", {}))
 
 
 def convexity_by_branches(subject: FormulaSubject) -> Evidence | None:

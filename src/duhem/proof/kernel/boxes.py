@@ -1,0 +1,166 @@
+"""Convexity of K in a box of two forces, by enclosures of the slopes and curvatures of g in parts of the box.
+
+Let g be twice differentiable in the box and c a point of it with g(c) < 0.  If (sigma - c) . grad g > 0 wherever g = 0, then g is 0 at
+most once on each ray from c, so that K is star-shaped; if v . H v > 0 there, with v along the boundary and H the second derivatives, K is
+locally convex.  A closed connected set that is locally convex is convex (Tietze 1928, Nakajima 1928).  Both are asked in each part in
+which g may be 0; a part in which they are not shown is divided (R. E. Moore 1966, Interval analysis).
+
+Parameters and the pressure are further sides of the box, by which nothing is differentiated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from functools import cache, reduce
+from itertools import product
+
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds
+from duhem.proof.kernel.constant_value import Enclosure, enclosed
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.gradient import gradient
+from duhem.proof.kernel.steps import pay
+from duhem.proof.kernel.term import NotWritten, Term, number, parse
+
+__all__ = ["convex_in_its_box"]
+
+_MOST_BOXES, _FINEST = 20_000, 4096  # the second for the least part of a side
+_PRICE = 5  # steps for a part of g, in a part of the box
+_SMOOTH = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "asin", "acos")
+_ZERO, _ONE = Enclosure(0, 0), Enclosure.between(Fraction(1), Fraction(1))
+_X, _SOFTPLUS = Term("name", name="x"), parse("log(1 + exp(x))")
+_Box = Mapping[str, Enclosure]
+_Jet = tuple[Enclosure, ...]  # slopes by both forces; second derivatives by the first alone, by both, by the second alone
+_STILL: _Jet = (_ZERO,) * 5
+
+
+def convex_in_its_box(law: StatedLaw) -> bool:
+    """Whether the above is shown of g; c is 0 or, where that is not shown to be inside, the middle of the ranges."""
+    sides = {**law.parameters, **dict(law.ranges)}
+    names = sorted(law.g.names() | {*law.forces} - {"pi"})
+    if len(law.forces) != 2 or law.viscous or law.of_rates:
+        return False
+    whole = {name: _side(sides.get(name, Bounds(None, None))) for name in names}
+    c = dict.fromkeys(law.forces, _ZERO)
+    if any(whole[x].sign != ANY for x in c) or not _is_shown(law, c, {**whole, **c}):
+        c = {x: Enclosure(middle, middle) for x in c for middle in [_halves(whole[x])[1].low]}
+    boxes, count = [whole], sum(1 for _ in law.g.parts())
+    for _ in range(_MOST_BOXES):
+        if not boxes:
+            return True
+        box = boxes.pop()
+        pay(_PRICE * count)
+        if not _is_shown(law, c, box):
+            shares = {x: Fraction(box[x].high - box[x].low, whole[x].high - whole[x].low or 1) for x in names}
+            if (widest := max(shares.values())) * _FINEST < 1:
+                return False
+            parts = product(*(_halves(box[x]) if shares[x] == widest else (box[x],) for x in names))
+            boxes += [dict(zip(names, part, strict=True)) for part in parts]
+    return False
+
+
+def _side(own: Bounds) -> Enclosure:
+    if own.low is None or own.high is None:
+        raise NotWritten("a name has no range")
+    return Enclosure.between(own.low, own.high)
+
+
+def _halves(side: Enclosure) -> tuple[Enclosure, Enclosure]:
+    middle = (side.low + side.high) // 2
+    return Enclosure(side.low, middle), Enclosure(middle, side.high)
+
+
+def _is_shown(law: StatedLaw, c: _Box, box: _Box) -> bool:
+    """Whether g keeps a sign in a part of the box, which is < 0 at c, or the boundary rises from c and curves towards it."""
+    found = _Derivatives(law.forces, box)
+    try:
+        sign = found.value(law.g).sign
+        if sign in (NEGATIVE, POSITIVE):
+            return sign == NEGATIVE or any(c[x].high < box[x].low or c[x].low > box[x].high for x in c)
+        p, q, pp, pq, qq = found.of(law.g)
+    except (ValueError, ZeroDivisionError):
+        return False
+    x, y = (box[name].plus(c[name].minus()) for name in law.forces)
+    bend = _plus(_plus(_times(pp, _square(q)), _times(qq, _square(p))), _twice(_times(pq, _times(p, q))).minus())
+    return _plus(_times(x, p), _times(y, q)).sign == POSITIVE == bend.sign
+
+
+class _Derivatives:
+    """Those of the parts of a formula in a box; ValueError or ZeroDivisionError where a part may have none, or is of no known word."""
+
+    def __init__(self, forces: Sequence[str], box: _Box) -> None:
+        self.forces, self.box, self.axes = {*forces}, box, dict(zip(forces, ((_ONE, *_STILL[1:]), (_ZERO, _ONE, *_STILL[2:])), strict=True))
+        self.values, self.found = dict[Term, Enclosure](), dict[Term, _Jet]()
+
+    def value(self, term: Term) -> Enclosure:
+        return enclosed(term, self.box, done=self.values)
+
+    def of(self, term: Term) -> _Jet:
+        if term not in self.found:
+            self.found[term] = self._jet(term) if term.names() & self.forces else _STILL
+        return self.found[term]
+
+    def _jet(self, term: Term) -> _Jet:
+        x = term.args[0] if term.args else term
+        match term.op:
+            case "name":
+                return self.axes[term.name]
+            case "+":
+                return tuple(map(_total, zip(*map(self.of, term.args), strict=True)))
+            case "*":
+                still = reduce(Enclosure.times, (self.value(a) for a in term.args if self.of(a) is _STILL), _ONE)
+                moving = ((self.value(a), self.of(a)) for a in term.args if self.of(a) is not _STILL)
+                return tuple(_times(still, d) for d in reduce(_multiplied, moving)[1])
+            case "log" if x.op == "+" and len(x.args) == 2 and x.args[0] == number(1) and x.args[1].op == "exp":
+                return self._chained(_SOFTPLUS, x.args[1].args[0], {_SOFTPLUS.args[0].args[1]: self.value(x.args[1])})
+            case "**" if term.args[1].op == "number":
+                return self._chained(Term("**", (_X, term.args[1])), x, {})
+            case op if op in _SMOOTH:
+                return self._chained(Term(op, (_X,)), x, {})
+        raise ValueError(f"no derivative of {term.op}")
+
+    def _chained(self, outer: Term, inner: Term, done: dict[Term, Enclosure]) -> _Jet:
+        """Of ``outer`` in x with the value of ``inner`` for x; what is ``done`` was enclosed before."""
+        box = {_X.name: self.value(inner)}
+        d, dd = (enclosed(each, box, done=done) for each in _derived(outer))
+        p, q, *bends = self.of(inner)
+        squares = (_square(p), _times(p, q), _square(q))
+        return (_times(d, p), _times(d, q), *(_plus(_times(d, b), _times(dd, s)) for b, s in zip(bends, squares, strict=True)))
+
+
+@cache
+def _derived(outer: Term) -> tuple[Term, Term]:
+    """The first and the second derivative of a function of x; those of log(1 + exp(x)) in a form with x in one place."""
+    if outer == _SOFTPLUS:
+        return parse("1 - 1/(1 + exp(x))"), parse("1/4 - (1/2 - 1/(1 + exp(x)))**2")
+    (first,) = gradient(outer, (_X.name,))
+    return first, gradient(first, (_X.name,))[0]
+
+
+def _multiplied(one: tuple[Enclosure, _Jet], other: tuple[Enclosure, _Jet]) -> tuple[Enclosure, _Jet]:
+    """The product of two values with their derivatives."""
+    (f, (p, q, *_)), (g, (r, s, *_)) = one, other
+    across = (_ZERO, _ZERO, _twice(_times(p, r)), _plus(_times(p, s), _times(q, r)), _twice(_times(q, s)))
+    jet = tuple(_plus(_plus(_times(g, x), _times(f, y)), z) for x, y, z in zip(one[1], other[1], across, strict=True))
+    return f.times(g), jet
+
+
+def _plus(x: Enclosure, y: Enclosure) -> Enclosure:
+    return x if y is _ZERO else y if x is _ZERO else x.plus(y)
+
+
+def _times(x: Enclosure, y: Enclosure) -> Enclosure:
+    return _ZERO if x is _ZERO or y is _ZERO else y if x is _ONE else x.times(y)
+
+
+def _twice(x: Enclosure) -> Enclosure:
+    return _plus(x, x)
+
+
+def _square(x: Enclosure) -> Enclosure:
+    return x if x is _ZERO else x.power(2)
+
+
+def _total(parts: Sequence[Enclosure]) -> Enclosure:
+    moving = [x for x in parts if x is not _ZERO]
+    return Enclosure(sum(x.low for x in moving), sum(x.high for x in moving)) if moving else _ZERO
