@@ -16,7 +16,7 @@ from functools import cache, reduce
 from itertools import product
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds
-from duhem.proof.kernel.constant_value import Enclosure, enclosed
+from duhem.proof.kernel.constant_value import Enclosure, enclosed, exact_value
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.steps import pay
@@ -25,7 +25,7 @@ from duhem.proof.kernel.term import NotWritten, Term, number, parse
 __all__ = ["convex_in_its_box"]
 
 _MOST_BOXES, _FINEST = 20_000, 4096  # the second for the least part of a side
-_PRICE = 5  # steps for a part of g, in a part of the box
+_PRICE = 7  # steps for a part of g, in a part of the box
 _SMOOTH = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "asin", "acos")
 _ZERO, _ONE = Enclosure(0, 0), Enclosure.between(Fraction(1), Fraction(1))
 _X, _SOFTPLUS = Term("name", name="x"), parse("log(1 + exp(x))")
@@ -113,8 +113,8 @@ class _Derivatives:
                 return tuple(_times(still, d) for d in reduce(_multiplied, moving)[1])
             case "log" if x.op == "+" and len(x.args) == 2 and x.args[0] == number(1) and x.args[1].op == "exp":
                 return self._chained(_SOFTPLUS, x.args[1].args[0], {_SOFTPLUS.args[0].args[1]: self.value(x.args[1])})
-            case "**" if term.args[1].op == "number":
-                return self._chained(Term("**", (_X, term.args[1])), x, {})
+            case "**":
+                return self._chained(Term("**", (_X, number(exact_value(term.args[1])))), x, {})
             case op if op in _SMOOTH:
                 return self._chained(Term(op, (_X,)), x, {})
         raise ValueError(f"no derivative of {term.op}")

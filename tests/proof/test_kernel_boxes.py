@@ -1,0 +1,173 @@
+"""Convexity in a box of two forces by enclosures: what is proved is so, also of drawn laws, and mutants are not."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from duhem import Criterion, Domain, load, recheck, verify
+from duhem.cli import cli
+from duhem.expression import numpy_, symbol
+from duhem.expression.parse import parse_as_written
+from duhem.proof.kernel import boxes
+from duhem.proof.kernel.boxes import convex_in_its_box
+from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.constant_value import BITS, Enclosure
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.steps import TooDearError, within
+from duhem.proof.kernel.term import parse
+
+TRAINED = Path(__file__).parent / "trained"
+SQUARE = {"x": {"min": "-2", "max": "2"}, "y": {"min": "-2", "max": "2"}}
+
+
+def stated(g: str, domain: dict[str, Any] | None = None, **more: Any) -> StatedLaw:
+    own = {"name": "law", "forces": ["x", "y"], "pressure": None, "parameters": {}, "constraints": [], "flow": None}
+    return StatedLaw.read({**own, "g": g, "domain": SQUARE if domain is None else domain, **more})
+
+
+def is_proved(law: StatedLaw, steps: int = 200_000) -> bool:
+    """By the rule alone, within so many steps."""
+    with within(steps):
+        try:
+            return not objection("convexity", "curvature-in-a-box", frozenset(), law, {}, as_written=True)
+        except TooDearError:
+            return False
+
+
+CONVEX = [
+    "x**2 + y**2 - 1", "x**2 + 2*y**2 + x*y/2 - x/3 - 1", "x**4 + y**4 + x**2*y**2/2 + x**2 + y**2 - 1", "1 - exp(1/2 - x**2 - y**2)",
+    "(x**2 + y**2 - 1)*(4 + x + y/2)/(5 + x*y)", "tanh(x**2 + y**2 - 1)", "log(1 + exp(3*x - y)) + log(1 + exp(-2*x - y)) + y**2 - 2",
+    "softplus(x - y) + softplus(-x - y) - softplus(-3*y)/9 + y**2/2 + x**2/9 - 2", "sqrt(4 + x**2 + y**2) + sin(x)*sin(y)/9 - 5/2",
+    "cosh(x) + cosh(y) - 3", "atan(x**2 + y**2 - 1)", "x**2 + y**2 + x**3/20 - 1", "3 - cos(x) - 2*cos(y) - 2/3",
+    "x**2 + y**2 - 100", "(x**2 + y**2)**(3/2) - 1 + x**2 + y**2",
+]  # fmt: skip
+NOT_CONVEX = [  # nor is the first of those that are not K of a box: it is empty, and its middle lies outside
+    "x**2 + y**2 + 1", "(x**2 - 1)**2 + y**2 - 1/4", "(x**2 + y**2 - 1)**2 - 1/4", "1/4 - x**2 - y**2", "(x**2 + y**2 - 1)**2 - 1/3",
+    "y - x**2", "(x**2 + y**2)**2 - 3*x**2 - y**2/10 - 1/100", "tanh(y - x**2) - 1/2", "x**4 + y**4 - 2*x**2*y**2 + x**2/9 + y**2/9 - 1/2",
+    "softplus(x) - softplus(2*y) + x**2/9 - 1/2", "x*y - 1/2", "sin(3*x) + y**2 - 1/2", "cos(x*y) + x**2/9 - 3/4",
+]  # fmt: skip
+NOT_SMOOTH_OR_DEFINED = [
+    "abs(x) + y**2 - 1", "max(x, y) + x**2 + y**2 - 1", "pos(x) + x**2 + y**2 - 1", "where(x > 0, x, 2*x) + y**2 + x**2 - 1",
+    "x**2 + y**2 + 0*log(x) - 1", "x**2 + y**2 + 0/x - 1", "x**2 + y**2 + 0*sqrt(x) - 1", "norm(x, y) - x/2 - 1/1000",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("g", CONVEX)
+def test_what_is_smooth_and_curves_inward_is_proved(g: str) -> None:
+    assert is_proved(stated(g))
+
+
+@pytest.mark.parametrize("g", [*NOT_CONVEX, *NOT_SMOOTH_OR_DEFINED])
+def test_what_has_a_dent_a_kink_or_no_value_is_not(g: str) -> None:
+    assert not is_proved(stated(g))
+
+
+def test_the_point_inside_is_the_middle_where_zero_is_not() -> None:
+    away = {"x": {"min": "0", "max": "9"}, "y": {"min": "-2", "max": "2"}}
+    assert is_proved(stated("(x - 5)**2 + y**2 - 1", away))
+    assert not is_proved(stated("(x - 5)**2 + y**2 - 1"))  # K is not in this box at all, and nothing is shown of it
+
+
+def test_the_part_in_a_box_may_be_convex_alone() -> None:
+    part = {"x": {"min": "0", "max": "2"}, "y": {"min": "-2", "max": "2"}}
+    assert is_proved(stated("(x**2 - 1)**2 + y**2 - 1/4", part)) and not is_proved(stated("(x**2 - 1)**2 + y**2 - 1/4"))
+
+
+@pytest.mark.parametrize(("span", "holds"), [(("0", "1/4"), True), (("0", "9"), False), (("1/4", "1/4"), True)])
+def test_parameters_and_the_pressure_are_sides_of_the_box(span: tuple[str, str], holds: bool) -> None:
+    """x^2 + y^2 + k x^2 y^2 has a dent on its diagonal for large k."""
+    given = {"parameters": {"k": {"min": span[0], "max": span[1]}}}
+    assert is_proved(stated("x**2 + y**2 + k*x**2*y**2 - 1", **given)) is holds
+    pressed = {"pressure": "p", "domain": {**SQUARE, "p": {"min": "-2", "max": "-1"}}}
+    assert is_proved(stated("x**2 + y**2 + p", **pressed)) and not is_proved(stated("x**2 + y**2 + p", pressure="p"))
+
+
+@pytest.mark.parametrize("missing", [{}, {"x": SQUARE["x"]}, {**SQUARE, "y": {"min": "0"}}])
+def test_without_all_ranges_nothing_is_shown(missing: dict[str, Any]) -> None:
+    assert not is_proved(stated("x**2 + y**2 - 1", missing))
+    assert not is_proved(stated("k*x**2 + y**2 - 1", parameters={"k": {"positive": True}}))
+
+
+def test_one_or_three_forces_are_left_to_others() -> None:
+    for forces in (["x"], ["x", "y", "z"]):
+        law = stated("x**2 - 1", dict.fromkeys(forces, SQUARE["x"]), forces=forces)
+        assert not convex_in_its_box(law)
+
+
+WORDS = [
+    "exp({a})", "log(3 + {a})", "sin({a})", "cos({a})", "tan({a}/4)", "sinh({a})", "cosh({a})", "tanh({a})", "atan({a})", "asin({a}/4)",
+    "acos({a}/4)", "softplus({a})", "({a})**3", "({a})**2", "1/(4 + {a})", "sqrt(4 + {a})", "(4 + {a})**(1/3)", "({a})*({b})", "{a} + {b}",
+    "k*({a}) - {b}", "({a})*({b})*k*x", "(3 + {a})**(5/2)",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_enclosures_hold_the_derivatives(word: str) -> None:
+    rng, names = Random(word), ("x", "y", "k")
+    g = word.format(a="x/2 - y/3 + x*y/5", b="x**2/4 - k*y/3 + 1/7")
+    x, y, k = map(symbol, names)
+    text = parse_as_written(g, {name: symbol(name) for name in names})
+    wanted = [text, *(sp.diff(text, *by) for by in ((x,), (y,), (x, x), (x, y), (y, y)))]
+    values = sp.lambdify((x, y, k), wanted, "mpmath")
+    for _ in range(4):
+        middle, half = [Fraction(rng.randint(-9, 9), 10) for _ in names], Fraction(1, rng.choice((8, 1000)))
+        box = {name: Enclosure.between(m - half, m + half) for name, m in zip(names, middle, strict=True)}
+        own = boxes._Derivatives(("x", "y"), box)
+        found = (own.value(parse(g)), *own.of(parse(g)))
+        for _ in range(5):
+            at = [float(m + half * Fraction(rng.randint(-8, 8), 8)) for m in middle]
+            for enclosed, value in zip(found, values(*at), strict=True):
+                slack = 1e-13 * (1.0 + abs(float(value)))
+                assert enclosed.low / 2**BITS - slack <= float(value) <= enclosed.high / 2**BITS + slack
+        if half < Fraction(1, 100):
+            assert all(x.high - x.low < 2**BITS // 10 for x in found)
+
+
+def test_no_drawn_law_that_is_proved_has_a_chord_that_leaves_k() -> None:
+    """Sums of smooth words with weights of either sign, as of small networks."""
+    rng, places, proved = Random(2), np.random.default_rng(2), 0
+    for _ in range(14):
+        words = ("softplus", "tanh", "cosh", "sin", "exp")
+        parts = [
+            f"({rng.choice((1, 1, 2, -1))}/2)*{rng.choice(words)}({rng.randint(-3, 3)}*x/2 + {rng.randint(-3, 3)}*y/2)"
+            for _ in range(rng.randint(1, 4))
+        ]
+        g = " + ".join([*parts, f"{rng.randint(0, 2)}*(x**2 + y**2)/3", f"-{rng.randint(1, 4)}"])
+        if not is_proved(stated(g), 40_000):
+            continue
+        program = numpy_.compiled(parse_as_written(g, {name: symbol(name) for name in "xy"}), (symbol("x"), symbol("y")))
+        p, q = 4.0 * places.random(size=(2, 4000, 2)) - 2.0
+        here, there, between = (program(*at.T) + np.zeros(4000) for at in (p, q, 0.5 * (p + q)))
+        assert not ((here < -1e-9) & (there < -1e-9) & (between > 1e-9)).any(), g
+        proved += bool((here > 0.0).any() and (here < 0.0).any())
+    assert proved > 2
+
+
+@pytest.mark.slow
+def test_a_small_network_without_convex_structure_is_proved_and_rechecked() -> None:
+    rows = {f"z{i}": f"softplus({a}*s + {b}*t)" for i, (a, b) in enumerate(((2, 1), (-2, 1), (1, -2), (-1, -1)))}
+    g = "z0 + z1 + z2 + z3 - tanh(s + t)/5 - softplus(s/2 - z1/9)/4 - 3"
+    law = Criterion(name="net", forces=("s", "t"), pressure=None, g=g, define=rows, domain={x: Domain.between(-2, 2) for x in "st"})
+    found = verify(law, claims=["convexity"])
+    assert (found["convexity"].trust, found["convexity"].method) == ("checked", "curvature-in-a-box")
+    document = found.certificate()
+    assert recheck(document).ok
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("word", "verdict"), [("tanh", "refuted"), ("relu", "refuted"), ("softplus", "proved")])
+def test_a_network_trained_on_hosfords_criterion_is_decided(tmp_path: Path, word: str, verdict: str) -> None:
+    """Two layers of 16 neurons, in principal stresses of a state of plane stress."""
+    out = tmp_path / "law.toml"
+    asked = ["--kind", "mlp", "--forces", "s,t", "--activation", word, "--level", "1", "--out", f"{out}"]
+    cli.main(["import", f"{TRAINED / f'{word}.npz'}", *asked], standalone_mode=False)
+    span = "{ min = -1.5, max = 1.5 }"
+    out.write_text(f"{out.read_text('utf-8')}[domain]\ns = {span}\nt = {span}\n", encoding="utf-8")
+    assert verify(load(out), claims=["convexity"])["convexity"].verdict == verdict
