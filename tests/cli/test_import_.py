@@ -104,3 +104,36 @@ def test_without_the_extra_an_onnx_file_is_refused_with_the_command_that_install
     asked = ["import", f"{tmp_path / 'net.onnx'}", "--out", f"{tmp_path / 'o.toml'}", "--forces", "a"]
     with pytest.raises(MissingExtraError, match=r'pip install "duhem\[learned\]"'):
         cli.main(asked, standalone_mode=False)
+
+
+def softplus(x: Any) -> Any:
+    return np.logaddexp(np.float32(0.0), x)
+
+
+def test_arrays_of_other_programs_have_the_places_that_the_page_names(tmp_path: Path) -> None:
+    """Dense layers of Flax, whose kernels are (inputs, outputs), and jaxmat's ICNN, which reads its weights through softplus."""
+    shapes = [(8, 3), (8, 8), (1, 8)]
+    raw = [RNG.normal(size=shape).astype(np.float32) for shape in shapes]
+    shifts = [RNG.normal(size=n).astype(np.float32) for n, _ in shapes]
+    params = {f"Dense_{k}": {"kernel": w.T, "bias": b} for k, (w, b) in enumerate(zip(raw, shifts, strict=True))}
+    dense = {f"W{k}": params[f"Dense_{k}"]["kernel"].T for k in range(3)} | {f"b{k}": params[f"Dense_{k}"]["bias"] for k in range(3)}
+    file = imported(tmp_path, dense, "--stress", "plane", "--activation", "tanh", kind="mlp")
+
+    def flax(x: Any) -> Any:
+        for k in range(3):
+            x = x @ params[f"Dense_{k}"]["kernel"].astype(float) + params[f"Dense_{k}"]["bias"]
+            x = np.tanh(x) if k < 2 else x
+        return x[:, 0]
+
+    agrees(file, flax, 1e-12)
+    kept = {f"W{k}": softplus(w) for k, w in enumerate(raw)} | {f"b{k}": b for k, b in enumerate(shifts[:2])}
+    file = imported(tmp_path, kept, "--stress", "plane", "--activation", "softplus", "--level", "40", kind="mlp")
+
+    def jaxmat(x: Any) -> Any:
+        z = x.astype(np.float32)
+        for w, b in zip(raw[:2], shifts[:2], strict=True):
+            z = softplus(z @ softplus(w).T + b)
+        return (z @ softplus(raw[2]).T)[:, 0] - 40.0
+
+    agrees(file, jaxmat, 1e-5)
+    assert verify(load(file), claims=["convexity"])["convexity"].trust == "checked"
