@@ -98,9 +98,10 @@ CLAMPED = Net(
     ],
     {"raw": normal(1, 5), "first": normal(3, 5)},
 )  # fmt: skip
+HALF = onnx.helper.make_tensor("half", 1, [], [0.5])
 SCALED = Net(
     [
-        node("Constant", "", "half", value=onnx.helper.make_tensor("half", 1, [], [0.5])), node("Sub", "stress mean", "a"), node("Div", "a size", "b"),
+        node("Constant", "", "half", value=HALF), node("Sub", "stress mean", "a"), node("Div", "a size", "b"),
         node("Gemm", "b W bias", "c", transB=0, alpha=1.0, beta=1.0), node("Mul", "c half", "d"), node("Mul", "d d", "e"),
         node("Relu", "d", "f"), node("Concat", "e f", "g", axis=1), node("MatMul", "g last", "h"), node("Add", "h d", "i"),
         node("MatMul", "i last2", "out"),

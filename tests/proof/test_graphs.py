@@ -355,3 +355,15 @@ def test_what_is_proved_of_drawn_graphs_is_so(most: int, monkeypatch: pytest.Mon
             inside = (g(*p.T) < -1e-7) & (g(*q.T) < -1e-7)
             assert not (inside & (g(*(0.5 * (p + q)).T) > 1e-7)).any(), given
     assert proved > 30
+
+
+def test_a_graph_has_its_value_where_exponentials_overflow() -> None:
+    rows = {f"h{i}": f"softplus({i - 9}*x + y)" for i in range(40)}
+    rows |= {f"l{i}": f"logsumexp(({' + '.join(f'h{j}' for j in range(40))})/40 - {i}, x, {i}*y)" for i in range(40)}
+    found = law(rows | {"f": " + ".join(f"l{i}*softplus(h{i} - {i})" for i in range(40))}, "f - 1")
+    assert found.graph is not None
+    program = numpy_.compiled(found.g, found.force_symbols())
+    for x, y in ((0.3, -0.2), (3000.0, -2000.0), (-1e6, 1e5)):
+        h = [np.logaddexp(0.0, (i - 9) * x + y) for i in range(40)]
+        inner = [np.logaddexp(np.logaddexp(sum(h) / 40 - i, x), i * y) for i in range(40)]
+        assert float(program(x, y)) == pytest.approx(sum(inner[i] * np.logaddexp(0.0, h[i] - i) for i in range(40)) - 1.0, rel=1e-13)

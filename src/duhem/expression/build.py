@@ -21,7 +21,7 @@ from duhem.expression.floats import approximate, value_at
 from duhem.expression.inert_number import InertNumber, inert_exponent, reckoned
 from duhem.expression.vocabulary import NODES, WORDS, Atan2
 
-__all__ = ["AS_WRITTEN", "EVALUATED", "UNMADE", "Building", "greatest", "least", "nested", "settled", "unacceptable"]
+__all__ = ["AS_WRITTEN", "EVALUATED", "IN_RANGE", "UNMADE", "Building", "greatest", "least", "nested", "settled", "unacceptable"]
 
 MOST_POINTS = 16
 _MARGIN = 1e-6  # far beyond what rounding does to a formula of a law
@@ -206,6 +206,16 @@ def _written_call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
     return WORDS[word].build(*args, evaluate=False)
 
 
+def _call_in_range(word: str, args: Sequence[sp.Expr]) -> sp.Expr:
+    """The greatest argument taken out of a logarithm of exponentials, so that none overflows."""
+    if word not in ("softplus", "logsumexp"):
+        return _written_call(word, args)
+    terms = [*([sp.S.Zero] if word == "softplus" else []), *args]
+    most = sp.Max(*terms, evaluate=False)
+    away = (sp.exp(sp.Add(x, sp.Mul(sp.S.NegativeOne, most, evaluate=False), evaluate=False), evaluate=False) for x in terms)
+    return sp.Add(most, sp.log(sp.Add(*away, evaluate=False), evaluate=False), evaluate=False)
+
+
 def _nothing(*_: Any, **__: Any) -> sp.Expr:
     return sp.S.Zero
 
@@ -213,6 +223,8 @@ def _nothing(*_: Any, **__: Any) -> sp.Expr:
 EVALUATED = Building(total, product, power, call, evaluate=True)
 # Nothing cancelled, combined or put in order but numbers: x/x, exp(log(x)) and sqrt(x)**2 stay what they are.
 AS_WRITTEN = Building(_written_total, _written_product, _written_power, _written_call, evaluate=False)
+# The same for who evaluates it in doubles.
+IN_RANGE = AS_WRITTEN._replace(call=_call_in_range)
 # Nothing is made of the parts: for a formula that is to be checked alone, and may be long.
 UNMADE = Building(_nothing, _nothing, _nothing, _nothing, evaluate=False)
 

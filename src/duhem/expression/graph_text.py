@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from duhem.expression.abbreviations import Abbreviations, names_in
+from duhem.expression.build import IN_RANGE
 from duhem.expression.parse import check_formula, parse_as_written, written_out
 from duhem.expression.shared import Graph, Shared
 from duhem.expression.vocabulary import symbol
@@ -30,9 +31,9 @@ def own_text(text: str, short: Abbreviations) -> str:
 
 
 def _read(graph: Graph) -> sp.Expr:
-    """The formula as it is written, each definition one object wherever its name stands."""
+    """The formula in a form for doubles, each definition one object wherever its name stands."""
     made: dict[str, sp.Expr] = {x.name: x for x in graph.names}
     for name, text in graph.nodes:
-        made[name] = parse_as_written(text, made)
+        made[name] = parse_as_written(text, made, IN_RANGE)
         hash(made[name])  # kept by SymPy, the inner ones first
-    return parse_as_written(graph.last, made)
+    return parse_as_written(graph.last, made, IN_RANGE)

@@ -83,12 +83,12 @@ def reread(text: str, known: tuple[tuple[str, sp.Symbol], ...]) -> sp.Expr:
     return parse_expression(text, dict(known))
 
 
-def parse_as_written(text: str, known: Mapping[str, sp.Expr]) -> Any:
+def parse_as_written(text: str, known: Mapping[str, sp.Expr], build: Building = AS_WRITTEN) -> Any:
     """The tree of a formula or comparison as it stands, over the values ``known``: what it divides by or takes a root of is all there.
 
     For a text that :func:`parse_expression` or :func:`parse_relation` accepts; made to be walked and evaluated, not to be calculated with.
     """
-    reader = _Reader.over(text, known, _Place("formula", 1, 0, text), AS_WRITTEN)
+    reader = _Reader.over(text, known, _Place("formula", 1, 0, text), build)
     tree = reader.syntax()
     if not isinstance(tree, ast.Compare):
         return reader.value(tree, 0)

@@ -101,10 +101,6 @@ class Book:
     def components(self) -> Sequence[str]:
         return self.forces.components if isinstance(self.forces, Stress) else self.forces
 
-    @property
-    def inputs(self) -> int:
-        return len(self.components)
-
     def table(self, name: str, height: int | None, width: int) -> int:
         """Write an array down as a table, a vector as a column, and say how many rows it has."""
         if name not in self.left:
@@ -135,13 +131,13 @@ def _network(book: Book, activation: str, inner: str, first: str, skips: bool) -
     """The definitions of the hidden layers, and the formula of the last."""
     rows, below, k = list[str](), 0, 0
     while True:
-        name, width = (first, book.inputs) if k == 0 else (f"{inner}{k}", below)
+        name, width = (first, len(book.components)) if k == 0 else (f"{inner}{k}", below)
         of = "x" if k == 0 else f"z{k - 1}"
         height = book.table(name, None, width)
         terms = [f"sum(j, 1, {width}, {name}[i, j]*{of}[j])"]
         if skips and k and f"Wx{k}" in book.left:
-            book.table(f"Wx{k}", height, book.inputs)
-            terms.append(f"sum(j, 1, {book.inputs}, Wx{k}[i, j]*x[j])")
+            book.table(f"Wx{k}", height, len(book.components))
+            terms.append(f"sum(j, 1, {len(book.components)}, Wx{k}[i, j]*x[j])")
         if f"b{k}" in book.left:
             book.table(f"b{k}", height, 1)
             terms.append(f"b{k}[i, 1]")
@@ -159,8 +155,8 @@ def _polynomial(book: Book) -> str:
     exponents = book.left.get("exponents")
     if exponents is not None and (exponents.dtype.kind not in "iu" or (exponents < 0).any()):
         raise InputError("exponents are not whole numbers >= 0", remedy="save them as integers")
-    book.table("exponents", count, book.inputs)
-    powers = "*".join(f"x[{j}]**exponents[i, {j}]" for j in range(1, book.inputs + 1))
+    book.table("exponents", count, len(book.components))
+    powers = "*".join(f"x[{j}]**exponents[i, {j}]" for j in range(1, len(book.components) + 1))
     return f"sum(i, 1, {count}, coefficients[i, 1]*{powers})"
 
 

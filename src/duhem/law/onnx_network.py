@@ -24,6 +24,7 @@ __all__ = ["onnx_network"]
 
 Array = NDArray[Any]
 _WORDS = {"Relu": "pos", "Softplus": "softplus", "Tanh": "tanh"}
+_PLAIN = (("transA", 0), ("alpha", 1.0), ("beta", 1.0))  # of Gemm, x w + b
 _SIGNS = {"Add": "+", "Sub": "-", "Mul": "*", "Div": "/"}
 _OPERATORS = ("Gemm", "MatMul", *_SIGNS, *_WORDS, "Concat", "Transpose", "Identity", "Constant")
 _REMEDY = "export the layers alone, with constants folded, for a batch of shape (1, n); or save the weights with numpy.savez"
@@ -85,10 +86,10 @@ class _Reader:
             what = f"the network has {len(inputs)} inputs and {len(graph.output)} outputs"
             raise InputError(what, remedy="export one function of the stress")
         shape = [axis.dim_value for axis in inputs[0].type.tensor_type.shape.dim]
-        if len(shape) not in (1, 2) or shape[-1] not in (0, self.book.inputs):
-            what = f"the input has the shape {shape}, with 0 where it is free, and {self.book.inputs} forces are named"
+        if len(shape) not in (1, 2) or shape[-1] not in (0, len(self.book.components)):
+            what = f"the input has the shape {shape}, with 0 where it is free, and {len(self.book.components)} forces are named"
             raise InputError(what, remedy="name each part of the last axis")
-        self.found[inputs[0].name] = _Vector("x[i]", self.book.inputs, len(shape))
+        self.found[inputs[0].name] = _Vector("x[i]", len(self.book.components), len(shape))
         for node in graph.node:
             made = self.value(node)
             many = self.uses[node.output[0]] > 1  # so that no formula stands in two places
@@ -104,8 +105,7 @@ class _Reader:
 
         given = {each.name: helper.get_attribute_value(each) for each in node.attribute}
         if node.domain not in ("", "ai.onnx") or node.op_type not in _OPERATORS:
-            known = ", ".join(_OPERATORS)
-            raise InputError(f"{_told(node)} is not read", remedy=f"operators that are read: {known}; {_REMEDY}")
+            raise InputError(f"{_told(node)} is not read", remedy=f"operators that are read: {', '.join(_OPERATORS)}; {_REMEDY}")
         parts = [self.found[each] for each in node.input if each]
         match node.op_type, parts:
             case "Constant", [] if "value" in given:
@@ -120,7 +120,9 @@ class _Reader:
                 return self.linear(x, w.T, node.input[1])
             case "MatMul", [np.ndarray() as w, _Vector(rank=1) as x] if w.ndim == 2:
                 return self.linear(x, w, node.input[0])
-            case "Gemm", [_Vector(rank=2) as x, np.ndarray() as w, *bias] if w.ndim == 2 and _is_plain(given):
+            case "Gemm", [_Vector(rank=2) as x, np.ndarray() as w, *bias] if w.ndim == 2 and [given.get(x, y) for x, y in _PLAIN] == [
+                y for _, y in _PLAIN
+            ]:
                 made = self.linear(x, w if given.get("transB") else w.T, node.input[1])
                 return self.joined("+", made, self.vector(bias[0], 2, node), node) if bias else made
             case (("Relu" | "Softplus" | "Tanh"), [_Vector() as x]):
@@ -176,11 +178,6 @@ class _Reader:
         name = f"z{len(self.rows)}"
         self.rows.append(f"{name} = {text}")
         return _Vector(f"{name}[i]", width, rank)
-
-
-def _is_plain(gemm: dict[str, Any]) -> bool:
-    """Whether it is x w + b."""
-    return not gemm.get("transA") and gemm.get("alpha", 1.0) == gemm.get("beta", 1.0) == 1.0
 
 
 def _told(node: Any) -> str:

@@ -27,7 +27,7 @@ __all__ = ["convex_in_its_box"]
 _MOST_BOXES, _FINEST = 20_000, 4096  # the second for the least part of a side
 _PRICE = 7  # steps for a part of g, in a part of the box
 _SMOOTH = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan", "asin", "acos")
-_ZERO, _ONE = Enclosure(0, 0), Enclosure.between(Fraction(1), Fraction(1))
+_ZERO, _ONE, _TWO = (Enclosure.between(Fraction(n), Fraction(n)) for n in range(3))
 _X, _SOFTPLUS = Term("name", name="x"), parse("log(1 + exp(x))")
 _Box = Mapping[str, Enclosure]
 _Jet = tuple[Enclosure, ...]  # slopes by both forces; second derivatives by the first alone, by both, by the second alone
@@ -81,7 +81,7 @@ def _is_shown(law: StatedLaw, c: _Box, box: _Box) -> bool:
     except (ValueError, ZeroDivisionError):
         return False
     x, y = (box[name].plus(c[name].minus()) for name in law.forces)
-    bend = _plus(_plus(_times(pp, _square(q)), _times(qq, _square(p))), _twice(_times(pq, _times(p, q))).minus())
+    bend = _plus(_plus(_times(pp, _square(q)), _times(qq, _square(p))), _times(_TWO, _times(pq, _times(p, q))).minus())
     return _plus(_times(x, p), _times(y, q)).sign == POSITIVE == bend.sign
 
 
@@ -140,7 +140,7 @@ def _derived(outer: Term) -> tuple[Term, Term]:
 def _multiplied(one: tuple[Enclosure, _Jet], other: tuple[Enclosure, _Jet]) -> tuple[Enclosure, _Jet]:
     """The product of two values with their derivatives."""
     (f, (p, q, *_)), (g, (r, s, *_)) = one, other
-    across = (_ZERO, _ZERO, _twice(_times(p, r)), _plus(_times(p, s), _times(q, r)), _twice(_times(q, s)))
+    across = (_ZERO, _ZERO, _times(_TWO, _times(p, r)), _plus(_times(p, s), _times(q, r)), _times(_TWO, _times(q, s)))
     jet = tuple(_plus(_plus(_times(g, x), _times(f, y)), z) for x, y, z in zip(one[1], other[1], across, strict=True))
     return f.times(g), jet
 
@@ -151,10 +151,6 @@ def _plus(x: Enclosure, y: Enclosure) -> Enclosure:
 
 def _times(x: Enclosure, y: Enclosure) -> Enclosure:
     return _ZERO if x is _ZERO or y is _ZERO else y if x is _ONE else x.times(y)
-
-
-def _twice(x: Enclosure) -> Enclosure:
-    return _plus(x, x)
 
 
 def _square(x: Enclosure) -> Enclosure:
