@@ -27,6 +27,7 @@ __all__ = [
     "ParametricCriterion",
     "Path",
     "Paths",
+    "PavedRegion",
     "Projection",
     "Recheck",
     "StateHistory",
@@ -71,7 +72,7 @@ if TYPE_CHECKING:
     from duhem.proof.recheck import Recheck, recheck
     from duhem.proof.verdict import Verdict, Witness
     from duhem.proof.verification import Verification, verify
-    from duhem.regions import ParameterRegion, region
+    from duhem.regions import ParameterRegion, PavedRegion, region
     from duhem.regions.mending import Mended, mend
     from duhem.screening import campaign
 
@@ -90,8 +91,8 @@ _HOMES = {
     "proof.recheck": ("Recheck", "recheck"),
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),
-    "regions": ("ParameterRegion", "region"),
     "regions.mending": ("Mended", "mend"),
+    "regions": ("ParameterRegion", "PavedRegion", "region"),
     "screening": ("campaign",),
     "api.contact": ("contact",),
     "api.histories": ("simulate",),

@@ -193,7 +193,8 @@ def test_the_origin_has_a_region() -> None:
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        ({"law": "antoni2007"}, "several parameters are asked for"),
+        ({"law": "limacon", "parameters": ()}, "no parameter is free"),
+        ({"law": "limacon", "parameters": ("e", "e")}, "a parameter is named twice"),
         ({"law": "limacon", "parameters": "f"}, "unknown parameter 'f'"),
         ({"law": "limacon", "claim": "beauty"}, "regions are not known of the claim"),
         ({"law": "limacon", "over": {"e": "1"}}, "this is no range"),

@@ -13,16 +13,19 @@ from duhem.proof.kernel import certificate as kernel
 from duhem.proof.kernel.certificate import Rechecked
 from duhem.proof.kernel.parameter_cells import SCHEMA as OF_REGIONS
 from duhem.proof.kernel.parameter_cells import Covered, recheck_region
+from duhem.proof.kernel.parameter_tree import SCHEMA as OF_PAVINGS
+from duhem.proof.kernel.parameter_tree import TreeLeaf, recheck_tree
 from duhem.proof.kernel.term import NotWritten
 from duhem.show.page import PAGE, Page, printable
 from duhem.show.printing import Shown, plain, sheet, text
 from duhem.show.sheet import Sheet
 
-__all__ = ["Recheck", "RecheckedRegion", "as_dict", "as_sheet", "as_text", "recheck"]
+__all__ = ["Recheck", "RecheckedRegion", "as_dict", "as_sheet", "as_text", "document_of", "recheck"]
 
 _MOST_BYTES = 10_000_000
 _REMEDY = "make a new one with: duhem verify LAW --certificate FILE"
 _MOST_DEFINITIONS = 3  # that are shown
+_MOST_CELLS = 40
 _HEAD_OF_CELLS = ("cell", "verdict", "kernel", "why not")
 _HEAD = ("claim", "verdict", "trust", "kernel", "why not")
 
@@ -81,14 +84,15 @@ class Recheck(Shown):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class RecheckedRegion(Shown):
-    """What the kernel says of the certificate of a region: whether its cells cover the domain of the ``parameter``, a row a cell."""
+    """What the kernel says of the certificate of a region: whether its cells cover the domain of the ``parameter``, or of several, a row
+    a cell."""
 
     printed_by: ClassVar[str] = __name__
 
     law: Mapping[str, Any]
     claim: str
     parameter: str
-    cells: tuple[Covered, ...]
+    cells: tuple[Covered | TreeLeaf, ...]
 
     def __repr__(self) -> str:
         return f"<RecheckedRegion: {self.counted()}>"
@@ -119,14 +123,22 @@ def recheck(certificate: str | os.PathLike[str] | Mapping[str, Any]) -> Recheck 
     InputError for an object that is not a certificate or was changed: its hash is wrong, its law cannot be read, or no parameter lies
     in the domain.
     """
-    where, data = _given(certificate)
-    document = _object(data, where)
+    where, document = document_of(certificate)
     try:
         if document.get("schema") == OF_REGIONS:
             return RecheckedRegion(document["law"], document["claim"], document["parameter"], recheck_region(document))
+        if document.get("schema") == OF_PAVINGS:
+            leaves = recheck_tree(document)
+            return RecheckedRegion(document["law"], document["claim"], ", ".join(document["parameters"]), leaves)
         return Recheck(document.get("law", {}), kernel.recheck(document))
     except (NotWritten, KeyError) as fault:
         raise InputError(f"the certificate cannot be checked: {fault}", where=where, remedy=_REMEDY) from None
+
+
+def document_of(certificate: str | os.PathLike[str] | Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Where a certificate stands, in words, and it as an object, from what :func:`recheck` takes; InputError where it is none."""
+    where, data = _given(certificate)
+    return where, _object(data, where)
 
 
 def _given(certificate: object) -> tuple[str, bytes]:
@@ -198,9 +210,10 @@ def as_dict(done: Recheck) -> dict[str, Any]:
 
 @text.register(RecheckedRegion)
 def region_as_text(done: RecheckedRegion, page: Page = PAGE) -> str:
-    """The law as the certificate states it, a row a cell, and below them the count."""
+    """The law as the certificate states it, a row a cell, of many one for each that failed, and below them the count."""
     fields = (*_law(done.law), ("claim", f"{done.claim}, by {done.parameter}"))
-    return _as_text(done, fields, [_HEAD_OF_CELLS, *_cells(done)], page)
+    rows = [row for row, cell in zip(_cells(done), done.cells, strict=True) if cell.reason or len(done.cells) <= _MOST_CELLS]
+    return _as_text(done, fields, [_HEAD_OF_CELLS, *rows], page)
 
 
 def _as_text(done: Recheck | RecheckedRegion, fields: Iterable[tuple[str, str]], rows: Sequence[tuple[str, ...]], page: Page) -> str:

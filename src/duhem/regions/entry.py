@@ -15,14 +15,20 @@ from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain, simple_points
+from duhem.proof.recheck import document_of
 from duhem.proof.statement import state
-from duhem.regions.decided import MOST_STEPS, Asked
-from duhem.regions.result import ParameterRegion
+from duhem.regions.asked import MOST_STEPS
+from duhem.regions.decided import Asked
+from duhem.regions.paved import PavedRegion
+from duhem.regions.paving import Paving
+from duhem.regions.result import FoundRegion, ParameterRegion
 from duhem.regions.search import cells_of
+from duhem.show.place import AnyPath
 
 __all__ = ["ASKED", "region", "shape_parameters", "told"]
 
 _STEPS_OF_A_SENTENCE = 4_000_000
+_MOST_UNNAMED = 3
 ASKED = ("origin", "convexity", "smoothness", "normality", "dissipation")
 Range = str | Domain | tuple[Any, Any]
 
@@ -34,20 +40,28 @@ def region(
     over: Mapping[str, Range] | None = None,
     *,
     steps: int = MOST_STEPS,
-) -> ParameterRegion:
-    """For which values of a parameter a claim holds of a law, exactly where all of its cells are decided.
+    resume: AnyPath | Mapping[str, Any] | None = None,
+) -> FoundRegion:
+    """For which values of one or several parameters a claim holds of a law, exactly where all of its cells are decided.
 
-    ``parameters`` names the parameter; it may be left out where the law has one that is free and no mere scale.  ``over`` maps parameters
+    ``parameters`` names them; they may be left out where at most three are free and no mere scales.  ``over`` maps parameters
     to ranges that take the place of those of the law: ``"0:1"``, ``(0, 1)`` with None for no end, or a Domain; ``"0<:1"`` leaves out 0.
     An end at which the law has no value is left out.  The other parameters are all that they may be: the claim holds if it holds for all
-    of them.  ``steps`` bounds the work; what is left then is open.  Raises InputError for an unknown law, parameter, claim or range.
+    of them.  ``steps`` bounds the work; what is left then is open, as it is where a region of several parameters is interrupted.  From the
+    certificate of such a region to ``resume`` it goes on, and its steps count.  Raises InputError for an unknown law, parameter, claim or
+    range, and for a certificate that is about something else or is not confirmed.
     """
     asked = _over(load_formula(law), over or {})
     if claim not in ASKED:
         near = get_close_matches(str(claim), ASKED, n=1)
         remedy = f"did you mean {near[0]!r}?" if near else f"one of: {', '.join(ASKED)}"
         raise InputError(f"regions are not known of the claim {claim!r}", where="claim", remedy=remedy)
-    found = _found(asked, _named(asked, parameters, over or {}), claim, steps)
+    names = _named(asked, parameters, over or {})
+    if len(names) > 1:
+        return _paved(asked, names, claim, steps, resume)
+    if resume is not None:
+        raise InputError("a region of one parameter is not resumed", where="resume", remedy="leave it out")
+    found = _found(asked, names[0], claim, steps)
     if parameters is None and not found.stretches("proved") and (scales := _absorbed(asked, found.parameters[0])):
         scaled = replace(_found(asked.fix(dict.fromkeys(scales, 1)), found.parameters[0], claim, steps), scales=scales)
         found = scaled if scaled.stretches("proved") or not found.exact else found
@@ -56,11 +70,24 @@ def region(
 
 def _found(law: Criterion, name: str, claim: str, steps: int) -> ParameterRegion:
     check_domain(law)
-    question = Asked(law, claim, name, steps)
+    question = Asked(law, claim, (name,), steps)
     cells = tuple(cells_of(question))
     joined = tuple(text for text, c in zip(law.written_constraints, law.constraints, strict=True) if _joins(law, name, c))
     empty = bool(joined) and not all(question.inhabited(done) for done in cells if done.verdict == "proved")
     return ParameterRegion(law, claim, (name,), cells, question.whole, joined=joined if empty else ())
+
+
+def _paved(law: Criterion, names: tuple[str, ...], claim: str, steps: int, resume: AnyPath | Mapping[str, Any] | None) -> PavedRegion:
+    check_domain(law)
+    question = Paving(law, claim, names, steps) if resume is None else Paving.resumed(law, claim, names, steps, document_of(resume)[1])
+    question.grow()
+    alone, joined = list[str](), list[str]()
+    for text, c in zip(law.written_constraints, law.constraints, strict=True):
+        own = {x.name for x in c.free_symbols if isinstance(x, sp.Symbol)}
+        (joined if own - {*names} else alone).append(text or str(c))
+    joined = [] if not joined or all(map(question.inhabited, question.proved_places())) else joined
+    known = question.tree, question.whole, tuple(alone), question.steps, question.stopped
+    return PavedRegion(law, claim, names, *known, joined=tuple(joined))
 
 
 def _joins(law: Criterion, name: str, constraint: sp.Basic) -> bool:
@@ -68,23 +95,22 @@ def _joins(law: Criterion, name: str, constraint: sp.Basic) -> bool:
     return name in names and len(names) > 1
 
 
-def _named(law: Criterion, parameters: str | Iterable[str] | None, over: Mapping[str, Range]) -> str:
+def _named(law: Criterion, parameters: str | Iterable[str] | None, over: Mapping[str, Range]) -> tuple[str, ...]:
     free = shape_parameters(law) if parameters is None else ()
     names = (parameters,) if isinstance(parameters, str) else tuple(parameters) if parameters is not None else tuple(over) or free
     known = f"its parameters are: {', '.join(law.parameters) or 'none'}"
     for name in names:
         if name not in law.parameters:
             raise InputError(f"unknown parameter {name!r}", where=law.name, remedy=known)
-    if len(names) != 1:
-        what = "no parameter is free" if not names else f"several parameters are asked for: {', '.join(names)}"
-        raise InputError(what, where=law.name, remedy=f"name one, and fix others with --set; {known}")
-    (name,) = names
-    if name in law.variables:
-        raise InputError(f"{name} is a variable of the state", where=law.name, remedy="name a parameter")
-    if law.parameters[name].value is not None:
-        value = law.parameters[name].value
-        raise InputError(f"{name} is fixed at {value}", where=law.name, remedy=f"give its range: --over {name}=LOW:HIGH")
-    return name
+        if name in law.variables:
+            raise InputError(f"{name} is a variable of the state", where=law.name, remedy="name a parameter")
+        if (value := law.parameters[name].value) is not None:
+            raise InputError(f"{name} is fixed at {value}", where=law.name, remedy=f"give its range: --over {name}=LOW:HIGH")
+    if not names or len(set(names)) < len(names) or (parameters is None and len(names) > _MOST_UNNAMED):
+        what = "several parameters are free" if names else "no parameter is free"
+        what = "a parameter is named twice" if len(set(names)) < len(names) else f"{what}{': ' if names else ''}{', '.join(names)}"
+        raise InputError(what, where=law.name, remedy=f"name those to ask for, and fix others with --set; {known}")
+    return names
 
 
 def shape_parameters(law: Criterion) -> tuple[str, ...]:
@@ -149,18 +175,17 @@ def _read(given: Any, where: str) -> Domain:
 
 
 def told(law: Law, claim: str, asked: str) -> str:
-    """A claim that is not proved of a law over its domain, in one sentence: for which values of its one parameter of shape it holds.
+    """A claim that is not proved of a law over its domain, in one sentence: for which values of its one or two shape parameters it holds.
 
     ``asked`` is the law as the command line names it, for the command that finds more.  "" for a law of which nothing is known.
     """
     try:
-        if not isinstance(law, Criterion) or claim not in ASKED or len(names := shape_parameters(law)) != 1:
+        if not isinstance(law, Criterion) or claim not in ASKED or len(names := shape_parameters(law)) not in (1, 2):
             return ""
-        found = region(law, None, claim, steps=_STEPS_OF_A_SENTENCE)
+        found = region(law, None, claim, steps=_STEPS_OF_A_SENTENCE // len(names) ** 2)
     except Exception:  # the verdicts stand, whatever goes wrong in what is said beside them
         return ""
-    (name,) = names
     if found.exact and found.short not in ("true", "false"):
         return found.sentence
     more = "" if claim == "convexity" else f" --claim {claim}"
-    return "" if found.exact else f"for which {name} {claim} holds: duhem region {asked} {name}{more}"
+    return "" if found.exact else f"for which {' and '.join(names)} {claim} holds: duhem region {asked} {' '.join(names)}{more}"

@@ -1,19 +1,24 @@
-"""A region as text for people, as a sheet, in LaTeX, and as a picture: the line of the parameter (extra ``plot``)."""
+"""A region as text for people, as a sheet, in LaTeX, and as a picture: the line of the parameter, or the plane of two (extra ``plot``)."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.parse import parse_relation
 from duhem.law.atlas.entry import entry
+from duhem.law.catalogue import load_formula
 from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.regions.numbers import written_root
-from duhem.regions.result import ParameterRegion
+from duhem.regions.paved import PavedRegion
+from duhem.regions.result import FoundRegion, ParameterRegion
 from duhem.show import figure
 from duhem.show.notation import latex_name
 from duhem.show.page import PAGE, Page
@@ -26,11 +31,14 @@ if TYPE_CHECKING:
 __all__ = ["as_dict", "as_latex", "as_sheet", "as_text", "plot"]
 
 _HEAD = ("where", "verdict", "trust", "by")
+_MOST_ROWS = 40
+_FINE = 401  # places along each edge of a picture
+_LOOKS = (("proved", figure.palette(0), ""), ("refuted", figure.palette(1), "///"), ("open", figure.GREY, "..."))
 _WORDS = {"proved": "holds", "refuted": "fails", "open": "open"}
 
 
-@text.register(ParameterRegion)
-def as_text(region: ParameterRegion, page: Page = PAGE) -> str:
+@text.register(FoundRegion)
+def as_text(region: FoundRegion, page: Page = PAGE) -> str:
     """The sentence, over what it was asked, a row a cell, and the ends with their polynomials."""
     law = region.criterion
     head = [*page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name)]
@@ -42,27 +50,33 @@ def as_text(region: ParameterRegion, page: Page = PAGE) -> str:
     return page.report([[*head, *(line for name, said in fields.items() for line in page.field(name, said, size))], told, table, ends])
 
 
-@sheet.register(ParameterRegion)
-def as_sheet(region: ParameterRegion) -> Sheet:
+@sheet.register(FoundRegion)
+def as_sheet(region: FoundRegion) -> Sheet:
     """The same as a sheet."""
     title = f"{region.criterion.name}: {region.sentence}"
     return Sheet(title, tuple(_fields(region)), _HEAD, tuple(_rows(region)), (("Ends", tuple(_ends(region))),))
 
 
-@plain.register(ParameterRegion)
-def as_dict(region: ParameterRegion) -> dict[str, Any]:
+@plain.register(FoundRegion)
+def as_dict(region: FoundRegion) -> dict[str, Any]:
     """The JSON of the interface."""
     return region.to_dict()
 
 
-@latex.register(ParameterRegion)
-def as_latex(region: ParameterRegion) -> str:
+@latex.register(FoundRegion)
+def as_latex(region: FoundRegion) -> str:
     """The condition as a formula."""
     words = {"true": r"\text{for all values}", "false": r"\text{for no value}"}
     if (condition := region.condition) in words:
         return words[condition]
-    (name,) = region.parameters
-    return r" \;\vee\; ".join(_latex_between(cell, name) for cell in region.stretches("proved"))
+    if isinstance(region, PavedRegion):
+        names = {name: sp.Symbol(latex_name(name), real=True) for name in region.parameters}
+        parts = [region.between(place, True).split(" and ") for place, verdict in region.places if verdict == "proved"]
+        said = [r" \;\wedge\; ".join(sp.latex(parse_relation(text, names)) for text in part) for part in parts]
+    else:
+        (name,) = region.parameters
+        said = [_latex_between(cell, name) for cell in cast("ParameterRegion", region).stretches("proved")]
+    return r" \;\vee\; ".join(said)
 
 
 def _latex_between(cell: ParameterCell, name: str) -> str:
@@ -79,17 +93,17 @@ def _latex_number(end: RealRoot) -> str:
     return str(sp.latex(sp.sympify(written_root(end), rational=True)))
 
 
-def _fields(region: ParameterRegion) -> Iterator[tuple[str, str]]:
-    law, (name,) = region.criterion, region.parameters
+def _fields(region: FoundRegion) -> Iterator[tuple[str, str]]:
+    law, names = region.criterion, region.parameters
     yield "claim", region.claim
-    yield "over", f"all {name}" if (over := region.to_dict()["domain"]) == "true" else over
-    if others := [own.stated(other) for other, own in law.parameters.items() if other != name]:
+    yield "over", f"all {', '.join(names)}" if region.over == "true" else region.over
+    if others := [own.stated(other) for other, own in law.parameters.items() if other not in names]:
         yield "others", ", ".join(others)
     if published := _published(region):
         yield "published", published
 
 
-def _published(region: ParameterRegion) -> str:
+def _published(region: FoundRegion) -> str:
     """What the literature claims of a law of the atlas; of another law that has its name nothing is known."""
     with suppress(InputError):
         own = entry(region.criterion.name)
@@ -97,35 +111,87 @@ def _published(region: ParameterRegion) -> str:
     return ""
 
 
-def _rows(region: ParameterRegion) -> list[tuple[str, ...]]:
-    found, (name,) = list[tuple[str, ...]](), region.parameters
-    for cell, done in zip(region.cells, region.decided, strict=True):
-        by = "" if done.row is None else str(done.row["rule"])
-        single = done.cell.low if done.cell.single else None
-        where = cell.condition if single is None else f"{name} = {written_root(single)}"
-        found.append((f"all {name}" if done.cell == region.domain else where, cell.verdict, cell.trust or "-", by))
-    return found
+def _published_point(region: FoundRegion) -> list[float]:
+    """The values that the law of the atlas has for the parameters of a region, if they all have one."""
+    with suppress(InputError):
+        own = load_formula(region.criterion.name)
+        domains = [own.parameters[name] for name in region.parameters if name in own.parameters]
+        values = [float(own.value) for own in domains if own.value is not None]
+        return values if own.summary == region.criterion.summary and len(values) == len(region.parameters) else []
+    return []
 
 
-def _ends(region: ParameterRegion) -> Iterator[str]:
+def _rows(region: FoundRegion) -> list[tuple[str, ...]]:
+    if isinstance(region, PavedRegion) and len(region.tree.leaves) > _MOST_ROWS:
+        return list(_counted(region))
+    known = region.cells
+    rules = (str((done.row or {}).get("rule", "")) for done in region.known)
+    rows = [(cell.condition, cell.verdict, cell.trust or "-", rule) for cell, rule in zip(known, rules, strict=True)]
+    whole = f"all {', '.join(region.parameters)}"
+    return [(whole if len(known) == 1 else _single(where), *rest) for where, *rest in rows]
+
+
+def _single(where: str) -> str:
+    """One value in fewer words."""
+    return re.sub(r"^(\w+) >= (.*) and \1 <= \2$", r"\1 = \2", where)
+
+
+def _counted(region: PavedRegion) -> Iterator[tuple[str, ...]]:
+    """A row a verdict, where leaves are many."""
+    for verdict in ("proved", "refuted", "open"):
+        own = [leaf.row or {} for leaf in region.tree.leaves.values() if leaf.verdict == verdict]
+        by = ", ".join(dict.fromkeys(str(row["rule"]) for row in own if row))
+        if own:
+            yield f"{len(own)} cells, {region.share(verdict):.2%} of the domain", verdict, "checked" if by else "-", by
+
+
+def _ends(region: FoundRegion) -> Iterator[str]:
     for end in region.ends:
         root = "" if end.enclosure[0] == end.enclosure[1] else f" = {float(sp.Rational(end.enclosure[0])):.12g}"
         word = "still holds" if end.closed else "no longer holds"
         yield f"{end.parameter} = {end.value}{root}: root of {end.polynomial}; {region.claim} {word} there"
 
 
-@draw.register(ParameterRegion)
-def plot(region: ParameterRegion, file: Any = None, axes: Any = None) -> tuple[Axes, ...]:
-    """The line of the parameter, where the claim holds, fails and is open, with its ends; hatches tell what colours tell."""
+@draw.register(FoundRegion)
+def plot(region: FoundRegion, file: Any = None, axes: Any = None) -> tuple[Axes, ...]:
+    """Where the claim holds, fails and is open on the line of a parameter or in the plane of two; hatches tell what colours tell."""
     title = f"{region.criterion.name}: {region.sentence}"
-    return figure.drawn(lambda place: _paint(place, region), file, axes, size=(7.2, 2.0), title=title)
+    if isinstance(region, PavedRegion):
+        if len(region.parameters) != 2:
+            raise InputError("a picture is of one parameter or two", where=region.criterion.name, remedy="fix others with --set")
+        return figure.drawn(lambda place: _paint_plane(place, region), file, axes, title=title)
+    return figure.drawn(lambda place: _paint(place, cast("ParameterRegion", region)), file, axes, size=(7.2, 2.0), title=title)
+
+
+def _paint_plane(axes: Axes, region: PavedRegion) -> None:
+    ranges = [_shown_range(region, name) for name in region.parameters]
+    x, y = np.meshgrid(*(np.linspace(low, high, _FINE) for low, high in ranges))
+    verdicts = region.at(dict(zip(region.parameters, (x, y), strict=True)))
+    for verdict, colour, lines in _LOOKS:
+        there = verdicts == verdict
+        if there.any():
+            axes.contourf(x, y, there, levels=[0.5, 1.5], colors=[colour], alpha=0.75, hatches=[lines])
+            axes.fill([], [], facecolor=colour, hatch=lines, alpha=0.75, label=f"{region.claim} {_WORDS[verdict]}")
+    if (point := _published_point(region)) and all(low <= at <= high for at, (low, high) in zip(point, ranges, strict=True)):
+        axes.plot(*([at] for at in point), "o", color="black", markeredgecolor="white", linestyle="none", label="published")
+    for axis, name in zip((axes.xaxis, axes.yaxis), region.parameters, strict=True):
+        axis.set_label_text(f"${latex_name(name)}$")
+    figure.legend(axes)
+
+
+def _shown_range(region: PavedRegion, name: str) -> tuple[float, float]:
+    """The range of a parameter, of an endless one what is around the ends of the places."""
+    own = region.whole[name]
+    marks = [float(end) for place, _ in region.places for end in place.box[name][:2] if end is not None] or [0.0]
+    wide = 0.0 if None not in own[:2] else max(max(marks) - min(marks), 1.0) / 4
+    return min(marks) - wide * (own.low is None), max(marks) + wide * (own.high is None)
 
 
 def _paint(axes: Axes, region: ParameterRegion) -> None:
     from matplotlib.patches import Rectangle
 
     low, high = _window(region)
-    for verdict, colour, lines in (("proved", figure.palette(0), ""), ("refuted", figure.palette(1), "///"), ("open", figure.GREY, "...")):
+    for verdict, colour, lines in _LOOKS:
         for i, cell in enumerate(region.stretches(verdict)):
             start, stop = (low if cell.low is None else float(cell.low.low)), (high if cell.high is None else float(cell.high.high))
             if stop <= low or start >= high:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from abc import abstractmethod
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from duhem.errors import InputError
@@ -15,10 +16,11 @@ from duhem.proof.kernel.parameter_cells import SCHEMA, ParameterCell
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.regions.decided import Decided
 from duhem.regions.numbers import simplest, written_root
+from duhem.regions.paving import Known
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown, draw, latex
 
-__all__ = ["ParameterRegion", "RegionCell", "RegionEnd"]
+__all__ = ["FoundRegion", "ParameterRegion", "RegionCell", "RegionEnd"]
 
 
 @dataclass(frozen=True)
@@ -50,13 +52,13 @@ class RegionEnd:
 
 
 @dataclass(frozen=True, repr=False)
-class ParameterRegion(Shown):
+class FoundRegion(Shown):
     """For which values of the ``parameters`` the ``claim`` holds of ``criterion``, all its other parameters being what they may be.
 
     ``condition`` is a text of comparisons joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim is proved, and is
     ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an infinite one after
-    x/(1 + |x|).  ``decided`` has the cells with what the kernel confirmed.  ``scales`` are parameters that a change of units made 1 here.
-    ``joined`` are constraints that may leave no values to the others where the claim is proved: there is no law there.
+    x/(1 + |x|).  ``scales`` are parameters that a change of units made 1 here.  ``joined`` are constraints that may leave no values to the
+    others where the claim is proved: there is no law there.
     """
 
     printed_by: ClassVar[str] = "duhem.regions.printing"
@@ -64,18 +66,15 @@ class ParameterRegion(Shown):
     criterion: Criterion
     claim: str
     parameters: tuple[str, ...]
-    decided: tuple[Decided, ...]
-    domain: ParameterCell
-    scales: tuple[str, ...] = ()
-    joined: tuple[str, ...] = ()
+    scales: tuple[str, ...] = field(default=(), kw_only=True)
+    joined: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __repr__(self) -> str:
-        return (
-            f"<ParameterRegion of {self.criterion.name}: {self.claim} if {self.condition}{'' if self.exact else ', the rest being open'}>"
-        )
+        rest = "" if self.exact else ", the rest being open"
+        return f"<{type(self).__name__} of {self.criterion.name}: {self.claim} if {self.proved}{rest}>"
 
     def plot(self, file: Any = None, axes: Any = None) -> Any:
-        """The line of the parameter, where the claim holds, fails and is open (extra ``plot``); written to ``file``, if one is given."""
+        """Where the claim holds, fails and is open (extra ``plot``); written to ``file``, if one is given."""
         return draw(self, file, axes)
 
     def latex(self) -> str:
@@ -83,16 +82,46 @@ class ParameterRegion(Shown):
         return latex(self)
 
     @property
-    def exact(self) -> bool:
-        """Whether every cell is decided."""
-        return all(done.verdict != "open" for done in self.decided)
+    @abstractmethod
+    def known(self) -> Sequence[Decided | Known]:
+        """What is known of each cell, in order."""
 
     @property
+    def exact(self) -> bool:
+        """Whether every cell is decided."""
+        return all(done.verdict != "open" for done in self.known)
+
+    @property
+    @abstractmethod
     def open_share(self) -> float:
         """How much of the domain is open, from 0 to 1; 0 too where single values are."""
-        endless = None in (self.domain.low, self.domain.high)
-        left = sum(_length(done.cell, endless) for done in self.decided if done.verdict == "open")
-        return left / whole if (whole := _length(self.domain, endless)) else float(not self.exact)
+
+    @property
+    @abstractmethod
+    def cells(self) -> tuple[RegionCell, ...]:
+        """The cells in order."""
+
+    @property
+    @abstractmethod
+    def over(self) -> str:
+        """The domain asked for, as comparisons."""
+
+    @property
+    def ends(self) -> tuple[RegionEnd, ...]:
+        """Where what is proved ends inside of the domain of one parameter."""
+        return ()
+
+    @property
+    def proved(self) -> str:
+        """Where the claim is proved, for people."""
+        return "no value" if self.short == "false" else self.short
+
+    @abstractmethod
+    def _told(self, *, with_domain: bool) -> str: ...
+
+    @abstractmethod
+    def written(self) -> dict[str, Any]:
+        """What a certificate has of the cells."""
 
     @property
     def condition(self) -> str:
@@ -111,10 +140,60 @@ class ParameterRegion(Shown):
             words = {"true": "for all values of the domain", "false": "for no value of the domain"}
             said = f"{self.claim} holds {words.get(self.short, f'exactly for {self.short}')}"
         else:
-            proved = "no value" if self.short == "false" else self.short
-            said = f"{self.claim} is proved for {proved}; {self.open_share:.2%} of the domain are open"
+            said = f"{self.claim} is proved for {self.proved}; {self.open_share:.2%} of the domain are open"
         said = f"{said}, where {' = '.join(self.scales)} = 1" if self.scales else said
         return f"{said}, as far as other parameters exist with {' and '.join(self.joined)}" if self.joined else said
+
+    def to_dict(self) -> dict[str, Any]:
+        """The JSON of the interface."""
+        return {
+            "criterion": self.criterion.name,
+            "claim": self.claim,
+            "parameters": list(self.parameters),
+            "domain": self.over,
+            "fixed": {name: str(own.value) for name, own in self.criterion.parameters.items() if own.value is not None},
+            "condition": self.condition,
+            "exact": self.exact,
+            "cells": [vars(cell) | {"sample": dict(cell.sample)} for cell in self.cells],
+            "ends": [vars(end) | {"enclosure": list(end.enclosure)} for end in self.ends],
+            "open_share": self.open_share,
+            "joined": list(self.joined),
+        }
+
+    def certificate(self, file: AnyPath | None = None) -> dict[str, Any]:
+        """What was confirmed for :func:`duhem.recheck`, as an object for JSON; written into ``file`` too, if one is given."""
+        if file is not None:
+            check_place(file)
+        if (inhabited := admitted_values(self.criterion)) is None:
+            raise InputError(
+                "no exact point of the parameters' domain was found", where=self.criterion.name, remedy="fix a parameter with --set"
+            )
+        document = {"law": law_as_text(self.criterion), "inhabited": dict(inhabited), "claim": self.claim, **self.written()}
+        document = json.loads(json.dumps(document, default=_as_plain))
+        document["sha256"] = digest(document)
+        if file is not None:
+            write(file, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
+        return dict(document)
+
+
+@dataclass(frozen=True, repr=False)
+class ParameterRegion(FoundRegion):
+    """The region of one parameter: ``decided`` has the cells with what the kernel confirmed, ``domain`` is what they cover."""
+
+    decided: tuple[Decided, ...]
+    domain: ParameterCell
+
+    @property
+    def known(self) -> tuple[Decided, ...]:
+        """What is known of each cell, in order."""
+        return self.decided
+
+    @property
+    def open_share(self) -> float:
+        """How much of the domain is open, from 0 to 1; 0 too where single values are."""
+        endless = None in (self.domain.low, self.domain.high)
+        left = sum(_length(done.cell, endless) for done in self.decided if done.verdict == "open")
+        return left / whole if (whole := _length(self.domain, endless)) else float(not self.exact)
 
     def _told(self, *, with_domain: bool) -> str:
         parts = [self._between(cell, with_domain) for cell in self.stretches("proved")]
@@ -154,6 +233,10 @@ class ParameterRegion(Shown):
             said.append(f"{name} {'<' if cell.open_high else '<='} {written_root(cell.high)}")
         return " and ".join(said)
 
+    def written(self) -> dict[str, Any]:
+        """What a certificate has of the cells."""
+        return {"schema": SCHEMA, "parameter": self.parameters[0], "cells": [done.written() for done in self.decided]}
+
     @property
     def cells(self) -> tuple[RegionCell, ...]:
         """The cells in order."""
@@ -176,45 +259,13 @@ class ParameterRegion(Shown):
                     found.append(_end(name, end, not left_out))
         return tuple(dict.fromkeys(found))
 
-    def to_dict(self) -> dict[str, Any]:
-        """The JSON of the interface."""
-        return {
-            "criterion": self.criterion.name,
-            "claim": self.claim,
-            "parameters": list(self.parameters),
-            "domain": self._between_all(),
-            "fixed": {name: str(own.value) for name, own in self.criterion.parameters.items() if own.value is not None},
-            "condition": self.condition,
-            "exact": self.exact,
-            "cells": [vars(cell) | {"sample": dict(cell.sample)} for cell in self.cells],
-            "ends": [vars(end) | {"enclosure": list(end.enclosure)} for end in self.ends],
-            "open_share": self.open_share,
-            "joined": list(self.joined),
-        }
-
-    def _between_all(self) -> str:
+    @property
+    def over(self) -> str:
+        """The domain asked for, as comparisons."""
         (name,), own = self.parameters, self.domain
         said = [] if own.low is None else [f"{written_root(own.low)} {'<' if own.open else '<='} {name}"]
         said += [] if own.high is None else [f"{name} {'<' if own.open_high else '<='} {written_root(own.high)}"]
         return " and ".join(said) or "true"
-
-    def certificate(self, file: AnyPath | None = None) -> dict[str, Any]:
-        """The cells for :func:`duhem.recheck`, as an object for JSON; written into ``file`` too, if one is given."""
-        if file is not None:
-            check_place(file)
-        if (inhabited := admitted_values(self.criterion)) is None:
-            raise InputError(
-                "no exact point of the parameters' domain was found", where=self.criterion.name, remedy="fix a parameter with --set"
-            )
-        document = {
-            "schema": SCHEMA, "law": law_as_text(self.criterion), "inhabited": dict(inhabited), "claim": self.claim,
-            "parameter": self.parameters[0], "cells": [done.written() for done in self.decided],
-        }  # fmt: skip
-        document = json.loads(json.dumps(document, default=_as_plain))
-        document["sha256"] = digest(document)
-        if file is not None:
-            write(file, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
-        return dict(document)
 
 
 def _as_plain(x: Any) -> Any:

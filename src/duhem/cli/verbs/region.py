@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import click
 
 from duhem.cli.arguments import format_option, law_argument, modules_beside_the_user, read_law, read_pair, read_settings, settings_option
-from duhem.cli.output import HELD, UNDECIDED, Progress, page, say, wrote
+from duhem.cli.output import HELD, INTERRUPTED, UNDECIDED, Progress, page, say, wrote
 from duhem.errors import InputError
 from duhem.show.place import check_places
 
@@ -17,7 +17,7 @@ __all__ = ["region"]
 
 @click.command()
 @law_argument
-@click.argument("parameters", nargs=-1, metavar="[PARAMETER]")
+@click.argument("parameters", nargs=-1, metavar="[PARAMETER]...")
 @click.option("--claim", default="convexity", show_default=True, help="The claim that is asked for (duhem explain lists them).")
 @click.option(
     "--over",
@@ -29,6 +29,8 @@ __all__ = ["region"]
 @format_option("text", "json", "latex", says="For people, for programs, or the condition as a formula.")
 @click.option("--plot", metavar="FILE", help="Draw where the claim holds, fails and is open (.png, .pdf, .svg, ...).")
 @click.option("--certificate", metavar="FILE", help="Also write what the kernel confirmed to this JSON file, for duhem recheck.")
+@click.option("--steps", type=click.IntRange(1), help="How many steps of the kernel to spend at most, each some microsecond.")
+@click.option("--resume", metavar="FILE", help="Go on from the certificate of a region of several parameters.")
 @click.option("--strict", is_flag=True, help="End with exit code 3 if a part of the domain is open.")
 def region(
     law: str,
@@ -39,15 +41,18 @@ def region(
     form: str,
     plot: str | None,
     certificate: str | None,
+    steps: int | None,
+    resume: str | None,
     strict: bool,
 ) -> int:
-    """Find the exact set of values of PARAMETER for which a claim about LAW holds.
+    """Find the exact set of values of PARAMETER, or of several, for which a claim about LAW holds.
 
-    The domain of the parameter is divided into cells. On each cell, the kernel confirms a proof of the claim, or a family of
-    counterexamples: one for each value of the parameter. What is neither is open, and duhem says which share of the domain that is.
+    The domain of the parameters is divided into cells. On each cell, the kernel confirms a proof of the claim, or a family of
+    counterexamples: one for each value of the parameters. What is neither is open, and duhem says which share of the domain that is.
 
-    PARAMETER may be left out if the law has one free parameter that is no mere scale. The other parameters are all that they may be;
-    --set fixes one of them.
+    PARAMETER may be left out if at most three parameters of the law are free and no mere scales. The other parameters are all that they
+    may be; --set fixes one of them. If you interrupt the search for a region of several parameters, duhem prints what is known so far;
+    --resume goes on from its certificate.
     """
     from duhem import regions
     from duhem.show.printing import latex, text
@@ -62,7 +67,7 @@ def region(
         raise InputError(f"{clash[0]} is both set and given a range", where=f"--over {clash[0]}", remedy="remove one of them")
     with modules_beside_the_user(law), Progress("deciding"):
         fixed = read_law(law).fix(read_settings(settings))
-        found = regions.region(fixed, parameters or None, claim, ranges)
+        found = regions.region(fixed, parameters or None, claim, ranges, steps=steps or regions.MOST_STEPS, resume=resume)
     if form == "text":
         say(text(found, page()))
     else:
@@ -73,4 +78,6 @@ def region(
         found.certificate(certificate)
     wrote("the picture", plot)
     wrote("the certificate", certificate)
+    if isinstance(found, regions.PavedRegion) and found.stopped:
+        return INTERRUPTED
     return UNDECIDED if strict and not found.exact else HELD

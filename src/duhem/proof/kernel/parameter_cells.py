@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from fractions import Fraction
 from itertools import pairwise
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel import obligations
@@ -33,8 +34,10 @@ __all__ = [
     "Covered",
     "ParameterCell",
     "at_values",
+    "family_fails",
     "law_over",
     "own_domain",
+    "proof_fails",
     "recheck_region",
     "refutation_fails",
 ]
@@ -171,18 +174,23 @@ def _vanishes_at_ends(end: RealRoot, other: RealRoot) -> bool:
 # -- refuted -----------------------------------------------------------------------------------------------------------
 
 
-def at_values(law: StatedLaw, values: Mapping[str, Any], swap: Mapping[Term, Term], related: Collection[Term] = ()) -> StatedLaw:
+def at_values(
+    law: StatedLaw, values: Mapping[str, Any], swap: Mapping[Term, Term], names: Collection[str] = (), related: Collection[Term] = ()
+) -> StatedLaw:
     """The law at values of some of its parameters, given by formulas in the others; NotWritten where these are not shown to be admitted.
 
-    ``related`` are constraints that related parameters before some were put.
+    Constraints on ``names`` alone, those of a region, say where it is asked.  ``related`` are constraints that related parameters before
+    some were put.
     """
-    return _at_terms(law, {name: parse(text).put(dict(swap)) for name, text in as_object(values).items()}, related)
-
-
-def _at_terms(law: StatedLaw, terms: Mapping[str, Term], related: Collection[Term] = ()) -> StatedLaw:
-    left = {name: own for name, own in law.parameters.items() if name not in terms}
+    terms = {name: parse(text).put(dict(swap)) for name, text in as_object(values).items()}
     # One that relates what is left is shown, not assumed: it may leave no values to some of a cell, which a witness must not pass over.
-    alone = tuple(c for c in law.constraints if c.names() <= set(left) and len(c.names()) < 2 and c not in related)
+    left = (c for c in law.constraints if c not in related and not c.names() & set(terms))
+    return _at_terms(law, terms, tuple(c for c in left if len(c.names()) < 2 or c.names() <= set(names)))
+
+
+def _at_terms(law: StatedLaw, terms: Mapping[str, Term], alone: tuple[Term, ...]) -> StatedLaw:
+    """The law at values of some of its parameters; of its constraints those that stand ``alone`` are left, the others are shown."""
+    left = {name: own for name, own in law.parameters.items() if name not in terms}
     domain = over(law._replace(parameters=left, constraints=alone, g=number(0), flow=None, surfaces=(), ranges=()))
     found = law
     for name, term in terms.items():
@@ -196,7 +204,7 @@ def _at_terms(law: StatedLaw, terms: Mapping[str, Term], related: Collection[Ter
         found = _put(found, name, term)[0]
     if not all(domain.decided(c) for c in found.constraints if c not in alone):
         raise NotWritten("the values are not shown to meet the constraints")
-    return found
+    return found._replace(constraints=alone)
 
 
 def _dented(law: StatedLaw, evidence: Evidence) -> bool:
@@ -251,7 +259,8 @@ def _consumes(law: StatedLaw, evidence: Evidence) -> bool:
     place = {Term("name", name=f): place.get(Term("name", name=f), number(0)) for f in law.forces}
     if "scale" in evidence:
         scale = Term("name", name=evidence["scale"])
-        law = _at_terms(law, {scale.name: law.g.put({scale: number(0)}).put(place)})
+        others = tuple(c for c in law.constraints if scale.name not in c.names())
+        law = _at_terms(law, {scale.name: law.g.put({scale: number(0)}).put(place)}, others)
     domain = over(law)
     flow = tuple(d.put(place) for d in law.flow or ())
     if not all(domain.constant(x) and domain.facts(x).defined for x in (*place.values(), *flow)):
@@ -274,14 +283,34 @@ _EVIDENCE = ("at", "along", "dent", "family", "p", "point", "pressure", "q", "sc
 
 def refutation_fails(claim: str, rule: str, law: StatedLaw, name: str, cell: ParameterCell, way: str, evidence: Evidence) -> str:
     """Why a family of witnesses does not refute a claim for each value of a parameter in a cell; "" if it does."""
+    try:
+        put, swap = law_over(law, name, cell, way)
+    except UNREADABLE as fault:
+        return in_words(fault)
+    related = [c.put(swap) for c in law.constraints if len(c.names()) > 1]
+    return family_fails(claim, rule, put, (name, _SHARE.name), evidence, swap, related)
+
+
+def family_fails(
+    claim: str,
+    rule: str,
+    law: StatedLaw,
+    names: Collection[str],
+    evidence: Evidence,
+    swap: Mapping[Term, Term] = MappingProxyType({}),
+    related: Collection[Term] = (),
+) -> str:
+    """Why a family of witnesses does not refute a claim of a law for all that its parameters ``names`` may be; "" if it does.
+
+    ``swap`` has what was put in the place of a parameter in the law already, ``related`` the constraints that related it to others.
+    """
     if (claim, rule) not in REFUTATIONS:
         return f"no rule {rule!r} refutes this claim"
     try:
         without_more(evidence, _EVIDENCE)
-        if {name, _SHARE.name} & {*as_object(evidence.get("values", {})), evidence.get("scale")}:
+        if {*names} & {*as_object(evidence.get("values", {})), evidence.get("scale")}:
             raise NotWritten("a family is for one value of the parameter alone")
-        put, swap = law_over(law, name, cell, way)
-        put = at_values(put, evidence.get("values", {}), swap, [c.put(swap) for c in law.constraints if len(c.names()) > 1])
+        put = at_values(law, evidence.get("values", {}), swap, names, related)
         undecided = obligations.constraints(put) or obligations.numbers_in_formula(put)
         return undecided or ("" if REFUTATIONS[claim, rule](put, evidence) else f"the rule {rule!r} does not show it")
     except UNREADABLE as fault:
@@ -318,10 +347,15 @@ def _objection(law: StatedLaw, claim: str, name: str, cell: ParameterCell, row: 
         put, _ = law_over(law, name, cell, way)
     except UNREADABLE as fault:
         return in_words(fault)
+    return proof_fails(claim, put, row)
+
+
+def proof_fails(claim: str, law: StatedLaw, row: Evidence) -> str:
+    """Why a rule, with those for the claims that it rests on, does not prove a claim of a law; "" if it does."""
     settled = set[str]()
     for step in (*as_list(row["needs"]), {"claim": claim, "rule": row["rule"], "evidence": row["evidence"]}):
         own, rule = step["claim"], without_more(as_object(step), {"claim", "rule", "evidence"})["rule"]
-        if reason := objection(own, rule, frozenset(settled), put, as_object(step["evidence"])):
+        if reason := objection(own, rule, frozenset(settled), law, as_object(step["evidence"])):
             return reason if own == claim else f"{own}: {reason}"
         settled.add(own)
     return ""

@@ -15,6 +15,7 @@ from duhem.law.formula_law import Criterion
 from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.regions.entry import region, shape_parameters
 from duhem.regions.mending.limit_load import plain_values
+from duhem.regions.result import ParameterRegion
 
 __all__ = ["by_parameters"]
 
@@ -36,7 +37,8 @@ def by_parameters(law: Criterion, base: Criterion) -> Iterator[tuple[Criterion, 
         value = Fraction(fixed[name].p, fixed[name].q)
         with suppress(InputError):
             found = region(plain.within({name: ranges[name]}), name, steps=_STEPS // len(names))
-            near = [x for cell in found.stretches("proved") if (x := _nearest(cell, value)) is not None]
+            stretches = found.stretches("proved") if isinstance(found, ParameterRegion) else []  # it is of one
+            near = [x for cell in stretches if (x := _nearest(cell, value)) is not None]
             if near:
                 x = min(near, key=lambda x: abs(x - value))
                 moved = law.within({name: Domain.fixed(sp.Rational(x.numerator, x.denominator))})

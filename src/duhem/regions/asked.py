@@ -1,0 +1,149 @@
+"""A claim of a law asked of the kernel where some of its parameters lie: a proof by its rules, or a family of witnesses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
+from duhem.proof import verification
+from duhem.proof.certificate import admitted_values, law_as_text
+from duhem.proof.kernel.certificate import stated
+from duhem.proof.kernel.claims import objection, row_of, rules_of
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.parameter_cells import at_values, proof_fails
+from duhem.proof.kernel.steps import TooDearError, within
+from duhem.proof.kernel.term import NotWritten, Term
+from duhem.proof.verdict import Trust
+from duhem.regions.suggested import Suggestion
+
+__all__ = ["MOST_STEPS", "MOST_STEPS_OF_A_RULE", "AsksTheKernel"]
+
+MOST_STEPS = 60_000_000  # for a region
+MOST_STEPS_OF_A_RULE = 2_500_000  # on one cell
+_FEW_TRIED = 9  # suggestions that the kernel is asked about on one cell
+
+
+@dataclass
+class AsksTheKernel:
+    """A claim of a law, asked for the values of its parameters ``names``.  ``steps`` counts what was spent, ``most`` what may be."""
+
+    law: Criterion
+    claim: str
+    names: tuple[str, ...]
+    most: int = MOST_STEPS
+    steps: int = 0
+    stated: StatedLaw = field(init=False)
+    values: dict[str, str] = field(init=False)
+    usual: dict[str, tuple[str, bool]] = field(default_factory=dict)  # the rule that first proved a claim on a cell, asked alone then
+    learning: bool = True
+
+    def __post_init__(self) -> None:
+        try:
+            found = stated(law_as_text(self.law))
+            if not isinstance(found, StatedLaw):
+                raise NotWritten("it is a boundary curve")
+            self.stated = found
+        except NotWritten as fault:
+            raise InputError(f"regions are not known of such a law: {fault}", where=self.law.name, remedy="use duhem verify") from None
+        self.values = dict(self._plain_values())
+
+    def _plain_values(self) -> Iterator[tuple[str, str]]:
+        """One for each other parameter that is not fixed: 1, if all are admitted there, else what the law admits."""
+        free = [n for n, own in self.stated.parameters.items() if n not in self.names and not own.single]
+        ones = {name: "1" for name in free}
+        if free and not self._admitted(ones):
+            ones = {**dict(admitted_values(self.law) or ones)}
+        yield from ((name, ones[name]) for name in free)
+
+    def _admitted(self, values: Mapping[str, str]) -> bool:
+        try:
+            at_values(self.stated, values, {}, self.names)
+        except NotWritten:
+            return False
+        return True
+
+    @property
+    def spent(self) -> bool:
+        """Whether the budget is used up."""
+        return self.steps >= self.most
+
+    def within(self, ask: Callable[[], str]) -> str:
+        """What the kernel has against something, for no more steps than one rule may cost on one cell."""
+        with within(MOST_STEPS_OF_A_RULE) as purse:
+            try:
+                said = ask()
+            except TooDearError:
+                said = "it is too dear"
+        self.steps += purse.spent
+        return said
+
+    def proof(self, law: StatedLaw) -> dict[str, Any] | None:
+        """The rule that proves the claim of a law over some values, with those for the claims that it rests on; None where none does."""
+        if (steps := self._steps_of(self.claim, law, frozenset(), {})) is None:
+            return None
+        *needs, last = steps
+        return {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
+
+    def _steps_of(
+        self, claim: str, law: StatedLaw, asked: frozenset[str], known: dict[str, list[dict[str, Any]] | None]
+    ) -> list[dict[str, Any]] | None:
+        """The claims that a proof of this one rests on, each with its rule, and it as the last; None where no rule confirms it."""
+        if claim in known or claim in asked:
+            return known.get(claim)
+        found: list[dict[str, Any]] | None = None
+        usual = self.usual.get(claim)
+        readings = (True, False) if usual is None else (usual[1],)
+        every = [(rule, as_written) for as_written in readings for rule in rules_of(claim, law)]
+        for rule, as_written in every if usual is None or not self.is_usual(law) else [usual]:
+            row, before = row_of(claim, rule, law), list[dict[str, Any]]()
+            for need in sorted(row.needed if row is not None else ()):
+                more = self._steps_of(need, law, asked | {claim}, known)
+                if more is None:
+                    break
+                before += [step for step in more if step not in before]
+            else:
+                settled = frozenset(step["claim"] for step in before)
+                if not self.within(partial(objection, claim, rule, settled, law, {}, as_written)):
+                    found = [*before, {"claim": claim, "rule": rule, "evidence": {}}]
+                    if self.learning and self.is_usual(law):
+                        self.usual[claim] = rule, as_written
+                    break
+        known[claim] = found
+        return found
+
+    def proof_by_all(self, stated: StatedLaw, law: Criterion) -> dict[str, Any] | None:
+        """The proof, with its evidence, of all that makes proofs, if the kernel confirms it of the law as it is ``stated``."""
+        try:
+            found = verification.verify(law, claims=[self.claim], effort="quick")
+        except InputError:
+            return None
+        self.steps += sum(r.steps for r in (*found.results, *found.rests_on))
+        rows = {r.claim: r for r in (*found.rests_on, *found.results) if r.proof is not None or r.claim == self.claim}
+        if rows[self.claim].trust is not Trust.CHECKED or rows[self.claim].proof is None:
+            return None
+        steps = [{"claim": r.claim, "rule": r.proof.rule, "evidence": dict(r.proof.evidence)} for r in rows.values() if r.proof is not None]
+        (last,), needs = ([s for s in steps if (s["claim"] == self.claim) is own] for own in (True, False))
+        proof = {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
+        fails = any("over" in step["evidence"] for step in steps) or self.within(partial(proof_fails, self.claim, stated, proof))
+        return None if fails else proof
+
+    def is_usual(self, law: StatedLaw) -> bool:
+        """Whether what proves a claim of one such law is asked alone of all: a single value may have a proof of its own."""
+        return {*self.names} <= {*law.parameters}
+
+    def families(self, law: StatedLaw, swap: Mapping[Term, Term], told: Callable[[StatedLaw], Iterable[Suggestion]]) -> list[Suggestion]:
+        """The first families that floating point suggests for a law over some values; none where nothing is told in so many steps."""
+        found = list[Suggestion]()
+        with within(MOST_STEPS_OF_A_RULE) as purse, suppress(NotWritten, TooDearError):
+            for one in told(at_values(law, self.values, swap, self.names)):
+                free = {name: text for name, text in self.values.items() if name != one.evidence.get("scale")}
+                found.append(Suggestion(one.rule, {**one.evidence, "values": free}))
+                if len(found) == _FEW_TRIED:
+                    break
+        self.steps += purse.spent
+        return found

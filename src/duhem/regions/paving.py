@@ -1,0 +1,349 @@
+"""A tree of comparisons of several parameters, grown until each leaf is decided or the budget is used up.
+
+A leaf is a box, perhaps on one side of polynomials.  Floating point says where the claim seems to hold, and so what the kernel is asked: a
+proof over the leaf, or a family of witnesses.  What it confirms neither of is divided by a polynomial that may tell the two apart
+(:mod:`boundaries`), else in the middle of its longest edge.  The largest leaf comes first, and what becomes of one depends on it alone: a
+paving that was interrupted and goes on later ends as one that was not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import lru_cache, partial
+from heapq import heapify, heappop, heappush
+from math import prod
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.errors import InputError
+from duhem.expression.parse import parse_relation
+from duhem.law.formula_law import Criterion
+from duhem.proof.certificate import law_as_text
+from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain
+from duhem.proof.kernel.parameter_tree import law_where, opposite, read_comparison, recheck_tree
+from duhem.proof.kernel.steps import TooDearError, within
+from duhem.proof.kernel.term import NotWritten, Term, number, parse
+from duhem.regions.asked import MOST_STEPS_OF_A_RULE, AsksTheKernel
+from duhem.regions.boundaries import boundaries
+from duhem.regions.suggested import Array, Holding, looked_at, suggestions, value_of
+
+__all__ = ["FAILS", "HOLDS", "Known", "Paving", "Place", "Tree", "between", "compared", "share_of"]
+
+_BESIDE = Fraction(1, 64)  # of each range, the box in which the rule that proves the claim is looked for
+_SEEDS = 4  # of these boxes
+_LARGE = Fraction(1, 4)  # of the whole, a leaf of which whole verifications are asked
+HOLDS, FAILS = "0", "1"
+
+
+@lru_cache(maxsize=4096)
+def compared(text: str, names: tuple[str, ...]) -> Term:
+    """A comparison as the kernel reads it, which many leaves share."""
+    return read_comparison(text, names)
+
+
+@lru_cache(maxsize=4096)
+def against(text: str) -> str:
+    """What holds where a comparison does not, found once too."""
+    return opposite(text)
+
+
+class Known(NamedTuple):
+    """What is known of a leaf: a verdict, and how a certificate says so; None where it is open."""
+
+    verdict: str = "open"
+    row: Mapping[str, Any] | None = None
+
+
+class Divided(NamedTuple):
+    """A comparison that divides a leaf, and what is known of the two parts."""
+
+    text: str
+    holds: Known = Known()
+    fails: Known = Known()
+
+
+@dataclass(frozen=True)
+class Tree:
+    """The comparisons by which it is divided, and its leaves, each by the way to it: ``0`` where a comparison holds, ``1`` where not."""
+
+    splits: Mapping[str, str] = field(default_factory=dict)
+    leaves: Mapping[str, Known] = field(default_factory=lambda: {"": Known()})
+
+    @classmethod
+    def read(cls, node: Mapping[str, Any]) -> Tree:
+        """From a certificate that the kernel has read."""
+        splits, leaves = dict[str, str](), dict[str, Known]()
+
+        def below(node: Mapping[str, Any], way: str) -> None:
+            if "split" in node:
+                splits[way] = node["split"]
+                below(node["holds"], way + HOLDS)
+                below(node["fails"], way + FAILS)
+            else:
+                row = {key: value for key, value in node.items() if key != "verdict"}
+                leaves[way] = Known(node["verdict"], row or None)
+
+        below(node, "")
+        return cls(splits, leaves)
+
+    def written(self, way: str = "") -> dict[str, Any]:
+        """As a certificate has it."""
+        if way in self.splits:
+            return {"split": self.splits[way], "holds": self.written(way + HOLDS), "fails": self.written(way + FAILS)}
+        return {"verdict": self.leaves[way].verdict, **(self.leaves[way].row or {})}
+
+    def put(self, way: str, found: Known | Divided) -> Tree:
+        """With what was found of a leaf."""
+        if isinstance(found, Known):
+            return Tree(self.splits, {**self.leaves, way: found})
+        rest = {other: leaf for other, leaf in self.leaves.items() if other != way}
+        return Tree({**self.splits, way: found.text}, {**rest, way + HOLDS: found.holds, way + FAILS: found.fails})
+
+    def where(self, way: str) -> tuple[str, ...]:
+        """The comparisons that hold at the end of a way."""
+        texts = [self.splits[way[:i]] for i in range(len(way))]
+        return tuple(text if turn == HOLDS else against(text) for text, turn in zip(texts, way, strict=True))
+
+
+class Place(NamedTuple):
+    """Where a leaf is: the comparisons that hold there, and the range that they leave to each parameter."""
+
+    where: tuple[str, ...]
+    box: Mapping[str, Bounds]
+
+    @classmethod
+    def of(cls, where: tuple[str, ...], whole: Mapping[str, Bounds]) -> Place:
+        """The place where comparisons hold."""
+        law = StatedLaw((), None, number(0), None, whole, ())
+        for comparison in where:
+            law = law_where(law, compared(comparison, tuple(whole)))
+        return cls(where, law.parameters)
+
+    @property
+    def polynomials(self) -> tuple[str, ...]:
+        """Those of the comparisons that bound no edge of the box."""
+        return tuple(
+            text for text in dict.fromkeys(self.where) if {x.op for x in compared(text, tuple(self.box)).args} != {"name", "number"}
+        )
+
+    def joined(self, other: Place) -> Place | None:
+        """The place that is this one and another, on the same side of the same polynomials; None where they do not meet along one edge."""
+        apart = [name for name in self.box if self.box[name] != other.box[name]]
+        shared = [text for text in self.polynomials if text in other.polynomials]
+        rest = {*self.polynomials, *other.polynomials} - {*shared}
+        if not apart and len(rest) == 2 and against(min(rest)) == max(rest):
+            return Place(tuple(shared), self.box)
+        if len(apart) != 1 or rest:
+            return None
+        one, two = sorted((self.box[apart[0]], other.box[apart[0]]), key=lambda own: (own.low is not None, own.low))
+        if one.high is None or one.high != two.low or one.open_high == two.open:
+            return None
+        return Place(self.polynomials, {**self.box, apart[0]: Bounds(one.low, two.high, one.open, two.open_high)})
+
+
+def difference(comparison: str) -> str:
+    """A formula that is >= 0, or > 0, where a comparison holds."""
+    op = parse(comparison).op
+    left, right = (side.strip() for side in comparison.split(op))
+    return f"{left} - ({right})" if op.startswith(">") else f"{right} - ({left})"
+
+
+def share_of(box: Mapping[str, Bounds], whole: Mapping[str, Bounds]) -> Fraction:
+    """How much of the whole a box is; a range without an end is measured after x/(1 + |x|)."""
+    return prod((_length(box[name], own) for name, own in whole.items()), start=Fraction(1))
+
+
+def _length(own: Bounds, whole: Bounds) -> Fraction:
+    if whole.single:
+        return Fraction(1)
+    low, high, first, last = (_along(end, i, None in whole[:2]) for bounds in (own, whole) for i, end in enumerate(bounds[:2]))
+    return max((high - low) / (last - first), Fraction(0))
+
+
+def _along(end: Fraction | None, i: int, endless: bool) -> Fraction:
+    return Fraction(2 * i - 1) if end is None else end / (1 + abs(end)) if endless else end
+
+
+def between(own: Bounds, whole: Bounds, share: Fraction = Fraction(1, 2)) -> Fraction:
+    """What lies at a share of the way from one end to the other."""
+    endless = None in whole[:2]
+    low, high = (_along(end, i, endless) for i, end in enumerate(own[:2]))
+    at = low + (high - low) * share
+    return at / (1 - abs(at)) if endless else at
+
+
+@dataclass
+class Paving(AsksTheKernel):
+    """The question over all values of several parameters, and the tree of what is known."""
+
+    tree: Tree = field(default_factory=Tree)
+    stopped: bool = False
+    whole: dict[str, Bounds] = field(init=False)
+    seen: Holding | None = field(init=False)
+    boundaries: list[str] = field(init=False, default_factory=list)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.whole = {name: own_domain(self.stated, name) for name in self.names}
+        known, self.seen = self.steps, self._holding(self.stated)
+        with suppress(NotWritten):
+            plain = at_values(self.stated, self.values, {}, self.names)
+            self.boundaries = boundaries(plain, self.names, self.seen.dents if self.seen is not None else ())
+        self.steps = known
+
+    @classmethod
+    def resumed(cls, law: Criterion, claim: str, names: tuple[str, ...], most: int, document: Mapping[str, Any]) -> Paving:
+        """The question with what a certificate knows of it, once the kernel has confirmed that; InputError where it does not."""
+        remedy = "resume with the law, claim, parameters and ranges it was made for"
+        asked = {"law": law_as_text(law), "claim": claim, "parameters": list(names)}
+        try:
+            failed = [leaf.said for leaf in recheck_tree(document) if leaf.reason]
+        except NotWritten as fault:
+            raise InputError(f"the certificate cannot be resumed: {fault}", where="resume", remedy=remedy) from None
+        if any(document[key] != own for key, own in asked.items()):
+            raise InputError("the certificate is about something else", where="resume", remedy=remedy)
+        if failed:
+            raise InputError(f"the certificate is not confirmed where {failed[0]}", where="resume", remedy="start without it")
+        steps = document["steps"]
+        return cls(law, claim, names, most, steps if isinstance(steps, int) else 0, tree=Tree.read(document["tree"]))
+
+    def grow(self) -> None:
+        """Decide or divide the largest open leaf until none is left, the budget is used up, or it is interrupted."""
+        before = self.steps
+        try:
+            self._learn()
+            queue = [(-self._share(way), way) for way, leaf in self.tree.leaves.items() if leaf.verdict == "open"]
+            heapify(queue)
+            while queue and not self.spent:
+                _, way = heappop(queue)
+                found = self.decided(Place.of(self.tree.where(way), self.whole))
+                if found is None:
+                    break
+                self.tree, before = self.tree.put(way, found), self.steps
+                for more in (way + HOLDS, way + FAILS):
+                    if more in self.tree.leaves and self.tree.leaves[more].verdict == "open":
+                        heappush(queue, (-self._share(more), more))
+        except KeyboardInterrupt:
+            self.stopped = True
+        self.steps = before
+
+    def proved_places(self) -> list[Place]:
+        """Where the claim is proved."""
+        return [Place.of(self.tree.where(way), self.whole) for way, leaf in self.tree.leaves.items() if leaf.verdict == "proved"]
+
+    def inhabited(self, place: Place) -> bool:
+        """Whether plain values of the other parameters are seen to be admitted everywhere in a place."""
+        with suppress(NotWritten):
+            at_values(self._law(place.where), self.values, {}, self.names)
+            return True
+        return False
+
+    def _share(self, way: str) -> Fraction:
+        return share_of(Place.of(self.tree.where(way), self.whole).box, self.whole)
+
+    def _learn(self) -> None:
+        """The rule by which the claim is proved in a small box in which it seems to hold; that alone is asked on boxes."""
+        spent = self.steps
+        places = looked_at(self.stated, self.names)
+        points = np.array(list(places.values())).T
+        widths = np.maximum(np.ptp(points, axis=0), 1e-300)
+        good = self.seen.margins(places) if self.seen is not None else -np.sum(((points - np.median(points, axis=0)) / widths) ** 2, axis=1)
+        for point in points[np.argsort(-good, kind="stable")[:_SEEDS]].tolist():
+            law = self.stated
+            for name, x in zip(places, point, strict=True):
+                at, whole = Fraction(x).limit_denominator(1000), self.whole[name]
+                up, down = Bounds(at, whole.high), Bounds(whole.low, at)
+                near = between(up, whole, _BESIDE) if at != whole.high else between(down, whole, 1 - _BESIDE)
+                law = law._replace(parameters={**law.parameters, name: Bounds(min(at, near), max(at, near))})
+            if self.proof(law) is not None:
+                break
+        self.learning, self.steps = False, spent
+
+    def decided(self, place: Place) -> Known | Divided | None:
+        """A leaf, or a comparison that divides it with what is known of the two parts; None where the budget ends before that is known."""
+        law = self._law(place.where)
+        places = looked_at(law, self.names)
+        known = self.seen or self._holding(law)
+        holds = None if known is None else known.margins(places) >= 0
+        found = self._confirmed(law, place, None if holds is None else bool(holds.all()), None if holds is None else not holds.any())
+        if found is not None:
+            return found
+        for text in self.boundaries:
+            if self.spent:
+                return None
+            used = any(before.startswith(f"{text} ") for before in place.where)
+            if not used and (parts := self._divided_by(text, law, place, places, holds)) is not None:
+                return parts
+        longest = max(self.names, key=lambda name: _length(place.box[name], self.whole[name]))
+        return Divided(f"{longest} <= {between(place.box[longest], self.whole[longest])}")
+
+    def _divided_by(
+        self, text: str, law: StatedLaw, place: Place, places: Mapping[str, Array], holds: NDArray[np.bool_] | None
+    ) -> Divided | None:
+        """A leaf divided by a polynomial, if the kernel confirms a verdict of both sides, or of one on which all is seen to be alike."""
+        values, share = value_of(parse(text), places), share_of(place.box, self.whole)
+        if not (np.any(values > 0) and np.any(values < 0)):
+            return None
+        above, large = values > 0, share >= _LARGE / 4
+        if holds is None:
+            ops = ("<=", ">=") if large else ()
+            return next(filter(None, (self._parts(f"{text} {op} 0", law, place, 1 if share == 1 else 2) for op in ops)), None)
+        for side, op in ((above, ">="), (~above, "<=")):
+            if np.any(holds[side]) and not np.any(holds[~side]):
+                return self._parts(f"{text} {op} 0", law, place, 1 if large else 2)
+        return None
+
+    def _parts(self, comparison: str, law: StatedLaw, place: Place, least: int) -> Divided | None:
+        """The sides on which a comparison holds and fails, if at least so many are decided."""
+        found = list[Known]()
+        for text, holds in ((comparison, True), (against(comparison), False)):
+            here = law_where(law, compared(text, self.names))
+            there = Place.of((*place.where, text), self.whole)
+            found.append(self._confirmed(here, there, holds, not holds) or Known())
+            if sum(leaf == Known() for leaf in found) > 2 - least:
+                return None
+        return Divided(comparison, *found)
+
+    def _holding(self, law: StatedLaw) -> Holding | None:
+        """Where the claim seems to hold of a law over a leaf; None where that is not told in so many steps."""
+        found = None
+        with within(MOST_STEPS_OF_A_RULE) as purse, suppress(NotWritten, TooDearError):
+            found = Holding.of(at_values(law, self.values, {}, self.names), self.claim)
+        self.steps += purse.spent
+        return found
+
+    def _law(self, where: tuple[str, ...]) -> StatedLaw:
+        law = self.stated
+        for comparison in where:
+            law = law_where(law, compared(comparison, self.names))
+        return law
+
+    def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, fails: bool | None) -> Known | None:
+        """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail."""
+        if holds is not False and (row := self.proof(law) or self._proof_by_all(law, place)) is not None:
+            return Known("proved", row)
+        if fails is not False:
+            away = [f"({difference(text)})" for text in place.polynomials]
+            told = self.families(law, {}, lambda at: suggestions(at, law, self.claim, self.names, [*away, *self.names]))
+            for rule, evidence in told:
+                if not self.within(partial(family_fails, self.claim, rule, law, self.names, evidence)):
+                    return Known("refuted", {"rule": rule, "evidence": dict(evidence)})
+        return None
+
+    def _proof_by_all(self, law: StatedLaw, place: Place) -> dict[str, Any] | None:
+        """The proof with evidence that everything finds which makes proofs; asked on large leaves alone, where no rule was found before."""
+        if self.claim in self.usual or share_of(place.box, self.whole) < _LARGE:
+            return None
+        symbols = self.law.symbols()
+        with suppress(InputError):
+            relations = tuple(parse_relation(text, symbols) for text in place.where)
+            texts = (*self.law.written_constraints, *place.where)
+            return self.proof_by_all(law, replace(self.law, constraints=(*self.law.constraints, *relations), written_constraints=texts))
+        return None
