@@ -92,6 +92,12 @@ def squared(trial: Array, pressure: Array, stiffness: Array) -> Step:
     return Step(found.stress, multiplier=found.multiplier / (2.0 * np.abs(pressure)))
 
 
+def turned(trial: Array, pressure: Array, stiffness: Array) -> Step:
+    """Stresses that derive from no potential, with the transposed of their slope."""
+    found, turn = duhem.project("orthotropic", trial, pressure, stiffness, ELLIPSE, tangent=True), np.array([[1.0, 0.1], [-0.2, 1.0]])
+    return Step(found.stress @ turn.T, tangent=np.swapaxes(turn @ found.tangent, 1, 2))
+
+
 # suggestion: part, routine, what is said
 INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
     "trial_stress": [("stress", nothing, "returns the trial stress")],
@@ -102,7 +108,7 @@ INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
     ],
     "metric_of_no_stiffness": [("stress", identity_metric, "computed with the identity")],
     "metric_of_the_diagonal": [("stress", lambda t, p, k: projected(t, p, np.diag(np.diag(k))), "only the diagonal of the stiffness")],
-    "metric_of_the_inverse": [("stress", inverse_metric, "inverse stiffness")],
+    "metric_of_the_inverse": [("stress", inverse_metric, "inverse of the stiffness")],
     "metric_of_exchanged_entries": [
         ("stress", lambda t, p, k: projected(t, p, k[::-1, ::-1]), "entries of the stiffness for sigma_a and sigma_b exchanged"),
     ],
@@ -155,11 +161,13 @@ INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
         ("multiplier", of_step(lambda t, s, g, k: np.linalg.norm(t - s, axis=1), "multiplier"), "not divided by the stiffness"),
         ("multiplier", squared, "with its parts squared"),
     ],
-    "elastic_tangent": [("tangent", of_step(lambda t, s, g, k: np.tile(k, (len(t), 1, 1)), "tangent"), "the elastic one")],
-    "no_tangent": [("tangent", with_extras(tangent=lambda x: 0.0 * x), "the tangent is zero")],
-    "continuum_tangent": [("tangent", of_step(rates, "tangent"), "that of the rates")],
+    "elastic_tangent": [("tangent", of_step(lambda t, s, g, k: np.tile(k, (len(t), 1, 1)), "tangent"), "the elastic stiffness")],
+    "no_tangent": [("tangent", with_extras(tangent=lambda x: 0.0 * x), "it is zero")],
+    "continuum_tangent": [("tangent", of_step(rates, "tangent"), "the continuum tangent")],
     "tangent_by_the_trial": [("tangent", with_extras(tangent=lambda x: x @ np.linalg.inv(K)), "derivative by the trial stress")],
     "opposite_tangent": [("tangent", with_extras(tangent=np.negative), "the tangent has the opposite sign")],
+    "transposed_tangent": [("tangent", turned, "the tangent is transposed")],
+    "components": [("tangent", with_extras(tangent=lambda x: x * [[1.0, 1.0], [1.0, 1.01]]), "wrong in 1 of 4 components: (2, 2), ")],
     "secant": [("tangent", of_step(secant, "tangent"), "a secant")],
     "multiple_of_the_tangent": [("tangent", with_extras(tangent=lambda x: 2.0 * x), "2 times the slope of the stress")],
 }

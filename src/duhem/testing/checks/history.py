@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.expression.jets import Choices
 from duhem.projection.result import Array
 from duhem.testing.checks.law_in_state import LawInState, LawStep
 from duhem.testing.checks.query import NEAR, Asked, NoReply, NothingToCheck, Query, Raised, Reply
@@ -35,6 +36,9 @@ class _Unknown(Region):
 
     def level(self, stress: Array, pressure: Array) -> Array:
         return np.full(len(stress), np.nan)
+
+    def slope(self, stress: Array, pressure: Array, choices: Choices | None = None) -> tuple[Array, Choices]:
+        return np.full_like(stress, np.nan), np.zeros((0, len(stress)), dtype=np.int8)
 
     def huge(self, pressure: Array) -> NDArray[np.bool_]:
         return np.zeros(len(pressure), dtype=np.bool_)
@@ -65,8 +69,8 @@ class HistoryQuery(Query):
         super().__init__(nothing, case, material.advance, (), accuracy, every, turn, whole=whole, raised=raised)
         self.material, self.remembers, self.lonely, self.law = material, material.towards is None, len(case) == 1, law
 
-    def part(self, case: Case) -> Query:
-        return HistoryQuery(self.material, case, self.accuracy, whole=self, law=self.law)
+    def of(self, case: Case, whole: Query | None = None) -> HistoryQuery:
+        return HistoryQuery(self.material, case, self.accuracy, whole=whole, law=self.law)  # type: ignore[arg-type]
 
     def together(self, asked: Sequence[Asked], stiffness: Array) -> list[Reply]:
         _ = self.start  # what fails on the way there is no fault of this step

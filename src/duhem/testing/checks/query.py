@@ -215,11 +215,12 @@ class Query:
         rows = _some(len(self.case), self.every)
         if len(rows) == len(self.case):
             return self
-        return self.part(self.case.rows(rows))
+        return self.of(self.case.rows(rows), self)
 
-    def part(self, case: Case) -> Query:
-        """A query of some of the rows, which this one has among its own."""
-        return Query(self.region, case, self.update, self.passed, self.accuracy, whole=self)
+    def of(self, case: Case, whole: Query | None = None) -> Query:
+        """A query of another case, or of some of the rows of the ``whole``, which has them among its own."""
+        told = {"whole": whole, "opening": self.opening, "fixed": self.fixed}
+        return Query(self.region, case, self.update, self.passed, self.accuracy, **told)  # type: ignore[arg-type]
 
     def by_turns(self, cases: int) -> bool:
         """Whether to ask what is asked in the first of so many cases: always, where all the rows are asked for all."""

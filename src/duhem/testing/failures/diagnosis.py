@@ -30,7 +30,7 @@ from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.causes import likeliest_first
 from duhem.testing.failures.failure import Departure, Failure
-from duhem.testing.failures.state_suggestions import beside_in_state, of_the_state, of_the_tangent
+from duhem.testing.failures.state_suggestions import beside_in_state, of_the_state
 from duhem.testing.routines.origin import Origin
 
 __all__ = ["Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions", "suggests"]
@@ -271,7 +271,7 @@ def _probe(query: Query, found: Departure) -> Probe:
     at_rest = np.zeros(len(rows))
     if "pressure" in query.fixed:
         loads = [1.0] * len(rows)
-    elif found.pressure is not None and size > 0.0:
+    elif found.pressure is not None and size > 0.0 and query.region.law is not None:
         own, p = query.region.law.domain.get(query.region.law.pressure or ""), found.pressure
         far_off = [(rows[2], 0.1 * p), (10.3 * rows[3], 10.0 * p)] if p else [(rows[2], -0.1 * size)]
         unit = abs(p) or 0.1 * size
@@ -282,12 +282,13 @@ def _probe(query: Query, found: Departure) -> Probe:
     n = len(rows)
     stacked, zero = np.array(rows), np.zeros((n, d))
     pressure = None if found.pressure is None else found.pressure * np.array(loads) + at_rest
-    path = np.zeros((n, 1, d))
     case = replace(
-        query.case, stiffness=np.array(found.stiffness), pressure=pressure, trial=stacked, other=zero, third=zero, inside=zero, beside=zero,
-        stretch=np.ones(n), path=path, loads=None if pressure is None else pressure[:, None],
+        query.case.rows(np.zeros(n, dtype=np.intp)), stiffness=np.array(found.stiffness), pressure=pressure, trial=stacked,
+        other=zero, third=zero, inside=zero, beside=zero, stretch=np.ones(n),
     )  # fmt: skip
-    asked = Query(query.region, case, query.update, query.passed, query.accuracy, opening=query.opening, fixed=query.fixed)
+    if query.region.law is not None:  # else after the path that leads to each
+        case = replace(case, path=np.zeros((n, 1, d)), loads=None if pressure is None else pressure[:, None])
+    asked = query.of(case)
     return Probe(asked, asked.ask(stacked)[0])
 
 
@@ -311,35 +312,25 @@ def diagnosed(failures: Iterable[Failure], asked: Callable[[Case], Query], made:
     """
     told: list[Failure] = []
     tried: Counter[Part] = Counter()
-    of_a_case: dict[tuple[object, ...], dict[str, str]] = {}
+    of_a_case: dict[tuple[bytes, ...], dict[str, str]] = {}
     for failure in sorted(failures, key=likeliest_first):
         now, known = replace(failure, origin=made), failure.law is not None
         gone = known and not failure.alone and isnan(failure.measured)  # it did not show when asked again, and would not here
         if not (failure.check.law_only or failure.check.whole or gone) and len(failure.case) == 1:
             part = _part(failure)
             now = replace(now, departure=departure(asked(failure.case)))
-            if known and now.departure is not None and (now.departure.apart or part != "stress") and tried[part] < _TRIED:
+            apart = now.departure is not None and (now.departure.apart or part != "stress")
+            if failure.check.of_states:
+                key = failure.case.path.tobytes(), failure.case.trial.tobytes()
+                if key not in of_a_case:
+                    query = asked(beside_in_state(failure.case))
+                    of_a_case[key] = of_the_state(query) if isinstance(query, HistoryQuery) else {}
+                now = replace(now, diagnoses=of_a_case[key])
+            elif (known or part == "tangent") and apart and tried[part] < _TRIED:
                 now = replace(now, diagnoses=instead(now, asked, accused))
                 tried[part] += _TRIED if now.diagnoses else 1
-            elif not known:
-                which = failure.check.of_states or failure.check.name
-                key = which, failure.case.path.tobytes(), failure.case.trial.tobytes()
-                if key not in of_a_case:
-                    of_a_case[key] = _of_a_history(now, asked)
-                now = replace(now, diagnoses=of_a_case[key])
         told.append(now)
     return told
-
-
-def _of_a_history(failure: Failure, asked: Callable[[Case], Query]) -> dict[str, str]:
-    """Return by name what a material does instead: of its law, where that is known, or with its tangent."""
-    if failure.check.name == "slope":
-        query = asked(failure.case)
-        return of_the_tangent(query) if isinstance(query, HistoryQuery) else {}
-    if not failure.check.of_states:
-        return {}
-    query = asked(beside_in_state(failure.case))
-    return of_the_state(query) if isinstance(query, HistoryQuery) else {}
 
 
 def instead(failure: Failure, asked: Callable[[Case], Query], accused: bool) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""What a material does instead of the step of its law, or what is wrong with its tangent: words that hold at many steps beside.
+"""What a material does instead of the step of its law: words that hold at many steps beside.
 
 A word is believed where it gives what was returned at every wrong step, three at the least, of histories beside the one that failed.
 Where the stress is that of the law's own step from the state before (:meth:`duhem.path.state_step.StateLaw.advance`), what is stored is
@@ -22,16 +22,14 @@ from duhem.testing.checks.law_in_state import LawStep
 from duhem.testing.checks.query import NoReply, NothingToCheck
 from duhem.testing.drawn.case import Case
 
-__all__ = ["beside_in_state", "of_the_state", "of_the_tangent"]
+__all__ = ["beside_in_state", "of_the_state"]
 
 _ROWS, _KNOTS, _LEAST, _ALIKE = 14, 3, 3, 1e-6
 _FACTORS = np.geomspace(0.04, 30.0, 14)  # of parameters, between which it is looked for the one that explains
-_NONE: Mapping[str, Array] = {}
 _OFTEN = {0.0: "not advanced", 2.0: "advanced twice", -1.0: "advanced with the opposite sign"}
 
 Rows: TypeAlias = NDArray[np.bool_]
 Words: TypeAlias = Iterator[tuple[str, str]]  # by name
-Instead: TypeAlias = Iterator[tuple[str, str, Array, Array]]
 
 
 def beside_in_state(case: Case) -> Case:
@@ -100,7 +98,7 @@ class _Probe:
             yield from [*self._of_the_criterion(wrong, step.ended)] or self._of_the_criterion(wrong, meant)
             yield from self._of_the_direction(wrong)
         flow = np.einsum("ns,nsi->ni", multiplier, flow)
-        yield from self._of_what_is_kept(chosen)
+        yield from self._of_what_is_kept(chosen) if step.of.more else ()
         still = chosen & ~flowed & ~step.slipped & (ref.multiplier.sum(axis=1) == 0.0)
         off = np.abs(step.change - moved) > 2.0 * step.allowed + self.near * np.abs(moved)
         ends, dt = step.ended[:, self.inner], step.dt[:, None]
@@ -116,7 +114,7 @@ class _Probe:
                 f"{stem} changes by its rate alone, and not with the multiplier": rate,
             }
             by_rate = {said: x[rows] for said, x in others.items() if rate[:, at].any()}
-            found = [*self._stored(stem, self.names, at, step.of.known.tolist(), stored, by_rate)]
+            found = [*self._stored(stem, self.names, at, step.of.known.tolist(), by_rate, *stored)]
             found = found or [*self._of_a_parameter(stem, rows, at)]
             if not found and not rate.any() and (still & off[:, at].any(axis=1)).sum() >= _LEAST:
                 found = [(f"elastic {stem}", f"{stem} changes in elastic steps too")]
@@ -125,13 +123,7 @@ class _Probe:
     # -- what is stored ------------------------------------------------------------------------------------------------
 
     def _stored(
-        self,
-        stem: str,
-        names: Sequence[str],
-        at: list[int],
-        places: list[int],
-        kept: tuple[Array, ...],
-        others: Mapping[str, Array] = _NONE,
+        self, stem: str, names: Sequence[str], at: list[int], places: list[int], others: Mapping[str, Array], *kept: Array
     ) -> Words:
         """What was ``kept`` of some variables ``at``: (M, k) at the end and the beginning, and what is right; it may be of ``others``."""
         ends, begun, right = kept
@@ -159,8 +151,6 @@ class _Probe:
     def _of_what_is_kept(self, chosen: Rows) -> Words:
         """What is kept of the slips, against the stress."""
         step, told = self.step, [each.told for each in self.step.of.more]
-        if not told:
-            return
         at = [each.place for each in step.of.more]
         (values, allowed), (former, _) = step.derived(), step.derived(step.begun)
         ends, begun = step.after.variables[:, at], step.before.variables[:, at]
@@ -169,26 +159,23 @@ class _Probe:
             rows = chosen & (np.abs(ends - values)[:, places] > allowed[:, places] + self.near * size).any(axis=1)
             if rows.sum() >= _LEAST:
                 added = (values - former + begun)[rows]  # what was kept before may be wrong already
-                found = [*self._stored(stem, told, places, places, (ends[rows], begun[rows], added))]
-                yield from found or self._stored(stem, told, places, places, (ends[rows], former[rows], values[rows]))
+                found = [*self._stored(stem, told, places, places, {}, ends[rows], begun[rows], added)]
+                yield from found or self._stored(stem, told, places, places, {}, ends[rows], former[rows], values[rows])
 
     def _of_a_parameter(self, stem: str, rows: Rows, at: list[int]) -> Words:
         """Whether another value of one parameter gives the evolution, the multiplier being that of the slips."""
         step = self.step
-        i = int(np.flatnonzero(rows)[np.abs(step.off[rows][:, at]).max(axis=1).argmax()])
-        v = at[int(np.abs(step.off[i, at]).argmax())]
         size = (np.abs(step.change) + np.abs(step.ended[:, self.inner]))[:, at].max(axis=1, keepdims=True)
         for name, _, others in self._other_numbers():
 
             def off(factor: float, others: Callable[[float], list[Array]] = others) -> Array:
                 flow, rate = step.flows(others=others(factor))
-                return np.asarray(step.change - np.einsum("ns,nsi->ni", step.multiplier, flow) - rate)
+                return np.asarray(step.change - np.einsum("ns,nsi->ni", step.multiplier, flow) - rate)[:, at]
 
-            for factor in (0.0, *_roots(lambda c, off=off: float(off(c)[i, v]))):  # type: ignore[misc]
-                if self.alike(off(factor)[rows][:, at], 0.0 * size[rows], 1e2 * size[rows]):
-                    often = f"taken {factor:.6g} times as large" if factor else "left out"
-                    yield f"{name} {stem}", f"in the evolution of {stem}, {name} is {often}"
-                    return
+            for factor in self._factors(off, rows, 1e2 * self.near * size, 0.0):
+                often = f"taken {factor:.6g} times as large" if factor else "left out"
+                yield f"{name} {stem}", f"in the evolution of {stem}, {name} is {often}"
+                return
 
     def _other_numbers(self) -> Iterator[tuple[str, float, Callable[[float], list[Array]]]]:
         """Each parameter, its value, and the numbers with so many times that."""
@@ -197,61 +184,72 @@ class _Probe:
             now = float(given[place][0])
             yield name, now, lambda c, place=place: [c * x if j == place else x for j, x in enumerate(given)]  # type: ignore[misc]
 
+    def _factors(self, off: Callable[[float], Array], rows: Rows, allowed: Array, *first: float) -> Iterator[float]:
+        """Factors beside 1 with which (M, k) values are 0 to what is ``allowed`` at all ``rows``: the ``first``, and those found at one."""
+        worst = np.where(rows[:, None], np.abs(off(1.0) / allowed), 0.0)
+        i, j = np.unravel_index(np.nan_to_num(worst).argmax(), worst.shape)
+        for factor in (*first, *roots(lambda tried: np.array([off(float(c))[i, j] for c in tried]), _FACTORS)):
+            if abs(factor - 1.0) > _ALIKE and (np.abs(off(factor)) <= allowed)[rows].all():
+                yield factor
+
     # -- what the stress is --------------------------------------------------------------------------------------------
 
-    def _instead(self, end: Array) -> Instead:
-        """What may stand in the criterion in the place of something: a name, words, forces and chi."""
-        (forces_0, forces), law, step = self.forces, self.own.law, self.step
+    def _taken(self, end: Array) -> Array:
+        """What the criteria take at the end of the steps, the state there being ``end``: forces and chi."""
+        return np.concatenate([self.forces[1], end], axis=1)
+
+    def _instead(self, taken: Array) -> Iterator[tuple[str, str, Array]]:
+        """What may stand in the criterion in the place of something: a name, words, and what the criteria take then."""
+        law, known, before = self.own.law, self.step.of.known, np.concatenate([self.forces[0], self.step.begun], axis=1)
         driven = {own.force: name for name, own in law.variables.items() if own.internal}
-        places: list[tuple[str, str, int, list[int]]] = []  # which of (forces, chi), and the columns
+        stems, places = _stems(self.names), list[tuple[str, str, list[int]]]()
         for stem, at in _stems(law.forces).items():
-            if not {law.forces[i] for i in at} & step.of.observed:
+            if not {law.forces[i] for i in at} & self.step.of.observed:
                 variables = {driven[law.forces[i]] for i in at}
-                named = next((s for s, a in _stems(self.names).items() if {self.names[i] for i in a} == variables), stem)
-                places.append((named, f"the force {stem} of {named} (its back stress or hardening)", 0, at))
-        for stem, at in _stems(self.names).items():
-            if columns := [self.inner.start + i for i in at if i in step.of.known]:
-                places.append((stem, stem, 1, columns))
-        for key, said, which, columns in places:
-            for name, words, others in (
-                ("left-out", "does not enter the yield check", (0.0 * forces, 0.0 * end)),
-                ("old", "in the yield check is that before the step: the hardening of the old step", (forces_0, step.begun)),
-                ("opposite", "enters the yield check with the opposite sign", (-forces, -end)),
+                named = next((s for s, a in stems.items() if {self.names[i] for i in a} == variables), stem)
+                places.append((named, f"the force {stem} of {named} (its back stress or hardening)", at))
+        first = len(law.forces) + self.inner.start
+        places += [(stem, stem, own) for stem, at in stems.items() if (own := [first + i for i in at if i in known])]
+        for key, said, columns in places:
+            for name, words, other in (
+                ("left-out", "does not enter the yield check", 0.0 * taken),
+                ("old", "in the yield check is that before the step: the hardening of the old step", before),
+                ("opposite", "enters the yield check with the opposite sign", -taken),
             ):
-                now = [forces.copy(), end.copy()]
-                now[which][:, columns] = others[which][:, columns]
-                yield f"{name} {key}", f"{said} {words}", now[0], now[1]
+                now = taken.copy()
+                now[:, columns] = other[:, columns]
+                yield f"{name} {key}", f"{said} {words}", now
 
     def _of_the_criterion(self, wrong: Rows, end: Array) -> Words:
         """What the yield check takes instead, the state at the end of the steps being ``end``."""
-        step, forces, law = self.step, self.forces[1], self.own.law
+        step, law, taken = self.step, self.own.law, self._taken(end)
 
-        def level(forces: Array, chi: Array, others: Sequence[Array] = step.others) -> Array:
-            taken = np.concatenate([forces, chi], axis=1)
-            return np.asarray(np.max([criterion.first(taken, others)[0] for criterion, _, _ in self.own.criteria], axis=0))
+        def level(taken: Array, others: Sequence[Array] = step.others) -> Array:
+            return np.max([criterion.first(taken, others)[0] for criterion, _, _ in self.own.criteria], axis=0)[:, None]
 
         if not self.own.criteria:
             return
-        rows = wrong & ~(np.abs(level(forces, end)) <= 4.0 * step.level_allowed.min(axis=1))
+        rows = wrong & ~(np.abs(level(taken))[:, 0] <= 4.0 * step.level_allowed.min(axis=1))
         if rows.sum() < _LEAST:
             return
-        allowed = 8.0 * step.level_allowed.max(axis=1) + self.near * step.size.max(axis=1)
-        for name, said, changed, chi in self._instead(end):
-            if (np.abs(level(changed, chi)) <= allowed)[rows].all():
+        allowed = (8.0 * step.level_allowed.max(axis=1) + self.near * step.size.max(axis=1))[:, None]
+        for name, said, changed in self._instead(taken):
+            if (np.abs(level(changed)) <= allowed)[rows].all():
                 yield name, said
+        columns = np.arange(taken.shape[1])
         tried: list[tuple[str, float | None, Callable[[float], Array]]] = []
         if law.temperature is not None:
-            warm = np.arange(end.shape[1]) == end.shape[1] - 1
-            tried.append((f"the temperature {law.temperature}", float(end[0, -1]), lambda c: level(forces, np.where(warm, c * end, end))))
+            warm, now = columns == columns[-1], float(end[0, -1])
+            tried.append((f"the temperature {law.temperature}", now, lambda c: level(np.where(warm, c * taken, taken))))
         for name, value, others in self._other_numbers():
-            tried.append((f"in the yield check {name}", value, lambda c, others=others: level(forces, end, others(c))))  # type: ignore[misc]
-        tried.append(("in the yield check the stress, beside the limit,", None, lambda c: level(c * forces, end)))
-        i = int(np.flatnonzero(rows)[np.abs(level(forces, end) / allowed)[rows].argmax()])
-        for said, now, of in tried:
-            for factor in _roots(lambda c, of=of: float(of(c)[i])):  # type: ignore[misc]
-                if (np.abs(of(factor)) <= allowed)[rows].all():
-                    times = f"{factor:.6g} times as large, or the limit {1.0 / factor:.6g} times"
-                    yield said, f"{said} is taken {times if now is None else f'as {factor * now:.6g}, not {now:.6g}'}"
+            tried.append((f"in the yield check {name}", value, lambda c, others=others: level(taken, others(c))))  # type: ignore[misc]
+        of_force = columns < len(law.forces)
+        said = "in the yield check the stress, beside the limit,"
+        tried.append((said, None, lambda c: level(np.where(of_force, c * taken, taken))))
+        for said, value, of in tried:  # type: ignore[assignment]
+            for factor in self._factors(of, rows, allowed):
+                times = f"{factor:.6g} times as large, or the limit {1.0 / factor:.6g} times"
+                yield said, f"{said} is taken {times if value is None else f'as {factor * value:.6g}, not {value:.6g}'}"
 
     def _of_the_direction(self, wrong: Rows) -> Words:
         step, slips = self.step, self.step.of.slips
@@ -260,47 +258,16 @@ class _Probe:
             return
         (criterion, associated, _), change = self.own.criteria[0], (step.change - step.rate)[rows][:, slips]
         place = [self.own.order.tolist().index(i) for i in slips.tolist()]
-        for name, said, forces, chi in self._instead(step.ended) if associated else ():
-            way = criterion.first(np.concatenate([forces, chi], axis=1), step.others)[1][rows][:, place]
+        for name, said, taken in self._instead(self._taken(step.ended)) if associated else ():
+            way = criterion.first(taken, step.others)[1][rows][:, place]
             amount = (change * way).sum(axis=1, keepdims=True) / (way * way).sum(axis=1, keepdims=True)
             if self.alike(change, amount * way, np.linalg.norm(change, axis=1, keepdims=True)) and (amount > 0.0).all():
                 yield f"direction {name}", f"the plastic strain goes where it would if {said.replace('the yield check', 'its direction')}"
 
 
-def _roots(off: Callable[[float], float]) -> Iterator[float]:
-    """Factors beside 1 at which a function changes its sign."""
-    values = np.array([off(float(c)) for c in _FACTORS])
-    for j in np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0):
-        found = float(brentq(off, _FACTORS[j], _FACTORS[j + 1], xtol=1e-13, rtol=1e-13))
-        if abs(found - 1.0) > 1e-6:
-            yield found
-
-
-# -- tangents ------------------------------------------------------------------------------------------------------------
-
-
-def of_the_tangent(query: HistoryQuery) -> dict[str, str]:
-    """Return what is wrong with the tangent of the first increment of a case, component by component."""
-    with suppress(NoReply, NothingToCheck), np.errstate(all="ignore"):
-        here, k = query.here, query.case.stiffness
-        if here.tangent is None or not np.isfinite(here.tangent[0]).all():
-            return {} if here.tangent is None else {"not-set": "the tangent is not a number"}
-        given, root, d = here.tangent[0], np.sqrt(np.diag(k)), len(k)
-        h = 1e-5 * (float(query.length(here.trial)[0] + query.length(here.stress)[0]) or 1.0)
-        asked = [s * h * k[:, j] / root[j] for j in range(d) for s in (1.0, -1.0, 0.5, -0.5)]
-        ends = np.array([reply.stress[0] for reply in query.ask(*(here.trial + by for by in asked))]).reshape(d, 4, d)
-        coarse, right = ((ends[:, i] - ends[:, i + 1]).T / (s * h) * root for i, s in ((0, 2.0), (2, 1.0)))
-        scale = np.outer(root, root)
-        found = {
-            "the tangent is not set: it is zero": 0.0 * k,
-            "the tangent is the elastic stiffness although there is slip": k,
-            "the tangent is transposed": right.T,
-        }
-        if said := next((said for said, other in found.items() if (np.abs(given - other) <= 1e-4 * scale).all()), ""):
-            return {said: said}
-        wrong = np.argwhere(np.abs(given - right) > 1e-4 * scale + 2.0 * np.abs(coarse - right))
-        places = [f"({i + 1}, {j + 1}), {given[i, j]:.6g} for {right[i, j]:.6g}" for i, j in wrong]
-        more = f"; and {len(places) - 6} more" if len(places) > 6 else ""
-        if places:
-            return {"components": f"the tangent is wrong in {len(places)} of {d * d} components: {'; '.join(places[:6])}{more}"}
-    return {}
+def roots(level: Callable[[Array], Array], points: Array) -> Iterator[float]:
+    """Where a function of (M,) values changes its sign between neighbouring ``points``, to the last digit."""
+    signs = np.sign(level(points))
+    for i in np.flatnonzero(signs[:-1] * signs[1:] < 0):
+        sides = points[i], points[i + 1]  # where the level is flat a step only halves them
+        yield float(brentq(lambda x: level(np.array([x]))[0], *sides, xtol=1e-300, rtol=1e-15, maxiter=2_000))

@@ -9,12 +9,12 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from duhem.projection.result import Array
 from duhem.testing.checks.query import NoReply
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.diagnosis import Probe, constant, suggests
+from duhem.testing.failures.state_suggestions import roots
 
 __all__ = ["needs_the_run"]
 
@@ -22,6 +22,7 @@ _FAR = 10.0  # times as far out as others: trial stresses of which that may be w
 _FAR_OUT = 1e4  # times the trial stresses: where it is seen whether a routine corrects anything at all
 _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
 _ALIKE = 1e-4  # of its value: what is closer is no other
+_CLEARLY = 1e-3  # of the component that is wrong most: smaller errors are those of differences
 _SPREAD = np.logspace(-2.0, 2.0, 81)  # times the value of a parameter or a pressure: where another one is looked for
 
 
@@ -116,7 +117,7 @@ def needs_the_run(diagnoses: Mapping[str, str]) -> bool:
 def another_parameter(p: Probe) -> Iterator[tuple[str, Array]]:
     region = p.query.region
     for name, value in region.parameters.items():
-        for other in (x for i in _moved(p)[:1] for x in _roots(_levels(p, i, name), value or 1.0)):
+        for other in (x for i in _moved(p)[:1] for x in roots(_levels(p, i, name), (value or 1.0) * _SPREAD)):
             if value and abs(other / value - 1.0) < _ALIKE:
                 continue  # digits are lost, and no other value is taken
             factor = f", {other / value:.4g} times its value" if value else ""
@@ -129,7 +130,7 @@ def another_pressure(p: Probe) -> Iterator[tuple[str, Array]]:
         return
     given = p.pressure
     at = _moved(p)
-    taken = np.array([next(_roots(_levels(p, i), -max(abs(given[i]), np.abs(p.returned[i]).max())), np.nan) for i in at])
+    taken = np.array([next(roots(_levels(p, i), -max(abs(given[i]), np.abs(p.returned[i]).max()) * _SPREAD), np.nan) for i in at])
     if (same := constant(taken)) is not None:
         known = np.ptp(given[at]) > 0.0  # else it may be what another one becomes
         told = "whatever it is" if known else f"not {given[at[0]]:.6g}"
@@ -248,14 +249,6 @@ def _levels(p: Probe, i: int, parameter: str | None = None) -> Levels:
     return level
 
 
-def _roots(level: Levels, size: float) -> Iterator[float]:
-    points = size * _SPREAD
-    signs = np.sign(level(points))
-    for i in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-        sides = points[i], points[i + 1]  # where the level is flat a step only halves them
-        yield float(brentq(lambda x: level(np.array([x]))[0], *sides, xtol=1e-300, rtol=1e-15, maxiter=2_000))
-
-
 def _unlike_one(factor: float) -> str:
     """Return a factor with six digits, or as many as tell it from 1."""
     return next((said for n in range(6, 17) if float(said := f"{factor:.{n}g}") != 1.0), "1")
@@ -363,7 +356,7 @@ def elastic_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
 
 @suggests("tangent")
 def no_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the tangent is zero", np.zeros((len(p.trial), *p.stiffness.shape))
+    yield "the tangent is not set: it is zero", np.zeros((len(p.trial), *p.stiffness.shape))
 
 
 @suggests("tangent")
@@ -388,6 +381,11 @@ def opposite_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
 
 
 @suggests("tangent")
+def transposed_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
+    yield "the tangent is transposed", np.swapaxes(p.slopes, 1, 2)
+
+
+@suggests("tangent")
 def secant(p: Probe) -> Iterator[tuple[str, Array]]:
     share = _length(p.returned) / _length(p.trial)
     yield "the tangent is a secant: the stiffness times stress over trial stress", share[:, None, None] * p.stiffness
@@ -401,3 +399,16 @@ def multiple_of_the_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
     if known.size and np.ptp(known) <= 1e-4 * np.abs(known).max():
         factor = float(np.median(known))
         yield f"the tangent is {factor:.4g} times the slope of the stress", factor * right
+
+
+@suggests("tangent")
+def components(p: Probe) -> Iterator[tuple[str, Array]]:
+    """Last, as it says only where the tangents are wrong: of right ones it has no answer."""
+    right, given, root = p.slopes, np.asarray(p.reply.tangent), np.sqrt(np.diag(p.stiffness))
+    off = np.abs(given - right) / np.outer(root, root)
+    most = off.max(axis=(1, 2), keepdims=True)
+    places = [f"({i + 1}, {j + 1}), {given[0, i, j]:.6g} for {right[0, i, j]:.6g}" for i, j in np.argwhere(off[0] > _CLEARLY * most[0])]
+    more = f"; and {len(places) - 6} more" if len(places) > 6 else ""
+    if len(places) < off[0].size:
+        said = f"the tangent is wrong in {len(places)} of {off[0].size} components: {'; '.join(places[:6])}{more}"
+        yield said, np.where(most > _CLEARLY**2, given, np.nan)
