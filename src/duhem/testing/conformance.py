@@ -14,16 +14,14 @@ from duhem.law.catalogue import load, load_formula
 from duhem.law.formula_law import Criterion
 from duhem.law.state import check_stateless
 from duhem.testing.checks import material_checks, state_checks  # noqa: F401 (they register their checks, and what they import)
-from duhem.testing.checks.history import HistoryQuery
-from duhem.testing.checks.law_in_state import LawInState, Places
-from duhem.testing.checks.query import NoReply, Query
+from duhem.testing.checks.law_in_state import Places
+from duhem.testing.checks.query import NoReply
 from duhem.testing.checks.registry import Check, judged, registered
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import ACCURACY, TRIES, check_share
-from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.values import Strategy
 from duhem.testing.failures.report import Report
-from duhem.testing.routines.material import Material, stateless
+from duhem.testing.routines.material import Material
 from duhem.testing.routines.routine import Update
 from duhem.testing.run import ConformanceRun
 
@@ -114,21 +112,13 @@ def violation(
 
     ``parameters`` and ``state`` are those with which a material is held to a law (:func:`conformance`).
     """
-    held = isinstance(update, Material) and law is not None
-    asked = _named(name, law is not None, held) if isinstance(name, str) else name
-    if law is None:
-        query: Query = HistoryQuery(stateless(update, case.stiffness, case.parameters), case, accuracy)
-    elif isinstance(update, Material):
-        known = load_formula(law)
-        warm = None if known.temperature is None else case.parameters[known.temperature]
-        update = replace(update, temperature=warm, pressed=known.pressure is not None)
-        own = LawInState.of(known, update, parameters or {}, state)
-        query = HistoryQuery(update, case, accuracy, law=own)
-    else:
-        passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
-        query = Query(Region(load(law), case.parameters), case, _routine(update), passed, accuracy)
+    asked = (name if isinstance(name, Check) else _named(name, *_kind(law, update)),)
+    given: dict[str, Any] = {"parameters": parameters} if isinstance(update, Material) else {"parameters": dict(case.parameters)}
+    given |= {"stiffness": case.stiffness} if law is None and not isinstance(update, Material) else {}
+    run = ConformanceRun(_loaded(law, update), update, asked=asked, accuracy=accuracy, state=state, every=1, **given)
+    run.passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
     try:
-        found = judged(asked, query)
+        found = judged(*asked, run.query(case))
     except NoReply as fault:
         return str(fault)
     return None if found is None else found[1]
@@ -189,29 +179,32 @@ def conformance(
     no check, an accuracy that is not between 0 and 1, a count below 1, a stiffness that is not symmetric and positive definite, a
     pressure > 0 (sigma_n <= 0 in compression).
     """
-    known = None if law is None else load(law)
     if not isinstance(update, Material) and state is not None:
         raise InputError("the routine keeps no state", where="state", remedy="give a Material, such as duhem.testing.foreign.umat(...)")
-    held_to = load_formula(known) if known is not None and isinstance(update, Material) else None
-    known = known if held_to is None else None
-    if isinstance(known, Criterion):
-        check_stateless(known, "a test of single increments")
-    asked = checks_asked(known, checks, held_to is not None)
-    check_expected(known, expected_failed_checks, held_to is not None)
+    known, of_states = _loaded(law, update), _kind(law, update)[1]
+    asked = checks_asked(known, checks, of_states)
+    check_expected(known, expected_failed_checks, of_states)
     if most_flagged is not None:
         check_share(most_flagged, "most_flagged")
     drawn = {"stiffness": stiffness, "pressure": pressure, "max_examples": max_examples, "rows": rows, "every": every, "seed": seed}
     drawn |= {"largest_strain": largest_strain, "scale": scale}
     told: dict[str, Any] = {"accuracy": accuracy, "tries": tries, "seconds": seconds, "expected": expected_failed_checks, "given": law}
-    told |= {"held_to": held_to, "state": state}
-    run = ConformanceRun(known, update if known is None else _routine(update), parameters, asked, **told, **drawn)  # type: ignore[arg-type]
+    run = ConformanceRun(known, update, parameters, asked, state=state, **told, **drawn)  # type: ignore[arg-type]
     return replace(run.outcome(first), most_flagged=most_flagged)
 
 
-def _routine(update: Update | Material) -> Update:
-    if isinstance(update, Material):
-        raise InputError("a material contains its own stiffness", where="update", remedy="use from_material to test it with a law")
-    return update
+def _kind(law: _Law, update: Update | Material) -> tuple[bool, bool]:
+    """Whether the checks of a routine with a law are asked, and whether those of a material that is held to one."""
+    return law is not None, law is not None and isinstance(update, Material)
+
+
+def _loaded(law: _Law, update: Update | Material) -> Criterion | None:
+    """The law, or None.  InputError for one with a state where the routine keeps none."""
+    if law is None or isinstance(update, Material):
+        return None if law is None else load_formula(law)
+    if isinstance(known := load(law), Criterion):
+        check_stateless(known, "a test of single increments")
+    return known
 
 
 def assert_conforms(

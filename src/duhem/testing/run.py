@@ -53,7 +53,8 @@ class ConformanceRun:
     """What a routine is held to, and what was found on the way; :attr:`ended` is what ended it before its end, None where nothing did.
 
     ``law`` is None where none is known: the routine, or a material with its own stiffness and parameters, is put to the checks that need
-    none; a material is also held to the law ``held_to``, whose variables have the places ``state`` (that of the material where left out).
+    none.  A material with a law is put to these too, and ``held_to`` the law, whose variables have the places ``state`` (that of the
+    material where left out).
     ``options`` are those of :class:`RunOptions`.
     """
 
@@ -67,32 +68,33 @@ class ConformanceRun:
         expected: Mapping[str, str] | None = None,
         on_case: Callable[[ConformanceRun], None] | None = None,
         given: Any = None,
-        held_to: Criterion | None = None,
         state: Places | None = None,
         **options: Any,
     ) -> None:
         drawn = RunOptions(**options)
-        self.warm = None if held_to is None else held_to.temperature
-        if held_to is not None:
-            assert isinstance(update, Material)
-            values, first = {**(parameters or {})}, None
-            if self.warm is not None:
-                first = _temperatures(values.get(self.warm), self.warm)
-            update = replace(update, temperature=None if first is None else first[0], pressed=held_to.pressure is not None)
-            self.in_state: LawInState | None = LawInState.of(held_to, update, values, state)
-            parameters = {} if first is None or self.warm is None else {self.warm: sampled_from(first)}
+        held_to = law if isinstance(update, Material) else None
+        self.in_state: LawInState | None = None
+        self.warm, self.held, pressed = None, "", held_to is not None and held_to.pressure is not None
+        self.given = law if given is None else given
+        said = {"parameters": parameters or None, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
+        if held_to is not None and isinstance(update, Material):
+            law, self.warm, values = None, held_to.temperature, dict(said.pop("parameters") or {})
+            first = None if self.warm is None else _temperatures(values.get(self.warm), self.warm)
+            update = replace(update, temperature=first and first[0], pressed=pressed)
+            self.in_state = LawInState.of(held_to, update, values, state)
+            parameters = {} if first is None else {str(self.warm): sampled_from(first)}
             self.held = f"{drawn_again({'parameters': values})}, state={self.in_state.places!r}"
-        else:
-            self.in_state, self.held = None, ""
-        self.held_to = held_to
-        pressed = held_to is not None and held_to.pressure is not None
+        if law is None:
+            own = {
+                "parameters": None if held_to else parameters,
+                "stiffness": drawn.stiffness,
+                "pressure": None if pressed else drawn.pressure,
+            }
+            _check_without_law(update, own)
         if pressed and drawn.pressure is None:
             drawn = replace(drawn, pressure=pressures(-1, 1))
-        if law is None:
-            _check_without_law(update, None if held_to is not None else parameters, replace(drawn, pressure=None) if pressed else drawn)
         drawn.check(law)
-        self.law, self.update, self.parameters, self.on_case = law, update, parameters, on_case
-        self.given = given if given is not None else held_to or law
+        self.law, self.held_to, self.update, self.parameters, self.on_case = law, held_to, update, parameters, on_case
         self.pressure, self.accuracy, self.rows = drawn.pressure, drawn.accuracy, drawn.rows
         self.stiffness = update.elastic if isinstance(update, Material) else drawn.stiffness
         self.sizes = {"largest_strain": drawn.largest_strain, "scale": drawn.scale}
@@ -105,13 +107,12 @@ class ConformanceRun:
         most: dict[str, Any] = {} if drawn.max_examples is None else {"max_examples": drawn.max_examples}
         self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **most)
         self.seed = drawn.seed if drawn.seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
-        said = {"parameters": (parameters or None) if held_to is None else None, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
         demanded = {check for check in registered(law is not None, held_to is not None).values() if check.demanded}
         chosen = {"checks": [c.name for c in asked]} if {*asked} != demanded else {}
         counts = {"max_examples": self.profile.max_examples, "rows": drawn.rows, "every": self.every, "seed": self.seed}
         sizes = {name: size for name, size in self.sizes.items() if size is not None}
         again = drawn_again(said, **chosen, **counts, **sizes)
-        self.again = f"{self.held}, {again}" if self.held and again else again
+        self.again = ", ".join(filter(None, (self.held, again))) if again else ""
         self.ended: KeyboardInterrupt | Unfinished | None = None
         self.found: list[Failure] = []
         self.left_out: dict[str, str] = {}
@@ -128,18 +129,19 @@ class ConformanceRun:
 
     def _nothing_visited(self) -> Visited:
         if self.law is None:
-            found = Visited((), self.pressure is not None)
-            found.creeps = self.in_state is not None and self.in_state.own.timed
-            return found
+            return Visited((), self.pressure is not None, self._timed)
         return Visited(tuple(self.law.forces), self.law.pressure is not None)
+
+    @property
+    def _timed(self) -> bool:
+        return self.in_state is not None and self.in_state.own.timed
 
     @property
     def _title(self) -> str:
         if self.law is not None:
             return self.law.name
-        if self.in_state is not None:
-            return f"{getattr(self.update, 'name', 'material')} as {self.in_state.own.law.name}"
-        return f"{getattr(self.update, 'name', None) or getattr(self.update, '__name__', 'update')}, without a law"
+        name = getattr(self.update, "name", None) or getattr(self.update, "__name__", "update")
+        return f"{name}, without a law" if self.held_to is None else f"{name} as {self.held_to.name}"
 
     def outcome(self, first: Iterable[Case] = ()) -> Report:
         """Try the cases that come ``first``, and draw others to the end; an interrupt or a routine that does not come back ends both."""
@@ -174,8 +176,7 @@ class ConformanceRun:
             return cases(self.law, parameters, stiffness=stiffness, pressure=self.pressure, rows=rows)
         assert stiffness is not None
         given = parameters or {}, stiffness, self.pressure, rows
-        told = {"accuracy": self.accuracy, "searched": self.visited.searched, **self.sizes}
-        told["timed"] = self.in_state is not None and self.in_state.own.timed
+        told = {"accuracy": self.accuracy, "searched": self.visited.searched, "timed": self._timed, **self.sizes}
         return histories(self._material, *given, **told)  # type: ignore[arg-type]
 
     def _material(self, values: Mapping[str, float], stiffness: Any) -> Material:
@@ -437,14 +438,12 @@ def _temperatures(given: Any, name: str) -> list[float]:
     return found
 
 
-def _check_without_law(update: Update | Material, parameters: Mapping[str, Any] | None, drawn: RunOptions) -> None:
+def _check_without_law(update: Update | Material, given: Mapping[str, Any]) -> None:
     """Raise InputError for what a material has itself, and where nothing says how many forces there are."""
     where = "conformance without a law"
-    if isinstance(update, Material):
-        given = {"parameters": parameters, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
-        if told := [name for name, value in given.items() if value is not None]:
-            remedy = "give its parameters where the material is made"
-            raise InputError(f"a material contains its own {told[0]}", where=where, remedy=remedy)
-    elif drawn.stiffness is None:
+    if isinstance(update, Material) and (told := [name for name, value in given.items() if value is not None]):
+        remedy = "give its parameters where the material is made"
+        raise InputError(f"a material contains its own {told[0]}", where=where, remedy=remedy)
+    if not isinstance(update, Material) and given["stiffness"] is None:
         remedy = "give (d,) or (d, d), or a strategy such as stiffnesses(d)"
         raise InputError("without a law, the stiffness must give the number of forces", where=where, remedy=remedy)

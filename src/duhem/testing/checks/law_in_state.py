@@ -25,7 +25,7 @@ from duhem.errors import InputError
 from duhem.expression.branches import gradient
 from duhem.expression.parse import parse_expression
 from duhem.law.formula_law import Criterion
-from duhem.law.state import check_has_k, prescribed
+from duhem.law.state import prescribed
 from duhem.path.state_step import Guess, StateFormula, StateLaw, StepEquations
 from duhem.projection.result import Array
 from duhem.testing.routines.material import Material, MaterialState
@@ -74,7 +74,6 @@ class LawInState:
         InputError for parameters without a value, components that do not fit, and a state that does not tell the law's variables.
         """
         where = f"state of {law.name}"
-        check_has_k(law)
         if law.heat:
             what = f"the temperature of {law.name} follows from heat"
             raise InputError(what, where=law.name, remedy="remove [heat]: a routine is given its temperature")

@@ -32,11 +32,12 @@ class Visited:
     not zero.  Without a law (``forces`` is empty) forces are counted by their place, and there is no seam and no corner.
     ``state`` is the share of the increments in which a variable of the state changes.  ``searched`` counts
     what the search for the elastic range found, "range" or "none", or raised.
+    ``creeps``: whether all increments may slip.
     ``unmeasured``: how many of the drawn increments cannot be judged, whatever is answered (:attr:`Query.measurable`).
     """
 
-    def __init__(self, forces: tuple[str, ...], pressed: bool) -> None:
-        self.forces = forces
+    def __init__(self, forces: tuple[str, ...], pressed: bool, creeps: bool = False) -> None:
+        self.forces, self.creeps = forces, creeps
         names = ["stick", "slip", "boundary", *(["tip"] if pressed else []), *(["seam", "corner"] if forces else [])]
         self._counts = Counter(dict.fromkeys(names, 0))
         self._counts.update({f"{name}{sign}": 0 for name in forces for sign in "+-"})
@@ -44,7 +45,6 @@ class Visited:
         self.increments = self._looked = self._slipping = self._given_up = 0
         self.decades: dict[str, tuple[int, int]] = {}
         self.searched: Counter[str] = Counter()
-        self.creeps = False  # whether all increments may slip
 
     @property
     def shares(self) -> Mapping[str, float]:
