@@ -220,8 +220,8 @@ def diagnoses(part: Part, query: Query, found: Departure) -> dict[str, str]:
                 if (beyond := explains(answers)) is not None
             ]
             believed += sorted(found_of_it, key=lambda b: b[0])[:1]  # of equals the one yielded first
-    believed.sort(key=lambda b: b[0])
-    return {name: statement for _, name, statement in believed}
+    believed = [each for each in believed if each[1] != "components"] or believed  # which says where alone, not what is done
+    return {name: statement for _, name, statement in sorted(believed, key=lambda b: b[0])}
 
 
 def _apart(a: Array, b: Array) -> Array:

@@ -93,10 +93,14 @@ class _Probe:
             return
         else:
             flow, rate, multiplier, moved = step.flow, step.rate, step.multiplier, step.moved
-            meant = step.ended.copy()  # what is stored may be wrong too
-            meant[:, self.inner][:, step.of.known] = (step.begun[:, self.inner] + moved)[:, step.of.known]
-            yield from [*self._of_the_criterion(wrong, step.ended)] or self._of_the_criterion(wrong, meant)
-            yield from self._of_the_direction(wrong)
+            found = [*self._of_the_criterion(wrong, step.ended)] or [*self._of_the_criterion(wrong, self._meant(moved))]
+            for name, said, by, chi in self._of_the_direction(wrong):
+                if not found:  # the multiplier is that of the other direction
+                    multiplier, (flow, rate) = by, step.flows(chi)
+                    moved = np.einsum("ns,nsi->ni", multiplier, flow) + rate
+                    found = [*self._of_the_criterion(wrong, self._meant(moved))]
+                found.append((name, said))
+            yield from found
         flow = np.einsum("ns,nsi->ni", multiplier, flow)
         yield from self._of_what_is_kept(chosen) if step.of.more else ()
         still = chosen & ~flowed & ~step.slipped & (ref.multiplier.sum(axis=1) == 0.0)
@@ -119,6 +123,12 @@ class _Probe:
             if not found and not rate.any() and (still & off[:, at].any(axis=1)).sum() >= _LEAST:
                 found = [(f"elastic {stem}", f"{stem} changes in elastic steps too")]
             yield from found
+
+    def _meant(self, moved: Array) -> Array:
+        """chi at the end with variables that change by ``moved``: what is stored may be wrong too."""
+        meant, known = self.step.ended.copy(), self.step.of.known
+        meant[:, self.inner][:, known] = (self.step.begun[:, self.inner] + moved)[:, known]
+        return meant
 
     # -- what is stored ------------------------------------------------------------------------------------------------
 
@@ -251,18 +261,21 @@ class _Probe:
                 times = f"{factor:.6g} times as large, or the limit {1.0 / factor:.6g} times"
                 yield said, f"{said} is taken {times if value is None else f'as {factor * value:.6g}, not {value:.6g}'}"
 
-    def _of_the_direction(self, wrong: Rows) -> Words:
+    def _of_the_direction(self, wrong: Rows) -> Iterator[tuple[str, str, Array, Array]]:
+        """Where the plastic strain goes: a name, words, the multiplier (M, 1), and chi as the direction takes it."""
         step, slips = self.step, self.step.of.slips
         rows = wrong & (np.abs(step.off) > 2.0 * step.allowed)[:, slips].any(axis=1)
         if rows.sum() < _LEAST or len(self.own.criteria) != 1 or not slips.size:
             return
-        (criterion, associated, _), change = self.own.criteria[0], (step.change - step.rate)[rows][:, slips]
+        (criterion, associated, _), change = self.own.criteria[0], (step.change - step.rate)[:, slips]
         place = [self.own.order.tolist().index(i) for i in slips.tolist()]
         for name, said, taken in self._instead(self._taken(step.ended)) if associated else ():
-            way = criterion.first(taken, step.others)[1][rows][:, place]
-            amount = (change * way).sum(axis=1, keepdims=True) / (way * way).sum(axis=1, keepdims=True)
-            if self.alike(change, amount * way, np.linalg.norm(change, axis=1, keepdims=True)) and (amount > 0.0).all():
-                yield f"direction {name}", f"the plastic strain goes where it would if {said.replace('the yield check', 'its direction')}"
+            way = criterion.first(taken, step.others)[1][:, place]
+            amount = np.nan_to_num((change * way).sum(axis=1, keepdims=True) / (way * way).sum(axis=1, keepdims=True))
+            along, size = amount * way, np.linalg.norm(change, axis=1, keepdims=True)
+            if self.alike(change[rows], along[rows], size[rows]) and (amount[rows] > 0.0).all():
+                words = f"the plastic strain goes where it would if {said.replace('the yield check', 'its direction')}"
+                yield f"direction {name}", words, amount, taken[:, len(self.own.order) :]
 
 
 def roots(level: Callable[[Array], Array], points: Array) -> Iterator[float]:
