@@ -22,7 +22,7 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.testing.conformance import check_expected, checks_asked, conformance
 from duhem.testing.drawn.options import ACCURACY, TRIES, RunOptions, check_share
-from duhem.testing.failures.report import Report
+from duhem.testing.failures.report import FAILED, MET, PASSED, SKIPPED, UNMET, Report
 from duhem.testing.routines.material import Material
 from duhem.testing.routines.origin import named
 from duhem.testing.routines.routine import Update
@@ -146,20 +146,16 @@ class RoutineChecks:
         if name == _SOLVED:
             counted = {"increments": report.points, "flagged": report.flagged, "most": self.most_flagged}
             return "passed" if report.flagged_share <= self.most_flagged else "failed", counted
-        if (failure := report.failure_of(name)) is not None:
-            cause = next((f.check.name for f in report.failures if name in f.explains), None)
-            said = {"increment": failure.increment, "violated": f"{failure.check.formula}: {failure.message}"}
-            said |= {"likely": failure.diagnosis} if failure.diagnosis else {}
-            return "failed", said if cause is None else said | {"explained_by": cause}
-        if name in report.unexpected:
-            return "xpassed", {"reason": report.unexpected[name]}
-        if name in report.expected:
-            return "xfailed", {"reason": report.expected[name]}
-        if name in report.passed:
-            return "passed", None
-        return "not_applicable", {"reason": report.left_out.get(name, "there was nothing to judge")}
+        how, why = report.outcomes().get(name, (SKIPPED, "there was nothing to judge"))
+        failure, cause = report.failure_of(name), report.cause_of(name)
+        if failure is None:
+            return _VERDICTS[how], {"reason": why} if why else None
+        said = {"increment": failure.increment, "violated": f"{failure.check.formula}: {failure.message}"}
+        said |= {"likely": failure.diagnosis} if failure.diagnosis else {}
+        return _VERDICTS[how], said | ({"explained_by": cause} if cause else {})
 
 
+_VERDICTS = {PASSED: "passed", FAILED: "failed", SKIPPED: "not_applicable", MET: "xfailed", UNMET: "xpassed"}
 _ANY = "coulomb"  # the checks of one law are those of any
 _ROUTINE = "give a function update(trial, pressure, stiffness), or what from_material makes of a material"
 

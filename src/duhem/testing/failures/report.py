@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -13,7 +14,9 @@ from duhem.show.printing import Shown, plain, sheet, text
 from duhem.show.sheet import Sheet
 from duhem.testing.failures.failure import Failure, write_replays
 
-__all__ = ["Report", "as_dict", "as_junit"]
+__all__ = ["FAILED", "MET", "PASSED", "SKIPPED", "UNMET", "Report", "as_dict", "as_junit"]
+
+PASSED, FAILED, SKIPPED, MET, UNMET = "passed", "failed", "skipped", "failed, as expected", "passed, but was expected to fail"
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,6 +86,20 @@ class Report(Shown):
         """The failure of a check by its name, a cause or explained; None where it did not fail, or was expected to."""
         return next((f for f in (*self.failures, *self.explained) if f.check.name == check), None)
 
+    def cause_of(self, check: str) -> str:
+        """The failed check that explains another one, "" where none does."""
+        return next((f.check.name for f in self.failures if check in f.explains), "")
+
+    def outcomes(self) -> dict[str, tuple[str, str]]:
+        """How each check came out, and why, in words."""
+        found = {name: (PASSED, "") for name in self.passed} | {name: (SKIPPED, why) for name, why in self.left_out.items()}
+        for name in sorted(self.failed - {*self.expected}):
+            failure, cause = self.failure_of(name), self.cause_of(name)
+            assert failure is not None
+            found[name] = FAILED, f"{failure.message}; likely explained by {cause}" if cause else failure.diagnosis or failure.message
+        found |= {name: (MET, why) for name, why in self.expected.items()}
+        return found | {name: (UNMET, why) for name, why in self.unexpected.items()}
+
     def write_replays(self, folder: str | Path) -> tuple[Path, ...]:
         """One test file a cause and for ``unfinished`` (:meth:`Failure.replay`), in a folder that is made where there is none."""
         return write_replays((*self.failures, *([] if self.unfinished is None else [self.unfinished])), folder)
@@ -128,8 +145,8 @@ class Report(Shown):
                 *([f"ended before its end: {self.ended}"] if self.ended else []),
                 *([str(self.unfinished)] if self.unfinished is not None else []),
                 *map(str, self.failures),
-                *(f"{name} passed, but was expected to fail: {why}" for name, why in self.unexpected.items()),
-                *(f"{name} failed, as expected: {why}" for name, why in self.expected.items()),
+                *(f"{name} {UNMET}: {why}" for name, why in self.unexpected.items()),
+                *(f"{name} {MET}: {why}" for name, why in self.expected.items()),
                 *(f"skipped {name}: {why}" for name, why in self.left_out.items()),
                 *self.tested(),
                 *self.ranges(),
@@ -140,27 +157,25 @@ class Report(Shown):
 @plain.register(Report)
 def as_dict(report: Report) -> dict[str, Any]:
     """Return everything a report holds, with what shows each failure again; a number that is not finite is None."""
-    return {
-        "law": report.law,
-        "ok": report.ok,
-        "ended": report.ended,
-        "passed": list(report.passed),
-        "failures": [_failure(f) for f in report.failures],
-        "explained": [_failure(f) for f in report.explained],
-        "expected": dict(report.expected),
-        "unexpected": dict(report.unexpected),
-        "left_out": dict(report.left_out),
-        "increments": report.points,
-        "flagged": report.flagged,
-        "most_flagged": report.most_flagged,
-        "undefined": report.undefined,
-        "unmeasured": report.unmeasured,
-        "tried": {name: dict(counts) for name, counts in report.tried.items()},
-        "examples": report.examples,
-        "seed": report.seed,
-        "visited": dict(report.visited),
-        "decades": {name: list(ends) for name, ends in report.decades.items()},
-    }
+    told = {name: part for name, part in vars(report).items() if name not in ("points", "interrupted", "needs", "unfinished")}
+    return {**_plainly(told), "ok": report.ok, "increments": report.points}
+
+
+def _plainly(part: Any) -> Any:
+    """Return numbers, texts, lists and dictionaries."""
+    if isinstance(part, Failure):
+        shown = ("trial", "pressure", "stiffness", "returned", "closest")
+        departure = None if part.departure is None else {name: getattr(part.departure, name) for name in shown}
+        said = {name: getattr(part, name) for name in ("message", "diagnosis", "explains")}
+        said |= {name: getattr(part.check, name) for name in ("statement", "formula")}
+        return _plainly(
+            {"check": part.check.name, **said, "parameters": part.case.parameters, "departure": departure, "replay": part.replay()}
+        )
+    if isinstance(part, Mapping):
+        return {name: _plainly(each) for name, each in part.items()}
+    if isinstance(part, tuple):
+        return [*map(_plainly, part)]
+    return None if isinstance(part, float) and not isfinite(part) else part
 
 
 text.register(Report, lambda report, page=PAGE: str(report))  # lines of code to see a failure again stay as they are, however wide
@@ -169,14 +184,12 @@ text.register(Report, lambda report, page=PAGE: str(report))  # lines of code to
 @sheet.register(Report)
 def as_sheet(report: Report) -> Sheet:
     """Return a sheet with a row a check; then what is likely wrong, and why checks were left out or expected to fail."""
-    outcomes = dict.fromkeys(report.passed, "passed") | dict.fromkeys(report.left_out, "skipped")
-    outcomes |= dict.fromkeys(sorted(report.failed), "failed") | dict.fromkeys(report.expected, "failed, as expected")
-    outcomes |= dict.fromkeys(report.unexpected, "passed, but was expected to fail")
+    outcomes = report.outcomes()
     reasons = {**report.left_out, **report.expected, **report.unexpected}
     return Sheet(
         report.counted(),
         head=("check", "outcome"),
-        rows=tuple(outcomes.items()),
+        rows=tuple((name, how) for name, (how, _) in outcomes.items()),
         notes=(
             ("Ended before its end", (report.ended,) if report.ended else ()),
             ("Failures", tuple(f"{f.check.name}: {f.diagnosis or f.message}" for f in report.failures)),
@@ -184,33 +197,6 @@ def as_sheet(report: Report) -> Sheet:
             ("Tested", report.tested()),
         ),
     )
-
-
-def _failure(failure: Failure) -> dict[str, Any]:
-    found = failure.departure
-    return {
-        "check": failure.check.name,
-        "statement": failure.check.statement,
-        "formula": failure.check.formula,
-        "message": failure.message,
-        "diagnosis": failure.diagnosis,
-        "explains": list(failure.explains),
-        "parameters": dict(failure.case.parameters),
-        "departure": None
-        if found is None
-        else {
-            "trial": list(found.trial),
-            "pressure": found.pressure,
-            "stiffness": [list(row) for row in found.stiffness],
-            "returned": [_finite(x) for x in found.returned],
-            "closest": None if found.closest is None else list(found.closest),
-        },
-        "replay": failure.replay(),
-    }
-
-
-def _finite(x: float) -> float | None:
-    return x if abs(x) < float("inf") else None
 
 
 def as_junit(reports: Mapping[str, Report]) -> str:
@@ -240,13 +226,10 @@ def _of_the_run(report: Report) -> Iterator[JUnitCase]:
         yield JUnitCase("flagged")
 
 
+_AS_JUNIT = {PASSED: Outcome.PASSED, SKIPPED: Outcome.SKIPPED, FAILED: Outcome.FAILED, MET: Outcome.SKIPPED, UNMET: Outcome.FAILED}
+
+
 def _case(check: str, report: Report) -> JUnitCase:
-    if (failure := report.failure_of(check)) is not None:
-        cause = next((f.check.name for f in report.failures if check in f.explains), None)
-        message = failure.diagnosis or failure.message if cause is None else f"{failure.message}; likely explained by {cause}"
-        return JUnitCase(check, Outcome.FAILED, message, str(failure))
-    if check in report.unexpected:
-        return JUnitCase(check, Outcome.FAILED, f"passed, but was expected to fail: {report.unexpected[check]}")
-    if check in report.expected:
-        return JUnitCase(check, Outcome.SKIPPED, f"failed, as expected: {report.expected[check]}")
-    return JUnitCase(check, Outcome.SKIPPED, report.left_out[check]) if check in report.left_out else JUnitCase(check)
+    how, why = report.outcomes()[check]
+    said = why if how in (PASSED, SKIPPED, FAILED) else f"{how}: {why}"
+    return JUnitCase(check, _AS_JUNIT[how], said, str(report.failure_of(check) or ""))

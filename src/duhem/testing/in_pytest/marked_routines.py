@@ -124,9 +124,8 @@ class Trial:
             reason = f"{node} passes, but was expected to fail: {report.unexpected[node]}"
             pytest.fail(f"{self.node}: {reason}; remove it from expected_failed_checks", pytrace=False)
         elif (failure := report.failure_of(node)) is not None:
-            causes = [f.check.name for f in report.failures if node in f.explains]
-            if causes:
-                pytest.fail(f"{failure.title}: {failure.message}\n  likely for the same reason as [{causes[0]}]", pytrace=False)
+            if cause := report.cause_of(node):
+                pytest.fail(f"{failure.title}: {failure.message}\n  likely for the same reason as [{cause}]", pytrace=False)
             pytest.fail(str(failure), pytrace=False)
         elif node in report.left_out:
             pytest.skip(report.left_out[node])
