@@ -138,26 +138,8 @@ def test(
     Exit codes: 0 every check passed; 1 a check failed; 2 usage or file error; 4 a routine gave no answer or exceeded its time; 130
     interrupted, after printing the results so far.
     """
-    asked = {
-        "law": law,
-        "set": settings,
-        "profile": profile,
-        "examples": examples,
-        "stiffness": stiffness,
-        "pressure": pressure,
-        "props": props,
-        "nstatv": nstatv,
-        "ntens": ntens,
-        "state": state,
-        "largest-strain": largest_strain,
-        "accuracy": accuracy,
-        "checks": checks,
-        "most-flagged": most_flagged,
-        "expect": expect,
-        "every": every,
-    }
     seed = seed if seed is not None else 0 if profile == "ci" else Random().getrandbits(32)
-    again = _again(subject, {**asked, "seed": seed})
+    again = _again(click.get_current_context(), subject, seed)
     own = _is_routine(subject)
     most = _most_flagged(most_flagged, own)
     expected = dict(read_pair(one, f"--expect {one}", "CHECK=REASON", "--expect slope='no tangent yet'") for one in expect)
@@ -269,8 +251,8 @@ def _held(
         raise InputError(what, where=f"--set {settings[0]}", remedy="set them where the material is created")
     values = {name: float(value) for name, value in read_settings(settings).items()}
     known = None if law is None else load_formula(read_law(law))
-    options: dict[str, Any] = {} if known is None else {"held_to": known, "state": places or None, "given": law}
-    return {subject: (partial(ConformanceRun, None, material, values or None, **options), ACCURACY if accuracy is None else accuracy)}
+    made = partial(ConformanceRun, known, material, values or None, state=places or None, given=law)
+    return {subject: (made, ACCURACY if accuracy is None else accuracy)}
 
 
 def _checks(law: str | None, named: Sequence[str] | None, expected: Mapping[str, str], held: bool = False) -> list[Check]:
@@ -393,10 +375,12 @@ def _text(name: str, tested: _Tested, again: str) -> str:
     return "\n".join([*lines, f"again: {again}"])
 
 
-def _again(subject: str, asked: Mapping[str, Any]) -> str:
+def _again(context: click.Context, subject: str, seed: int) -> str:
     """The command line that draws the same cases."""
     words = ["duhem", "test", subject]
-    for name, value in asked.items():
+    left_out = ("subject", "seed", "shrink", "replay", "form")  # or said otherwise
+    for option in context.command.params:
+        value = None if option.name in left_out else context.params.get(option.name or "")
         for each in value if isinstance(value, tuple | list) else [] if value is None else [value]:
-            words += [f"--{name}", str(each)]
-    return shlex.join(words)
+            words += [option.opts[0], str(each)]
+    return shlex.join([*words, "--seed", str(seed)])

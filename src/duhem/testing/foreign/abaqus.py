@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.projection.result import Array
 from duhem.testing.foreign.built import built
-from duhem.testing.foreign.shared import loaded, watched
+from duhem.testing.foreign.shared import loaded, made_again, watched
 from duhem.testing.routines.material import Material, MaterialState
 
 __all__ = ["rotation", "umat"]
@@ -159,8 +159,5 @@ def umat(
     given: dict[str, Any] = {"ntens": size, "variables": first.tolist(), "axes": None if axes is None else np.asarray(axes).tolist()}
     given |= {"direct": ndi, "energies": energies, "tangent": tangent, "name": name, "symbol": symbol, "isolated": isolated}
     given |= {"order": order, "state": state, "seconds": seconds}
-    said = [repr(str(Path(path).resolve())), repr([*map(float, props)]), repr(None if k is None else k.tolist())]
-    defaults = umat.__kwdefaults__ or {}
-    said += [f"{key}={value!r}" for key, value in given.items() if value != defaults[key]]
-    line = f"from duhem.testing.foreign import umat\nupdate = umat({', '.join(said)})"
+    line = made_again(umat, path, [*map(float, props)], None if k is None else k.tolist(), **given)
     return Material(advance, k, first, energies, symbol.rstrip("_"), line, components=components, state=state)

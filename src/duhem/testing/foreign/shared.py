@@ -6,7 +6,7 @@ The name of an argument says what it holds, its type how it is passed.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from duhem.testing.routines.material import Material, MaterialState
 from duhem.testing.routines.routine import Overwritten, Step, changed, overwritten
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["Argument", "Prototype", "SharedLibrary", "loaded", "shared_library", "shared_material", "watched"]
+__all__ = ["Argument", "Prototype", "SharedLibrary", "loaded", "made_again", "shared_library", "shared_material", "watched"]
 
 _RETURNED = ("stress", "tangent", "slip", "multiplier", "dissipation", "status", "variables", "stored", "dissipated")
 _BOTH, _OUT = ("pressure", "stiffness", "parameters", "n", "d"), ("stress", "tangent", "slip")
@@ -153,9 +153,6 @@ def watched(
     return codes, overwritten({name: np.repeat(rows_, every) for name, rows_ in spoilt.items()})
 
 
-_DEFAULTS = {"parameters": {}, "variables": (), "solved": (0,), "column_major": False, "isolated": False, "seconds": SECONDS}
-
-
 class _Call:
     """A function with what its arguments hold; its options are those of :func:`shared_library`."""
 
@@ -198,14 +195,12 @@ class _Call:
         return back, np.array([code in self.solved for code in status.tolist()], dtype=np.bool_), spoilt
 
 
-def _line(function: str, path: str | Path, *arguments: Any, **options: Any) -> str:
+def made_again(function: Callable[..., Any], path: str | Path, *arguments: Any, **options: Any) -> str:
     """Return the Python that makes a routine again, without options at their defaults."""
-    said = [
-        repr(str(Path(path).resolve())),
-        *map(repr, arguments),
-        *(f"{name}={value!r}" for name, value in options.items() if value != _DEFAULTS[name]),
-    ]
-    return f"from duhem.testing.foreign import {function}\nupdate = {function}({', '.join(said)})"
+    defaults = function.__kwdefaults__ or {}
+    said = [repr(str(Path(path).resolve())), *map(repr, arguments)]
+    said += [f"{name}={value!r}" for name, value in options.items() if value != defaults[name] and (value or defaults[name])]
+    return f"from duhem.testing.foreign import {function.__name__}\nupdate = {function.__name__}({', '.join(said)})"
 
 
 class SharedLibrary:
@@ -261,7 +256,7 @@ def shared_library(
     """
     fixed = dict(parameters or {})
     how: dict[str, Any] = {"solved": tuple(solved), "column_major": column_major, "isolated": isolated, "seconds": seconds}
-    line = _line("shared_library", path, signature, parameters=fixed, **how)
+    line = made_again(shared_library, path, signature, parameters=fixed, **how)
     return SharedLibrary(_Call(path, signature, "trial", **how), fixed, line)
 
 
@@ -303,5 +298,5 @@ def shared_material(
         after = before.strain + increment, back["stress"], back.get("variables", before.variables), stored, dissipated
         return MaterialState(*after, back.get("slip"), back.get("tangent"), good, spoilt)
 
-    line = _line("shared_material", path, signature, k.tolist(), variables=tuple(variables), parameters=fixed, **how)
+    line = made_again(shared_material, path, signature, k.tolist(), variables=tuple(variables), parameters=fixed, **how)
     return Material(advance, k, tuple(variables), energies, name=call.prototype.symbol, line=line)
