@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from math import isnan
 from numbers import Real
 from random import Random
 from typing import Any, cast
@@ -29,8 +30,9 @@ from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.strategies import cases, histories, pressures
 from duhem.testing.drawn.values import Strategy, admitted
 from duhem.testing.failures.causes import as_expected, by_cause, of_stress
-from duhem.testing.failures.diagnosis import departure, diagnosed, instead
+from duhem.testing.failures.diagnosis import IN_REGION, departure, diagnosed, instead
 from duhem.testing.failures.failure import Failure, drawn_again
+from duhem.testing.failures.regions import Regions
 from duhem.testing.failures.report import Report
 from duhem.testing.failures.shrinking import RAISED, least_case, shortened, simplified
 from duhem.testing.failures.suggestions import needs_the_run
@@ -45,6 +47,8 @@ _ANSWERS, _MEMORY = "answers", "repeatability"
 # So many increments, of which one is asked what the checks ask again, with a law and without: the first is odd, as seams have two sides
 # by turns.
 _EVERY, _EVERY_HISTORY = 7, 2
+_ASKED = 6  # increments of other regions that are asked for their reason, those of the checks and regions that fail most
+_LOOKED_AT = 4  # cases in which it is counted where a check fails
 _FEW = 40  # tries to make a history short that is held to a law
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
 
@@ -343,10 +347,12 @@ class ConformanceRun:
         expected, unexpected, left_out = as_expected(self.expected, bad, passed, left_out, self.law is not None)
         unexplained = [f for f in self.found if f.check.name not in expected]
         causes, explained = by_cause(self._told(unexplained) if ended is None else unexplained)
+        if ended is None:
+            causes, explained = self._elsewhere([*map(self._short, causes)], explained)
         return Report(
             law=self._title,
             passed=passed,
-            failures=tuple(map(self._short, causes)) if ended is None else causes,
+            failures=causes,
             ended="" if ended is None else f"{type(ended).__name__}: {ended}".removesuffix(": "),
             interrupted=isinstance(ended, KeyboardInterrupt),
             unfinished=getattr(ended, "failure", None),
@@ -366,6 +372,36 @@ class ConformanceRun:
 
     def _told(self, failures: Iterable[Failure]) -> list[Failure]:
         return diagnosed(failures, self.query, self._origin(), self._accused)
+
+    def _elsewhere(self, causes: Sequence[Failure], explained: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
+        """The causes, with the regions in which each fails, and what they explain: not what has another cause in another region."""
+        looked = [f for f in (*causes, *explained) if f.alone and not f.check.law_only and not isnan(f.measured)]
+        regions = {f.check.name: Regions(f.check) for f in looked}
+
+        def seen(query: Query) -> None:
+            for each in regions.values():
+                with suppress(NothingToCheck, NoReply, Unfinished):
+                    each.add(query)
+
+        few = settings(self.profile, max_examples=min(_LOOKED_AT, self.profile.max_examples), phases=(Phase.generate,))
+        if regions:
+            self._least((), self._cases(self.parameters, self.stiffness, self.rows), few, seen)
+        where = {name: str(each) for name, each in regions.items()}
+        found, known = list(causes), set().union(*map(_said_of, causes))
+        for cause in causes if known else ():
+            named, behind = set[str](), [regions[name] for name in (cause.check.name, *cause.explains) if name in regions]
+            worst = [(-each.failed[region], region, case, each.check) for each in behind for region, (_, case) in each.worst.items()]
+            for _, region, case, check in sorted(worst, key=lambda w: w[0])[:_ASKED]:
+                again = next(self.failures(self.query(case), [check]), None) if region not in named else None
+                for failure in self._told([] if again is None else [again]):
+                    said = _said_of(failure)
+                    named |= {region} if said else set()
+                    if said and not known & said:
+                        known |= said
+                        found.append(failure)
+        new = {f.check.name for f in found[len(causes) :]}
+        told = (replace(f, where=where.get(f.check.name, ""), explains=tuple(n for n in f.explains if n not in new)) for f in found)
+        return tuple(told), tuple(f for f in explained if f.check.name not in new)
 
     @property
     def _accused(self) -> bool:
@@ -424,6 +460,11 @@ class ConformanceRun:
             return short
         short = on(shorter(failure.case, lambda case: bool(case.trial.any()) and fails(case)))
         return short if short.diagnoses else failure
+
+
+def _said_of(failure: Failure) -> set[str]:
+    """What tells the diagnoses of a failure from others: their names, or, of what is so in one region alone, the words."""
+    return {said.partition(IN_REGION)[0] if IN_REGION in said else name for name, said in failure.diagnoses.items()}
 
 
 def _temperatures(given: Any, name: str) -> list[float]:

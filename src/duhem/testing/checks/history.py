@@ -72,6 +72,10 @@ class HistoryQuery(Query):
     def of(self, case: Case, whole: Query | None = None) -> HistoryQuery:
         return HistoryQuery(self.material, case, self.accuracy, whole=whole, law=self.law)  # type: ignore[arg-type]
 
+    @property
+    def tails(self) -> tuple[str, ...]:
+        return self.material.components
+
     def together(self, asked: Sequence[Asked], stiffness: Array) -> list[Reply]:
         _ = self.start  # what fails on the way there is no fault of this step
         return super().together(asked, stiffness)

@@ -227,6 +227,11 @@ class Query:
         return self.whole is None or self.turn % cases == 0
 
     @property
+    def tails(self) -> tuple[str, ...]:
+        """The ends of the names of the forces, such as xx."""
+        return tuple(name.rpartition("_")[2] for name in self.region.law.forces)
+
+    @property
     def parts(self) -> tuple[Query, ...]:
         """This query and the one of its rows of which more is asked: the two that have asked the routine."""
         return (self,) if self.some is self else (self, self.some)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from duhem.testing.checks.query import UNMEASURED, NothingToCheck, Query
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.case import Case
 
-__all__ = ["Check", "Finding", "enter", "judged", "register", "registered", "worst"]
+__all__ = ["Check", "Finding", "enter", "judged", "register", "registered", "violated", "worst"]
 
 
 @dataclass(frozen=True)
@@ -108,12 +108,11 @@ def worst(pairs: Iterable[Iterable[Array]]) -> Finding:
     return Finding(measured[at], allowed[at])
 
 
-def judged(asked: Check, query: Query) -> tuple[Case, str, float, float] | None:
-    """Return the increment of the row that violates a check most, a message, what was measured and what is allowed; None where none does.
+def violated(asked: Check, query: Query) -> tuple[Finding, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return what a check finds at the rows of a case, which of them (N,) violate it, and which were judged.
 
     Raises NothingToCheck where no row can be judged, NoReply where the routine gave none.
     """
-    query = query.some if asked.again else query
     with np.errstate(all="ignore"):
         finding = asked.measure(query)
     for what, count in finding.tried.items():
@@ -135,14 +134,30 @@ def judged(asked: Check, query: Query) -> tuple[Case, str, float, float] | None:
         stress = query.here.stress
         with np.errstate(all="ignore"):
             boundless &= np.isfinite(stress).all(axis=1) & ~np.isfinite(query.length(stress))
-    bad = (~(finding.measured <= finding.allowed) & counts) | boundless
+        said = np.full(len(counts), "the stress returned is so large that its square overflows", dtype=object)
+        finding = replace(finding, said=np.where(boundless, said, _said(finding)))
+    return finding, (~(finding.measured <= finding.allowed) & counts) | boundless, counts
+
+
+def _said(finding: Finding) -> NDArray[np.object_]:
+    """What is said of each row."""
+    if finding.said is not None:
+        return finding.said
+    pairs = zip(finding.measured.tolist(), finding.allowed.tolist(), strict=True)
+    return np.array([f"measured {measured:.3g}, allowed {allowed:.3g}" for measured, allowed in pairs], dtype=object)
+
+
+def judged(asked: Check, query: Query) -> tuple[Case, str, float, float] | None:
+    """Return the increment of the row that violates a check most, a message, what was measured and what is allowed; None where none does.
+
+    Raises NothingToCheck where no row can be judged, NoReply where the routine gave none.
+    """
+    query = query.some if asked.again else query
+    finding, bad, _ = violated(asked, query)
     if not bad.any():
         return None
     with np.errstate(all="ignore"):
         excess = np.where(bad, np.nan_to_num(finding.measured - finding.allowed, nan=np.inf, posinf=1e300), -np.inf)
     i = int(np.argmax(excess))
-    measured, allowed = float(finding.measured[i]), float(finding.allowed[i])
-    if boundless[i]:
-        return query.case.row(i), "the stress returned is so large that its square overflows", measured, allowed
-    said = f"measured {measured:.3g}, allowed {allowed:.3g}" if finding.said is None else str(finding.said[i])
-    return (query.case if finding.case is None else finding.case).row(i), said, measured, allowed
+    case = (query.case if finding.case is None else finding.case).row(i)
+    return case, str(_said(finding)[i]), float(finding.measured[i]), float(finding.allowed[i])

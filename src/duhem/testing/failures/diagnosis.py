@@ -30,10 +30,11 @@ from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.causes import likeliest_first
 from duhem.testing.failures.failure import Departure, Failure
+from duhem.testing.failures.regions import region_of
 from duhem.testing.failures.state_suggestions import beside_in_state, of_the_state
 from duhem.testing.routines.origin import Origin
 
-__all__ = ["Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions", "suggests"]
+__all__ = ["IN_REGION", "Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions", "suggests"]
 
 Part: TypeAlias = Literal["stress", "slip", "multiplier", "tangent"]
 
@@ -41,6 +42,7 @@ _PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "mult
 _TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
 _BEYOND = 1.7  # times as far out as the boundary that a routine would keep: it is seen whether that is where it goes back to
 _LEAST = 3  # increments that a suggestion has to explain
+IN_REGION = "; so"
 _ONLY = "; this happens only for such increments, and others near them are right"
 _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
 
@@ -195,33 +197,57 @@ def suggests(part: Part) -> Callable[[Suggest], Suggest]:
 
 
 def diagnoses(part: Part, query: Query, found: Departure) -> dict[str, str]:
-    """Return by name what explains the answers beside ``found``, the best explanation first; empty where nothing does."""
-    believed: list[tuple[int, str, str]] = []
+    """Return by name what explains the answers beside ``found``, the best explanation first; empty where nothing does.
+
+    Where nothing explains all that are wrong, only those of the region of stress of ``found`` are looked at: elsewhere there may be another
+    mistake.
+    """
     with suppress(NoReply, InputError, np.linalg.LinAlgError), np.errstate(all="ignore"):
         probe = _probe(query, found)
-        given, right, allowed = _measured(part, probe)
-        wrong = ~(_apart(given, right) <= _CLEAR * allowed) & np.isfinite(right).all(axis=1)
-        if not wrong[0] or wrong.sum() < _LEAST:
-            return {}
+        believed, left = _believed(part, probe, _suggestions[part])
+        for thin in (True, False) if not believed else ():
+            of = region_of(probe.query, probe.reply, thin)
+            if not believed and len(rows := np.flatnonzero(of == of[0])) < len(of):
+                own = Probe(probe.query.of(probe.query.case.rows(rows)), probe.reply.part(rows))
+                place = "" if of[0] == "elsewhere" else f" {of[0]}"
+                told = _believed(part, own, left)[0].items()
+                believed = {name: f"{said}{IN_REGION}{place}, and something else elsewhere" for name, said in told}
+        return believed
+    return {}
 
-        def explains(answers: Array) -> tuple[int, int] | None:
-            """Return how many right increments it answers otherwise, and of these those it has an answer for; None if not believed."""
-            meant = _in_energy(part, probe, answers)
-            same = _apart(given, meant) <= _CLEAR * allowed
-            if not same[wrong].all() or not _apart(meant, right)[0] > _CLEAR * allowed[0]:
-                return None
-            other = ~same & ~wrong
-            return int(other.sum()), int((other & np.isfinite(meant).all(axis=1) & np.isfinite(right).all(axis=1)).sum())
 
-        for name, suggest in _suggestions[part].items():
-            found_of_it = [
-                (beyond[0], name, said + (_ONLY if beyond[1] else ""))
-                for said, answers in suggest(probe)
-                if (beyond := explains(answers)) is not None
-            ]
-            believed += sorted(found_of_it, key=lambda b: b[0])[:1]  # of equals the one yielded first
+def _believed(part: Part, probe: Probe, asked: Mapping[str, Suggest]) -> tuple[dict[str, str], dict[str, Suggest]]:
+    """Return by name what explains the answers at all increments of a probe that are wrong, the first among them.
+
+    Also those of the suggestions ``asked`` that may explain some: what gives the answer to the first, or gives none.
+    """
+    given, right, allowed = _measured(part, probe)
+    wrong = ~(_apart(given, right) <= _CLEAR * allowed) & np.isfinite(right).all(axis=1)
+    if not wrong[0] or wrong.sum() < _LEAST:
+        return {}, {}
+
+    def explains(answers: Array) -> tuple[int, int] | None:
+        """Return how many right increments it answers otherwise, and of these those it has an answer for; None if not believed."""
+        meant = _in_energy(part, probe, answers)
+        same = _apart(given, meant) <= _CLEAR * allowed
+        first.append(bool(same[0]))
+        if not same[wrong].all() or not _apart(meant, right)[0] > _CLEAR * allowed[0]:
+            return None
+        other = ~same & ~wrong
+        return int(other.sum()), int((other & np.isfinite(meant).all(axis=1) & np.isfinite(right).all(axis=1)).sum())
+
+    believed, left = list[tuple[int, str, str]](), dict[str, Suggest]()
+    for name, suggest in asked.items():
+        first: list[bool] = []
+        found_of_it = [
+            (beyond[0], name, said + (_ONLY if beyond[1] else ""))
+            for said, answers in suggest(probe)
+            if (beyond := explains(answers)) is not None
+        ]
+        believed += sorted(found_of_it, key=lambda b: b[0])[:1]  # of equals the one yielded first
+        left |= {name: suggest} if any(first) or not first else {}
     believed = [each for each in believed if each[1] != "components"] or believed  # which says where alone, not what is done
-    return {name: statement for _, name, statement in sorted(believed, key=lambda b: b[0])}
+    return {name: statement for _, name, statement in sorted(believed, key=lambda b: b[0])}, left
 
 
 def _apart(a: Array, b: Array) -> Array:

@@ -52,6 +52,7 @@ class Failure:
     ``drawn`` are the arguments of the run that draws all increments again, as Python, "" where these cannot be written; ``alone``: one
     increment may show it by itself, as it need not where a routine keeps something between calls.  ``held``: the arguments, as Python,
     that hold a material to a law with a state.  ``passes_at``: the least power of ten as an accuracy at which the increment passes.
+    ``where``: at how many of the increments of each region of stress it fails (:mod:`duhem.testing.failures.regions`).
     """
 
     check: Check
@@ -71,6 +72,7 @@ class Failure:
     alone: bool = True
     held: str = ""
     passes_at: float | None = None
+    where: str = ""
 
     @property
     def title(self) -> str:
@@ -96,6 +98,8 @@ class Failure:
         yield from zip(("likely", *["or"] * len(self.diagnoses)), self.diagnoses.values(), strict=False)
         if not self.check.whole:
             yield from self._increment()
+        if self.where:
+            yield "where", self.where
         yield "violated", f"{self.check.formula}: {self.message}"
         yield "tolerance", self.check.tolerance + (f"; passes at an accuracy of {self.passes_at:g}" if self.passes_at else "")
         yield "source", self.check.source

@@ -166,7 +166,7 @@ def _plainly(part: Any) -> Any:
     if isinstance(part, Failure):
         shown = ("trial", "pressure", "stiffness", "returned", "closest")
         departure = None if part.departure is None else {name: getattr(part.departure, name) for name in shown}
-        said = {name: getattr(part, name) for name in ("message", "diagnosis", "explains")}
+        said = {name: getattr(part, name) for name in ("message", "diagnosis", "where", "explains")}
         said |= {name: getattr(part.check, name) for name in ("statement", "formula")}
         return _plainly(
             {"check": part.check.name, **said, "parameters": part.case.parameters, "departure": departure, "replay": part.replay()}
