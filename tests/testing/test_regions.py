@@ -13,6 +13,7 @@ from duhem.testing import Case, conformance
 from duhem.testing.checks.query import Query
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.regions import region_of
+from tests.long import mostly_long
 
 Array = np.ndarray
 ELLIPSE = {"mu_a": 0.5, "mu_b": 0.1}
@@ -53,7 +54,8 @@ TWO: dict[str, tuple[object, Callable[..., Array], dict[str, object], str, str, 
 }
 
 
-@pytest.mark.parametrize("where", TWO)
+@pytest.mark.slow
+@pytest.mark.parametrize("where", mostly_long(TWO, "tip"))
 def test_two_mistakes_in_two_regions_are_both_named(where: str) -> None:
     law, update, given, one, other, region = TWO[where]
     report = conformance(law, update, max_examples=6, rows=20, tries=20, seed=1, **given)  # type: ignore[arg-type]
@@ -61,6 +63,7 @@ def test_two_mistakes_in_two_regions_are_both_named(where: str) -> None:
     assert one in told and other in told and f" {region}" in " ".join(f.where for f in report.failures), told
 
 
+@pytest.mark.slow
 def test_one_mistake_has_one_cause_and_is_counted_where_it_is() -> None:
     def squeezed(trial: Array, pressure: object, stiffness: Array) -> Array:
         return scaled(trial, 1.0, 0.9)

@@ -14,11 +14,14 @@ from duhem.testing.routines.routine import Step, Update
 
 __all__ = ["jax_routine"]
 
+_LEAST = 16  # increments of a call
+
 
 def jax_routine(step: Callable[..., Any], *, tangent: bool = True) -> Update:
     """A JAX function for one increment, ``step(trial (d,), pressure, stiffness (d, d), **parameters) -> stress (d,)``.
 
-    It is vmapped and jitted in double precision; the tangent d sigma/d u = (d sigma/d sigma_tr) k is taken by ``jax.jacfwd`` and
+    It is vmapped and jitted in double precision, for a power of two of increments, the last one repeated: JAX compiles anew for each
+    number of them; the tangent d sigma/d u = (d sigma/d sigma_tr) k is taken by ``jax.jacfwd`` and
     judged with the rest, unless ``tangent`` is False.  Raises InputError without JAX.
     """
     if find_spec("jax") is None:
@@ -36,9 +39,13 @@ def jax_routine(step: Callable[..., Any], *, tangent: bool = True) -> Update:
     made, without = (jax.jit(jax.vmap(both if tangent else one, in_axes=(0, axis, None, None))) for axis in (0, None))  # or no pressure
 
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
+        n = len(trial)
+        rows = np.minimum(np.arange(max(_LEAST, 1 << (n - 1).bit_length())), n - 1)
         with jax.enable_x64(True) if hasattr(jax, "enable_x64") else jax.experimental.enable_x64():
-            stress, slope = (without if pressure is None else made)(trial, pressure, stiffness, parameters)
-            return Step(np.asarray(stress), tangent=np.asarray(slope) if tangent else None)
+            stress, slope = (without if pressure is None else made)(
+                trial[rows], None if pressure is None else pressure[rows], stiffness, parameters
+            )
+            return Step(np.asarray(stress)[:n], tangent=np.asarray(slope)[:n] if tangent else None)
 
     update.__name__ = getattr(step, "__name__", "update")
     return update

@@ -1,0 +1,150 @@
+"""One example of each kind of foreign routine, and the five kinds of mistakes of public code in C and C++, with their right twins."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import sysconfig
+from functools import cache
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from duhem.testing import Report, conformance, decades
+from duhem.testing.foreign import jax_routine, mgis_material, shared_library, umat
+from tests.export.shared_library import compiler
+from tests.long import mostly_long
+from tests.testing.examples import elastic
+from tests.testing.foreign.vumat_blocks import vumat
+from tests.testing.hardening import law
+
+HERE = Path(__file__).parent / "foreign"
+STEEL = [200e3, 0.3, 250.0, 1000.0]
+FEW: dict[str, Any] = {"max_examples": 4, "rows": 8, "tries": 10, "seed": 1}
+DISK: dict[str, Any] = {"law": "coulomb", "stiffness": decades(-3, 3).map(lambda k: k * np.eye(2)), "max_examples": 3, "seed": 1}
+POINTS = "void friction(int n, const double *trial, const double *pressure, double mu, double *stress)"
+
+
+@cache
+def compiled(name: str, language: str, folder: Path) -> Path:
+    """The library made of a source by the compiler of C or of C++."""
+    named = {"c": ("CC", "cc", "gcc", "clang"), "c++": ("CXX", "c++", "g++", "clang++")}[language]
+    made = folder / f"{Path(name).stem}-{len(language)}.so"
+    strict = ("-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC")
+    subprocess.run([compiler(*named), *strict, "-x", language, str(HERE / name), "-o", str(made), "-lm"], check=True)
+    return made
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("foreign")
+
+
+def judged(library: Path, mistake: int) -> Report:
+    if mistake == 5 or mistake == -1:  # the disk, at its tip
+        signature = "void friction(const double *trial, double pressure, double mu, double mistake, double *stress)"
+        update = shared_library(library, signature, parameters={"mistake": float(mistake)})
+        checks = ["vacuity", "feasibility", "variational-inequality", "complementarity"]
+        return conformance(**DISK | {"max_examples": 15}, update=update, checks=checks)
+    crashes = mistake == 4
+    material = umat(library, [*STEEL, mistake], elastic(*STEEL[:2]), nstatv=1, state={"p": 0}, isolated=crashes)
+    return conformance(law("isotropic"), material, {"R": 250.0, "H": 1000.0}, **FEW)
+
+
+# the number of the mistake, the check that tells it, and words that name it
+KINDS = {
+    "another order of components": (1, "slope", "the tangent is wrong in"),
+    "flow in unloading": (2, "loading", "it flows with g = -"),
+    "negative dissipation": (3, "dissipation", "no step has negative dissipation"),
+    "a crash in the error path": (4, "vacuity", "ended its process by SIGSEGV"),
+    "an absolute threshold at the tip": (5, "feasibility", "at the tip"),
+}
+
+
+EVERY = [(kind, language) for kind in KINDS for language in ("c", "c++")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "language"), mostly_long(EVERY, EVERY[0], EVERY[9]))
+def test_each_kind_of_mistake_of_public_code_is_found_and_named(kind: str, language: str, folder: Path) -> None:
+    mistake, check, words = KINDS[kind]
+    report = judged(compiled("defects.c", language, folder), mistake)
+    failure = report.failure_of(check)
+    assert failure is not None and words in str(failure), str(report)
+
+
+@pytest.mark.parametrize("language", mostly_long(["c", "c++"], "c++"))
+def test_their_right_twins_pass(language: str, folder: Path) -> None:
+    for twin in (0, -1):
+        report = judged(compiled("defects.c", language, folder), twin)
+        assert report.ok and report.visited["slip"] > 0.2, str(report)
+
+
+def test_a_routine_in_cpp_behind_a_c_function(folder: Path) -> None:
+    report = conformance(**DISK, update=shared_library(compiled("friction.cpp", "c++", folder), POINTS))
+    assert report.ok and report.visited["slip"] > 0.2, str(report)
+
+
+@pytest.mark.slow
+def test_a_module_of_pybind(folder: Path) -> None:
+    pybind = pytest.importorskip("pybind11")
+    made = folder / f"friction_pybind{sysconfig.get_config_var('EXT_SUFFIX')}"
+    places = [f"-I{place}" for place in (sysconfig.get_paths()["include"], pybind.get_include())]
+    command = [compiler("CXX", "c++", "g++", "clang++"), "-std=c++17", "-shared", "-fPIC", *places, str(HERE / "friction_pybind.cpp")]
+    subprocess.run([*command, "-o", str(made)], check=True)
+    spec = spec_from_file_location("friction_pybind", made)
+    assert spec is not None and spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+
+    def update(trial: np.ndarray, pressure: np.ndarray, stiffness: np.ndarray, mu: float) -> np.ndarray:
+        return np.asarray(module.friction(trial, pressure, stiffness, mu))
+
+    report = conformance(**DISK, update=update)
+    assert report.ok and report.visited["slip"] > 0.2, str(report)
+
+
+def test_a_vumat_in_blocks(folder: Path) -> None:
+    """A function of C with the arguments of a VUMAT; no Abaqus has called it."""
+    given: dict[str, Any] = {"parameters": {"R": 250.0, "H": 1000.0}, "state": {"p": 0}, **FEW}
+    library = compiled("vumat.c", "c", folder)
+    report = conformance(law("isotropic"), vumat(library, [*STEEL, 1.0], 1), **given)
+    assert report.ok and {"flow", "evolution", "admissibility"} <= {*report.passed}, str(report)
+    report = conformance(law("isotropic"), vumat(library, [*STEEL, 2.0], 1), **given)
+    assert "p is advanced twice" in report.failures[0].diagnosis, str(report)
+
+
+@pytest.mark.slow
+def test_jax_compiles_for_few_numbers_of_increments() -> None:
+    jnp = pytest.importorskip("jax.numpy")
+    sizes = set()
+
+    def step(trial: Any, pressure: Any, stiffness: Any, mu: Any) -> Any:
+        size = jnp.sqrt(jnp.maximum(trial @ trial, 1e-300))
+        return trial * jnp.minimum(1.0, -mu * pressure / size)
+
+    update = jax_routine(step)
+    for n in range(1, 70):
+        trial = np.random.default_rng(n).normal(size=(n, 2))
+        found = update(trial, -np.ones(n), np.eye(2), mu=0.3)
+        assert found.stress.shape == (n, 2) and found.tangent.shape == (n, 2, 2)  # type: ignore[union-attr]
+        sizes.add(found.stress.base.shape[0] if found.stress.base is not None else n)  # type: ignore[union-attr]
+    assert sizes == {16, 32, 64, 128}
+    report = conformance(**DISK, update=update)
+    assert report.ok and "slope" in report.passed, str(report)
+
+
+@pytest.mark.slow
+def test_a_behaviour_of_mfront(folder: Path) -> None:
+    """Left out where MGIS and mfront are not installed."""
+    if find_spec("mgis") is None or shutil.which("mfront") is None:
+        pytest.skip("mgis and mfront are not installed")
+    subprocess.run(["mfront", "--obuild", "--interface=generic", str(HERE / "plasticity.mfront")], cwd=folder, check=True)
+    properties = dict(zip(("YoungModulus", "PoissonRatio", "R", "H"), STEEL, strict=True))
+    library = next(folder.glob(f"src/*{'.dylib' if sys.platform == 'darwin' else '.so'}"))
+    report = conformance(None, mgis_material(library, "HardeningSteel", elastic(*STEEL[:2]), properties=properties), **FEW)
+    assert report.ok and report.visited["slip"] > 0.2, str(report)
