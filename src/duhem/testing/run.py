@@ -388,7 +388,7 @@ class ConformanceRun:
             self._least((), self._cases(self.parameters, self.stiffness, self.rows), few, seen)
         where = {name: str(each) for name, each in regions.items()}
         found, known = list(causes), set().union(*map(_said_of, causes))
-        for cause in causes if known else ():
+        for cause in filter(of_stress, causes):  # of what is returned beside a wrong stress another region says nothing
             named, behind = set[str](), [regions[name] for name in (cause.check.name, *cause.explains) if name in regions]
             worst = [(-each.failed[region], region, case, each.check) for each in behind for region, (_, case) in each.worst.items()]
             for _, region, case, check in sorted(worst, key=lambda w: w[0])[:_ASKED]:

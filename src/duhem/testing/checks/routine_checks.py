@@ -141,8 +141,11 @@ def feasibility(q: Query) -> Finding:
             near = found.stress - np.fmin(u / size, 1.0 if way is found.stress else np.inf)[:, None] * way
         beside = out & np.isfinite(near).all(axis=1)
         out &= ~q.certainly(beside, np.where(beside[:, None], near, 0.0), outside=False)
-    allowed = np.where(out, allowed, np.fmax(allowed, 0.0))
-    return Finding(np.where(out, level, np.fmin(level, 0.0)), allowed, unknown=q.region.unknown(found.stress, q.pressure))
+    allowed, level = np.where(out, allowed, np.fmax(allowed, 0.0)), np.where(out, level, np.fmin(level, 0.0))
+    with np.errstate(all="ignore"):
+        share = level / q.dual_length(gradient) / q.length(found.stress)
+    said = [f"g = {g:.3g}, allowed {most:.3g}: out of K by {x:.2g} of the stress" for g, most, x in zip(level, allowed, share, strict=True)]
+    return Finding(level, allowed, np.array(said, dtype=object), q.region.unknown(found.stress, q.pressure))
 
 
 @register(

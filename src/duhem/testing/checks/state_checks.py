@@ -50,7 +50,8 @@ def _worst(h: HistoryQuery, off: Array, allowed: Array, say: Callable[[int, int]
         leg, j = divmod(int(at[i]), count)
         row, own, o = leg * n + i, step.of.own, step.of.own.observables
         state = [f"{own.names[o + v]} = {step.ended[row, o + v]:.6g}" for v in step.of.known[:4]]
-        said[i] = f"{say(row, j)}, at {', '.join([f'sigma = {_vector(step.after.stress[row])}', *state])}"
+        which = f"in step {leg + 1} of {many // n}, " if many > n else ""
+        said[i] = f"{which}{say(row, j)}, at {', '.join([f'sigma = {_vector(step.after.stress[row])}', *state])}"
     return Finding(most, np.ones(n), said)
 
 

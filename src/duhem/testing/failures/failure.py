@@ -223,9 +223,11 @@ def write_replays(failures: Iterable[Failure], folder: str | Path) -> tuple[Path
     """Write one test file for each failure, named as pytest looks for it, to a folder that is made where there is none."""
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
-    written = []
+    written, names = [], list[str]()
     for failure in failures:
-        written.append(place / f"test_{_words(failure.routine.removeprefix('.'))}_{_words(failure.check.name)}.py")
+        names.append(f"test_{_words(failure.routine.removeprefix('.'))}_{_words(failure.check.name)}")
+        many = names.count(names[-1])  # another cause of the same check
+        written.append(place / f"{names[-1]}{f'_{many}' if many > 1 else ''}.py")
         write(str(written[-1]), failure.replay(place.resolve()))
     return tuple(written)
 
