@@ -82,9 +82,10 @@ class ConformanceRun:
         self.given = law if given is None else given
         said = {"parameters": parameters or None, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
         if held_to is not None and isinstance(update, Material):
-            law, self.warm, values = None, held_to.temperature, dict(said.pop("parameters") or {})
+            law, self.warm, values = None, held_to.temperature, dict(parameters or {})
+            del said["parameters"]
             first = None if self.warm is None else _temperatures(values.get(self.warm), self.warm)
-            update = replace(update, temperature=first and first[0], pressed=pressed)
+            update = replace(update, temperature=first[0] if first else None, pressed=pressed)
             self.in_state = LawInState.of(held_to, update, values, state)
             parameters = {} if first is None else {str(self.warm): sampled_from(first)}
             self.held = f"{drawn_again({'parameters': values})}, state={self.in_state.places!r}"
@@ -373,7 +374,7 @@ class ConformanceRun:
     def _told(self, failures: Iterable[Failure]) -> list[Failure]:
         return diagnosed(failures, self.query, self._origin(), self._accused)
 
-    def _elsewhere(self, causes: Sequence[Failure], explained: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
+    def _elsewhere(self, causes: list[Failure], explained: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
         """The causes, with the regions in which each fails, and what they explain: not what has another cause in another region."""
         looked = [f for f in (*causes, *explained) if f.alone and not f.check.law_only and not isnan(f.measured)]
         regions = {f.check.name: Regions(f.check) for f in looked}
@@ -387,19 +388,20 @@ class ConformanceRun:
         if regions:
             self._least((), self._cases(self.parameters, self.stiffness, self.rows), few, seen)
         where = {name: str(each) for name, each in regions.items()}
-        found, known = list(causes), set().union(*map(_said_of, causes))
-        for cause in filter(of_stress, causes):  # of what is returned beside a wrong stress another region says nothing
-            named, behind = set[str](), [regions[name] for name in (cause.check.name, *cause.explains) if name in regions]
-            worst = [(-each.failed[region], region, case, each.check) for each in behind for region, (_, case) in each.worst.items()]
+        known, others = set().union(*map(_said_of, causes)), list[Failure]()
+        for place, cause in enumerate(causes):
+            if not of_stress(cause):  # of what is returned beside a wrong stress another region says nothing
+                continue
+            named, asked = set[str](), (cause.check.name, *(cause.explains if cause.diagnoses else ()))
+            worst = [(-each.failed[name], name, case, each.check) for each in map(regions.get, asked) if each for name, case in each]
             for _, region, case, check in sorted(worst, key=lambda w: w[0])[:_ASKED]:
                 again = next(self.failures(self.query(case), [check]), None) if region not in named else None
                 for failure in self._told([] if again is None else [again]):
-                    said = _said_of(failure)
-                    named |= {region} if said else set()
-                    if said and not known & said:
-                        known |= said
-                        found.append(failure)
-        new = {f.check.name for f in found[len(causes) :]}
+                    if (said := _said_of(failure)) and not known & said:
+                        others += [failure] if causes[place].diagnoses else []
+                        causes[place] = causes[place] if causes[place].diagnoses else replace(failure, explains=cause.explains)
+                    named, known = named | ({region} if said else set()), known | said
+        found, new = [*causes, *others], {f.check.name for f in others}
         told = (replace(f, where=where.get(f.check.name, ""), explains=tuple(n for n in f.explains if n not in new)) for f in found)
         return tuple(told), tuple(f for f in explained if f.check.name not in new)
 

@@ -6,7 +6,8 @@ A second mistake often shows where a first one does not: where a check fails in 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,8 +42,8 @@ def region_of(query: Query, reply: Reply, thin: bool = True) -> NDArray[np.objec
 
 def _tensors(tails: Sequence[str], stresses: Array) -> Array | None:
     """Stresses (N, d) as tensors (N, 3, 3), by the ends of their names, such as xx, xy or 1; None where these tell no tensor."""
-    axes = [tail * (3 - len(tail)) for tail in tails]
-    if len(axes) < 3 or not all(len(pair) == 2 and {*pair} <= {*_AXES} for pair in axes):
+    axes = [(tail[0], tail[-1]) for tail in tails if len(tail) in (1, 2)]
+    if len(tails) < 3 or len(axes) < len(tails) or not {*chain(*axes)} <= {*_AXES}:
         return None
     found = np.zeros((len(stresses), 3, 3))
     for (one, other), column in zip(axes, stresses.T, strict=True):
@@ -68,6 +69,10 @@ class Regions:
             most = float(np.nan_to_num(finding.measured[i] / (finding.allowed[i] or 1.0), nan=np.inf))
             if of[i] not in self.worst or most > self.worst[of[i]][0]:
                 self.worst[of[i]] = most, shown.row(i)
+
+    def __iter__(self) -> Iterator[tuple[str, Case]]:
+        """Each region in which it fails, and the worst case there."""
+        return ((name, case) for name, (_, case) in self.worst.items())
 
     def __str__(self) -> str:
         """Where it fails, and where not; "" where that says nothing."""
