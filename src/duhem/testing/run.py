@@ -32,7 +32,7 @@ from duhem.testing.drawn.values import Strategy, admitted
 from duhem.testing.failures.causes import as_expected, by_cause, of_stress
 from duhem.testing.failures.diagnosis import IN_REGION, departure, diagnosed, instead
 from duhem.testing.failures.failure import Failure, drawn_again
-from duhem.testing.failures.regions import Regions
+from duhem.testing.failures.regions import Regions, region_of
 from duhem.testing.failures.report import Report
 from duhem.testing.failures.shrinking import RAISED, least_case, shortened, simplified
 from duhem.testing.failures.suggestions import needs_the_run
@@ -47,8 +47,8 @@ _ANSWERS, _MEMORY = "answers", "repeatability"
 # So many increments, of which one is asked what the checks ask again, with a law and without: the first is odd, as seams have two sides
 # by turns.
 _EVERY, _EVERY_HISTORY = 7, 2
-_ASKED = 6  # increments of other regions that are asked for their reason, those of the checks and regions that fail most
-_LOOKED_AT = 4  # cases in which it is counted where a check fails
+_ASKED = 4  # increments of other regions that are asked for their reason, those of the checks and regions that fail most
+_LOOKED_AT = 3  # cases in which it is counted where a check fails
 _FEW = 40  # tries to make a history short that is held to a law
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
 
@@ -392,7 +392,9 @@ class ConformanceRun:
         for place, cause in enumerate(causes):
             if not of_stress(cause):  # of what is returned beside a wrong stress another region says nothing
                 continue
-            named, asked = set[str](), (cause.check.name, *(cause.explains if cause.diagnoses else ()))
+            own = self.query(cause.case)  # of whose region the diagnosis is
+            named = {*region_of(own, own.here).tolist()} if cause.diagnoses else set()
+            asked = (cause.check.name, *(cause.explains if cause.diagnoses else ()))
             worst = [(-each.failed[name], name, case, each.check) for each in map(regions.get, asked) if each for name, case in each]
             for _, region, case, check in sorted(worst, key=lambda w: w[0])[:_ASKED]:
                 again = next(self.failures(self.query(case), [check]), None) if region not in named else None
