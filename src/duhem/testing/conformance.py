@@ -113,9 +113,9 @@ def violation(
     ``parameters`` and ``state`` are those with which a material is held to a law (:func:`conformance`).
     """
     asked = (name if isinstance(name, Check) else _named(name, *_kind(law, update)),)
-    given: dict[str, Any] = {"parameters": parameters} if isinstance(update, Material) else {"parameters": dict(case.parameters)}
-    given |= {"stiffness": case.stiffness} if law is None and not isinstance(update, Material) else {}
-    run = ConformanceRun(_loaded(law, update), update, asked=asked, accuracy=accuracy, state=state, every=1, **given)
+    stiffness = case.stiffness if law is None and not isinstance(update, Material) else None
+    told: dict[str, Any] = {"accuracy": accuracy, "state": state, "every": 1, "stiffness": stiffness}  # the case has the law's values
+    run = ConformanceRun(_loaded(law, update), update, parameters if isinstance(update, Material) else None, asked, **told)
     run.passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
     try:
         found = judged(*asked, run.query(case))

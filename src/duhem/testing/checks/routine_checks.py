@@ -144,7 +144,9 @@ def feasibility(q: Query) -> Finding:
     allowed, level = np.where(out, allowed, np.fmax(allowed, 0.0)), np.where(out, level, np.fmin(level, 0.0))
     with np.errstate(all="ignore"):
         share = level / q.dual_length(gradient) / q.length(found.stress)
-    said = [f"g = {g:.3g}, allowed {most:.3g}: out of K by {x:.2g} of the stress" for g, most, x in zip(level, allowed, share, strict=True)]
+    said = [
+        f"measured {g:.3g}, allowed {most:.3g}: out of K by {x:.2g} of the stress" for g, most, x in zip(level, allowed, share, strict=True)
+    ]
     return Finding(level, allowed, np.array(said, dtype=object), q.region.unknown(found.stress, q.pressure))
 
 
