@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from hypothesis.strategies import sampled_from
 
 import duhem
 from duhem.law.formula_law import Criterion
@@ -46,7 +47,7 @@ TWO: dict[str, tuple[object, Callable[..., Array], dict[str, object], str, str, 
     "tip": (
         "orthotropic",
         at_the_tip,
-        {"parameters": ELLIPSE},
+        {"parameters": ELLIPSE, "pressure": sampled_from([-1.0, 0.0])},
         "without a correction",
         "the identity instead of the stiffness",
         "at the tip",
