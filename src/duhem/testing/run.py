@@ -393,7 +393,9 @@ class ConformanceRun:
             if not of_stress(cause):  # of what is returned beside a wrong stress another region says nothing
                 continue
             own = self.query(cause.case)  # of whose region the diagnosis is
-            named = {*region_of(own, own.here).tolist()} if cause.diagnoses else set()
+            named = set[str]()
+            with suppress(NoReply):
+                named |= {*region_of(own, own.here).tolist()} if cause.diagnoses else set()
             asked = (cause.check.name, *(cause.explains if cause.diagnoses else ()))
             worst = [(-each.failed[name], name, case, each.check) for each in map(regions.get, asked) if each for name, case in each]
             for _, region, case, check in sorted(worst, key=lambda w: w[0])[:_ASKED]:
