@@ -170,3 +170,46 @@ def test_a_constant_matrix_does_not_become_diagonal() -> None:
 )
 def test_it_counts_inside_a_power_too(part: str) -> None:
     assert objection("convexity", "composition", frozenset(), StatedLaw.read(law_as_text(law(f"{J2} + {part} - 1"))), {})
+
+
+def _of_eigenvalues(text: str, entries: str = "2*xx, yy, zz, 0, 0, xy") -> bool:
+    """Whether a law in the eigenvalues A >= B >= C of a matrix that no turning maps to itself is shown to be smooth."""
+    turned = ", ".join(f"-({x})" for x in entries.split(", "))
+    trace = " + ".join(entries.split(", ")[:3])
+    words = {"A": f"eigmax({entries})", "C": f"(-eigmax({turned}))", "D": "eigmax(xx, yy, 3*zz, 0, 0, xy)"}
+    g = text.translate({ord(word): formula for word, formula in (words | {"B": f"({trace} - {words['A']} - {words['C']})"}).items()})
+    parameters = {name: {"min": low} for name, low in (("k", "3/2"), ("n", "1")) if name in text}
+    given = {"forces": ["xx", "yy", "zz", "xy"], "pressure": None, "parameters": parameters, "constraints": [], "g": g, "flow": None}
+    stated = StatedLaw.read(given)
+    return not objection("smoothness", "composition", frozenset(), stated, {})
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "abs(A - B)**4 + abs(B - C)**4 + abs(C - A)**4 - 1",
+        "abs(A - B)**k + abs(B - C)**k + abs(C - A)**k - 1",
+        "A**4 + B**4 + C**4 - 1",
+    ],
+)
+def test_a_symmetric_function_of_eigenvalues_is_smooth_where_it_is_so_in_them(text: str) -> None:
+    assert _of_eigenvalues(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "abs(A - B)**4 + abs(C - A)**4 - 1",  # another order gives another value
+        "A**4 + 2*B**4 + C**4 - 1",
+        "abs(A - B) + abs(B - C) + abs(C - A) - 1",
+        "abs(A - B)**n + abs(B - C)**n + abs(C - A)**n - 1",
+        "A**4 + B**4 + C**4 + D**2 - 1",
+        "A - 1",
+    ],
+)
+def test_what_has_a_corner_where_eigenvalues_meet_is_not_shown_to_be_smooth(text: str) -> None:
+    assert not _of_eigenvalues(text)
+
+
+def test_eigenvalues_of_a_matrix_with_kinks_have_kinks() -> None:
+    assert not _of_eigenvalues("A**4 + B**4 + C**4 - 1", "abs(xx), yy, zz, 0, 0, xy")

@@ -86,6 +86,15 @@ SPELLED = [
         "max(-x, -y, -z, x**3 + y**3 + z**3 + 3*(x**2*y + x**2*z + y**2*x + y**2*z + z**2*x + z**2*y) + (6 - k)*x*y*z) + s",
     ),
     ("max(x, y, z)*(1 + sin(phi)) - min(x, y, z)*(1 - sin(phi))", "max(x, y, z) - min(x, y, z) + (max(x, y, z) + min(x, y, z))*sin(phi)"),
+    (
+        "norm(x, y) + abs(z)/k",
+        "(k*norm(x, y)*(1 + x**2) + abs(z) + abs(z)*x**2)/(k + k*x**2)",
+        "norm(y, -x)*sqrt(1 + y**2)**3/sqrt(y**2 + 1)**3 + 2*abs(z)*(1 + norm(x, y)**2)**2/(2*k*(1 + x**2 + y**2)**2)",
+    ),
+    ("abs(c*x + (1 - c)*y)", "max(c*x + y - c*y, (c - 1)*y - c*x)", "sqrt(((1 - c)*y + c*x)**2)"),
+    ("norm((c*k + x)/m, y/u)", "sqrt((x + c*k)**2/m**2 + y**2/u**2)", "sqrt(c**2*k**2/m**2 + 2*c*k*x/m**2 + x**2/m**2 + y**2/u**2)"),
+    ("max(x, y, z) - min(x, y, z)/k", "max(x, y, z) + max(-x, -y, -z)/k", "-min(-z, -y, -x) + max(-y, -x, -z)/k"),
+    ("norm(x - y, 2*z) + norm(x, z)", "norm(2*z, y - x) + sqrt(x**2 + z**2)", "sqrt(x**2 - 2*x*y + y**2 + 4*z**2) + norm(-z, x)"),
     ("norm(x/(k + c), y/(k - c))", "norm(x/(k + m*cos(2*v)), y/(k - m*cos(2*v)))"),
 ]
 
@@ -96,6 +105,12 @@ def test_a_convex_law_is_proved_however_it_is_spelled(text: str) -> None:
 
 
 WRONG = [
+    "norm(x, y)*(1 + x**2)/(1 + x**2) - 2*abs(x) - s",
+    "(x**2*(k + y**2) - y**2)/(k + y**2) - s",
+    "x**2/(y**2 + k) - s",
+    "min(-x, -y, -z) - s",
+    "-max(-x, -y, -z) + max(-x, -y, -z)/2 - s",
+    "sqrt(k**2*x**2 + 2*k*x*y + y**2) - (k + 1)*abs(x + y) - s",
     "min(x, y) - s",
     "max(x, y) - abs(x - y) - s",
     "norm(x, y) - pos(norm(x, y) - norm(x, 2*y)) - s",
@@ -124,6 +139,12 @@ def test_a_law_that_is_not_convex_is_refused_in_any_spelling(text: str) -> None:
 
 
 UNDEFINED = [
+    "abs(y) + x*(x - y)/(x - y) - s",
+    "norm(x, y)*(x**2 - y**2)/(x + y) - s",
+    "abs(y) + x**2/norm(x, y)**2 - x**2/(x**2 + y**2) - s",
+    "norm(x, y) + x**3/(x**2 + y**2 + z**2) - x**3/(z**2 + y**2 + x**2) - s",
+    "x**2/(-x) + abs(y) - s",
+    "abs(x) + (k - m)*y/(k - m) - s",
     "sqrt(x)**2 - x + abs(y) - s",
     "sqrt(x)*sqrt(x) + abs(y) - s",
     "x/x + abs(y) - s",
@@ -180,6 +201,14 @@ def _terms(rng: Random, depth: int) -> str:
             f"sqrt(({one})**4)",
             f"sqrt(k*({one})**2 + e*({two})**2)",
             f"pos({one})*pos({one})",
+            f"({one})/(k + ({two})**2)",
+            f"(({one})*(k + ({two})**2) - ({one})**2)/(2*k*(({two})**2 + k))",
+            f"sqrt(({two})**2 + 1)**3*({one})/(k*({two})**2 + k)**2",
+            f"({one})/sqrt(1 + ({two})**2)**4 - ({two})**2/(1 + ({two})**2)",
+            f"max(-({one}), -abs({two}), -x)",
+            f"((x + y)*((x - y)**2 + 1) + (x - y)**2*({one}))/(x**2 + y**2 - 2*x*y + 1)",
+            f"((x + y)*(x - y)**4 + ({one})*k)/((x - y)**4 + k) + (x**2 - x*y*3)/((x - y)**2 + 1)",
+            f"norm(2*({one}), ({two}) - ({one}), k) - sqrt(5*({one})**2 - 2*({one})*({two}) + ({two})**2)",
         )
     )
 

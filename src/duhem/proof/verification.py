@@ -463,9 +463,14 @@ class Confirmations:
         if self._stated is None:
             return False
         steps = min(steps, self.whole.left)
+        refused = set[bool | None]()
         for name, proof, read, holds, allowed in reversed(self._answers):
-            if (name, proof) == (claim, offer) and (holds or (read is as_written and allowed >= steps)):
-                return holds
+            if (name, proof) == (claim, offer):
+                if holds:
+                    return True
+                refused |= {read} if allowed >= steps else set()
+        if {as_written, None} & refused or {True, False} <= refused:
+            return False
         settled, allowed = frozenset(self.standings), ANY_STEPS
         with within(steps) as purse:
             try:

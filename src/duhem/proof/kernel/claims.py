@@ -108,9 +108,9 @@ def _suits(claim: str, rule: str, law: StatedLaw | StatedCurve) -> bool:
 def _objection_to_forms(
     claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, as_written: bool | None
 ) -> str:
-    """The objection to a law as it is written, and in its normal forms, or to some of these."""
+    """The objection to a law as it is written, and in its normal forms, or to some of these; evidence on sums is of g as it is written."""
     found = f"the rule {rule!r} does not show it" if as_written is False else _objection_in_cases(claim, rule, check, law, evidence)
-    if found and not as_written and isinstance(law, StatedLaw) and not law.of_rates:
+    if found and not as_written and "convex sums" not in evidence and isinstance(law, StatedLaw) and not law.of_rates:
         with suppress(*UNREADABLE):
             if any(not _objection_in_cases(claim, rule, check, form, evidence) for form in law.once(_spelled_otherwise)):
                 return ""

@@ -202,8 +202,10 @@ def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
         if len(moving) != 2 or term.large:
             return Facts(defined, sign)
         f, g = (a for a in term.args if not domain.constant(a))
-        bowl = any(_size_by_its_logarithm(a, b, domain) or _square_over_load(a, b, domain) for a, b in ((f, g), (g, f)))
-        convex, concave = scaled((True, False) if bowl else shape_of_two(f, g, domain), scale)
+        logarithmic = any(_size_by_its_logarithm(a, b, domain) for a, b in ((f, g), (g, f)))
+        way = POSITIVE if logarithmic else _square_over_load(f, g, domain) or _square_over_load(g, f, domain)
+        shape = (way == POSITIVE, way == NEGATIVE) if way else shape_of_two(f, g, domain)
+        convex, concave = scaled(shape, scale)
         return Facts(defined, sign, convex, concave, convex)
     x = moving[0] if not scale & NEGATIVE else moving[0].negated()
     if scale & NEGATIVE and scale & POSITIVE:
@@ -258,15 +260,19 @@ def _size_by_its_logarithm(x: Term, logarithm: Term, domain: StatedDomain) -> bo
     return bool(share) and share is not None and not domain.facts(written(share)).sign & NEGATIVE
 
 
-def _square_over_load(square: Term, under: Term, domain: StatedDomain) -> bool:
-    """h^2/x with h convex and >= 0, the root of the first factor, and x concave and > 0."""
+def _square_over_load(square: Term, under: Term, domain: StatedDomain) -> Sign:
+    """The sign of x in h^2/x, h convex and >= 0, the root of the first factor, and x concave and > 0, or convex and < 0; 0 for others.
+
+    It is convex for x > 0, concave for x < 0.
+    """
     if under.op != "**" or under.args[1] != number(-1):
-        return False
+        return 0
     root = domain.facts(Term("**", (square, _HALF)))
     if not (root.defined and root.convex):
-        return False
+        return 0
     load = domain.facts(under.args[0])
-    return load.concave and load.sign == POSITIVE
+    shaped = (load.concave and load.sign == POSITIVE) or (load.convex and load.sign == NEGATIVE)
+    return load.sign if shaped else 0
 
 
 def _greatest(parts: list[Facts]) -> Facts:

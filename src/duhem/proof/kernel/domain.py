@@ -10,6 +10,7 @@ Both sides are undefined at p = q = 0, and there alone, so that the formula stay
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import islice, product
 from math import comb, prod
@@ -19,7 +20,19 @@ from unicodedata import normalize
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Facts, Sign, exact, sharpened, signs_of_product
 from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
+from duhem.proof.kernel.polynomial import (
+    ONE,
+    Monomial,
+    Polynomial,
+    joined,
+    number_in,
+    replaced,
+    root_of_square,
+    shared,
+    times,
+    total,
+    written,
+)
 from duhem.proof.kernel.spans import ordered, span
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import (
@@ -46,6 +59,7 @@ _MOST_POWER, _MOST_POWER_OF_ONE, _MOST_STEPS, _MOST_CHOICES = 12, 64, 400_000, 6
 _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two constraints to be tried together
 _FEW, _SHORT = 4, 12  # words that are no names, and terms, of which ends of spans are tried
 _MOST_TURNS = 24  # of an angle
+_HALF = number(Fraction(1, 2))
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
 
 
@@ -536,9 +550,35 @@ class StatedDomain:
                 return found
             if base == ONE:
                 return ONE
+            if base and n < 0 and self.constant(term) and term.names() - {"pi"}:
+                return _inverse(base, -n)
         if term.op == "**" and self.constant(term) and self.polynomial(term.args[0]) == ONE:
             return ONE  # whatever the power
-        return {((term, 1),): Fraction(1)}
+        return {((self._in_order(term) if self.constant(term) else term, 1),): Fraction(1)}
+
+    def _in_order(self, constant: Term) -> Term:
+        """The same with its sums, products and numbers in one order, so that it is one variable however it is written."""
+        kept: dict[Term, Term] = self.kept.setdefault("in order", {})
+        if not constant.args or constant.large:
+            return constant
+        if constant not in kept:
+            args = tuple(map(self._in_order, constant.args))
+            if constant.op in ("+", "*"):
+                args = tuple(sorted(b for a in args for b in (a.args if a.op == constant.op else (a,))))
+            found = constant._replace(args=args)
+            value = number_in(self.polynomial(found)) if not found.names() and found.op in ("+", "*") else None
+            kept[constant] = found if value is None else number(value)
+            if constant in self.known and self.known[constant].defined:  # else what is shown of it may be of nothing
+                self.known.setdefault(kept[constant], self.known[constant])
+        return kept[constant]
+
+    def _root_of_square(self, base: Term, exponent: Term) -> Term | None:
+        """The size of x, times the root of a number, where a constant is a number times x^2."""
+        with suppress(NotWritten):
+            if exponent == _HALF and (found := root_of_square(self.polynomial(base))) is not None and number_in(found[1]) is None:
+                size = self.plain(Term("abs", (written(found[1]),)))
+                return size if found[0] == 1 else product_of(Term("**", (number(found[0]), _HALF)), size)
+        return None
 
     def _times(self, one: Polynomial, two: Polynomial) -> Polynomial:
         self.spend(len(one) * len(two))
@@ -551,14 +591,17 @@ class StatedDomain:
             raise NotWritten("there is too much to multiply out")
 
     def plain(self, term: Term) -> Term:
-        """A ramp or size of a constant of known sign is it, its negative or 0; a norm of one that need not be 0 is its size.
+        """A ramp or size of a constant of known sign is it, its negative or 0; a norm of one that need not be 0, or the root of a square,
+        is a size.
 
         A choice that is decided is what is chosen; what a word is at 0 is a number.
         """
         if term.op == "where" and (holds := self.decided(term.args[0])) is not None:
             return self.plain(term.args[1 if holds else 2])
-        if term.op not in ("norm", "abs", "pos", "neg", *_AT_ZERO) or not self.constant(term):
+        if term.op not in ("norm", "abs", "pos", "neg", "**", *_AT_ZERO) or not self.constant(term):
             return term
+        if term.op == "**":
+            return self._root_of_square(*term.args) or term
         if term.op in _AT_ZERO:
             return number(_AT_ZERO[term.op]) if self.sign(term.args[0]) == ZERO else term
         left = [a for a in term.args if self.sign(a) != ZERO] or [number(0)]
@@ -570,6 +613,14 @@ class StatedDomain:
         if not sign & POSITIVE:
             return number(0) if term.op == "pos" else minus(x)
         return Term("abs", (x,)) if term.op == "norm" else term
+
+
+def _inverse(poly: Polynomial, n: int) -> Polynomial:
+    """1/P^n, what divides all of P by itself, and the first of its numbers: there is one spelling of it where P is not 0."""
+    own = shared(poly)
+    first = abs(poly[min(poly)])
+    rest = {joined(m, tuple((x, -k) for x, k in own)): c / first for m, c in poly.items()}
+    return {tuple(sorted([*((x, -k * n) for x, k in own), (Term("**", (written(rest), number(-1))), n)])): 1 / first**n}
 
 
 def _outweighed(m: Monomial, c: Fraction, above: Polynomial) -> bool:

@@ -8,7 +8,7 @@ from itertools import combinations
 
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, negated, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, negated, quotient, times, total, written
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
 
 __all__ = [
@@ -98,11 +98,14 @@ def leading_minors(matrix: Matrix, domain: StatedDomain) -> Iterator[Polynomial]
 
 
 def multiple(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomial | None:
-    """c where rest = c x; read off a part of x whose coefficient is a number, or a product of constants that are not 0."""
+    """c where rest = c x; read off a part of x whose coefficient is a number, or a product of constants that are not 0, or divided."""
     if not rest:
         return {}
     split = share_and_rest(rest, x, domain)
-    return None if split is None or split[1] else split[0]
+    if split is not None:
+        return None if split[1] else split[0]
+    found = quotient(rest, x) if x else None
+    return found if found is not None and all(domain.constant(y) for m in found for y, _ in m) else None
 
 
 def _pivot(x: Polynomial, domain: StatedDomain) -> tuple[Monomial, Polynomial] | None:

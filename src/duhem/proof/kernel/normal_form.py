@@ -6,30 +6,39 @@ Every step is an identity wherever the formula as written has a value.  What has
 Kinks come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0, powers of powers to one, and what is multiplied and added
 up between words is multiplied out and collected.  ``where(d >= 0, a, b)`` with a - b = c d is b + c pos(d); r + c pos(d) is max(r, r + c d)
 for c >= 0; of a sum of squares under a root those that are no polynomials become parts of a norm.
+
+Of a quotient N/P what divides all of P divides by itself, and N/P is q + R/P for terms N - R = q P, P being not 0 where the quotient has a
+value; where several powers of one P stand together, P is >= 0 or they are whole, and all are powers of one of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
+from math import lcm
 from typing import NamedTuple
 
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
 from duhem.proof.kernel.forms import apart, by_forces, multiple
 from duhem.proof.kernel.polynomial import (
+    ONE,
     Monomial,
     Polynomial,
     in_powers,
     joined,
     negated,
     number_in,
+    quotient,
     replaced,
     root_of_square,
+    shared,
+    slope,
     times,
     total,
 )
+from duhem.proof.kernel.squares import added, plainly, scaled, sum_of_squares
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
@@ -39,7 +48,6 @@ _HALF, _ZERO = number(Fraction(1, 2)), number(0)
 _PRICE = 20  # steps for a part, beside what its polynomials cost
 _MOST_TERMS = 300  # of what is multiplied out
 _HIGHEST, _KEPT = 3, "power of a sum"  # whole powers that are multiplied out; the word of the others while polynomials are made
-_UNIT = Term("name", name="the unit")  # no name of a law has blanks
 
 
 def normal(term: Term, domain: StatedDomain, collects: bool) -> Term:
@@ -94,10 +102,12 @@ class _Form(NamedTuple):
         c = multiple(self._poly(sum_of(one, minus(two))), self._poly(d), self.domain)
         if c is None:
             return term
-        return self._collected(sum_of(two, product_of(_plain(c), self._kink("pos", d))))
+        return self._collected(sum_of(two, product_of(plainly(c), self._kink("pos", d))))
 
     def _extreme(self, term: Term) -> Term:
-        """Of x alone x, of x and 0 pos(x), of x and k x, k <= 0, pos(x) - k neg(x); a minimum is the maximum of the negatives, turned."""
+        """Of x alone x, of x and 0 pos(x), of x and k x, k <= 0, pos(x) - k neg(x); a minimum is the maximum of the negatives, turned,
+        and so is a maximum of sums of forces that all begin with a coefficient < 0.
+        """
         if term.op == "min":
             turned = self._extreme(Term("max", tuple(self._collected(minus(a)) for a in term.args)))
             return Term("min", tuple(sorted(term.args))) if turned.op == "max" else self._collected(minus(turned))
@@ -113,9 +123,12 @@ class _Form(NamedTuple):
         if len(args) == 2 and (k := multiple(self._poly(args[0]), self._poly(args[1]), self.domain)) is not None:
             if k == {(): Fraction(-1)}:
                 return self._kink("abs", args[0])
-            if not self.domain.facts(_plain(k)).sign & POSITIVE:
-                turned = product_of(_plain(negated(k)), self._kink("neg", args[1]))
+            if not self.domain.facts(plainly(k)).sign & POSITIVE:
+                turned = product_of(plainly(negated(k)), self._kink("neg", args[1]))
                 return self._collected(sum_of(self._kink("pos", args[1]), turned))
+        polys = list(map(self._poly, args))
+        if all(poly[min(poly)] < 0 and {sum(n for _, n in self._in_forces(m)) for m in poly} == {1} for poly in polys):
+            return self._collected(minus(Term("min", tuple(sorted(self._collected(minus(a)) for a in args)))))
         return Term("max", tuple(args))
 
     def _kink(self, word: str, x: Term) -> Term:
@@ -129,29 +142,33 @@ class _Form(NamedTuple):
         if not known & POSITIVE:
             return _ZERO if word == "pos" else self._collected(minus(x))
         content, rest = self._content(poly)
-        sign = self.domain.facts(_plain(content)).sign
+        sign = self.domain.facts(plainly(content)).sign
         if sign == NEGATIVE:
             content, word = negated(content), {"pos": "neg", "neg": "pos"}.get(word, word)
         elif sign != POSITIVE:
             return Term(word, (x,))
         inner = self._presented(rest) if self.collects or rest != poly else x
         kink = Term(word, (inner,))
-        return kink if number_in(content) == 1 else product_of(_plain(content), kink)
+        return kink if number_in(content) == 1 else product_of(plainly(content), kink)
 
     def _content(self, poly: Polynomial) -> tuple[Polynomial, Polynomial]:
         """(c, p) with poly = c p, c one term of constants that are > 0 or < 0, and p beginning with a coefficient > 0."""
-        shared = _shared(poly, lambda x: self.domain.constant(x) and self.domain.of(x) in (NEGATIVE, POSITIVE))
+        own = shared(poly, lambda x: self.domain.constant(x) and self.domain.of(x) in (NEGATIVE, POSITIVE))
         lead = Fraction(1 if poly[min(poly)] > 0 else -1)
-        return {shared: lead}, _divided(poly, shared, lead)
+        return {own: lead}, _divided(poly, own, lead)
 
     # -- powers --------------------------------------------------------------------------------------------------------
 
     def _norm(self, args: Sequence[Term]) -> Term:
-        """Without parts that are 0, sizes and norms inside; of one part it is its size."""
+        """Without parts that are 0, sizes and norms inside, in order; of one part it is its size."""
         parts = list[Term]()
         for a in args:
             parts += a.args if a.op in ("abs", "norm") else [a] if self._poly(a) else []
-        return self._kink("abs", parts[0]) if len(parts) == 1 else Term("norm", tuple(parts)) if parts else _ZERO
+        if len(parts) < 2:
+            return self._kink("abs", parts[0]) if parts else _ZERO
+        found = Term("norm", tuple(sorted(min(a, self._collected(minus(a))) if self.collects else a for a in parts)))
+        plain = self.collects and all(x.op == "name" or self.domain.constant(x) for a in parts for m in self._poly(a) for x, _ in m)
+        return (self._root(sum_of(*(product_of(a, a) for a in parts))) if plain else None) or found
 
     def _power(self, base: Term, exponent: Term) -> Term:
         """(y^k)^p is y^(k p) for y >= 0 and |y|^(k p) for even k; even powers of sizes, and of norms, are polynomials."""
@@ -167,6 +184,13 @@ class _Form(NamedTuple):
             return self._power(self._collected(square), number(p / 2 if base.op == "norm" else p))
         if p == Fraction(1, 2) and (norm := self._root(base)) is not None:
             return norm
+        if p.denominator == 1 and p < 0 and base.op == "*":
+            return self._collected(Term("*", tuple(self._power(a, number(p)) for a in base.args)))
+        if self.collects and p.denominator == 1 and p < 0 and base.op == "+":
+            inverse, found = self._inverse(self._reduced(self._poly(base))), ONE
+            for _ in range(-int(p)):
+                found = times(found, inverse)
+            return self._presented(found)
         return self._power_of_power(base, number(p))
 
     def _power_of_power(self, base: Term, p: Term) -> Term:
@@ -185,7 +209,7 @@ class _Form(NamedTuple):
     def _root(self, base: Term) -> Term | None:
         """The root of a polynomial of second degree in forces, and squares of other parts, as a norm; None for anything else."""
         poly = self._reduced(self._poly(base))
-        if (whole := self._square(poly)) is not None and not self.domain.facts(_plain(whole[0])).sign & NEGATIVE:
+        if (whole := self._square(poly)) is not None and not self.domain.facts(plainly(whole[0])).sign & NEGATIVE:
             return self._norm([self._collected(product_of(self._root_of(whole[0]), whole[1]))])
         squares, rest = list[tuple[Polynomial, Term]](), dict[Monomial, Fraction]()
         for moving, c in by_forces(poly, self.domain).items():
@@ -198,17 +222,17 @@ class _Form(NamedTuple):
         if (square := self._square(rest)) is not None:
             squares.append(square)
         elif rest:
-            known = _sum_of_squares(rest, self.domain)
-            inner = self._presented(rest) if known is None else _sum([_scaled(c, ((self._presented(y), 2),)) for c, y in known])
+            known = sum_of_squares(rest, self.domain)
+            inner = self._presented(rest) if known is None else added([scaled(c, ((self._presented(y), 2),)) for c, y in known])
             if not squares or (known is None and self.domain.facts(inner).sign & NEGATIVE):
                 return None if known is None else Term("**", (inner, _HALF))
             squares.append(({(): Fraction(1)}, Term("**", (inner, _HALF))))
-        if any(self.domain.facts(_plain(c)).sign & NEGATIVE for c, _ in squares):
+        if any(self.domain.facts(plainly(c)).sign & NEGATIVE for c, _ in squares):
             return None
         return self._norm([self._collected(product_of(self._root_of(c), x)) for c, x in squares])
 
     def _root_of(self, constant: Polynomial) -> Term:
-        root = Term("**", (_plain(constant), _HALF))
+        root = Term("**", (plainly(constant), _HALF))
         with suppress(NotWritten):
             return number(exact_value(root))
         return root
@@ -217,7 +241,7 @@ class _Form(NamedTuple):
         """(d, y) where the polynomial is d y^2 with a constant d; None where it is no square."""
         if not poly:
             return None
-        common = _shared(poly, self.domain.constant)
+        common = shared(poly, self.domain.constant)
         found = root_of_square(_divided(poly, common))
         return None if found is None else ({common: found[0]}, self._presented(found[1]))
 
@@ -227,6 +251,16 @@ class _Form(NamedTuple):
         poly = self.domain.polynomial(term)
         if len(poly) > _MOST_TERMS:
             raise NotWritten("there is too much to multiply out")
+        exponents: dict[Term, set[Fraction]] = {}
+        for x in {x for m in poly for x, _ in m if x.op == "**" and x.args[1].op == "number"}:
+            exponents.setdefault(x.args[0], set()).add(x.args[1].value)
+        for base, own in exponents.items():  # 1/P^2 as (1/P)^2, and where there are several powers of P, all as those of one
+            unit = Fraction(-1 if all(n.denominator == 1 for n in own) else 1, lcm(*(n.denominator for n in own)))
+            if len(own) > 1 or (unit == -1 and own != {unit}):
+                powers = {Term("**", (base, number(n))): int(n / unit) for n in own}
+                one = Term("**", (base, number(unit)))
+                swapped = [(joined((), tuple((one, n * powers[x]) if x in powers else (x, n) for x, n in m)), c) for m, c in poly.items()]
+                poly = total(*({m: c} for m, c in swapped))
         return poly
 
     def _collected(self, term: Term) -> Term:
@@ -243,7 +277,7 @@ class _Form(NamedTuple):
         for f in factors(term):
             known = number_in(self.domain.polynomial(f)) if self.domain.constant(f) else None
             value, others = (value, [*others, f]) if known is None else (value * known, others)
-        return _scaled(number(value), tuple((f, 1) for f in others))
+        return scaled(number(value), tuple((f, 1) for f in others))
 
     def _with_sizes(self, poly: Polynomial) -> Polynomial:
         """Ramps that are added up as sizes: pos(d) is (|d| + d)/2, neg(d) is (|d| - d)/2."""
@@ -258,18 +292,66 @@ class _Form(NamedTuple):
         return poly
 
     def _reduced(self, poly: Polynomial) -> Polynomial:
-        """Even powers of roots, sizes and norms undone."""
-        for x in sorted({x for m in poly for x, n in m if n >= 2}):
+        """Even powers of roots, sizes and norms undone, and what a sum divides that it divides by."""
+        for x in sorted({x for m in poly for x, n in m if abs(n) >= 2}):
             rooted = x.op == "**" and x.args[1] == _HALF
             if x.op in ("abs", "norm") or rooted:
                 square = self._poly(x.args[0] if rooted else sum_of(*(product_of(a, a) for a in x.args)))
-                found: Polynomial = {}
-                for k, part in enumerate(in_powers({m: c for m, c in poly.items() if dict(m).get(x, 0) >= 0}, x)):
-                    for _ in range(k // 2):
-                        part = times(part, square)
-                    found = total(found, times(part, {((x, 1),) if k % 2 else (): Fraction(1)}))
-                poly = total(found, {m: c for m, c in poly.items() if dict(m).get(x, 0) < 0})
+                powers: dict[int, Polynomial] = {}
+                for m, c in poly.items():
+                    powers.setdefault(dict(m).get(x, 0), {})[tuple((y, n) for y, n in m if y != x)] = c
+                found = list[Polynomial]()
+                for n, part in powers.items():
+                    half = 0 if abs(n) > 2 * _HIGHEST and len(square) > 1 else abs(n) // 2
+                    for _ in range(half):
+                        part = times(part, square if n > 0 else self._inverse(square))
+                    left = n - 2 * half if n > 0 else n + 2 * half
+                    found.append(times(part, {((x, left),): Fraction(1)}) if left else part)
+                poly = total(*found)
+        return self._divided_out(poly)
+
+    def _inverse(self, poly: Polynomial) -> Polynomial:
+        """1/P, what divides all of P by itself."""
+        if not poly:
+            raise NotWritten("it divides by 0")
+        own = shared(poly)
+        first = abs(poly[min(poly)])
+        base, n = self._presented(_divided(poly, own, first)), 1
+        if base.op == "**" and base.args[1] == number(2):
+            base, n = base.args[0], 2
+        atom = self.domain.polynomial(Term("**", (base, number(-1))))
+        return times({tuple((x, -k) for x, k in own): 1 / first}, times(atom, atom) if n == 2 else atom)
+
+    def _in_forces(self, m: Monomial) -> Monomial:
+        return tuple((x, n) for x, n in m if x.op == "name" and not self.domain.constant(x))
+
+    def _divided_out(self, poly: Polynomial) -> Polynomial:
+        """With q for q P/P, among the terms that have the same other words, and one degree in the forces where P has one."""
+        for x in sorted({x for m in poly for x, n in m if n > 0 and x.op == "**" and x.args[1] == number(-1)}):
+            by, groups = self._poly(x.args[0]), dict[tuple[Monomial, int], Polynomial]()
+            alike = len({sum(n for _, n in self._in_forces(m)) for m in by}) == 1
+            for m, c in poly.items():
+                words = tuple((y, n) for y, n in m if y.op != "name" and not self.domain.constant(y))
+                groups.setdefault((words, sum(n for _, n in self._in_forces(m)) if alike else 0), {})[m] = c
+            parts = list[Polynomial]()
+            for part in groups.values():
+                while by and any(x in dict(m) for m in part) and (q := quotient(_divided(part, ((x, 1),)), by)) is not None:
+                    part = q
+                parts += self._apart(part, x, by) if by and any(x in dict(m) for m in part) else [part]
+            poly = total(*parts)
         return poly
+
+    def _apart(self, poly: Polynomial, x: Term, by: Polynomial) -> list[Polynomial]:
+        """N/P as s l + (N - s l P)/P with l the mean of forces along which P does not change, and s the constant with which N/P does."""
+        mixed = sorted({y for m in by if len(own := self._in_forces(m)) > 1 for y, _ in own})
+        numerator = _divided(poly, ((x, 1),))
+        if not mixed or any(n < 0 for m in numerator for y, n in m if y in mixed) or total(*(slope(by, y) for y in mixed)):
+            return [poly]
+        share = quotient(total(*(slope(numerator, y) for y in mixed)), by)
+        if not share or any(y == x or not self.domain.constant(y) for m in share for y, _ in m):
+            return [poly]
+        linear = times(share, {((y, 1),): Fraction(1, len(mixed)) for y in mixed})
+        return [linear, times(total(numerator, negated(times(linear, by))), {((x, 1),): Fraction(1)})]
 
     def _presented(self, poly: Polynomial) -> Term:
         """A polynomial as a sum, each product of forces and words once, with what it is multiplied by; a square as one."""
@@ -278,13 +360,13 @@ class _Form(NamedTuple):
         poly = dict(sorted(poly.items()))
         if any(n == 2 for m in poly for x, n in m if not self.domain.constant(x)):
             if (square := self._square(poly)) is not None:
-                return _scaled(_plain(square[0]), ((square[1], 2),))
-            if (squares := _sum_of_squares(poly, self.domain)) is not None:
-                return _sum([_scaled(c, ((self._presented(y), 2),)) for c, y in squares])
+                return scaled(plainly(square[0]), ((square[1], 2),))
+            if (squares := sum_of_squares(poly, self.domain)) is not None:
+                return added([scaled(c, ((self._presented(y), 2),)) for c, y in squares])
             twice = {m: c for m, c in poly.items() if [n for x, n in m if x.op != "name" and not self.domain.constant(x)] in ([2], [1, 1])}
             if 1 < len(twice) < len(poly) and (square := self._square(twice)) is not None:
                 rest = self._presented(total(poly, negated(twice)))
-                return sum_of(_scaled(_plain(square[0]), ((square[1], 2),)), rest)
+                return sum_of(scaled(plainly(square[0]), ((square[1], 2),)), rest)
         poly, parts = self._with_ramps(poly)
         groups: dict[tuple[Monomial, int], Polynomial] = {}
         for moving, own in by_forces(poly, self.domain).items():
@@ -293,20 +375,20 @@ class _Form(NamedTuple):
             degree = sum(n for _, n in forces) if all(n > 0 for _, n in forces) else -1
             key = (words if degree >= 0 else moving, degree)
             groups[key] = total(groups.get(key, {}), times(own, {forces if degree >= 0 else (): Fraction(1)}))
-        parts += [_scaled(self._group(own), words) for (words, _), own in sorted(groups.items())]
-        return _sum(parts)
+        parts += [scaled(self._group(own), words) for (words, _), own in sorted(groups.items())]
+        return added(parts)
 
     def _group(self, poly: Polynomial) -> Term:
         """A polynomial of one degree in the forces: what is common to all of it in front; a power of a sum, and the rest."""
-        common = _shared(poly, self.domain.constant)
+        common = shared(poly, self.domain.constant)
         rest = _divided(poly, common)
         parts = list[Term]()
         if (power := self._power_of_sum(rest)) is not None:
             parts.append(power[0])
             rest = power[1]
         for moving, own in by_forces(rest, self.domain).items():
-            parts.append(_scaled(_plain(own), moving))
-        return _scaled(_sum(parts), common)
+            parts.append(scaled(plainly(own), moving))
+        return scaled(added(parts), common)
 
     def _power_of_sum(self, poly: Polynomial) -> tuple[Term, Polynomial] | None:
         """c (x + ...)^n with a number c, n > 2, and what is left of a polynomial of this degree, where that is much less."""
@@ -323,7 +405,7 @@ class _Form(NamedTuple):
                     power = times(power, base)
                 rest = total(poly, power)
                 if 2 * len(rest) < len(poly):
-                    return _scaled(number(c), ((self._group(base), n),)), rest
+                    return scaled(number(c), ((self._group(base), n),)), rest
         return None
 
     def _with_ramps(self, poly: Polynomial) -> tuple[Polynomial, list[Term]]:
@@ -342,7 +424,7 @@ class _Form(NamedTuple):
                 poly = left[best]
                 for word, way in (("pos", tried[best]), ("neg", negated(tried[best]))):
                     if scale := total(c, way):
-                        parts.append(_scaled(_plain(scale), ((Term(word, (d,)), 1),)))
+                        parts.append(scaled(plainly(scale), ((Term(word, (d,)), 1),)))
         return poly, parts
 
     def _drawn_out(self, term: Term) -> Term:
@@ -377,64 +459,6 @@ def _as_written(term: Term) -> Term:
     return Term("**", args) if term.op == _KEPT else term if args == term.args else term._replace(args=args)
 
 
-def _shared(poly: Polynomial, counts: Callable[[Term], bool]) -> Monomial:
-    """What divides every term, and what every term divides by, of the variables that count."""
-    exponents = [dict(m) for m in poly]
-    found = list[tuple[Term, int]]()
-    for x in {x for e in exponents for x in e if counts(x)}:
-        own = [e.get(x, 0) for e in exponents]
-        found += [(x, min(own))] if min(own) > 0 else [(x, max(own))] if max(own) < 0 else []
-    return tuple(sorted(found))
-
-
 def _divided(poly: Polynomial, by: Monomial, scale: Fraction = Fraction(1)) -> Polynomial:
     over_it = tuple((x, -n) for x, n in by)
     return {joined(m, over_it): c / scale for m, c in poly.items()}
-
-
-def _sum_of_squares(poly: Polynomial, domain: StatedDomain) -> list[tuple[Term, Polynomial]] | None:
-    """Products of constants >= 0, each with a polynomial, the sum of whose squares it is, by Lagrange's reduction in fractions.
-
-    Its terms of second degree, in the forces and in what stands beside a force once, are taken for each product of other constants.
-    """
-    beside = {x for m in poly if sum(n for y, n in m if not domain.constant(y)) == 1 for x, n in m if domain.constant(x) and n == 1}
-    groups: dict[Monomial, Polynomial] = {}
-    for m, a in sorted(poly.items()):
-        own = tuple((x, n) for x, n in m if x in beside or not domain.constant(x))
-        if any(n < 0 for _, n in own) or (degree := sum(n for _, n in own)) > 2:
-            return None
-        own = tuple(sorted([*own, (_UNIT, 2 - degree)])) if degree < 2 else own
-        groups.setdefault(tuple((x, n) for x, n in m if (x, n) not in own), {})[own] = a
-    found = list[tuple[Term, Polynomial]]()
-    for scale, form in groups.items():
-        if domain.facts(_plain({scale: Fraction(1)})).sign & NEGATIVE:
-            return None
-        while form:
-            square = next(((x, a) for m, a in sorted(form.items()) for x, n in m if n == 2 and a > 0), None)
-            if square is None:
-                return None
-            x, a = square
-            beside_x = {m: b / (a if dict(m)[x] == 2 else 2 * a) for m, b in form.items() if x in dict(m)}
-            whole = {joined(m, ((x, -1),)): b for m, b in beside_x.items()}
-            form = total(form, times({(): -a}, times(whole, whole)))
-            line = {tuple(y for y in m if y[0] != _UNIT): b for m, b in whole.items()}
-            found.append((_scaled(number(a), scale), line))
-            if any(x in dict(m) for m in form):
-                return None
-    return found
-
-
-def _scaled(scale: Term, parts: Monomial) -> Term:
-    """A product of a scale, which may be 1, and powers."""
-    powers = [x if n == 1 else Term("**", (x, number(n))) for x, n in parts]
-    found = [*([] if scale == number(1) and powers else scale.args if scale.op == "*" else [scale]), *powers]
-    return found[0] if len(found) == 1 else Term("*", tuple(found))
-
-
-def _plain(poly: Polynomial) -> Term:
-    """A polynomial as it is."""
-    return _sum([_scaled(number(c), m) for m, c in sorted(poly.items())])
-
-
-def _sum(parts: list[Term]) -> Term:
-    return parts[0] if len(parts) == 1 else Term("+", tuple(parts)) if parts else _ZERO

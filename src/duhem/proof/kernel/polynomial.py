@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
 __all__ = [
-    "ONE", "Monomial", "Polynomial", "in_powers", "joined", "negated", "number_in", "replaced", "root_of_square", "slope", "times", "total",
-    "written",
+    "ONE", "Monomial", "Polynomial", "in_powers", "joined", "negated", "number_in", "quotient", "replaced", "root_of_square", "shared",
+    "slope", "times", "total", "written",
 ]  # fmt: skip
 
 Monomial = tuple[tuple[Term, int], ...]
@@ -43,6 +44,15 @@ def joined(one: Monomial, two: Monomial) -> Monomial:
     for x, n in two:
         powers[x] = powers.get(x, 0) + n
     return tuple(sorted((x, n) for x, n in powers.items() if n))
+
+
+def shared(poly: Polynomial, counts: Callable[[Term], bool] = lambda _: True) -> Monomial:
+    """What divides every term, and what every term divides by, of the variables that count."""
+    exponents, found = [dict(m) for m in poly], list[tuple[Term, int]]()
+    for x in {x for e in exponents for x in e if counts(x)}:
+        own = [e.get(x, 0) for e in exponents]
+        found += [(x, min(own))] if min(own) > 0 else [(x, max(own))] if max(own) < 0 else []
+    return tuple(sorted(found))
 
 
 def times(one: Polynomial, two: Polynomial, most: int = _MOST_TERMS) -> Polynomial:
@@ -109,6 +119,24 @@ def root_of_square(poly: Polynomial) -> tuple[Fraction, Polynomial] | None:
         left = total(left, times(step, times({(): -c}, total(root, root, step))))
         root |= step
     return None if left else (c, root)
+
+
+def quotient(poly: Polynomial, by: Polynomial) -> Polynomial | None:
+    """q with q times ``by`` the polynomial, term by term from the greatest; None where there is none, or it has more terms than that."""
+    names = sorted({x for m in (*poly, *by) for x, _ in m})
+
+    def rank(m: Monomial) -> tuple[int, ...]:
+        own = dict(m)
+        return tuple(own.get(x, 0) for x in names)
+
+    lead, left, found = max(by, key=rank), poly, Polynomial()
+    while left and len(found) < len(poly):
+        m = max(left, key=rank)
+        if any(dict(m).get(x, 0) < n for x, n in lead):
+            return None
+        step = {joined(m, tuple((x, -n) for x, n in lead)): left[m] / by[lead]}
+        left, found = total(left, negated(times(step, by))), total(found, step)
+    return None if left else found
 
 
 def written(poly: Polynomial) -> Term:

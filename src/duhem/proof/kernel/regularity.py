@@ -5,6 +5,9 @@ norm: only the tip is left where the norm is 0.
 
 Let G(x, z) be C^1 and even in every z_i, and r_i(x) >= 0 convex, and C^1 where it is > 0.  Then G(x, r(x)) is C^1, where r_i = 0 too:
 dG/dz_i is 0 for z_i = 0, and r_i is Lipschitz, so that the share dG/dz_i grad r_i of the gradient tends to 0 there.
+
+Let G(x, z) be C^1 and not change with the order of z, the eigenvalues of a symmetric matrix that is affine in x: then it is C^1 in x (Lewis
+1996, Math. Oper. Res. 21, 576, theorem 1.1); with the eigenvalues of several matrices too, its gradient in each being continuous in all.
 """
 
 from __future__ import annotations
@@ -16,7 +19,7 @@ from dataclasses import dataclass
 from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial
-from duhem.proof.kernel.spectrum import freed_of_roots
+from duhem.proof.kernel.spectrum import freed_of_eigenvalues, freed_of_roots
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
 __all__ = ["Kinks", "regularity", "smooth_but_where_zero", "smooth_everywhere", "smooth_near_the_boundary", "tips"]
@@ -94,18 +97,21 @@ def regularity(term: Term, domain: StatedDomain) -> Kinks | None:
         found = _of_parts(term, domain)
         if term.op == "+" and (found is None or found.kinks or found.tips) and not term.large:
             with suppress(NotWritten):
-                found = _even_in_roots(term, domain) or found
+                found = _freed_of_parts(term, domain) or found
         known[term] = found
     return known[term]
 
 
-def _even_in_roots(term: Term, domain: StatedDomain) -> Kinks | None:
-    """Of a sum that is C^1 and even in its roots; what is singular but for the roots themselves stays a tip."""
-    for freed in freed_of_roots(term, domain):
+def _freed_of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
+    """Of a sum that is C^1 and even in its roots, or does not change with the order of eigenvalues; what is singular but for these
+    themselves stays a tip.
+    """
+    for freed in (*freed_of_roots(term, domain), *freed_of_eigenvalues(term, domain)):
         found = regularity(freed.term, freed.domain)
         if found is None or found.kinks or not freed.domain.facts(freed.term).defined or not freed.unchanged():
             continue
-        inner = [regularity(y, domain) for root in freed.parts.values() for y in (root.args if root.op == "norm" else root.args[:1])]
+        roots = [root for root in freed.parts.values() if root.op in ("norm", "**")]
+        inner = [regularity(y, domain) for root in roots for y in (root.args if root.op == "norm" else root.args[:1])]
         known = [y for y in inner if y is not None and y.kinks <= y.zeros]
         if len(known) == len(inner):
             tips = frozenset(tip.put(freed.parts) for tip in found.tips).union(*(y.tips for y in known))

@@ -76,7 +76,8 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain) -> Sign:
 
 def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
     """The sign of a sum that is < 0, or <= 0, although |x|, a norm or a root is one of its terms, perhaps times what is > 0."""
-    for i, part in enumerate(map(domain.plain, term.args) if term.op == "+" else ()):
+    for i, part in enumerate(term.args if term.op == "+" else ()):
+        part = product_of(*(g for f in factors(part) for g in factors(domain.plain(f))))
         sizes = [f for f in factors(part) if f.op in ("abs", "norm") or (f.op == "**" and f.args[1] == number(Fraction(1, 2)))]
         scale = product_of(*(f for f in factors(part) if f not in sizes))
         if len(sizes) != 1 or (part.op == "*" and domain.facts(scale).sign != POSITIVE):

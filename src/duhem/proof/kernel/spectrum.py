@@ -24,7 +24,7 @@ from duhem.proof.kernel.identity import alike
 from duhem.proof.kernel.polynomial import Polynomial, negated, total, written
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["Freed", "entries_of", "extremes", "freed_of_roots", "quasiconvex_with_parts_freed"]
+__all__ = ["Freed", "entries_of", "extremes", "freed_of_eigenvalues", "freed_of_roots", "quasiconvex_with_parts_freed"]
 
 _MOST_ROOTS, _MOST_MATRICES = 8, 4
 
@@ -46,7 +46,7 @@ def quasiconvex_with_parts_freed(term: Term, domain: StatedDomain) -> Facts | No
     """What is shown of the term with further forces in the place of roots, or of eigenvalues; None where that is not quasiconvex, or
     changes with their signs or order.
     """
-    for freed_of in (freed_of_roots, _freed_of_eigenvalues):
+    for freed_of in (freed_of_roots, freed_of_eigenvalues):
         with suppress(NotWritten):
             for freed in freed_of(term, domain):
                 known = freed.domain.facts(freed.term)
@@ -142,13 +142,25 @@ class _Matrix(NamedTuple):
         return sum_of(written(total(*self.entries[:3])), minus(self.greatest), minus(self.least))
 
 
-def _freed_of_eigenvalues(term: Term, domain: StatedDomain) -> Iterator[Freed]:
+def freed_of_eigenvalues(term: Term, domain: StatedDomain) -> Iterator[Freed]:
     """The term with forces for the greatest and the least eigenvalue of each matrix in it."""
     matrices, free = _read(term, domain)
     names = [x.name for matrix in matrices for x in (matrix.greatest, matrix.least)]
     if 0 < len(matrices) <= _MOST_MATRICES and not {*names} & {*domain.law.forces}:
-        wider = _wider(domain, names)
-        yield Freed(term.put(free), wider, {z: part for part, z in free.items()}, [swap for m in matrices for swap in _swaps(m)])
+        wider, swaps = _wider(domain, names), [swap for m in matrices for swap in _swaps(m)]
+        parts = dict((z, part) if z.op == "name" else (z.args[1], minus(part)) for part, z in free.items())
+        for form in dict.fromkeys((term, _of_sizes(term, domain))):
+            yield Freed(form.put(free), wider, parts, swaps)
+
+
+def _of_sizes(term: Term, domain: StatedDomain) -> Term:
+    """The term with powers of |y| for those of y >= 0."""
+    if term.op in ("eigmax", "max", "min") or domain.constant(term):
+        return term
+    args = tuple(_of_sizes(a, domain) for a in term.args)
+    if term.op == "**" and term.args[0].op != "abs" and domain.facts(term.args[0]).nonnegative:
+        args = (Term("abs", args[:1]), args[1])
+    return term if args == term.args else term._replace(args=args)
 
 
 def _swaps(matrix: _Matrix) -> Iterator[dict[Term, Term]]:
