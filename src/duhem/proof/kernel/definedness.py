@@ -12,8 +12,7 @@ The one theorem on limits: where a formula has no value at a tip, and what it is
 is 0, on a set without an inside: J2 of a tensor that the forces may be, which is 0 on an axis.  Let a formula g have a value wherever the
 tip is not 0, every obligation being decided there, and let each part of g that has none on the axis stand in a function rho^k f, k > 0,
 rho = sqrt(J2), f bounded: it tends to 0 there.  Then g, with 0 for these functions, which must have a value on the axis too, is what g
-extends to, continuously; these are seen in g or in a normal form of it, which has its value wherever it has one.  Nothing else that divides
-0 by 0 is given a value.  K is the set where g, so extended, is <= 0.
+extends to, continuously.  Nothing else that divides 0 by 0 is given a value.  K is the set where g, so extended, is <= 0.
 
 At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no value: A tends to 0 there and B is of less degree.  K holds 0 then.
 The slip of a law's own, having no value where a tip of g is 0, is there any mean of its limits from around (Koiter 1953): it is asked
@@ -166,11 +165,10 @@ def continued(term: Term, domain: StatedDomain) -> Iterator[Term]:
     """What a formula is where J2 = 0, as its parts may be read, by continuity, if it has a value everywhere else where it is read."""
     for reader in deviatoric_readers(term, domain):
         with suppress(NotWritten):
-            tip = written(reader.second)
+            tip, there = written(reader.second), reader.emptied(term)
             beside = Reader(domain.where({tip: True}), reader.sign)
-            if rarely_zero(tip, domain) and beside.undecided(term) is None:
-                found = map(reader.emptied, (term, *_normal_forms(term, domain)))
-                yield from (there for there in found if Reader(domain).undecided(there) is None)
+            if rarely_zero(tip, domain) and beside.undecided(term) is None and Reader(domain).undecided(there) is None:
+                yield there
 
 
 def _normal_forms(term: Term, domain: StatedDomain) -> Iterator[Term]:

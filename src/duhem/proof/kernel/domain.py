@@ -574,8 +574,9 @@ class StatedDomain:
 
     def _root_of_square(self, base: Term, exponent: Term) -> Term | None:
         """The size of x, times the root of a number, where a constant is a number times x^2."""
+        known = base.names() <= {*self.bounds, "pi", self.law.pressure}
         with suppress(NotWritten):
-            if exponent == _HALF and (found := root_of_square(self.polynomial(base))) is not None and number_in(found[1]) is None:
+            if known and exponent == _HALF and (found := root_of_square(self.polynomial(base))) is not None and number_in(found[1]) is None:
                 size = self.plain(Term("abs", (written(found[1]),)))
                 return size if found[0] == 1 else product_of(Term("**", (number(found[0]), _HALF)), size)
         return None
