@@ -10,11 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from duhem import load, verify
+from duhem import load
 from duhem.cli import cli
 from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.law.onnx_network import onnx_network
+from duhem.proof.certificate import law_as_text
+from duhem.proof.kernel.certificate import stated
+from duhem.proof.kernel.claims import objection
 
 onnx = pytest.importorskip("onnx")
 
@@ -136,7 +139,8 @@ def test_a_network_is_the_same_as_before(tmp_path: Path, net: Net) -> None:
 
 @pytest.mark.parametrize("word", ["Relu", "Softplus"])
 def test_an_input_convex_network_is_proved(tmp_path: Path, word: str) -> None:
-    assert verify(imported(tmp_path, icnn(word), "--level", "4"), claims=["convexity"])["convexity"].trust == "checked"
+    law = stated(law_as_text(imported(tmp_path, icnn(word), "--level", "4")))
+    assert not objection("convexity", "composition", frozenset(), law, {})
 
 
 def test_a_network_with_many_weights_is_read(tmp_path: Path) -> None:
@@ -155,6 +159,7 @@ def wrong(nodes: Sequence[Any], **more: Any) -> Net:
 
 
 LAST = node("MatMul", "a W", "out")
+DOUBLED = node("MatMul", "a30 W", "out")
 WRONG: dict[str, tuple[Net, str]] = {
     "word": (wrong([node("Sigmoid", "stress", "a", name="act"), LAST]), r"operator Sigmoid \(node act\) is not read; operators that are"),
     "nameless": (wrong([node("LayerNormalization", "stress b", "a"), LAST]), r"LayerNormalization \(of a\)"),
@@ -179,6 +184,11 @@ WRONG: dict[str, tuple[Net, str]] = {
     "nan": (wrong([node("MatMul", "stress c", "out")], weights={"c": np.full((3, 1), np.nan)}), "c holds a number that is not finite"),
     "kind": (wrong([node("MatMul", "stress c", "out")], weights={"c": np.ones((3, 1), "complex64")}), "c is no matrix of numbers"),
     "text": (wrong([node("Constant", "", "a", value_string="x"), LAST]), "Constant"),
+    "axes": (wrong([node("Transpose", "W", "a", perm=[7, 9]), LAST]), "cannot be read: axis 7"),
+    "many": (
+        wrong([node("Relu", "stress", "a0"), *(node("Concat", 2 * f"a{k} ", f"a{k + 1}", axis=1) for k in range(30)), DOUBLED]),
+        r"Concat \(of a12\)",
+    ),
     "order": (wrong([LAST, node("Relu", "stress", "a")]), "cannot be read"),
 }  # fmt: skip
 
@@ -189,6 +199,35 @@ def test_what_is_not_read_is_told_with_its_node(tmp_path: Path, name: str) -> No
     with pytest.raises(InputError, match=said) as told:
         imported(tmp_path, net)
     assert told.value.remedy and "net.onnx" in told.value.where and not (tmp_path / "law.toml").exists()
+
+
+def outside(model: Any) -> None:
+    data = model.graph.initializer[0]
+    data.ClearField("raw_data")
+    data.data_location = onnx.TensorProto.EXTERNAL
+    data.external_data.add(key="location", value="../secret")
+
+
+SPOILED: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "old": (lambda model: setattr(model.opset_import[0], "version", 6), "operators of version 6, and those of versions 7 to"),
+    "unknown": (lambda model: setattr(model.opset_import[0], "version", 999), "operators of version 999"),
+    "function": (lambda model: model.functions.add(name="MatMul", domain="", output=["a"]), "a function of its own for the operator M"),
+    "type": (lambda model: setattr(model.graph.initializer[0], "data_type", 99), "cannot be read"),
+    "outside": (outside, "cannot be read: .*k0"),
+}
+
+
+@pytest.mark.parametrize("name", SPOILED)
+def test_a_file_that_says_something_else_than_it_seems_is_refused(tmp_path: Path, name: str) -> None:
+    (folder := tmp_path / "inner").mkdir()
+    (tmp_path / "secret").write_bytes(np.ones(3, "f4").tobytes())
+    spoil, said = SPOILED[name]
+    file = KERAS.write(folder)
+    model = onnx.load(file)
+    spoil(model)
+    file.write_bytes(model.SerializeToString())
+    with pytest.raises(InputError, match=said):
+        onnx_network(file, "law", forces=["a", "b", "c"], stem="law")
 
 
 CALLS: list[tuple[Callable[[Path], Any], str]] = [

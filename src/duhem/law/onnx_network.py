@@ -27,6 +27,10 @@ _WORDS = {"Relu": "pos", "Softplus": "softplus", "Tanh": "tanh"}
 _PLAIN = (("transA", 0), ("alpha", 1.0), ("beta", 1.0))  # of Gemm, x w + b
 _SIGNS = {"Add": "+", "Sub": "-", "Mul": "*", "Div": "/"}
 _OPERATORS = ("Gemm", "MatMul", *_SIGNS, *_WORDS, "Concat", "Transpose", "Identity", "Constant")
+_STANDARD = ("", "ai.onnx")
+_OLDEST = 7  # before, vectors are joined by other rules
+_MOST_PARTS = 10_000  # of joined vectors
+_SAID = 60  # letters of a name that a message repeats
 _REMEDY = "export the layers alone, with constants folded, for a batch of shape (1, n); or save the weights with numpy.savez"
 
 
@@ -44,16 +48,25 @@ def onnx_network(file: str | os.PathLike[str], name: str, *, forces: Sequence[st
     try:
         model = onnx.load(where)
         onnx.checker.check_model(model)
-    except FileNotFoundError:
-        raise InputError("there is no such file", where=where, remedy="check the path") from None
-    except Exception as fault:  # protobuf and onnx have errors of their own
-        said = " ".join(str(fault).split())[:120]
-        raise InputError(f"the file cannot be read: {said}", where=where, remedy="export the network again") from None
-    book = Book({}, stem, forces)
-    try:
-        return _Reader(book, Counter(x for node in model.graph.node for x in node.input)).file(model.graph, name, level)
+        _check_meaning(model, onnx.defs.onnx_opset_version())
+        return _Reader(Book({}, stem, forces), Counter(x for node in model.graph.node for x in node.input)).file(model.graph, name, level)
     except InputError as fault:
         raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
+    except FileNotFoundError:
+        raise InputError("there is no such file", where=where, remedy="check the path") from None
+    except Exception as fault:  # protobuf, onnx and NumPy have errors of their own for what a file should not contain
+        said = " ".join(str(fault).split())[:120]
+        raise InputError(f"the file cannot be read: {said}", where=where, remedy="export the network again") from None
+
+
+def _check_meaning(model: Any, newest: int) -> None:
+    """InputError where an operator may be another than what is read here: in another version, or by a function of the file."""
+    versions = [each.version for each in model.opset_import if each.domain in _STANDARD]
+    if odd := [x for x in versions if not _OLDEST <= x <= newest]:
+        what = f"the file has operators of version {odd[0]}, and those of versions {_OLDEST} to {newest} are read"
+        raise InputError(what, remedy="export the network again for such an opset")
+    if own := [each.name for each in model.functions if each.domain in _STANDARD]:
+        raise InputError(f"the file has a function of its own for the operator {own[0][:_SAID]}", remedy=_REMEDY)
 
 
 @dataclass(frozen=True)
@@ -104,7 +117,7 @@ class _Reader:
         from onnx import helper, numpy_helper
 
         given = {each.name: helper.get_attribute_value(each) for each in node.attribute}
-        if node.domain not in ("", "ai.onnx") or node.op_type not in _OPERATORS:
+        if node.domain not in _STANDARD or node.op_type not in _OPERATORS:
             raise InputError(f"{_told(node)} is not read", remedy=f"operators that are read: {', '.join(_OPERATORS)}; {_REMEDY}")
         parts = [self.found[each] for each in node.input if each]
         match node.op_type, parts:
@@ -132,7 +145,7 @@ class _Reader:
                 return self.joined(_SIGNS[node.op_type], self.vector(a, rank, node), self.vector(b, rank, node), node)
             case "Concat", [_Vector(rank=rank), *_] if given["axis"] in (-1, rank - 1):
                 ends = [self.named(x) for x in parts if isinstance(x, _Vector) and x.rank == rank]
-                if len(ends) == len(parts):
+                if len(ends) == len(parts) and sum(x.width for x in ends) <= _MOST_PARTS:
                     texts = [f'"{x.part(str(i))}"' for x in ends for i in range(1, x.width + 1)]
                     return self.defined(f"[{', '.join(texts)}]", len(texts), rank)
         raise InputError(f"{_told(node)} stands between values of kinds or shapes that are not read", remedy=_REMEDY)
@@ -182,5 +195,5 @@ class _Reader:
 
 def _told(node: Any) -> str:
     """A node for a message."""
-    domain = f"{node.domain}." if node.domain else ""
-    return f"the operator {domain}{node.op_type}" + (f" (node {node.name})" if node.name else f" (of {node.output[0]})")
+    operator, name = (f"{node.domain}." if node.domain else "") + node.op_type, node.name or node.output[0]
+    return f"the operator {operator[:_SAID]} ({'node' if node.name else 'of'} {name[:_SAID]})"
