@@ -37,7 +37,7 @@ _STILL: _Jet = (_ZERO,) * 5
 def convex_in_its_box(law: StatedLaw) -> bool:
     """Whether the above is shown of g; c is 0 or, where that is not shown to be inside, the middle of the ranges."""
     sides = {**law.parameters, **dict(law.ranges)}
-    names = sorted(law.g.names() | {*law.forces} - {"pi"})
+    names = sorted({*law.g.names(), *law.forces} - {"pi"})
     if len(law.forces) != 2 or law.viscous or law.of_rates:
         return False
     whole = {name: _side(sides.get(name, Bounds(None, None))) for name in names}
@@ -54,7 +54,8 @@ def convex_in_its_box(law: StatedLaw) -> bool:
             shares = {x: Fraction(box[x].high - box[x].low, whole[x].high - whole[x].low or 1) for x in names}
             if (widest := max(shares.values())) * _FINEST < 1:
                 return False
-            parts = product(*(_halves(box[x]) if shares[x] == widest else (box[x],) for x in names))
+            halved = [x for x in names if shares[x] == widest][:2]  # not all at once: many parameters would make too many parts
+            parts = product(*(_halves(box[x]) if x in halved else (box[x],) for x in names))
             boxes += [dict(zip(names, part, strict=True)) for part in parts]
     return False
 

@@ -47,7 +47,8 @@ class RuleRow(NamedTuple):
     """A rule: the claims that are ``needed`` before it, what it checks, the parts of the law that it ``reads``, which are shown to have a
     value before, and the argument as a sentence with its source.
 
-    One that shows nothing without evidence works ``by_evidence``; some say nothing of a law of more than ``most_forces``.
+    One that shows nothing without evidence, or is asked only where it is offered, works ``by_evidence``; some say nothing of a law of more
+    than ``most_forces``.
     """
 
     needed: frozenset[str]

@@ -75,9 +75,9 @@ def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
 
 
 def convexity_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evidence]:
-    """In each part of the ranges of the forces the boundary curves inward."""
+    """In each part of the ranges of the forces the boundary curves inward.  It is too dear for the effort ``quick``."""
     ranges = [subject.law.domain.get(x, REAL) for x in subject.law.forces]
-    if len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges):
+    if subject.effort >= 1 and len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges):
         detail = "K is star-shaped and its boundary curves inward, by enclosures in parts of the ranges of the forces"
         yield Evidence(Verdict.PROVED, "curvature-in-a-box", detail, proof=Proof("curvature-in-a-box", {}))
 
