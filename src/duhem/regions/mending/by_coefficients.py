@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.text import formula
 from duhem.law.formula_law import Criterion
-from duhem.regions.mending.formulas import decimal, power, total
-from duhem.regions.mending.limit_load import limit_loads, plain_values, ways_of
+from duhem.regions.mending.formulas import decimal, times, total
+from duhem.regions.mending.limit_load import ScaledLaw
 
 __all__ = ["by_coefficients"]
 
@@ -31,13 +31,13 @@ _MARGINS = (1e-5, 1e-4, 1e-3)  # of the mean coefficient of a Gram matrix
 _LEAST, _POINTS, _MOST_SQUARES = 1e-9, 1000, 120
 
 
-def by_coefficients(law: Criterion) -> Iterator[tuple[str, str]]:
+def by_coefficients(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
     """g with other coefficients, the farther inside the border of sos-convexity the later; InputError for a g that is no polynomial."""
     import cvxpy as cp
 
-    poly, ways = _polynomial(law), ways_of(law)[:: max(1, len(ways_of(law)) // _POINTS)]
-    loads = limit_loads(law, plain_values(law), ways)
-    ways, loads = ways[np.isfinite(loads)], loads[np.isfinite(loads)]
+    law, poly = scaled.law, _polynomial(scaled.law)
+    some = np.flatnonzero(np.isfinite(scaled.loads))[:: max(1, len(scaled.loads) // _POINTS)]
+    ways, loads = scaled.ways[some], scaled.loads[some] * scaled.size
     powers, size = [m for m in poly.monoms() if any(m)], float(loads.mean())
     old = np.array([float(poly.coeff_monomial(m)) * size ** sum(m) for m in powers])
     table = np.column_stack([np.prod((ways * (loads / size)[:, None]) ** np.array(m), axis=1) for m in powers])
@@ -65,7 +65,7 @@ def by_coefficients(law: Criterion) -> Iterator[tuple[str, str]]:
             problem.solve(solver=cp.CLARABEL)
         if problem.status in _SOLVED:
             rounded = {m: decimal(x / size ** sum(m)) for m, x in zip(powers, a.value, strict=True) if abs(x) > _LEAST}
-            terms = ("*".join([c, *(power(f, k) for f, k in zip(law.forces, m, strict=True) if k)]) for m, c in rounded.items())
+            terms = (times(c, *zip(law.forces, m, strict=True)) for m, c in rounded.items())
             yield total([*terms, formula(poly.coeff_monomial(1))]), "the nearest sos-convex polynomial with the same monomials"
 
 

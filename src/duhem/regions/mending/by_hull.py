@@ -2,33 +2,31 @@
 
 Let gamma be the gauge of K, L_i <= 1 the lines and s_i > 0 the cones of the dents.  Outside of these no L_i is greater than gamma, and so
 
-    max(L_1, ..., L_n, min(gamma, T_1, ..., T_n)),   T_i = max(d, L_i - m s_i) with a great m and a small d > 0,
+    max(L_1, ..., L_n, gamma - m (pos(s_1) + ... + pos(s_n)))
 
-is the gauge of the hull: inside cone i T_i is no greater than L_i, elsewhere no less than gamma.  Where g has no roots but the norm,
-gamma - m (pos(s_1) + ... + pos(s_n)) takes the place of the minimum, and is sooner proved.  What g = A - S^k B says of gamma^k = A/B
-is said of these without a quotient.  So it is of dents that are symmetric about short directions, where the line or its square has
-short fractions.  Other hulls are enclosed by a polygon.  All this is found in floating point: what is proved is proved of the text.
+is the gauge of the hull if m is great: inside of the cones it is lowered below the lines.  What g = A - S^k B says of gamma^k = A/B is said
+of this without a quotient.  So it is of dents that are symmetric about short directions, where the line or its square has short fractions.
+Other hulls are enclosed by a polygon.  All this is found in floating point: what is proved is proved of the text.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import pairwise, product
 from math import ceil, gcd
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from duhem.expression import Norm, balls
+from duhem.expression import balls
 from duhem.expression.numpy_ import evaluate
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
-from duhem.law.formula_law import Criterion
-from duhem.regions.mending.formulas import decimal, linear, power, total
-from duhem.regions.mending.limit_load import LoadScale, limit_loads, plain_values, ways_of
+from duhem.regions.mending.formulas import decimal, linear, times, total
+from duhem.regions.mending.limit_load import ScaledLaw, limit_loads
 
 __all__ = ["by_hull"]
 
@@ -38,7 +36,7 @@ _WINDOW = 0.02  # rad around the place where a line touches
 _ALIKE, _MOST_DENOMINATOR = 1e-11, 10_000
 _SHORT = [(np.array([a, b]) / np.hypot(a, b), (a, b)) for a, b in product(range(-3, 4), repeat=2) if gcd(a, b) == 1]
 _MOST_SIDES, _OUTWARD = 32, 5e-4
-_HALVINGS = 20
+_HALVINGS, _NOTHING = 20, 1e-7  # the last of the greater component of a side
 
 
 class Bridge(NamedTuple):
@@ -50,38 +48,32 @@ class Bridge(NamedTuple):
     cosine: float = 0.0
 
 
-def by_hull(law: Criterion, scale: LoadScale) -> Iterator[tuple[str, str]]:
+def by_hull(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
     """g of the hull: exact ones first, last a polygon around K; and what each is."""
-    ways, values = ways_of(law), plain_values(law)
-
-    def boundary(angles: Array) -> Array:
-        around = np.column_stack([np.cos(angles), np.sin(angles)])
-        return around * (limit_loads(law, values, around) / scale.size(values))[:, None]
-
-    points = ways * (limit_loads(law, values, ways) / scale.size(values))[:, None]
-    dents = list(_dents(points, boundary))
-    split = _split(law, scale, ways, np.linalg.norm(points, axis=1))
+    dents, split = list(_dents(scaled)), _split(scaled)
     for squares in (False, True):
-        forms = [_form(dent, law.forces, squares) for dent in dents]
-        if split is not None and forms and None not in forms:
-            yield _text(law, scale, split, [form for form in forms if form], ways, squares), "the convex hull: lines bridge the dents"
-    yield _polygon(law, scale, points, [dent.line for dent in dents])
+        forms = [form for dent in dents if (form := _form(dent, scaled.law.forces, squares))]
+        if split is not None and 0 < len(forms) == len(dents):
+            yield _text(scaled, *split, forms, squares), "the convex hull: lines bridge the dents"
+    yield _polygon(scaled, [dent.line for dent in dents])
 
 
-def _dents(points: Array, boundary: Callable[[Array], Array]) -> Iterator[Bridge]:
+def _dents(scaled: ScaledLaw) -> Iterator[Bridge]:
     from scipy.spatial import ConvexHull
 
+    points, step, steps = scaled.ways * scaled.loads[:, None], 2.0 * np.pi / len(scaled.ways), np.linspace(-1.0, 1.0, 41)
     corners = sorted(ConvexHull(points).vertices.tolist())
     for i, j in pairwise([*corners, corners[0] + len(points)]):
         across = points[j % len(points)] - points[i]
         line = np.array([across[1], -across[0]]) / (across[1] * points[i][0] - across[0] * points[i][1])
         if (1.0 - points[np.arange(i, j) % len(points)] @ line).max() < _DEEP:
             continue
-        step, steps = 2.0 * np.pi / len(points), np.linspace(-1.0, 1.0, 41)
+        normal, (middle,) = line / np.linalg.norm(line), _at(np.array([step * (i + j) / 2.0]))
         for unit, axis in _SHORT:
-            middle = np.array([np.cos(step * (i + j) / 2.0), np.sin(step * (i + j) / 2.0)])
-            if max(np.abs(line / np.linalg.norm(line) - unit).max(), np.abs(middle - unit).max()) < 1e-5:
-                reach = np.polynomial.Polynomial.fit(steps, boundary(step * j + _WINDOW * steps) @ unit, 10)
+            if max(np.abs(normal - unit).max(), np.abs(middle - unit).max()) < 1e-5:
+                around = _at(step * j + _WINDOW * steps)
+                reaches = limit_loads(scaled.law, scaled.values, around) / scaled.size * (around @ unit)
+                reach = np.polynomial.Polynomial.fit(steps, reaches, 10)
                 best = float(min((x.real for x in reach.deriv().roots() if abs(x.imag) < 1e-9), key=abs, default=0.0))
                 yield Bridge(line, axis, float(reach(best)), float(np.cos(step * (j - i) / 2.0 + _WINDOW * best)))
                 break
@@ -89,24 +81,28 @@ def _dents(points: Array, boundary: Callable[[Array], Array]) -> Iterator[Bridge
             yield Bridge(line)
 
 
-def _split(law: Criterion, scale: LoadScale, ways: Array, loads: Array) -> tuple[sp.Expr, sp.Expr, int] | None:
+def _at(angles: Array) -> Array:
+    return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def _split(scaled: ScaledLaw) -> tuple[sp.Expr, sp.Expr, int] | None:
     """A, B and k where g = A - S^k B, both > 0; None for another g."""
-    t, table = sp.Symbol("t", positive=True), law.symbols()
-    name = next((n for n in reversed(list(scale.powers)) if scale.powers[n]), None)  # that stands for the scale
+    law, powers, t = scaled.law, scaled.powers, sp.Symbol("t", positive=True)
+    name = next((n for n in reversed(powers) if powers[n]), None)  # that stands for the scale
     if name is None:
         return None
-    swap = {**law.settled(), **{table[n]: sp.S.NegativeOne if n == law.pressure else sp.S.One for n in scale.powers}}
-    swap |= {table[name]: -t if name == law.pressure else t}
+    sizes = {n: (t if n == name else sp.S.One) * (-1 if n == law.pressure else 1) for n in powers}
+    swap = {**law.settled(), **{law.symbols()[n]: size for n, size in sizes.items()}}
     try:
         terms = sp.Poly(law.g.xreplace(swap).expand(), t).as_dict()
     except sp.PolynomialError:
         return None
-    over, degree = terms.pop((0,), sp.S.Zero), sum(map(sum, terms)) / scale.powers[name]
+    over, degree = terms.pop((0,), sp.S.Zero), sum(map(sum, terms)) / powers[name]
     under = -sum(terms.values())
     if len(terms) != 1 or not (degree.is_Integer and degree > 0):
         return None
-    high, low = (evaluate(x, dict(zip(law.force_symbols(), ways.T, strict=True))) for x in (over, under))
-    fits = (np.minimum(high, low) > 0).all() and np.allclose(high / low * loads ** float(degree), 1.0, rtol=1e-9)
+    high, low = (evaluate(x, dict(zip(law.force_symbols(), scaled.ways.T, strict=True))) for x in (over, under))
+    fits = (np.minimum(high, low) > 0).all() and np.allclose(high / low * scaled.loads ** float(degree), 1.0, rtol=1e-9)
     return (over, under, int(degree)) if fits else None
 
 
@@ -115,76 +111,75 @@ def _form(dent: Bridge, forces: Sequence[str], squares: bool) -> tuple[str, str]
     if dent.axis is None:
         return None
     size, n = float(np.hypot(*dent.axis)), 1 + squares
-    limit, cosine = (Fraction((x * size) ** n).limit_denominator(_MOST_DENOMINATOR) for x in (dent.reach, dent.cosine))
-    if any(abs(float(near) - (x * size) ** n) > _ALIKE for near, x in ((limit, dent.reach), (cosine, dent.cosine))):
+    exact = [(x * size) ** n for x in (dent.reach, dent.cosine)]
+    limit, cosine = (Fraction(x).limit_denominator(_MOST_DENOMINATOR) for x in exact)
+    if not np.allclose([float(limit), float(cosine)], exact, rtol=_ALIKE, atol=[0.0, _ALIKE]):
         return None
     load = total({1: "", -1: "-"}.get(c, f"{c}*") + f for c, f in zip(dent.axis, forces, strict=True) if c)
-    load = power(f"pos({load})", 2) if squares else f"({load})"
-    norm = f"norm({', '.join(forces)})"
-    return f"{1 / limit}*{load}", f"{load} - {cosine}*{power(norm, n)}"
+    load = f"pos({load})**2" if squares else f"({load})"
+    return f"{1 / limit}*{load}", f"{load} - {cosine}*{times((_norm(forces), n))}"
 
 
-def _text(law: Criterion, scale: LoadScale, split: Any, forms: Sequence[tuple[str, str]], ways: Array, squares: bool) -> str:
+def _norm(forces: Sequence[str]) -> str:
+    return f"norm({', '.join(forces)})"
+
+
+def _text(scaled: ScaledLaw, over: sp.Expr, under: sp.Expr, degree: int, forms: Sequence[tuple[str, str]], squares: bool) -> str:
     """The gauge of the hull, multiplied out, to the power of g, or twice that where squares of odd powers are asked for."""
-    known = dict(zip(law.forces, law.force_symbols(), strict=True))
-    places = dict(zip(known.values(), ways.T, strict=True))
+    known = dict(zip(scaled.law.forces, scaled.law.force_symbols(), strict=True))
+    places = dict(zip(known.values(), scaled.ways.T, strict=True))
 
     def at(text: str) -> Array:
-        return np.asarray(np.broadcast_to(evaluate(parse_expression(text, known), places), len(ways)))
+        return np.asarray(np.broadcast_to(evaluate(parse_expression(text, known), places), len(scaled.ways)))
 
-    twice = 2 if squares and split[2] % 2 else 1
-    over, under, degree = formula(split[0] ** twice), formula(split[1] ** twice), split[2] * twice
-    norm, rest = f"norm({', '.join(law.forces)})", degree - 1 - squares
-    lines = [power(f"({x})", degree // 2) if squares else x if degree == 1 else power(f"pos({x})", degree) for x, _ in forms]
-    cones = [f"({cone})*{power(norm, rest)}" if rest else cone for _, cone in forms]
-    gauge, high, wide = at(over) / at(under), np.maximum([at(line) for line in lines], 0.0), np.array([at(cone) for cone in cones])
+    twice = 2 if squares and degree % 2 else 1
+    top, low, degree = formula(over**twice), formula(under**twice), degree * twice
+    lines = [times((f"({x})", degree // 2)) if squares else x if degree == 1 else times((f"pos({x})", degree)) for x, _ in forms]
+    cones = [times(f"({cone})", (_norm(scaled.law.forces), degree - 1 - squares)) for _, cone in forms]
+    gauge, high, wide = at(top) / at(low), np.maximum([at(line) for line in lines], 0.0), np.array([at(cone) for cone in cones])
     with np.errstate(divide="ignore", invalid="ignore"):
         steep = ceil(1.5 * np.where(np.abs(wide) > _SEAM, (gauge - high) / np.abs(wide), 0.0).max()) + 1
-    times = "" if under == "1" else f"*({under})"
-    load, parts = f"{power(f'({scale.text})', degree)}{times}", [f"({line}){times}" for line in lines]
-    if {x.args for x in law.g.atoms(Norm)} <= {law.force_symbols()} and all(x.exp.is_Integer for x in law.g.atoms(sp.Pow)):
-        return f"max({', '.join(parts)}, {over} - {steep}*({total(f'pos({cone})' for cone in cones)}){times}) - {load}"
-    least = f"{decimal(0.5 * high[wide > _SEAM].min(), 2)}*{power(norm, degree)}"
-    slopes = [f"max({least}, {line} - {steep}*({cone})){times}" for line, cone in zip(lines, cones, strict=True)]
-    return f"max({', '.join(parts)}, min({over}, {', '.join(slopes)})) - {load}"
+    below = () if low == "1" else (f"({low})",)
+    arms = [times(f"({line})", *below) for line in lines]
+    lowered = times(str(steep), f"({total(f'pos({cone})' for cone in cones)})", *below)
+    return f"max({', '.join(arms)}, {top} - {lowered}) - {times((f'({scaled.text})', degree), *below)}"
 
 
 # -- a polygon ---------------------------------------------------------------------------------------------------------
 
 
-def _polygon(law: Criterion, scale: LoadScale, points: Array, lines: Sequence[Array]) -> tuple[str, str]:
+def _polygon(scaled: ScaledLaw, lines: Sequence[Array]) -> tuple[str, str]:
     """Lines all around K and those of its dents, each a little outside, and whether they are shown to enclose K."""
     from scipy.spatial import ConvexHull
 
-    hull = ConvexHull(points)
-    outer, faces = points[hull.vertices], hull.equations[:, :2] / -hull.equations[:, 2:]
+    hull = ConvexHull(scaled.ways * scaled.loads[:, None])
+    outer, faces = hull.points[hull.vertices], hull.equations[:, :2] / -hull.equations[:, 2:]
     angles = np.unique([*(0.5 * np.pi * np.arange(4)), *(np.arctan2(y, x) % (2.0 * np.pi) for x, y in lines)])
     while True:
-        normals = np.column_stack([np.cos(angles), np.sin(angles)])
+        normals = _at(angles)
         reach = (normals @ outer.T).max(axis=1)
         if len(angles) >= _MOST_SIDES:
             break
-        halves = np.diff(angles, append=angles[0] + 2.0 * np.pi) / 2.0  # one side more, below the corner that lies farthest off the hull
-        middles, after = angles + halves, np.roll(reach, -1)
-        along, aside = (reach + after) / (2.0 * np.cos(halves)), (after - reach) / (2.0 * np.sin(halves))
-        corners = along * np.array([np.cos(middles), np.sin(middles)]) + aside * np.array([-np.sin(middles), np.cos(middles)])
-        beyond = np.hypot(*corners) * (1.0 - 1.0 / (faces @ corners).max(axis=0))
-        angles = np.unique([*angles, middles[beyond.argmax()]])
+        rows, after = normals / reach[:, None], np.append(angles[1:], angles[0] + 2.0 * np.pi)
+        corners = np.linalg.solve(np.stack([rows, np.roll(rows, -1, axis=0)], axis=1), np.ones((len(rows), 2, 1)))[..., 0]
+        beyond = np.linalg.norm(corners, axis=1) * (1.0 - 1.0 / (corners @ faces.T).max(axis=1))
+        farthest = beyond.argmax()  # of the corners off the hull: one side more, below it
+        angles = np.unique([*angles, (angles[farthest] + after[farthest]) / 2.0])
     rows = (1.0 - _OUTWARD) * normals / reach[:, None]
     rows = rows[ConvexHull(rows).vertices]
-    closed = _encloses(law, scale, [(Fraction(decimal(x)), Fraction(decimal(y))) for x, y in rows.tolist()])
+    rows = np.where(np.abs(rows) > _NOTHING * np.abs(rows).max(axis=1, keepdims=True), rows, 0.0)
+    closed = _encloses(scaled, [(Fraction(decimal(x)), Fraction(decimal(y))) for x, y in rows.tolist()])
     told = f"a polygon of {len(rows)} sides around K{', as enclosures of g on it show' if closed else ''}"
-    return f"max({', '.join(linear(row, law.forces) for row in rows)}) - {scale.text}", told
+    return f"max({', '.join(linear(row, scaled.law.forces) for row in rows)}) - {scaled.text}", told
 
 
-def _encloses(law: Criterion, scale: LoadScale, faces: Sequence[tuple[Fraction, Fraction]]) -> bool:
-    """Whether g > 0 on the whole boundary, so that what of K is joined to zero force lies in the polygon."""
-    values, table = plain_values(law), law.symbols()
-    fixed = {table[name]: value for name, value in values.items()} | ({table[law.pressure]: sp.S.NegativeOne} if law.pressure else {})
-    level = balls.compiled(law.g.xreplace(fixed), law.force_symbols())
-    corners = list[tuple[Fraction, ...]]()
-    for (a, b), (c, d) in pairwise([faces[-1], *faces, faces[0]]):
-        corners.append(((d - b) / (a * d - b * c), (a - c) / (a * d - b * c)))
+def _encloses(scaled: ScaledLaw, faces: Sequence[tuple[Fraction, Fraction]]) -> bool:
+    """Whether g > 0 on the whole boundary at ``scaled.values``, so that what of K is joined to zero force lies in the polygon."""
+    law, table = scaled.law, scaled.law.symbols()
+    fixed = dict(scaled.values) | ({law.pressure: sp.S.NegativeOne} if law.pressure else {})
+    level = balls.compiled(law.g.xreplace({table[name]: x for name, x in fixed.items()}), law.force_symbols())
+    around = pairwise([faces[-1], *faces, faces[0]])
+    corners = [((d - b) / (a * d - b * c), (a - c) / (a * d - b * c)) for (a, b), (c, d) in around]
 
     def outside(p: tuple[Fraction, ...], q: tuple[Fraction, ...], halvings: int) -> bool:
         if balls.certain_sign(level(*(balls.ball(min(a, b), max(a, b)) for a, b in zip(p, q, strict=True)))) == 1:
@@ -192,4 +187,4 @@ def _encloses(law: Criterion, scale: LoadScale, faces: Sequence[tuple[Fraction, 
         middle = tuple((a + b) / 2 for a, b in zip(p, q, strict=True))
         return halvings > 0 and outside(p, middle, halvings - 1) and outside(middle, q, halvings - 1)
 
-    return scale.size(values) == 1.0 and all(outside(p, q, _HALVINGS) for p, q in pairwise(corners))
+    return scaled.size == 1.0 and all(outside(p, q, _HALVINGS) for p, q in pairwise(corners))

@@ -20,7 +20,7 @@ from duhem.regions.mending.by_coefficients import by_coefficients
 from duhem.regions.mending.by_harmonics import by_harmonics
 from duhem.regions.mending.by_hull import by_hull
 from duhem.regions.mending.by_parameters import by_parameters
-from duhem.regions.mending.limit_load import NO_DISTANCE, LoadScale, distance, limit_loads, plain_values, scale_of, ways_of
+from duhem.regions.mending.limit_load import NO_DISTANCE, ScaledLaw, distance, scale_of
 from duhem.regions.mending.result import Mended, Tried
 
 __all__ = ["WAYS", "mend"]
@@ -50,8 +50,8 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
     known = verify(given)
     if (before := known["convexity"].verdict) is Verdict.PROVED:
         return Mended(given, before, given, "", "K is convex, there is nothing to mend", NO_DISTANCE, known)
-    scale = scale_of(given)
-    tried = tuple(_tried(way, given, base, scale, harmonics) for way in (WAYS if by == "auto" else (by,)))
+    scaled = scale_of(given)
+    tried = tuple(_tried(way, scaled, base, harmonics) for way in (WAYS if by == "auto" else (by,)))
     nearest: Mended | None = None
     for one in sorted(tried, key=_rank):
         if one.law is not None and (nearest is None or not nearest.admissible):
@@ -67,15 +67,15 @@ def _rank(one: Tried) -> tuple[bool, bool, float]:
     return one.law is None, not one.convex, one.distance.largest
 
 
-def _tried(way: str, law: Criterion, base: Criterion, scale: LoadScale, harmonics: int) -> Tried:
+def _tried(way: str, scaled: ScaledLaw, base: Criterion, harmonics: int) -> Tried:
     """The nearest law of one way that is proved to be convex, or else one that is not; why there is none."""
-    best = Tried(way, "nothing was found")
+    name, best = scaled.law.name, Tried(way, "nothing was found")
     try:
-        for other, told in _candidates(way, law, base, scale, harmonics):
-            written = reads(criterion_text(replace(other, name=f"{law.name}-mended", summary=f"{law.name}, mended: {told}")))
+        for other, told in _candidates(way, scaled, base, harmonics):
+            written = reads(criterion_text(replace(other, name=f"{name}-mended", summary=f"{name}, mended: {told}")))
             assert isinstance(written, Criterion)  # what is verified is what is written
             convex = verdict_within(written, "convexity", _STEPS) is Verdict.PROVED
-            best = min(best, Tried(way, told, written, distance(law, written), convex), key=_rank)
+            best = min(best, Tried(way, told, written, distance(scaled, written), convex), key=_rank)
             if convex and way != "parameters":
                 break
     except InputError as fault:
@@ -83,17 +83,17 @@ def _tried(way: str, law: Criterion, base: Criterion, scale: LoadScale, harmonic
     return best
 
 
-def _candidates(way: str, law: Criterion, base: Criterion, scale: LoadScale, harmonics: int) -> Iterator[tuple[Criterion, str]]:
+def _candidates(way: str, scaled: ScaledLaw, base: Criterion, harmonics: int) -> Iterator[tuple[Criterion, str]]:
     """Laws that may be convex, and what each is."""
+    law = scaled.law
     if way == "parameters":
-        yield from by_parameters(law, base)
+        yield from by_parameters(scaled, base)
         return
-    plane = len(law.forces) == 2 and not law.domain and (law.pressure is None or law.pressure in scale.powers)
-    if way != "coefficients" and not (plane and np.isfinite(limit_loads(law, plain_values(law), ways_of(law))).all()):
+    plane = len(law.forces) == 2 and not law.domain and (law.pressure is None or law.pressure in scaled.powers)
+    if way != "coefficients" and not (plane and np.isfinite(scaled.loads).all()):
         what = "this is for laws of two forces, with a K that ends and grows in proportion to a power of the pressure"
         raise InputError(what, where=law.name, remedy="mend it by parameters or coefficients")
-    formulas = {"hull": lambda: by_hull(law, scale), "harmonics": lambda: by_harmonics(law, scale, harmonics)}
     free = {name: own for name, own in law.parameters.items() if own.value is None}
-    for g, told in formulas.get(way, lambda: by_coefficients(law))():
-        made = Criterion(law.name, g, free, law.forces, law.pressure, stress=law.stress, domain=law.domain, source=law.source)
-        yield made, told
+    formulas = {"hull": by_hull(scaled), "harmonics": by_harmonics(scaled, harmonics), "coefficients": by_coefficients(scaled)}
+    for g, told in formulas[way]:
+        yield Criterion(law.name, g, free, law.forces, law.pressure, stress=law.stress, domain=law.domain, source=law.source), told

@@ -1,11 +1,11 @@
-"""Pieces of formulas as text: decimals, sums, powers and linear forms."""
+"""Pieces of formulas as text: decimals, sums, products and linear forms."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from decimal import Decimal
 
-__all__ = ["decimal", "linear", "power", "total"]
+__all__ = ["decimal", "linear", "times", "total"]
 
 
 def decimal(x: float, digits: int = 6) -> str:
@@ -19,11 +19,12 @@ def total(terms: Iterable[str]) -> str:
     return " + ".join(terms).replace("+ -", "- ")
 
 
-def power(base: str, n: int) -> str:
-    """``base``, a word with its arguments or in brackets, to the power n >= 1."""
-    return base if n == 1 else f"{base}**{n}"
+def times(*factors: str | tuple[str, int]) -> str:
+    """The product of factors, words with their arguments or in brackets; of a pair the power, which is left out where it is 0."""
+    pairs = [(factor, 1) if isinstance(factor, str) else factor for factor in factors]
+    return "*".join(base if n == 1 else f"{base}**{n}" for base, n in pairs if n)
 
 
 def linear(row: Sequence[float], forces: Sequence[str]) -> str:
-    """A linear form in the forces, without what is next to nothing beside the rest of it."""
-    return total(f"{decimal(c)}*{f}" for c, f in zip(row, forces, strict=True) if abs(c) > 1e-7 * max(map(abs, row)))
+    """A linear form in the forces."""
+    return total(f"{decimal(c)}*{f}" for c, f in zip(row, forces, strict=True) if c)

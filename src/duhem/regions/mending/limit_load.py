@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from math import prod
 from typing import NamedTuple
 
@@ -20,12 +21,12 @@ from duhem.expression.rays import exits
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import admitted_values
 
-__all__ = ["NO_DISTANCE", "Distance", "LoadScale", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
+__all__ = ["NO_DISTANCE", "Distance", "ScaledLaw", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
 
 Array = NDArray[np.float64]
 Numbers = Mapping[str, sp.Rational]
 _ANGLES, _DRAWN = 2880, 4000  # directions of two forces, and of more
-_RADII = np.logspace(-5.0, 5.0, 201)
+_RADII = np.logspace(-10.0, 10.0, 401)
 _ALIKE = 1e-7
 
 
@@ -43,21 +44,26 @@ class Distance(NamedTuple):
 NO_DISTANCE = Distance()
 
 
-class LoadScale(NamedTuple):
-    """What K is proportional to: a product of ``powers`` of the free parameters and of the size of the ``pressure``."""
+@dataclass(frozen=True, eq=False)
+class ScaledLaw:
+    """A law whose K is a scale times a fixed set: a product of ``powers`` of its free parameters and of the size of the pressure.
 
+    ``values`` are plain numbers for its parameters, at which and at the pressure -1 the scale is ``size``.  ``loads`` (m,) are the limit
+    loads of the fixed set along ``ways`` (m, d).
+    """
+
+    law: Criterion
+    values: Numbers
     powers: Mapping[str, sp.Rational]
-    pressure: str | None
+    size: float
+    ways: Array
+    loads: Array
 
     @property
     def text(self) -> str:
-        """In the words of a criterion file: ``mu*abs(sigma_n)``; "1" where K is fixed."""
-        named = {f"abs({name})" if name == self.pressure else name: p for name, p in self.powers.items() if p}
+        """The scale in the words of a criterion file: ``mu*abs(sigma_n)``; "1" where K is fixed."""
+        named = {f"abs({name})" if name == self.law.pressure else name: p for name, p in self.powers.items() if p}
         return "*".join(name if p == 1 else f"{name}**({p})" for name, p in named.items()) or "1"
-
-    def size(self, values: Numbers) -> float:
-        """Its value, at the pressure -1."""
-        return float(prod(float(values.get(name, 1)) ** float(p) for name, p in self.powers.items()))
 
 
 def plain_values(law: Criterion) -> dict[str, sp.Rational]:
@@ -78,9 +84,13 @@ def ways_of(law: Criterion) -> Array:
 
 
 def limit_loads(law: Criterion, values: Numbers, ways: Array, load: float = 1.0) -> Array:
-    """How far K reaches along each of the ``ways`` (m, d) at the pressure -``load``; infinite where no end is found."""
+    """How far K reaches along each of the ``ways`` (m, d) at the pressure -``load``; infinite where no end is found.
+
+    ``values`` are of the free parameters, and may be of others.
+    """
     table = law.symbols()
-    others = {table[name]: float(values[name]) for name in law.parameters} | ({table[law.pressure]: -load} if law.pressure else {})
+    others = {table[n]: float(values[n] if own.value is None else own.value) for n, own in law.parameters.items()}
+    others |= {table[law.pressure]: -load} if law.pressure else {}
     radii = max([1.0, *map(abs, others.values())]) * _RADII
     inner, outer = exits(law.g, law.force_symbols(), ways, radii, others)
     if (inner <= 0.0).any():
@@ -88,31 +98,31 @@ def limit_loads(law: Criterion, values: Numbers, ways: Array, load: float = 1.0)
     return np.where(inner == outer, np.inf, inner)
 
 
-def distance(law: Criterion, other: Criterion) -> Distance:
+def distance(scaled: ScaledLaw, other: Criterion) -> Distance:
     """By how much the limit load of another law with the same forces differs, the free parameters at plain values."""
-    ways, values = ways_of(law), plain_values(law)
-    if not np.isfinite(own := limit_loads(law, values, ways)).any():
-        raise InputError("K has no end in any direction", where=law.name, remedy="there is no limit load that could change")
-    new = limit_loads(other, {n: values[n] if domain.value is None else domain.value for n, domain in other.parameters.items()}, ways)
+    own, new = scaled.loads, limit_loads(other, scaled.values, scaled.ways) / scaled.size
     with np.errstate(invalid="ignore"):
         change = np.where(own == new, 0.0, np.abs(new - own)) / own[np.isfinite(own)].mean()
     return Distance(float(change.mean()), float(change.max()))
 
 
-def scale_of(law: Criterion) -> LoadScale:
-    """What K is proportional to, the pressure left out where that is none; InputError for a free parameter on which its shape depends."""
-    ways, values = ways_of(law)[::37], plain_values(law)
-    own, powers = limit_loads(law, values, ways), dict[str, sp.Rational]()
-    for name in [*(n for n, domain in law.parameters.items() if domain.value is None), *([law.pressure] if law.pressure else [])]:
-        pressed, ended = name == law.pressure, np.isfinite(own)
-        with suppress(InputError):
-            twice = limit_loads(law, values if pressed else {**values, name: 2 * values[name]}, ways, 1.0 + pressed)
-            rates = np.log2(twice[ended] / own[ended])
+def scale_of(law: Criterion) -> ScaledLaw:
+    """What K is proportional to, the pressure left out where that is none; InputError for free parameters on which its shape depends."""
+    ways, values, powers = ways_of(law), plain_values(law), dict[str, sp.Rational]()
+    loads = limit_loads(law, values, ways)
+    if not (ended := np.isfinite(loads)).any():
+        raise InputError("K has no end in any direction", where=law.name, remedy="there is no limit load that could change")
+    some, free = np.flatnonzero(ended)[::37], [name for name, own in law.parameters.items() if own.value is None]
+    for name in [*free, *([law.pressure] if law.pressure else [])]:
+        other, load = (values, 2.0) if name == law.pressure else ({**values, name: 2 * values[name]}, 1.0)
+        with suppress(ValueError, OverflowError):  # zero force lies outside, or there is no end
+            rates = np.log2(limit_loads(law, other, ways[some], load) / loads[some])
             power = sp.Rational(round(12 * float(rates.mean())), 12)
-            if (pressed or values[name]) and np.allclose(rates, float(power), atol=_ALIKE):
+            if np.allclose(rates, float(power), atol=_ALIKE) and values.get(name) != 0:
                 powers[name] = power
-                continue
-        if not pressed:
-            what, remedy = f"the shape of K depends on {name}, which has no value", f"give it one: --set {name}=VALUE (see duhem region)"
-            raise InputError(what, where=law.name, remedy=remedy)
-    return LoadScale(powers, law.pressure)
+    if shapes := [name for name in free if name not in powers]:
+        given = " ".join(f"--set {name}=VALUE" for name in shapes)
+        what = f"the shape of K depends on {', '.join(shapes)}, without a value"
+        raise InputError(what, where=law.name, remedy=f"give one: {given} (see duhem region)")
+    size = prod(float(values.get(name, 1)) ** float(p) for name, p in powers.items())
+    return ScaledLaw(law, values, powers, size, ways, loads / size)

@@ -61,8 +61,7 @@ def plot(done: Mended, file: Any = None, axes: Any = None) -> tuple[Axes, ...]:
     def paint(place: Axes) -> None:
         looks = ((done.law, "-", f"mended by {done.by}"), (done.criterion, (0, (5, 1.5)), done.criterion.name))
         for i, (law, dashes, label) in enumerate(looks if done.by else looks[1:]):
-            at = {n: values[n] if own.value is None else own.value for n, own in law.parameters.items()}
-            line = ways[:, :2] * limit_loads(law, at, ways)[:, None]
+            line = ways[:, :2] * limit_loads(law, values, ways)[:, None]
             place.plot(*line.T, color=figure.palette(i), linestyle=dashes, linewidth=1.8, label=label)
         place.set_aspect("equal", adjustable="datalim")
         for axis, force in zip((place.xaxis, place.yaxis), forces, strict=False):
