@@ -74,9 +74,9 @@ def test_hulls_are_those_of_many_points_and_proved(name: str) -> None:
 
 @pytest.mark.slow
 def test_a_polygon_that_does_not_enclose_is_not_said_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("duhem.regions.mending.by_hull._OUTWARD", -1e-3)
+    monkeypatch.setattr("duhem.regions.mending.by_hull._OUTWARD", (-1e-3,))
     *_, (_, told) = by_hull(scale_of(LAWS["limacon"]))
-    assert told.startswith("a polygon of") and told.endswith("sides around K")
+    assert told.startswith("a polygon of") and told.endswith("which may cut off some of K")
 
 
 @pytest.mark.slow
@@ -172,6 +172,7 @@ def test_what_is_not_proved_is_never_called_admissible(monkeypatch: pytest.Monke
         ("matchstick", "hull", {"mu_a": 1}, "the shape of K depends on mu_b"),
         ("limacon", "coefficients", {"e": "0.8"}, "g is no polynomial"),
         ("rotated-flow", "hull", {}, "a flow of its own"),
+        ("matchstick", "hull", {}, "depends on mu_a, mu_b, without a value; give one: --set mu_a=VALUE --set mu_b=VALUE"),
     ],
 )
 def test_what_cannot_be_mended_is_one_error(law: str, by: str, values: dict[str, Any], said: str) -> None:
@@ -183,12 +184,32 @@ def test_more_forces_no_end_and_zero_outside_are_errors() -> None:
     cube = Criterion("cube", "x**4 + y**4 + z**4 - 6*x**2*y**2 + 9*x**2*y**2*z**2 - 1", forces=("x", "y", "z"), pressure=None)
     with pytest.raises(duhem.InputError, match="two forces"):
         duhem.mend(cube, "hull")
+    with pytest.raises(duhem.InputError, match="harmonics are asked for"):
+        duhem.mend(cube, harmonics=3.0)  # type: ignore[arg-type]
     cross = Criterion("cross", "abs(x*y) - 1", forces=("x", "y"), pressure=None)
     with pytest.raises(duhem.InputError, match="a K that ends"):
         duhem.mend(cross, "harmonics")
     away = Criterion("away", "1 - norm(x, y) + norm(x, y)**4/10", forces=("x", "y"), pressure=None)
     with pytest.raises(duhem.InputError, match="zero force lies outside K"):
         duhem.mend(away, "hull")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("limit", mostly_long(["0.0000001", "150", "1000000000"], "0.0000001"))
+def test_the_unit_of_stress_does_not_matter(limit: str) -> None:
+    law = Criterion("unit", f"norm(x, y)**2 - {limit}*(norm(x, y) + 4*x/5)", {}, ("x", "y"), None)
+    scaled = scale_of(law)
+    (g, told), ((wave, _),) = list(by_hull(scaled))[-1], by_harmonics(scaled, 8)
+    assert told.endswith("show") and distance(scaled, made(law, g)).largest == pytest.approx(0.1127, abs=1e-4)
+    assert distance(scaled, made(law, wave)).largest == pytest.approx(0.102, abs=2e-3)
+
+
+def test_a_corner_between_two_directions_is_not_cut_off() -> None:
+    law = Criterion("angle", "max(abs(x) - 2, abs(y) - 2, min(x, y) - 1)", {}, ("x", "y"), None)
+    *_, (g, told) = by_hull(scale_of(law))
+    assert told == "a polygon of 5 sides around K, as enclosures of g on it show"
+    corners = np.array([(2.0, 1.0), (1.0, 2.0), (-2.0, 2.0), (2.0, -2.0), (-2.0, -2.0)])
+    assert (limit_loads(made(law, g), {}, corners) > 1.0).all()
 
 
 def test_scales_stay_free() -> None:

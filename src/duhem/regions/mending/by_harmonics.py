@@ -40,7 +40,7 @@ def by_harmonics(scaled: ScaledLaw, most: int) -> Iterator[tuple[str, str]]:
     if a.value is None:
         raise InputError("no such gauge was found", where=scaled.law.name, remedy="ask for another number of harmonics")
     found = [(k, turn is np.sin, decimal(x * size, 4)) for (k, turn), x in zip(waves, a.value, strict=True) if abs(x) > _LEAST]
-    yield _formula(scaled, found), f"the nearest gauge of {most} harmonics"
+    yield _formula(scaled, found), f"the nearest gauge of {most} harmonic{'s' * (most > 1)}"
 
 
 def _formula(scaled: ScaledLaw, waves: list[tuple[int, bool, str]]) -> str:

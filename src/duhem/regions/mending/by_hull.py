@@ -35,7 +35,7 @@ _DEEP, _SEAM = 1e-7, 1e-6  # of the load, where a dent begins; of a cone, what i
 _WINDOW = 0.02  # rad around the place where a line touches
 _ALIKE, _MOST_DENOMINATOR = 1e-11, 10_000
 _SHORT = [(np.array([a, b]) / np.hypot(a, b), (a, b)) for a, b in product(range(-3, 4), repeat=2) if gcd(a, b) == 1]
-_MOST_SIDES, _OUTWARD = 32, 5e-4
+_MOST_SIDES, _OUTWARD = 32, (5e-4, 2e-3)  # the latter where a corner of K lies between two directions
 _HALVINGS, _NOTHING = 20, 1e-7  # the last of the greater component of a side
 
 
@@ -88,7 +88,7 @@ def _at(angles: Array) -> Array:
 def _split(scaled: ScaledLaw) -> tuple[sp.Expr, sp.Expr, int] | None:
     """A, B and k where g = A - S^k B, both > 0; None for another g."""
     law, powers, t = scaled.law, scaled.powers, sp.Symbol("t", positive=True)
-    name = next((n for n in reversed(powers) if powers[n]), None)  # that stands for the scale
+    *_, name = None, *(n for n, power in powers.items() if power)  # that stands for the scale
     if name is None:
         return None
     sizes = {n: (t if n == name else sp.S.One) * (-1 if n == law.pressure else 1) for n in powers}
@@ -165,12 +165,15 @@ def _polygon(scaled: ScaledLaw, lines: Sequence[Array]) -> tuple[str, str]:
         beyond = np.linalg.norm(corners, axis=1) * (1.0 - 1.0 / (corners @ faces.T).max(axis=1))
         farthest = beyond.argmax()  # of the corners off the hull: one side more, below it
         angles = np.unique([*angles, (angles[farthest] + after[farthest]) / 2.0])
-    rows = (1.0 - _OUTWARD) * normals / reach[:, None]
+    rows = normals / reach[:, None]
     rows = rows[ConvexHull(rows).vertices]
     rows = np.where(np.abs(rows) > _NOTHING * np.abs(rows).max(axis=1, keepdims=True), rows, 0.0)
-    closed = _encloses(scaled, [(Fraction(decimal(x)), Fraction(decimal(y))) for x, y in rows.tolist()])
-    told = f"a polygon of {len(rows)} sides around K{', as enclosures of g on it show' if closed else ''}"
-    return f"max({', '.join(linear(row, scaled.law.forces) for row in rows)}) - {scaled.text}", told
+    for outward in _OUTWARD:
+        sides = (1.0 - outward) * rows
+        if closed := _encloses(scaled, [(Fraction(decimal(x)), Fraction(decimal(y))) for x, y in sides.tolist()]):
+            break
+    told = f"a polygon of {len(rows)} sides{' around K, as enclosures of g on it show' if closed else ', which may cut off some of K'}"
+    return f"max({', '.join(linear(side, scaled.law.forces) for side in sides)}) - {scaled.text}", told
 
 
 def _encloses(scaled: ScaledLaw, faces: Sequence[tuple[Fraction, Fraction]]) -> bool:

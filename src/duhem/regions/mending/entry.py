@@ -41,7 +41,7 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
         near = get_close_matches(str(by), WAYS, n=1)
         remedy = f"did you mean {near[0]!r}?" if near else f"one of: auto, {', '.join(WAYS)}"
         raise InputError(f"no law is mended by {by!r}", where="by", remedy=remedy)
-    if not 1 <= harmonics <= 16:
+    if not (isinstance(harmonics, int) and 1 <= harmonics <= 16):
         raise InputError(f"{harmonics} harmonics are asked for", where="harmonics", remedy="ask for 1 to 16")
     base = load_formula(law)
     given = base.fix(parameters)
@@ -89,10 +89,14 @@ def _candidates(way: str, scaled: ScaledLaw, base: Criterion, harmonics: int) ->
     if way == "parameters":
         yield from by_parameters(scaled, base)
         return
-    plane = len(law.forces) == 2 and not law.domain and (law.pressure is None or law.pressure in scaled.powers)
-    if way != "coefficients" and not (plane and np.isfinite(scaled.loads).all()):
-        what = "this is for laws of two forces, with a K that ends and grows in proportion to a power of the pressure"
-        raise InputError(what, where=law.name, remedy="mend it by parameters or coefficients")
+    needs = {
+        "laws of two forces": len(law.forces) == 2,
+        "forces without ranges": not law.domain,
+        "a K that grows in proportion to a power of the pressure": law.pressure is None or law.pressure in scaled.powers,
+        "a K that ends in all directions": bool(np.isfinite(scaled.loads).all()),
+    }
+    if way != "coefficients" and (unmet := [need for need, is_met in needs.items() if not is_met]):
+        raise InputError(f"this is for {unmet[0]}", where=law.name, remedy="mend it by parameters or coefficients")
     free = {name: own for name, own in law.parameters.items() if own.value is None}
     formulas = {"hull": by_hull(scaled), "harmonics": by_harmonics(scaled, harmonics), "coefficients": by_coefficients(scaled)}
     for g, told in formulas[way]:

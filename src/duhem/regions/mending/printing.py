@@ -36,7 +36,8 @@ def _fields(done: Mended) -> Iterator[tuple[str, str]]:
         mean, largest = done.distance
         yield "before", f"convexity {done.before.value}"
         yield "result", done.told
-        yield "change", f"{mean:.3g} in the mean, {largest:.3g} at the largest, of the mean limit load over directions of force"
+        sizes = f"{mean:.3g} in the mean, {largest:.3g} at the largest, of the mean limit load over directions of force"
+        yield "change", sizes if np.isfinite(largest) else "infinite: one K ends in a direction where the other does not"
     if done.by not in ("", "parameters"):
         yield "g", formula(done.law.g)
     yield "proved", ", ".join(f"{r.claim} {r.verdict.value}" for r in done.verification.results)
