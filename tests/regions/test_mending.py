@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sympy as sp
 from click.testing import CliRunner
 from scipy.spatial import ConvexHull
 
@@ -131,6 +132,16 @@ def test_drawn_quartics_are_mended_by_coefficients(seed: int) -> None:
     assert verdict_within(made(law, g), "convexity", 2_000_000) is Verdict.PROVED
     if verdict_within(law, "convexity", 500_000) is Verdict.PROVED:
         assert distance(scale_of(law), made(law, g)).largest < 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("g", "forces", "left_out"),
+    [("x**4 + y**4 + 3*x**3*y - 1", "xy", (3, 1)), ("x**4 + y**4 + z**4 - 3*x*y*z**2 + 4*x**2*y**2 - 1", "xyz", (1, 1, 2))],
+)
+def test_terms_that_no_convex_polynomial_has_are_left_out(g: str, forces: str, left_out: tuple[int, ...]) -> None:
+    done = duhem.mend(Criterion("odd", g, {}, tuple(forces), None), "coefficients")
+    assert done.admissible and left_out not in sp.Poly(done.law.g, *done.law.force_symbols()).monoms()
 
 
 @pytest.mark.slow

@@ -6,9 +6,9 @@ P is sos-convex if y . Hess P(x) y is a sum of squares of polynomials in x and y
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from contextlib import suppress
-from itertools import combinations_with_replacement, product
+from itertools import combinations, combinations_with_replacement, product
 from typing import Any
 from warnings import catch_warnings, simplefilter
 
@@ -42,20 +42,20 @@ def by_coefficients(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
     old = np.array([float(poly.coeff_monomial(m)) * size ** sum(m) for m in powers])
     table = np.column_stack([np.prod((ways * (loads / size)[:, None]) ** np.array(m), axis=1) for m in powers])
     rate = table @ (old * np.array([sum(m) for m in powers]))  # sigma . grad g, over which what g changes is what the limit load does
-    squares = _squares(powers, len(law.forces))
-    if sum(map(len, squares)) > _MOST_SQUARES:
-        raise InputError("its polynomial has too many terms for sums of squares", where=law.name, remedy="mend it by parameters")
     a, margin = cp.Variable(len(powers)), cp.Parameter(nonneg=True)
     sides: dict[Monomial, list[Any]] = {}
-    for block in squares:
-        gram = cp.Variable((len(block), len(block)), PSD=True)
-        for (i, p), (j, q) in combinations_with_replacement(enumerate(block), 2):
-            sides.setdefault(tuple(np.add(p, q)), []).append(gram[i, j] + margin if i == j else 2 * gram[i, j])
     for n, m in enumerate(powers):
         for i, j in product(range(len(m)), repeat=2):  # of y . Hess(x^m) y
             place = (*(x - (k == i) - (k == j) for k, x in enumerate(m)), *((k == i) + (k == j) for k in range(len(m))))
             if min(place) >= 0:
                 sides.setdefault(place, []).append(-m[i] * (m[j] - (i == j)) * a[n])
+    squares = [_needed(block, set(sides)) for block in _squares(powers, len(law.forces))]
+    if sum(map(len, squares)) > _MOST_SQUARES:
+        raise InputError("its polynomial has too many terms for sums of squares", where=law.name, remedy="mend it by parameters")
+    for block in filter(None, squares):
+        gram = cp.Variable((len(block), len(block)), PSD=True)
+        for (i, p), (j, q) in combinations_with_replacement(enumerate(block), 2):
+            sides.setdefault(tuple(np.add(p, q)), []).append(gram[i, j] + margin if i == j else 2 * gram[i, j])
     off = ((loads / size / rate)[:, None] * table) @ (a - old)
     problem = cp.Problem(cp.Minimize(cp.sum_squares(off)), [sum(side) == 0 for side in sides.values()])
     for least in _MARGINS:
@@ -90,3 +90,10 @@ def _squares(powers: list[Monomial], n: int) -> list[list[Monomial]]:
             for y in np.eye(n, dtype=int).tolist():
                 blocks.setdefault(tuple(int(np.dot(s, np.add(p, y)) % 2) for s in signs), []).append((*p, *y))
     return list(blocks.values())
+
+
+def _needed(block: list[Monomial], form: Set[Monomial]) -> list[Monomial]:
+    """Without those whose square stands alone, so that it has the coefficient 0 (J. Loefberg 2009, IEEE Trans. Autom. Control 54, 1007)."""
+    others = {tuple(np.add(p, q)) for p, q in combinations(block, 2)}
+    kept = [p for p in block if tuple(np.add(p, p)) in form | others]
+    return block if kept == block else _needed(kept, form)
