@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
+
+import sympy as sp
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
@@ -21,11 +23,21 @@ from duhem.proof.kernel.term import NotWritten, Term
 from duhem.proof.verdict import Trust
 from duhem.regions.suggested import Suggestion
 
-__all__ = ["MOST_STEPS", "MOST_STEPS_OF_A_RULE", "AsksTheKernel"]
+__all__ = ["MOST_STEPS", "MOST_STEPS_OF_A_RULE", "AsksTheKernel", "constraints_on"]
 
 MOST_STEPS = 60_000_000  # for a region
 MOST_STEPS_OF_A_RULE = 2_500_000  # on one cell
 _FEW_TRIED = 9  # suggestions that the kernel is asked about on one cell
+
+
+def constraints_on(law: Criterion, names: Collection[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The constraints of a law on these parameters alone, and those that relate them to others, as text."""
+    alone, joined = list[str](), list[str]()
+    for text, c in zip(law.written_constraints, law.constraints, strict=True):
+        own = {x.name for x in c.free_symbols if isinstance(x, sp.Symbol)}
+        if own & {*names}:
+            (joined if own - {*names} else alone).append(text or str(c))
+    return tuple(alone), tuple(joined)
 
 
 @dataclass

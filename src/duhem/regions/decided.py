@@ -64,10 +64,10 @@ class Asked(AsksTheKernel):
         (self.name,) = self.names
         self.domain = own_domain(self.stated, self.name)
 
-    def inhabited(self, found: Decided) -> bool:
+    def inhabited(self, cell: ParameterCell, found: Decided) -> bool:
         """Whether plain values of the other parameters are seen to be admitted at every value in a cell."""
         with suppress(NotWritten):
-            law, swap = law_over(self.stated, self.name, found.cell, (found.row or {})["as"])
+            law, swap = law_over(self.stated, self.name, cell, (found.row or {})["as"])
             at_values(law, self.values, swap)
             return True
         return False

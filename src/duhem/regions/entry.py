@@ -17,7 +17,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain, simple_points
 from duhem.proof.recheck import document_of
 from duhem.proof.statement import state
-from duhem.regions.asked import MOST_STEPS
+from duhem.regions.asked import MOST_STEPS, constraints_on
 from duhem.regions.decided import Asked
 from duhem.regions.paved import PavedRegion
 from duhem.regions.paving import Paving
@@ -57,42 +57,31 @@ def region(
         remedy = f"did you mean {near[0]!r}?" if near else f"one of: {', '.join(ASKED)}"
         raise InputError(f"regions are not known of the claim {claim!r}", where="claim", remedy=remedy)
     names = _named(asked, parameters, over or {})
-    if len(names) > 1:
-        return _paved(asked, names, claim, steps, resume)
-    if resume is not None:
+    if len(names) == 1 and resume is not None:
         raise InputError("a region of one parameter is not resumed", where="resume", remedy="leave it out")
-    found = _found(asked, names[0], claim, steps)
-    if parameters is None and not found.stretches("proved") and (scales := _absorbed(asked, found.parameters[0])):
-        scaled = replace(_found(asked.fix(dict.fromkeys(scales, 1)), found.parameters[0], claim, steps), scales=scales)
+    found = _found(asked, names, claim, steps, resume)
+    if parameters is None and len(names) == 1 and not found.stretches("proved") and (scales := _absorbed(asked, names[0])):
+        scaled = replace(_found(asked.fix(dict.fromkeys(scales, 1)), names, claim, steps), scales=scales)
         found = scaled if scaled.stretches("proved") or not found.exact else found
     return found
 
 
-def _found(law: Criterion, name: str, claim: str, steps: int) -> ParameterRegion:
+def _found(
+    law: Criterion, names: tuple[str, ...], claim: str, steps: int, resume: AnyPath | Mapping[str, Any] | None = None
+) -> FoundRegion:
     check_domain(law)
-    question = Asked(law, claim, (name,), steps)
-    cells = tuple(cells_of(question))
-    joined = tuple(text for text, c in zip(law.written_constraints, law.constraints, strict=True) if _joins(law, name, c))
-    empty = bool(joined) and not all(question.inhabited(done) for done in cells if done.verdict == "proved")
-    return ParameterRegion(law, claim, (name,), cells, question.whole, joined=joined if empty else ())
-
-
-def _paved(law: Criterion, names: tuple[str, ...], claim: str, steps: int, resume: AnyPath | Mapping[str, Any] | None) -> PavedRegion:
-    check_domain(law)
-    question = Paving(law, claim, names, steps) if resume is None else Paving.resumed(law, claim, names, steps, document_of(resume)[1])
-    question.grow()
-    alone, joined = list[str](), list[str]()
-    for text, c in zip(law.written_constraints, law.constraints, strict=True):
-        own = {x.name for x in c.free_symbols if isinstance(x, sp.Symbol)}
-        (joined if own - {*names} else alone).append(text or str(c))
-    joined = [] if not joined or all(map(question.inhabited, question.proved_places())) else joined
-    known = question.tree, question.whole, tuple(alone), question.steps, question.stopped
-    return PavedRegion(law, claim, names, *known, joined=tuple(joined))
-
-
-def _joins(law: Criterion, name: str, constraint: sp.Basic) -> bool:
-    names = {x.name for x in constraint.free_symbols if isinstance(x, sp.Symbol)}
-    return name in names and len(names) > 1
+    found: FoundRegion
+    question: Any
+    if len(names) == 1:
+        question = Asked(law, claim, names, steps)
+        found = ParameterRegion(law, claim, names, tuple(cells_of(question)), question.whole)
+    else:
+        question = Paving(law, claim, names, steps) if resume is None else Paving.resumed(law, claim, names, steps, document_of(resume)[1])
+        question.grow()
+        found = PavedRegion(law, claim, names, question.tree, question.whole, question.steps, question.stopped)
+    _, joined = constraints_on(law, names)
+    seen = not joined or all(question.inhabited(cell, done) for cell, done in found.known if done.verdict == "proved")
+    return found if seen else replace(found, joined=joined)
 
 
 def _named(law: Criterion, parameters: str | Iterable[str] | None, over: Mapping[str, Range]) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -16,9 +17,10 @@ from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.parameter_tree import SCHEMA, ends
-from duhem.proof.kernel.term import Term, number
-from duhem.regions.paving import Known, Place, Tree, between, compared, share_of
-from duhem.regions.result import FoundRegion, RegionCell
+from duhem.proof.kernel.term import NotWritten, Term, number, parse
+from duhem.regions.asked import constraints_on
+from duhem.regions.paving import Known, Place, Tree, between, is_end, share_of
+from duhem.regions.result import FoundRegion
 from duhem.regions.suggested import value_of
 
 __all__ = ["PavedRegion"]
@@ -33,46 +35,52 @@ _MOST_PARTS = 6  # of a condition for people
 class PavedRegion(FoundRegion):
     """The region of several parameters: a ``tree`` of comparisons with what the kernel confirmed of its leaves, over the ``whole`` box.
 
-    ``conditions`` of the law on these parameters alone bound the domain too.  ``steps`` were spent on it; it was ``stopped`` where the
+    ``steps`` were spent on it; it was ``stopped`` where the
     search was interrupted.  :func:`duhem.region` goes on with its certificate.
     """
 
     tree: Tree
     whole: Mapping[str, Bounds]
-    conditions: tuple[str, ...] = ()
     steps: int = 0
     stopped: bool = False
 
-    @property
-    def known(self) -> list[Known]:
-        """What is known of each leaf, in order."""
-        return [self.tree.leaves[way] for way in sorted(self.tree.leaves)]
+    @cached_property
+    def known(self) -> list[tuple[Place, Known]]:
+        """The place of each leaf with what is known of it, in order; those outside of the domain are none."""
+        return [(self.tree.place(way, self.whole), leaf) for way, leaf in sorted(self.tree.leaves.items()) if leaf.verdict != "outside"]
+
+    @cached_property
+    def conditions(self) -> tuple[str, ...]:
+        """The constraints of the law on these parameters alone, which bound the domain too, but for those that bound the whole box."""
+        return tuple(text for text in constraints_on(self.criterion, self.parameters)[0] if not is_end(text, self.parameters))
 
     @property
     def open_share(self) -> float:
-        """How much of the domain is open, from 0 to 1, a leaf on one side of a polynomial taken for its whole box."""
-        return float(sum((share_of(place.box, self.whole) for place, own in self.places if own == "open"), Fraction(0)))
+        """How much of the domain is open, from 0 to 1, a leaf taken for its whole box."""
+        return self._boxes("open")
+
+    def _boxes(self, verdict: str) -> float:
+        """How much the boxes of leaves with a verdict are of what no box outside of the domain is."""
+        shares = {"outside": Fraction(0), verdict: Fraction(0)}
+        for way, leaf in self.tree.leaves.items():
+            place = self.tree.place(way, self.whole)
+            if leaf.verdict == verdict or (leaf.verdict == "outside" and not place.polynomials):
+                shares[leaf.verdict] += share_of(place.box, self.whole)
+        return float(shares[verdict] / (1 - shares["outside"]))
 
     def share(self, verdict: str) -> float:
         """How much of the domain has a verdict, from 0 to 1: of boxes exactly, on sides of polynomials by many points."""
-        if any(place.polynomials for place, _ in self.places):
-            points = self._points()
-            verdicts = self.at(points)
-            return float(np.sum(verdicts == verdict) / max(np.sum(verdicts != ""), 1))
-        return float(sum((share_of(place.box, self.whole) for place, own in self.places if own == verdict), Fraction(0)))
-
-    def _points(self) -> dict[str, NDArray[np.float64]]:
-        """Many points of the whole, evenly in each range."""
-        each = [
-            [float(between(own, own, Fraction(2 * k + 1, 2 * n))) for k in range(n)]
-            for own, n in zip(self.whole.values(), [int(_MOST_POINTS ** (1 / len(self.whole)))] * len(self.whole), strict=True)
-        ]
-        return dict(zip(self.whole, map(np.ravel, np.meshgrid(*each)), strict=True))
+        if not any(place.polynomials for place, _ in self.known):
+            return self._boxes(verdict)
+        n = int(_MOST_POINTS ** (1 / len(self.whole)))
+        each = [[float(between(own, own, Fraction(2 * k + 1, 2 * n))) for k in range(n)] for own in self.whole.values()]
+        verdicts = self.at(dict(zip(self.whole, map(np.ravel, np.meshgrid(*each)), strict=True)))
+        return float(np.sum(verdicts == verdict) / max(np.sum(verdicts != ""), 1))
 
     @cached_property
     def places(self) -> tuple[tuple[Place, str], ...]:
         """Each place with one verdict on all of it, with the verdict: leaves, those joined that together are one box."""
-        found = [(Place.of(self.tree.where(way), self.whole), self.tree.leaves[way].verdict) for way in sorted(self.tree.leaves)]
+        found = [(place, leaf.verdict) for place, leaf in self.known]
         i = 0
         while i < len(found) and len(found) <= _MOST_JOINED:
             (one, verdict), joined = found[i], None
@@ -86,40 +94,29 @@ class PavedRegion(FoundRegion):
     @property
     def proved(self) -> str:
         """Where the claim is proved, for people: how much of the domain that is, where the condition is long."""
-        parts = sum(verdict == "proved" for _, verdict in self.places)
         shares = f"{self.share('proved'):.2%} and refuted for {self.share('refuted'):.2%} of the domain"
-        return super().proved if parts <= _MOST_PARTS else shares
+        return super().proved if len(self.stretches("proved")) <= _MOST_PARTS else shares
 
-    def _told(self, *, with_domain: bool) -> str:
-        parts = [self.between(place, with_domain) for place, verdict in self.places if verdict == "proved"]
-        if not parts or "" in parts:
-            return "true" if parts else "false"
-        return " or ".join(f"({part})" if len(parts) > 1 and " and " in part else part for part in parts)
+    def stretches(self, verdict: str) -> list[Place]:
+        """The places of one verdict."""
+        return [place for place, own in self.places if own == verdict]
 
-    def between(self, place: Place, with_domain: bool) -> str:
+    def between(self, cell: Place, with_domain: bool) -> str:
         """A place in words; "" for the whole domain."""
+        return self._said(cell, with_domain) if cell.polynomials or cell.box != self.whole else ""
+
+    def _said(self, place: Place, with_domain: bool) -> str:
         said = list[str]()
         for name, own in place.box.items():
             known = () if with_domain else (*ends(name, self.whole[name]),)
             said += [end for end in ends(name, own) if end not in known]
-        said += Place(self.conditions, self.whole).polynomials if with_domain else ()
+        said += self.conditions if with_domain else ()
         return " and ".join([*said, *place.polynomials])
 
     @property
     def over(self) -> str:
         """The domain asked for, as comparisons."""
-        return self.between(Place((), self.whole), True) or "true"
-
-    @property
-    def cells(self) -> tuple[RegionCell, ...]:
-        """The leaves in order."""
-        return tuple(map(self._shown, sorted(self.tree.leaves)))
-
-    def _shown(self, way: str) -> RegionCell:
-        place, leaf = Place.of(self.tree.where(way), self.whole), self.tree.leaves[way]
-        witness = {"rule": leaf.row["rule"], **leaf.row["evidence"]} if leaf.verdict == "refuted" and leaf.row is not None else None
-        sample = {name: str(x) for name, x in (self.sample(place) or {}).items()}
-        return RegionCell(self.between(place, True) or "true", leaf.verdict, "checked" if leaf.row else None, sample, witness)
+        return self._said(Place((), self.whole), True) or "true"
 
     def at(self, points: Mapping[str, NDArray[np.float64]]) -> NDArray[np.str_]:
         """The verdict at many points, in floating point; "" where none is, outside of the domain."""
@@ -128,22 +125,23 @@ class PavedRegion(FoundRegion):
         flat = {name: np.ravel(x) for name, x in points.items()}
         for place, verdict in self.places:
             inside = np.ones(shape, dtype=bool)
-            for text in filter(None, self.between(place, True).split(" and ")):
-                comparison = compared(text, self.parameters)
+            for text in filter(None, self._said(place, True).split(" and ")):
+                comparison = parse(text)
                 value = value_of(gap(comparison), flat).reshape(shape)
                 inside &= value >= 0 if len(comparison.op) == 2 else value > 0
             found[inside] = verdict
         return found
 
-    def sample(self, place: Place) -> dict[str, Fraction] | None:
-        """An exact point in a place; None where none of those that are tried lies in it."""
-        comparisons = [compared(text, self.parameters) for text in (*place.polynomials, *self.conditions)]
+    def sample(self, cell: Place) -> dict[str, Fraction]:
+        """An exact point in a place; none where none of those that are tried lies in it."""
+        comparisons = [parse(text) for text in (*cell.polynomials, *self.conditions)]
         for shares in islice(product(_SHARES, repeat=len(self.parameters)), _MOST_SAMPLES):
-            point = {name: between(place.box[name], own, share) for (name, own), share in zip(self.whole.items(), shares, strict=True)}
+            point = {name: between(cell.box[name], own, share) for (name, own), share in zip(self.whole.items(), shares, strict=True)}
             here = {Term("name", name=name): number(x) for name, x in point.items()}
-            if all(holds(c.put(here)) for c in comparisons):
-                return point
-        return None
+            with suppress(NotWritten):  # a root or an exponential there is no fraction
+                if all(holds(c.put(here)) for c in comparisons):
+                    return point
+        return {}
 
     def written(self) -> dict[str, Any]:
         """What a certificate has of the leaves."""

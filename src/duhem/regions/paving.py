@@ -27,14 +27,14 @@ from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain
-from duhem.proof.kernel.parameter_tree import law_where, opposite, read_comparison, recheck_tree
+from duhem.proof.kernel.parameter_tree import law_where, not_outside, opposite, read_comparison, recheck_tree
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import NotWritten, Term, number, parse
-from duhem.regions.asked import MOST_STEPS_OF_A_RULE, AsksTheKernel
+from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, number, parse
+from duhem.regions.asked import MOST_STEPS_OF_A_RULE, AsksTheKernel, constraints_on
 from duhem.regions.boundaries import boundaries
 from duhem.regions.suggested import Array, Holding, looked_at, suggestions, value_of
 
-__all__ = ["FAILS", "HOLDS", "Known", "Paving", "Place", "Tree", "between", "compared", "share_of"]
+__all__ = ["FAILS", "HOLDS", "Known", "Paving", "Place", "Tree", "between", "is_end", "share_of"]
 
 _BESIDE = Fraction(1, 64)  # of each range, the box in which the rule that proves the claim is looked for
 _SEEDS = 4  # of these boxes
@@ -54,8 +54,15 @@ def against(text: str) -> str:
     return opposite(text)
 
 
+def is_end(text: str, names: tuple[str, ...]) -> bool:
+    """Whether a comparison is one of a parameter with a number, which ends its range."""
+    with suppress(NotWritten):
+        return {side.op for side in compared(text, names).args} == {"name", "number"}
+    return False
+
+
 class Known(NamedTuple):
-    """What is known of a leaf: a verdict, and how a certificate says so; None where it is open."""
+    """What is known of a leaf: a verdict, and how a certificate says so; None where it is open, or outside of the domain."""
 
     verdict: str = "open"
     row: Mapping[str, Any] | None = None
@@ -106,10 +113,10 @@ class Tree:
         rest = {other: leaf for other, leaf in self.leaves.items() if other != way}
         return Tree({**self.splits, way: found.text}, {**rest, way + HOLDS: found.holds, way + FAILS: found.fails})
 
-    def where(self, way: str) -> tuple[str, ...]:
-        """The comparisons that hold at the end of a way."""
+    def place(self, way: str, whole: Mapping[str, Bounds]) -> Place:
+        """Where the end of a way is."""
         texts = [self.splits[way[:i]] for i in range(len(way))]
-        return tuple(text if turn == HOLDS else against(text) for text, turn in zip(texts, way, strict=True))
+        return Place.of(tuple(text if turn == HOLDS else against(text) for text, turn in zip(texts, way, strict=True)), whole)
 
 
 class Place(NamedTuple):
@@ -129,9 +136,7 @@ class Place(NamedTuple):
     @property
     def polynomials(self) -> tuple[str, ...]:
         """Those of the comparisons that bound no edge of the box."""
-        return tuple(
-            text for text in dict.fromkeys(self.where) if {x.op for x in compared(text, tuple(self.box)).args} != {"name", "number"}
-        )
+        return tuple(text for text in dict.fromkeys(self.where) if not is_end(text, tuple(self.box)))
 
     def joined(self, other: Place) -> Place | None:
         """The place that is this one and another, on the same side of the same polynomials; None where they do not meet along one edge."""
@@ -188,10 +193,14 @@ class Paving(AsksTheKernel):
     whole: dict[str, Bounds] = field(init=False)
     seen: Holding | None = field(init=False)
     boundaries: list[str] = field(init=False, default_factory=list)
+    away: list[str] = field(init=False, default_factory=list)  # what the constraints on the parameters hold >= 0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self.whole = {name: own_domain(self.stated, name) for name in self.names}
+        for text in constraints_on(self.law, self.names)[0]:
+            with suppress(*UNREADABLE):
+                self.away.append(f"({difference(text)})")
         known, self.seen = self.steps, self._holding(self.stated)
         with suppress(NotWritten):
             plain = at_values(self.stated, self.values, {}, self.names)
@@ -223,7 +232,7 @@ class Paving(AsksTheKernel):
             heapify(queue)
             while queue and not self.spent:
                 _, way = heappop(queue)
-                found = self.decided(Place.of(self.tree.where(way), self.whole))
+                found = self.decided(self.tree.place(way, self.whole))
                 if found is None:
                     break
                 self.tree, before = self.tree.put(way, found), self.steps
@@ -234,11 +243,7 @@ class Paving(AsksTheKernel):
             self.stopped = True
         self.steps = before
 
-    def proved_places(self) -> list[Place]:
-        """Where the claim is proved."""
-        return [Place.of(self.tree.where(way), self.whole) for way, leaf in self.tree.leaves.items() if leaf.verdict == "proved"]
-
-    def inhabited(self, place: Place) -> bool:
+    def inhabited(self, place: Place, _: Known) -> bool:
         """Whether plain values of the other parameters are seen to be admitted everywhere in a place."""
         with suppress(NotWritten):
             at_values(self._law(place.where), self.values, {}, self.names)
@@ -246,7 +251,7 @@ class Paving(AsksTheKernel):
         return False
 
     def _share(self, way: str) -> Fraction:
-        return share_of(Place.of(self.tree.where(way), self.whole).box, self.whole)
+        return share_of(self.tree.place(way, self.whole).box, self.whole)
 
     def _learn(self) -> None:
         """The rule by which the claim is proved in a small box in which it seems to hold; that alone is asked on boxes."""
@@ -327,10 +332,12 @@ class Paving(AsksTheKernel):
 
     def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, fails: bool | None) -> Known | None:
         """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail."""
+        if self.stated.constraints and not self.within(partial(not_outside, law)):
+            return Known("outside")
         if holds is not False and (row := self.proof(law) or self._proof_by_all(law, place)) is not None:
             return Known("proved", row)
         if fails is not False:
-            away = [f"({difference(text)})" for text in place.polynomials]
+            away = [f"({difference(text)})" for text in place.polynomials] + self.away
             told = self.families(law, {}, lambda at: suggestions(at, law, self.claim, self.names, [*away, *self.names]))
             for rule, evidence in told:
                 if not self.within(partial(family_fails, self.claim, rule, law, self.names, evidence)):

@@ -71,7 +71,7 @@ def as_latex(region: FoundRegion) -> str:
         return words[condition]
     if isinstance(region, PavedRegion):
         names = {name: sp.Symbol(latex_name(name), real=True) for name in region.parameters}
-        parts = [region.between(place, True).split(" and ") for place, verdict in region.places if verdict == "proved"]
+        parts = [region.between(place, True).split(" and ") for place in region.stretches("proved")]
         said = [r" \;\wedge\; ".join(sp.latex(parse_relation(text, names)) for text in part) for part in parts]
     else:
         (name,) = region.parameters
@@ -122,13 +122,12 @@ def _published_point(region: FoundRegion) -> list[float]:
 
 
 def _rows(region: FoundRegion) -> list[tuple[str, ...]]:
-    if isinstance(region, PavedRegion) and len(region.tree.leaves) > _MOST_ROWS:
+    if isinstance(region, PavedRegion) and len(region.known) > _MOST_ROWS:
         return list(_counted(region))
-    known = region.cells
-    rules = (str((done.row or {}).get("rule", "")) for done in region.known)
-    rows = [(cell.condition, cell.verdict, cell.trust or "-", rule) for cell, rule in zip(known, rules, strict=True)]
+    rules = (str((done.row or {}).get("rule", "")) for _, done in region.known)
     whole = f"all {', '.join(region.parameters)}"
-    return [(whole if len(known) == 1 else _single(where), *rest) for where, *rest in rows]
+    shown = zip(region.cells, rules, strict=True)
+    return [(whole if c.condition == "true" else _single(c.condition), c.verdict, c.trust or "-", rule) for c, rule in shown]
 
 
 def _single(where: str) -> str:
@@ -139,10 +138,11 @@ def _single(where: str) -> str:
 def _counted(region: PavedRegion) -> Iterator[tuple[str, ...]]:
     """A row a verdict, where leaves are many."""
     for verdict in ("proved", "refuted", "open"):
-        own = [leaf.row or {} for leaf in region.tree.leaves.values() if leaf.verdict == verdict]
+        own = [leaf.row or {} for _, leaf in region.known if leaf.verdict == verdict]
         by = ", ".join(dict.fromkeys(str(row["rule"]) for row in own if row))
         if own:
-            yield f"{len(own)} cells, {region.share(verdict):.2%} of the domain", verdict, "checked" if by else "-", by
+            count = "1 cell" if len(own) == 1 else f"{len(own)} cells"
+            yield f"{count}, {region.share(verdict):.2%} of the domain", verdict, "checked" if by else "-", by
 
 
 def _ends(region: FoundRegion) -> Iterator[str]:

@@ -6,6 +6,7 @@ import json
 from abc import abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any, ClassVar
 
 from duhem.errors import InputError
@@ -83,13 +84,25 @@ class FoundRegion(Shown):
 
     @property
     @abstractmethod
-    def known(self) -> Sequence[Decided | Known]:
-        """What is known of each cell, in order."""
+    def known(self) -> Sequence[tuple[Any, Decided | Known]]:
+        """Each cell with what is known of it, in order."""
+
+    @abstractmethod
+    def stretches(self, verdict: str) -> Sequence[Any]:
+        """The cells of one verdict, those that meet joined."""
+
+    @abstractmethod
+    def between(self, cell: Any, with_domain: bool) -> str:
+        """A cell in words; "" for the whole domain."""
+
+    @abstractmethod
+    def sample(self, cell: Any) -> Mapping[str, Fraction]:
+        """An exact point in a cell; none where none was found."""
 
     @property
     def exact(self) -> bool:
         """Whether every cell is decided."""
-        return all(done.verdict != "open" for done in self.known)
+        return all(done.verdict != "open" for _, done in self.known)
 
     @property
     @abstractmethod
@@ -97,9 +110,14 @@ class FoundRegion(Shown):
         """How much of the domain is open, from 0 to 1; 0 too where single values are."""
 
     @property
-    @abstractmethod
     def cells(self) -> tuple[RegionCell, ...]:
         """The cells in order."""
+        return tuple(self._shown(cell, done.verdict, done.row) for cell, done in self.known)
+
+    def _shown(self, cell: Any, verdict: str, row: Mapping[str, Any] | None) -> RegionCell:
+        witness = {"rule": row["rule"], **row["evidence"]} if row is not None and verdict == "refuted" else None
+        sample = {name: str(x) for name, x in self.sample(cell).items()}
+        return RegionCell(self.between(cell, True) or "true", verdict, "checked" if row else None, sample, witness)
 
     @property
     @abstractmethod
@@ -116,8 +134,11 @@ class FoundRegion(Shown):
         """Where the claim is proved, for people."""
         return "no value" if self.short == "false" else self.short
 
-    @abstractmethod
-    def _told(self, *, with_domain: bool) -> str: ...
+    def _told(self, *, with_domain: bool) -> str:
+        parts = [self.between(cell, with_domain) for cell in self.stretches("proved")]
+        if not parts or "" in parts or all(done.verdict == "proved" for _, done in self.known):
+            return "true" if parts else "false"
+        return " or ".join(f"({part})" if len(parts) > 1 and " and " in part else part for part in parts)
 
     @abstractmethod
     def written(self) -> dict[str, Any]:
@@ -184,9 +205,9 @@ class ParameterRegion(FoundRegion):
     domain: ParameterCell
 
     @property
-    def known(self) -> tuple[Decided, ...]:
-        """What is known of each cell, in order."""
-        return self.decided
+    def known(self) -> list[tuple[ParameterCell, Decided]]:
+        """Each cell with what is known of it, in order."""
+        return [(done.cell, done) for done in self.decided]
 
     @property
     def open_share(self) -> float:
@@ -194,14 +215,6 @@ class ParameterRegion(FoundRegion):
         endless = None in (self.domain.low, self.domain.high)
         left = sum(_length(done.cell, endless) for done in self.decided if done.verdict == "open")
         return left / whole if (whole := _length(self.domain, endless)) else float(not self.exact)
-
-    def _told(self, *, with_domain: bool) -> str:
-        parts = [self._between(cell, with_domain) for cell in self.stretches("proved")]
-        if not parts:
-            return "false"
-        if any(not part for part in parts):
-            return "true"
-        return " or ".join(f"({p})" if len(parts) > 1 and " and " in p else p for p in parts)
 
     def stretches(self, verdict: str) -> list[ParameterCell]:
         """The cells of one verdict, those that meet joined."""
@@ -216,7 +229,7 @@ class ParameterRegion(FoundRegion):
                 found.append(done.cell)
         return found
 
-    def _between(self, cell: ParameterCell, with_domain: bool) -> str:
+    def between(self, cell: ParameterCell, with_domain: bool) -> str:
         """A cell in words; "" for the whole domain."""
         (name,) = self.parameters
         own = self.domain
@@ -237,16 +250,9 @@ class ParameterRegion(FoundRegion):
         """What a certificate has of the cells."""
         return {"schema": SCHEMA, "parameter": self.parameters[0], "cells": [done.written() for done in self.decided]}
 
-    @property
-    def cells(self) -> tuple[RegionCell, ...]:
-        """The cells in order."""
-        return tuple(map(self._shown, self.decided))
-
-    def _shown(self, done: Decided) -> RegionCell:
-        row, refuted = done.row or {}, done.verdict == "refuted"
-        witness = {"rule": row["rule"], **row["evidence"]} if refuted else None
-        sample = {self.parameters[0]: str(inside)} if (inside := _inside(done.cell)) is not None else {}
-        return RegionCell(self._between(done.cell, True) or "true", done.verdict, "checked" if row else None, sample, witness)
+    def sample(self, cell: ParameterCell) -> dict[str, Fraction]:
+        """A short fraction in a cell; none where the cell is one number that is none."""
+        return {self.parameters[0]: inside} if (inside := _inside(cell)) is not None else {}
 
     @property
     def ends(self) -> tuple[RegionEnd, ...]:

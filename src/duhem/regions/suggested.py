@@ -174,9 +174,10 @@ def looked_at(law: StatedLaw, names: Iterable[str] | None = None) -> dict[str, A
     grid = np.array(list(product(*each))).reshape(-1, len(free))
     places = dict(zip(free, grid.T, strict=True)) if free else {}
     for c in law.constraints if len(free) > 1 else ():
-        if c.names() <= {*free}:
-            held = value_of(gap(c), places) > (-_ZERO if len(c.op) == 2 else _ZERO)
-            places = {n: x[held] for n, x in places.items()}
+        with suppress(ValueError):
+            if c.names() <= {*free}:
+                held = value_of(gap(c), places) > (-_ZERO if len(c.op) == 2 else _ZERO)
+                places = {n: x[held] for n, x in places.items()}
     return places
 
 
@@ -392,6 +393,8 @@ def _of(term: Term, at: Mapping[str, Array]) -> Array:
             return np.sqrt(sum((a * a for a in args), np.zeros(size)))
         case "exp" | "log" | "sin" | "cos" | "tan" | "sinh" | "cosh" | "tanh":
             return np.asarray(getattr(np, term.op)(args[0]))
+        case "asin" | "acos" | "atan":
+            return np.asarray(getattr(np, f"arc{term.op[1:]}")(args[0]))
         case "where":
             one, two = (_of(side, at) for side in term.args[0].args)
             held = {"<": one < two, "<=": one <= two, ">": one > two, ">=": one >= two}[term.args[0].op]

@@ -13,7 +13,9 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.polynomial import Polynomial, in_powers
 from duhem.proof.kernel.term import NotWritten, Term
 
-__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Facts", "Sign", "exact", "of_sum", "sharpened", "signs_of_product"]
+__all__ = [
+    "ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "EmptyError", "Facts", "Sign", "exact", "of_sum", "sharpened", "signs_of_product",
+]  # fmt: skip
 
 Sign = int  # which of < 0, = 0, > 0 are possible; 0 for a part with no value
 NEGATIVE, ZERO, POSITIVE = 1, 2, 4
@@ -82,6 +84,10 @@ def exact(text: object) -> Fraction:
     return Fraction(text)
 
 
+class EmptyError(NotWritten):
+    """No parameters meet the ranges and constraints of a law."""
+
+
 def sharpened(bounds: Mapping[str, Bounds], gaps: Sequence[tuple[Polynomial, bool]]) -> dict[str, Bounds]:
     """Bounds and what ``gaps`` >= 0, or > 0, leave of them: what is linear in a parameter bounds it by the ends of the others.
 
@@ -94,7 +100,7 @@ def sharpened(bounds: Mapping[str, Bounds], gaps: Sequence[tuple[Polynomial, boo
                 found[x.name] = _left(x, in_powers(gap, x), sharp, found)
     for known in found.values():
         if known.low is not None and known.high is not None and not (known.low < known.high or known.holds(known.high)):
-            raise NotWritten("the domain is empty")
+            raise EmptyError("the domain is empty")
     return found
 
 

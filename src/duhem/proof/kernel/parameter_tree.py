@@ -1,9 +1,10 @@
-"""A claim decided for all values of several parameters: a tree of comparisons, of which each leaf is proved, refuted or open.
+"""A claim decided for all values of several parameters: a tree of comparisons, of which each leaf is proved, refuted, outside or open.
 
 A node compares two formulas of the parameters that have a value whatever these are.  So a comparison holds or fails, and the leaves cover
 the domain by construction: no geometry is checked.  A leaf is about the law with the comparisons on the way to it, or their opposites,
 as further constraints; where one holds a parameter against a number it is an end of the range of that.  A leaf is proved by the rules of
-:mod:`claims`, or refuted by a family of witnesses (:mod:`parameter_cells`), for all values of the parameters in it.
+:mod:`claims`, or refuted by a family of witnesses (:mod:`parameter_cells`), for all values of the parameters in it.  It is outside where no
+values meet its ranges and constraints.
 """
 
 from __future__ import annotations
@@ -11,22 +12,27 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.bounds import Bounds, EmptyError
 from duhem.proof.kernel.certificate import check_version, law_of
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import AGAINST, Reader
 from duhem.proof.kernel.domain import StatedLaw, as_list, as_object, without_more
-from duhem.proof.kernel.obligations import numbers
+from duhem.proof.kernel.obligations import constraints, numbers
 from duhem.proof.kernel.parameter_cells import family_fails, proof_fails
 from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, NotWritten, Term, in_words, number, parse
 
-__all__ = ["SCHEMA", "TreeLeaf", "ends", "law_where", "opposite", "read_comparison", "recheck_tree"]
+__all__ = ["SCHEMA", "TreeLeaf", "ends", "law_where", "not_outside", "opposite", "read_comparison", "recheck_tree"]
 
 SCHEMA = "duhem paving certificate 1"
 _MOST_DEPTH = 200
 _TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
-_LEAF = {"open": {"verdict"}, "proved": {"verdict", "rule", "evidence", "needs"}, "refuted": {"verdict", "rule", "evidence"}}
+_LEAF = {
+    "open": {"verdict"},
+    "outside": {"verdict"},
+    "refuted": {"verdict", "rule", "evidence"},
+    "proved": {"verdict", "rule", "evidence", "needs"},
+}
 
 
 class TreeLeaf(NamedTuple):
@@ -72,6 +78,21 @@ def law_where(law: StatedLaw, comparison: Term) -> StatedLaw:
     return law._replace(parameters={**law.parameters, left.name: own})
 
 
+def not_outside(law: StatedLaw) -> str:
+    """Why it is not shown that no parameters meet the ranges and constraints of a law; "" if it is.
+
+    It is where these leave no range to a parameter, or where the others show the opposite of one constraint.
+    """
+    rest = ((c, law._replace(constraints=tuple(other for other in law.constraints if other is not c))) for c in law.constraints)
+    try:
+        if not (undecided := constraints(law)):
+            over(law)
+            undecided = "" if any(over(others).decided(c) is False for c, others in rest) else "parameters may lie there"
+    except EmptyError:
+        return ""
+    return undecided
+
+
 def ends(name: str, own: Bounds) -> Iterator[str]:
     """The range of a parameter as comparisons."""
     if own.low is not None:
@@ -114,4 +135,6 @@ def _leaves(
         reason = proof_fails(claim, law, node)
     elif node["verdict"] == "refuted":
         reason = family_fails(claim, node["rule"], law, names, as_object(node["evidence"]))
+    elif node["verdict"] == "outside":
+        reason = not_outside(law)
     yield TreeLeaf((*(end for name in names for end in ends(name, law.parameters[name])), *way), node["verdict"], reason)
