@@ -8,11 +8,11 @@ paving that was interrupted and goes on later ends as one that was not.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import lru_cache, partial
+from functools import lru_cache, partial, reduce
 from heapq import heapify, heappop, heappush
 from math import prod
 from typing import Any, NamedTuple
@@ -52,6 +52,11 @@ def compared(text: str, names: tuple[str, ...]) -> Term:
 def against(text: str) -> str:
     """What holds where a comparison does not, found once too."""
     return opposite(text)
+
+
+def law_at(law: StatedLaw, where: Iterable[str], names: tuple[str, ...]) -> StatedLaw:
+    """A law where comparisons of its parameters hold."""
+    return reduce(lambda here, text: law_where(here, compared(text, names)), where, law)
 
 
 def is_end(text: str, names: tuple[str, ...]) -> bool:
@@ -128,10 +133,7 @@ class Place(NamedTuple):
     @classmethod
     def of(cls, where: tuple[str, ...], whole: Mapping[str, Bounds]) -> Place:
         """The place where comparisons hold."""
-        law = StatedLaw((), None, number(0), None, whole, ())
-        for comparison in where:
-            law = law_where(law, compared(comparison, tuple(whole)))
-        return cls(where, law.parameters)
+        return cls(where, law_at(StatedLaw((), None, number(0), None, whole, ()), where, tuple(whole)).parameters)
 
     @property
     def polynomials(self) -> tuple[str, ...]:
@@ -246,7 +248,7 @@ class Paving(AsksTheKernel):
     def inhabited(self, place: Place, _: Known) -> bool:
         """Whether plain values of the other parameters are seen to be admitted everywhere in a place."""
         with suppress(NotWritten):
-            at_values(self._law(place.where), self.values, {}, self.names)
+            at_values(law_at(self.stated, place.where, self.names), self.values, {}, self.names)
             return True
         return False
 
@@ -273,7 +275,7 @@ class Paving(AsksTheKernel):
 
     def decided(self, place: Place) -> Known | Divided | None:
         """A leaf, or a comparison that divides it with what is known of the two parts; None where the budget ends before that is known."""
-        law = self._law(place.where)
+        law = law_at(self.stated, place.where, self.names)
         places = looked_at(law, self.names)
         known = self.seen or self._holding(law)
         holds = None if known is None else known.margins(places) >= 0
@@ -323,12 +325,6 @@ class Paving(AsksTheKernel):
             found = Holding.of(at_values(law, self.values, {}, self.names), self.claim)
         self.steps += purse.spent
         return found
-
-    def _law(self, where: tuple[str, ...]) -> StatedLaw:
-        law = self.stated
-        for comparison in where:
-            law = law_where(law, compared(comparison, self.names))
-        return law
 
     def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, fails: bool | None) -> Known | None:
         """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail."""
