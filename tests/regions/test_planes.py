@@ -399,7 +399,7 @@ def test_the_conditions_of_a_region_are_true_where_no_constraint_lets_it_fail() 
     assert refuted.condition == "false" and refuted.exact
 
 
-@pytest.mark.parametrize("constraint", long_but([0, 2], ["b <= 1/a", "sqrt(a) <= b", "a <= sqrt(2)", "a - b <= exp(1)", "atan(a) <= b"]))
+@pytest.mark.parametrize("constraint", long_but([0], ["b <= 1/a", "sqrt(a) <= b", "a <= sqrt(2)", "a - b <= exp(1)", "atan(a) <= b"]))
 def test_constraints_may_be_what_a_tree_is_not_divided_by(constraint: str) -> None:
     law = duhem.Criterion(name="bound", pressure=None, forces=("x", "y"), g="x**2 + a*x*y + b*y**2 - 1", constraints=(constraint,),
                           parameters={"a": BETWEEN("1/2", 2), "b": BETWEEN(0, 2)})  # fmt: skip
