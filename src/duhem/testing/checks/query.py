@@ -228,8 +228,9 @@ class Query:
 
     @property
     def tails(self) -> tuple[str, ...]:
-        """The ends of the names of the forces, such as xx."""
-        return tuple(name.rpartition("_")[2] for name in self.region.law.forces)
+        """The ends of the names of the components of a stress tensor, such as xx; none where the law declares none."""
+        law = self.region.law
+        return () if law.stress is None else tuple(name.rpartition("_")[2] for name in law.forces)
 
     @property
     def parts(self) -> tuple[Query, ...]:

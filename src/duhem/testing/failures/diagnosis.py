@@ -42,7 +42,7 @@ _PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "mult
 _TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
 _BEYOND = 1.7  # times as far out as the boundary that a routine would keep: it is seen whether that is where it goes back to
 _LEAST = 3  # increments that a suggestion has to explain
-IN_REGION = "; so"
+IN_REGION = "; this explains only the increments "
 _ONLY = "; this happens only for such increments, and others near them are right"
 _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
 
@@ -209,9 +209,9 @@ def diagnoses(part: Part, query: Query, found: Departure) -> dict[str, str]:
             of = region_of(probe.query, probe.reply, thin)
             if not believed and len(rows := np.flatnonzero(of == of[0])) < len(of):
                 own = Probe(probe.query.of(probe.query.case.rows(rows)), probe.reply.part(rows))
-                place = "" if of[0] == "elsewhere" else f" {of[0]}"
+                place = "of no special region" if of[0] == "elsewhere" else str(of[0])
                 told = _believed(part, own, left)[0].items()
-                believed = {name: f"{said}{IN_REGION}{place}, and something else elsewhere" for name, said in told}
+                believed = {name: f"{said}{IN_REGION}{place}" for name, said in told}
         return believed
     return {}
 
