@@ -147,7 +147,7 @@ def test_jax_compiles_for_few_numbers_of_increments() -> None:
 
 @pytest.mark.slow
 def test_a_behaviour_of_mfront(folder: Path) -> None:
-    """Left out where MGIS and mfront are not installed."""
+    """Never run so far: it is left out where MGIS and mfront are not installed, as on every machine that has run these tests."""
     if find_spec("mgis") is None or shutil.which("mfront") is None:
         pytest.skip("mgis and mfront are not installed")
     subprocess.run(["mfront", "--obuild", "--interface=generic", str(HERE / "plasticity.mfront")], cwd=folder, check=True)

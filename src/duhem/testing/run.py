@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -371,8 +371,8 @@ class ConformanceRun:
             **self.counted,
         )
 
-    def _told(self, failures: Iterable[Failure]) -> list[Failure]:
-        return diagnosed(failures, self.query, self._origin(), self._accused)
+    def _told(self, failures: Iterable[Failure], known: Collection[str] = ()) -> list[Failure]:
+        return diagnosed(failures, self.query, self._origin(), self._accused, known)
 
     def _elsewhere(self, causes: list[Failure], explained: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
         """The causes, with the regions in which each fails, and what they explain: not what has another cause in another region."""
@@ -400,13 +400,13 @@ class ConformanceRun:
             worst = [(-each.failed[name], name, case, each.check) for each in map(regions.get, asked) if each for name, case in each]
             for _, region, case, check in sorted(worst, key=lambda w: w[0])[:_ASKED]:
                 again = next(self.failures(self.query(case), [check]), None) if region not in named else None
-                for failure in self._told([] if again is None else [again]):
+                for failure in self._told([] if again is None else [again], known):
                     if (said := _said_of(failure)) and not known & said:
-                        others += [failure] if causes[place].diagnoses else []
+                        others += [replace(failure, where=regions[check.name].of(region))] if causes[place].diagnoses else []
                         causes[place] = causes[place] if causes[place].diagnoses else replace(failure, explains=cause.explains)
                     named, known = named | ({region} if said else set()), known | said
         found, new = [*causes, *others], {f.check.name for f in others}
-        told = (replace(f, where=where.get(f.check.name, ""), explains=tuple(n for n in f.explains if n not in new)) for f in found)
+        told = (replace(f, where=f.where or where.get(f.check.name, ""), explains=tuple(n for n in f.explains if n not in new)) for f in found)
         return tuple(told), tuple(f for f in explained if f.check.name not in new)
 
     @property

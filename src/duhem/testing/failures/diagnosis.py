@@ -11,7 +11,7 @@ if the routine did so everywhere, that is said.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
@@ -196,15 +196,19 @@ def suggests(part: Part) -> Callable[[Suggest], Suggest]:
     return add
 
 
-def diagnoses(part: Part, query: Query, found: Departure) -> dict[str, str]:
+def diagnoses(part: Part, query: Query, found: Departure, known: Collection[str] = ()) -> dict[str, str]:
     """Return by name what explains the answers beside ``found``, the best explanation first; empty where nothing does.
 
+    Where one of those that are ``known`` already explains them, no other is tried.
     Where nothing explains all that are wrong, only those of the region of stress of ``found`` are looked at: elsewhere there may be another
     mistake.
     """
     with suppress(NoReply, InputError, np.linalg.LinAlgError), np.errstate(all="ignore"):
         probe = _probe(query, found)
-        believed, left = _believed(part, probe, _suggestions[part])
+        asked = _suggestions[part]
+        if believed := _believed(part, probe, {name: suggest for name, suggest in asked.items() if name in known})[0]:
+            return believed
+        believed, left = _believed(part, probe, asked)
         for thin in (True, False) if not believed else ():
             of = region_of(probe.query, probe.reply, thin)
             if not believed and len(rows := np.flatnonzero(of == of[0])) < len(of):
@@ -331,17 +335,20 @@ def registered_suggestions() -> set[str]:
     return {name for each in _suggestions.values() for name in each}
 
 
-def diagnosed(failures: Iterable[Failure], asked: Callable[[Case], Query], made: Origin, accused: bool) -> list[Failure]:
+def diagnosed(
+    failures: Iterable[Failure], asked: Callable[[Case], Query], made: Origin, accused: bool, known: Collection[str] = ()
+) -> list[Failure]:
     """Return failures with what the routine returned, asked again; of those of one part of its answer the likeliest are diagnosed.
 
-    ``accused``: a check of the stress has failed.  Without a law no closest point is known, and nothing is diagnosed.
+    ``accused``: a check of the stress has failed; ``known``: names of diagnoses, of which one is enough.  Without a law no closest
+    point is known, and nothing is diagnosed.
     """
     told: list[Failure] = []
     tried: Counter[Part] = Counter()
     of_a_case: dict[tuple[bytes, ...], dict[str, str]] = {}
     for failure in sorted(failures, key=likeliest_first):
-        now, known = replace(failure, origin=made), failure.law is not None
-        gone = known and not failure.alone and isnan(failure.measured)  # it did not show when asked again, and would not here
+        now, lawful = replace(failure, origin=made), failure.law is not None
+        gone = lawful and not failure.alone and isnan(failure.measured)  # it did not show when asked again, and would not here
         if not (failure.check.law_only or failure.check.whole or gone) and len(failure.case) == 1:
             part = _part(failure)
             now = replace(now, departure=departure(asked(failure.case)))
@@ -352,14 +359,14 @@ def diagnosed(failures: Iterable[Failure], asked: Callable[[Case], Query], made:
                     query = asked(beside_in_state(failure.case))
                     of_a_case[key] = of_the_state(query) if isinstance(query, HistoryQuery) else {}
                 now = replace(now, diagnoses=of_a_case[key])
-            elif (known or part == "tangent") and apart and tried[part] < _TRIED:
-                now = replace(now, diagnoses=instead(now, asked, accused))
+            elif (lawful or part == "tangent") and apart and tried[part] < _TRIED:
+                now = replace(now, diagnoses=instead(now, asked, accused, known))
                 tried[part] += _TRIED if now.diagnoses else 1
         told.append(now)
     return told
 
 
-def instead(failure: Failure, asked: Callable[[Case], Query], accused: bool) -> dict[str, str]:
+def instead(failure: Failure, asked: Callable[[Case], Query], accused: bool, known: Collection[str] = ()) -> dict[str, str]:
     """Return by name what the routine does instead, where that is known.
 
     Of a stress that is not the closest point a tangent says so first, where no check has ``accused`` the stress.
@@ -370,7 +377,7 @@ def instead(failure: Failure, asked: Callable[[Case], Query], accused: bool) -> 
     if part == "tangent" and found.apart and not accused:
         why = next(iter(diagnoses("stress", query, found).values()), "")
         return {"stress": f"the stress is not the closest point{why and ': '}{why}"}
-    return diagnoses(part, query, found)
+    return diagnoses(part, query, found, known)
 
 
 def _part(failure: Failure) -> Part:

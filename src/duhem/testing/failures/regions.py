@@ -78,4 +78,8 @@ class Regions:
     def __str__(self) -> str:
         """Where it fails, and where not; "" where that says nothing."""
         order = sorted(self.judged, key=lambda name: (-self.failed[name] / self.judged[name], name))
-        return ", ".join(f"{self.failed[name]} of {self.judged[name]} {name}" for name in order) if len(order) > 1 and self.failed else ""
+        return ", ".join(map(self.of, order)) if len(order) > 1 and self.failed else ""
+
+    def of(self, name: str) -> str:
+        """How many increments of a region fail, in words."""
+        return f"{self.failed[name]} of {self.judged[name]} {name}"

@@ -1,4 +1,4 @@
-"""A behaviour that MFront has compiled, through MGIS, as a material."""
+"""A behaviour that MFront has compiled, through MGIS, as a material: written after MGIS' documentation, and never run."""
 
 from __future__ import annotations
 
@@ -27,6 +27,9 @@ def mgis_material(
     temperature: float = 293.15,
 ) -> Material:
     """A small-strain behaviour of an MFront library, loaded by the Python module of MGIS (mgis.behaviour).
+
+    Never run: it is written after the documentation of MGIS, which no machine that tests duhem has.  Compare its first stresses with
+    those of another program.
 
     Order of components 11, 22, 33, 12, 13, 23; MGIS' sqrt(2) in the shears is turned into shears of engineers and back.
     ``stiffness`` (d, d) is the elastic one in these components, ``properties`` the material properties by name, ``hypothesis``
