@@ -376,8 +376,9 @@ class ConformanceRun:
 
     def _elsewhere(self, causes: list[Failure], explained: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
         """The causes, with the regions in which each fails, and what they explain: not what has another cause in another region."""
+        asked = [(c.check.name, *(c.explains if c.diagnoses and of_stress(c) else ())) for c in causes]
         looked = [f for f in (*causes, *explained) if f.alone and not f.check.law_only and not isnan(f.measured)]
-        regions = {f.check.name: Regions(f.check) for f in looked}
+        regions = {f.check.name: Regions(f.check) for f in looked if any(f.check.name in names for names in asked)}
 
         def seen(query: Query) -> None:
             for each in regions.values():
@@ -396,8 +397,7 @@ class ConformanceRun:
             named = set[str]()
             with suppress(NoReply):
                 named |= {*region_of(own, own.here).tolist()} if cause.diagnoses else set()
-            asked = (cause.check.name, *(cause.explains if cause.diagnoses else ()))
-            worst = [(-each.failed[name], name, case, each.check) for each in map(regions.get, asked) if each for name, case in each]
+            worst = [(-each.failed[name], name, case, each.check) for each in map(regions.get, asked[place]) if each for name, case in each]
             for _, region, case, check in sorted(worst, key=lambda w: w[0])[:_ASKED]:
                 again = next(self.failures(self.query(case), [check]), None) if region not in named else None
                 for failure in self._told([] if again is None else [again], known):
@@ -406,7 +406,9 @@ class ConformanceRun:
                         causes[place] = causes[place] if causes[place].diagnoses else replace(failure, explains=cause.explains)
                     named, known = named | ({region} if said else set()), known | said
         found, new = [*causes, *others], {f.check.name for f in others}
-        told = (replace(f, where=f.where or where.get(f.check.name, ""), explains=tuple(n for n in f.explains if n not in new)) for f in found)
+        told = (
+            replace(f, where=f.where or where.get(f.check.name, ""), explains=tuple(n for n in f.explains if n not in new)) for f in found
+        )
         return tuple(told), tuple(f for f in explained if f.check.name not in new)
 
     @property

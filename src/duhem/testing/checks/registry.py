@@ -134,8 +134,9 @@ def violated(asked: Check, query: Query) -> tuple[Finding, NDArray[np.bool_], ND
         stress = query.here.stress
         with np.errstate(all="ignore"):
             boundless &= np.isfinite(stress).all(axis=1) & ~np.isfinite(query.length(stress))
-        said = np.full(len(counts), "the stress returned is so large that its square overflows", dtype=object)
-        finding = replace(finding, said=np.where(boundless, said, _said(finding)))
+        if boundless.any():
+            said = np.where(boundless, "the stress returned is so large that its square overflows", _said(finding))
+            finding = replace(finding, said=said)
     return finding, (~(finding.measured <= finding.allowed) & counts) | boundless, counts
 
 

@@ -142,12 +142,14 @@ def feasibility(q: Query) -> Finding:
         beside = out & np.isfinite(near).all(axis=1)
         out &= ~q.certainly(beside, np.where(beside[:, None], near, 0.0), outside=False)
     allowed, level = np.where(out, allowed, np.fmax(allowed, 0.0)), np.where(out, level, np.fmin(level, 0.0))
-    with np.errstate(all="ignore"):
+    bad, said = ~(level <= allowed), np.full(len(level), "", dtype=object)
+    if bad.any():
         share = level / q.dual_length(gradient) / q.length(found.stress)
-    said = [
-        f"measured {g:.3g}, allowed {most:.3g}: out of K by {x:.2g} of the stress" for g, most, x in zip(level, allowed, share, strict=True)
-    ]
-    return Finding(level, allowed, np.array(said, dtype=object), q.region.unknown(found.stress, q.pressure))
+        said[bad] = [
+            f"measured {g:.3g}, allowed {most:.3g}: out of K by {x:.2g} of the stress"
+            for g, most, x in zip(level[bad], allowed[bad], share[bad], strict=True)
+        ]
+    return Finding(level, allowed, said, q.region.unknown(found.stress, q.pressure))
 
 
 @register(
