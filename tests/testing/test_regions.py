@@ -85,3 +85,20 @@ def test_regions_are_told_by_trial_and_answer() -> None:
 
     query = Query(Region(MISES, {}), case, pressed, (), 1e-9)
     assert region_of(query, query.here).tolist() == ["at repeated principal stresses", "in tension", "elsewhere", "near zero", "at the tip"]
+
+
+def test_no_answer_is_at_no_tip_and_three_forces_are_no_tensor() -> None:
+    trial = np.array([[1, 2, 4, 0, 0, 0], [-1, -2, -4, 0, 0, 0], [-1, -2, -4, 1, 0, 0]], dtype=float)
+    zero, n = np.zeros_like(trial), len(trial)
+
+    def regions(law: Criterion, d: int) -> list[str]:
+        empty, asked = zero[:, :d], np.ascontiguousarray(trial[:, :d])
+        case = Case({}, K[:d, :d], None, asked, empty, empty, empty, empty, np.ones(n), 2.0, np.zeros((n, 1, d)), None)
+        query = Query(Region(law, {}), case, lambda trial, *_: np.full_like(trial, np.nan), (), 1e-9)
+        return region_of(query, query.here).tolist()
+
+    assert regions(MISES, 6) == ["in tension", "elsewhere", "elsewhere"]
+    assert (
+        regions(Criterion("ball", "sqrt(f_1**2 + f_2**2 + f_3**2) - 1", pressure=None, forces=("f_1", "f_2", "f_3")), 3)
+        == ["elsewhere"] * n
+    )

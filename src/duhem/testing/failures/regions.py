@@ -33,7 +33,7 @@ def region_of(query: Query, reply: Reply, thin: bool = True) -> NDArray[np.objec
         scale, apart = np.abs(principal).max(axis=1), np.diff(principal, axis=1)
         found[principal.sum(axis=1) > NEAR * scale] = "in tension"
         found[(apart <= NEAR * scale[:, None]).any(axis=1) & thin] = "at repeated principal stresses"
-        known = np.isfinite(given).all(axis=(1, 2))
+        known = np.asarray(np.isfinite(given).all(axis=(1, 2)))
         ends = np.linalg.eigvalsh(np.where(known[:, None, None], given, asked))
         apex |= known & (np.ptp(ends, axis=1) <= NEAR * scale) & (apart > NEAR * scale[:, None]).any(axis=1)
     found[size <= NEAR * np.median(size)] = "near zero"
