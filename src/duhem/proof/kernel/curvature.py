@@ -73,9 +73,6 @@ def shown(term: Term, domain: StatedDomain) -> Facts:
         known = Facts(known.defined, sign_of_constant(term, known.sign, domain), True, True, True)
     elif not (known.defined and known.convex) and not term.large:
         known = _of_parts_together(term, known, domain)
-        if term.op == "where" and not known.defined and (kink := _normal(term, domain, collects=False)) != term:  # it does not jump
-            there = domain.facts(kink)
-            known = replace(there, defined=there.defined and all(domain.facts(a).defined for a in term.args))
     if domain.sides and not domain.constant(term):
         known = replace(known, sign=known.sign & sign_within(term, known, domain))
     return known
@@ -92,16 +89,16 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
     if known.defined and (found := quasiconvex_with_parts_freed(term, domain)) is not None:
         return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
     rooted = term.op == "**" and term.args[1] == _HALF and term.args[0].op in ("+", "*", "**") and known.defined and not known.convex
-    if rooted and (root := _normal(term, domain, collects=True)) != term:
+    if rooted and (root := _normal(term, domain)) != term:
         found = domain.facts(root)
         return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=known.quasiconvex or found.quasiconvex)
     return known
 
 
-def _normal(term: Term, domain: StatedDomain, collects: bool) -> Term:
+def _normal(term: Term, domain: StatedDomain) -> Term:
     """The normal form, which is its own; the term where that is too long, or another's."""
     with suppress(NotWritten):
-        if normal(found := normal(term, domain, collects), domain, collects) == found:
+        if normal(found := normal(term, domain, collects=True), domain, collects=True) == found:
             return found
     return term
 

@@ -617,7 +617,7 @@ class StatedDomain:
 
 
 def _inverse(poly: Polynomial, n: int) -> Polynomial:
-    """1/P^n, what divides all of P by itself, and the first of its numbers: there is one spelling of it where P is not 0."""
+    """1/P^n, factors of all terms of P and its first number on their own: P is not 0 where it has a value, and it has one spelling."""
     own = shared(poly)
     first = abs(poly[min(poly)])
     rest = {joined(m, tuple((x, -k) for x, k in own)): c / first for m, c in poly.items()}

@@ -7,8 +7,8 @@ Kinks come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0
 up between words is multiplied out and collected.  ``where(d >= 0, a, b)`` with a - b = c d is b + c pos(d); r + c pos(d) is max(r, r + c d)
 for c >= 0; of a sum of squares under a root those that are no polynomials become parts of a norm.
 
-Of a quotient N/P what divides all of P divides by itself, and N/P is q + R/P for terms N - R = q P, P being not 0 where the quotient has a
-value; where several powers of one P stand together, P is >= 0 or they are whole, and all are powers of one of them.
+A quotient N/P has a value only where P is not 0.  A factor of all terms of P is divided by on its own, and N/P is q + R/P where N = q P + R.
+Several powers of one P are written as whole powers of one of them: P is >= 0 where they have values, or they are all whole.
 """
 
 from __future__ import annotations
@@ -311,7 +311,7 @@ class _Form(NamedTuple):
         return self._divided_out(poly)
 
     def _inverse(self, poly: Polynomial) -> Polynomial:
-        """1/P, what divides all of P by itself."""
+        """1/P, factors of all terms of P on their own."""
         if not poly:
             raise NotWritten("it divides by 0")
         own = shared(poly)
