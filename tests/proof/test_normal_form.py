@@ -95,7 +95,7 @@ SPELLED = [
     ("norm((c*k + x)/m, y/u)", "sqrt((x + c*k)**2/m**2 + y**2/u**2)", "sqrt(c**2*k**2/m**2 + 2*c*k*x/m**2 + x**2/m**2 + y**2/u**2)"),
     ("max(x, y, z) - min(x, y, z)/k", "max(x, y, z) + max(-x, -y, -z)/k", "-min(-z, -y, -x) + max(-y, -x, -z)/k"),
     ("norm(x - y, 2*z) + norm(x, z)", "norm(2*z, y - x) + sqrt(x**2 + z**2)", "sqrt(x**2 - 2*x*y + y**2 + 4*z**2) + norm(-z, x)"),
-    ("norm(x + k, y)", "norm(pos(x + k) - neg(k + x), y)", "sqrt((pos(x + k) - neg(x + k))**2 + y**2)", "norm(2*pos(k + x) - abs(x + k), y)"),
+    ("norm(x + k, y)", "norm(pos(x + k) - neg(k + x), y)", "sqrt((pos(x + k) - neg(x + k))**2 + y**2)"),
     ("x**2 + abs(y)", "(pos(x) - neg(x))*x + abs(y)", "(2*pos(x) - x)*abs(x) + abs(y)", "(x + 2*neg(x))**2 + pos(y) + neg(y)"),
     ("norm(x + c, y, sqrt(k)*x)", "sqrt((x + c)**2 + y**2 + k*x**2)", "sqrt(x**2 + 2*x*c + c**2 + y**2 + k*x**2)"),
     ("norm(x/(k + c), y/(k - c))", "norm(x/(k + m*cos(2*v)), y/(k - m*cos(2*v)))"),

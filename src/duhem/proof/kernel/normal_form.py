@@ -7,7 +7,7 @@ Kinks come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0
 up between words is multiplied out and collected.  ``where(d >= 0, a, b)`` with a - b = c d is b + c pos(d); r + c pos(d) is max(r, r + c d)
 for c >= 0; of a sum of squares under a root those that are no polynomials become parts of a norm.
 
-A quotient N/P has a value only where P is not 0.  A factor of all terms of P is divided by on its own, and N/P is q + R/P where N = q P + R.
+A quotient N/P has a value only where P is not 0.  Factors of all terms of P are divided by on their own; N/P is q + R/P for N = q P + R.
 Several powers of one P are written as whole powers of one of them: P is >= 0 where they have values, or they are all whole.
 """
 
