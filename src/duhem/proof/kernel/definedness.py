@@ -40,6 +40,7 @@ __all__ = [
 
 AGAINST = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}  # what holds where a comparison does not
 _PARTIAL = ("**", "log", "asin", "acos", "tan", "atan2")
+_SETTLED = (NEGATIVE, ZERO, POSITIVE)
 _ONE = number(1)
 
 
@@ -96,23 +97,25 @@ class Reader(NamedTuple):
         if (found := next((x for a in term.args if (x := self.undecided(a)) is not None), None)) is not None:
             return found
         try:
-            return None if has_value(term, self.sign, self.domain) else term
+            shown = (has_value(term, sign, self.domain) for sign in (self._sign_as_written, self.sign))
+            return None if any(shown) else term
         except NotWritten:  # there is too much to multiply out
             return term
 
     def _asks(self, term: Term) -> bool:
         return asks(term, self.domain.kept.setdefault("asks", {}))
 
+    def _sign_as_written(self, term: Term) -> Sign:
+        known = self.domain.sign(term)
+        return known if known in _SETTLED else known & self.more(term)
+
     def sign(self, term: Term) -> Sign:
         """The signs that a formula may have, all of whose parts have values: so its normal forms have its value."""
-        known = self.domain.sign(term)
-        settled = (NEGATIVE, ZERO, POSITIVE)
-        if known not in settled:
-            known &= self.more(term)
-        for form in () if known in settled else _normal_forms(term, self.domain):
+        known = self._sign_as_written(term)
+        for form in () if known in _SETTLED else _normal_forms(term, self.domain):
             if known & NEGATIVE and known & POSITIVE:
                 known &= self.domain.sign(form)
-            if known not in settled:
+            if known not in _SETTLED:
                 known &= self.more(form)
         return known
 
