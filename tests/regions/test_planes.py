@@ -457,3 +457,10 @@ def test_many_points_are_told_at_once() -> None:
     drawn, cells = points(paved(), 50), compiled(paved())
     told = paved().at({name: np.array([float(point[name]) for point in drawn]) for name in ("a", "b")})
     assert [*told] == [verdict_of(cells, point) for point in drawn]
+
+
+def test_shares_are_of_what_the_constraints_leave() -> None:
+    law = duhem.Criterion(name="half", pressure=None, forces=("x", "y"), g="a*x**2 + b*y**2 - 1", constraints=("a < b",),
+                          parameters={"a": BETWEEN(-1, 1), "b": BETWEEN(-1, 1)})  # fmt: skip
+    done = duhem.region(law, ("a", "b"), steps=1_000_000)
+    assert isinstance(done, PavedRegion) and abs(done.share("proved") - 1 / 4) < 0.02 and "about" in done.sentence

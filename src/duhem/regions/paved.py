@@ -67,9 +67,19 @@ class PavedRegion(FoundRegion):
                 shares[leaf.verdict] += share_of(place.box, self.whole)
         return float(shares[verdict] / ((1 - shares["outside"]) or 1))
 
+    @cached_property
+    def _sampled(self) -> bool:
+        """Whether something else than boxes has a verdict, or bounds the domain."""
+        return bool(self.conditions) or any(place.polynomials for place, _ in self.known)
+
+    @property
+    def open_part(self) -> str:
+        """How much of the domain is open, for people."""
+        return f"about {self.share('open'):.2%}" if self._sampled else super().open_part
+
     def share(self, verdict: str) -> float:
         """How much of the domain has a verdict, from 0 to 1: of boxes exactly, on sides of polynomials by many points."""
-        if not any(place.polynomials for place, _ in self.known):
+        if not self._sampled:
             return self._boxes(verdict)
         n = int(_MOST_POINTS ** (1 / len(self.whole)))
         each = [[float(between(own, own, Fraction(2 * k + 1, 2 * n))) for k in range(n)] for own in self.whole.values()]

@@ -155,13 +155,18 @@ class FoundRegion(Shown):
         return self._told(with_domain=False)
 
     @property
+    def open_part(self) -> str:
+        """How much of the domain is open, for people."""
+        return f"{self.open_share:.2%}"
+
+    @property
     def sentence(self) -> str:
         """What was found in one sentence."""
         if self.exact:
             words = {"true": "for all values of the domain", "false": "for no value of the domain"}
             said = f"{self.claim} holds {words.get(self.short, f'exactly for {self.short}')}"
         else:
-            said = f"{self.claim} is proved for {self.proved}; {self.open_share:.2%} of the domain are open"
+            said = f"{self.claim} is proved for {self.proved}; {self.open_part} of the domain are open"
         said = f"{said}, where {' = '.join(self.scales)} = 1" if self.scales else said
         return f"{said}, as far as other parameters exist with {' and '.join(self.joined)}" if self.joined else said
 

@@ -59,6 +59,9 @@ def sign_at(expr: sp.Expr, values: Values, exact: bool = False) -> tuple[int | N
     return None, enclosure
 
 
+_GREATEST = Fraction(10) ** 308  # of a double, about
+
+
 @lru_cache(maxsize=256)
 def _over_balls(expr: sp.Expr) -> tuple[tuple[sp.Symbol, ...], Callable[..., Any]]:
     """The symbols of an expression, and its enclosure as a function of a ball for each: one is asked for at many points."""
@@ -85,9 +88,14 @@ def witness(
 
 
 def decimal_pair(enclosure: Any) -> tuple[str, str]:
-    """The ends of a ball in decimal with 17 digits, rounded outward."""
-    ends = []
+    """The ends of a ball in decimal with 17 digits, rounded outward; one of a size that no double has is not written out."""
+    ends, greatest, least = [], ball(_GREATEST), ball(1 / _GREATEST)
     for end, rounding in ((enclosure.lower(), ROUND_FLOOR), (enclosure.upper(), ROUND_CEILING)):
+        size, outward = abs(end), (end < 0) == (rounding is ROUND_FLOOR)
+        if size > greatest or (size < least and end != 0):
+            text = ("1e308", "inf")[outward] if size > greatest else ("0", "1e-308")[outward]
+            ends.append(f"-{text}" if end < 0 and text != "0" else text)
+            continue
         exact = end.fmpq()
         context = Context(prec=17, rounding=rounding)
         ends.append(str(context.divide(Decimal(int(exact.p)), Decimal(int(exact.q)))))
