@@ -38,6 +38,7 @@ _DIGITS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24)
 _SHIFTS = (1, 3)  # by so many steps of the last digit the two points lie on either side
 _MEASURED = 50  # halvings between them, for what is measured at the boundary
 _ALIKE = 1e-4  # relative, of what is measured there
+_GREATEST = 10**308  # about that of doubles, and 1 over it is about the least
 
 
 def sign_at(expr: sp.Expr, values: Values, exact: bool = False) -> tuple[int | None, Any]:
@@ -57,9 +58,6 @@ def sign_at(expr: sp.Expr, values: Values, exact: bool = False) -> tuple[int | N
         if number.is_Rational:
             return int(sp.sign(number)), ball(fraction(number))
     return None, enclosure
-
-
-_GREATEST = Fraction(10) ** 308  # of a double, about
 
 
 @lru_cache(maxsize=256)
@@ -88,18 +86,18 @@ def witness(
 
 
 def decimal_pair(enclosure: Any) -> tuple[str, str]:
-    """The ends of a ball in decimal with 17 digits, rounded outward; one of a size that no double has is not written out."""
-    ends, greatest, least = [], ball(_GREATEST), ball(1 / _GREATEST)
-    for end, rounding in ((enclosure.lower(), ROUND_FLOOR), (enclosure.upper(), ROUND_CEILING)):
-        size, outward = abs(end), (end < 0) == (rounding is ROUND_FLOOR)
-        if size > greatest or (size < least and end != 0):
-            text = ("1e308", "inf")[outward] if size > greatest else ("0", "1e-308")[outward]
-            ends.append(f"-{text}" if end < 0 and text != "0" else text)
-            continue
-        exact = end.fmpq()
-        context = Context(prec=17, rounding=rounding)
-        ends.append(str(context.divide(Decimal(int(exact.p)), Decimal(int(exact.q)))))
-    return ends[0], ends[1]
+    """The ends of a ball in decimal with 17 digits, rounded outward; a size that no double has, to 0, 1e-308, 1e308 or inf."""
+    return _outward(enclosure.lower(), ROUND_FLOOR), _outward(enclosure.upper(), ROUND_CEILING)
+
+
+def _outward(end: Any, rounding: str) -> str:
+    size, sign, grows = abs(end), "-" if end < 0 else "", (end < 0) == (rounding == ROUND_FLOOR)
+    if size > _GREATEST:  # it may have more digits than there is memory for
+        return sign + ("inf" if grows else "1e308")
+    if size > 0 and size * _GREATEST < 1:
+        return f"{sign}1e-308" if grows else "0"
+    exact = end.fmpq()
+    return str(Context(prec=17, rounding=rounding).divide(Decimal(int(exact.p)), Decimal(int(exact.q))))
 
 
 def chord(
