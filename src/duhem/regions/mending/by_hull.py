@@ -26,7 +26,7 @@ from duhem.expression.numpy_ import evaluate
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.regions.mending.formulas import decimal, linear, times, total
-from duhem.regions.mending.limit_load import ScaledLaw, limit_loads
+from duhem.regions.mending.limit_load import ScaledLaw, around, limit_loads
 
 __all__ = ["by_hull"]
 
@@ -68,11 +68,11 @@ def _dents(scaled: ScaledLaw) -> Iterator[Bridge]:
         line = np.array([across[1], -across[0]]) / (across[1] * points[i][0] - across[0] * points[i][1])
         if (1.0 - points[np.arange(i, j) % len(points)] @ line).max() < _DEEP:
             continue
-        normal, (middle,) = line / np.linalg.norm(line), _at(np.array([step * (i + j) / 2.0]))
+        normal, (middle,) = line / np.linalg.norm(line), around(np.array([step * (i + j) / 2.0]))
         for unit, axis in _SHORT:
             if max(np.abs(normal - unit).max(), np.abs(middle - unit).max()) < 1e-5:
-                around = _at(step * j + _WINDOW * steps)
-                reaches = limit_loads(scaled.law, scaled.values, around) / scaled.size * (around @ unit)
+                near = around(step * j + _WINDOW * steps)
+                reaches = limit_loads(scaled.law, scaled.values, near) / scaled.size * (near @ unit)
                 reach = np.polynomial.Polynomial.fit(steps, reaches, 10)
                 best = float(min((x.real for x in reach.deriv().roots() if abs(x.imag) < 1e-9), key=abs, default=0.0))
                 yield Bridge(line, axis, float(reach(best)), float(np.cos(step * (j - i) / 2.0 + _WINDOW * best)))
@@ -81,16 +81,12 @@ def _dents(scaled: ScaledLaw) -> Iterator[Bridge]:
             yield Bridge(line)
 
 
-def _at(angles: Array) -> Array:
-    return np.column_stack([np.cos(angles), np.sin(angles)])
-
-
 def _split(scaled: ScaledLaw) -> tuple[sp.Expr, sp.Expr, int] | None:
     """A, B and k where g = A - S^k B, both > 0; None for another g."""
     law, powers, t = scaled.law, scaled.powers, sp.Symbol("t", positive=True)
-    *_, name = None, *(n for n, power in powers.items() if power)  # that stands for the scale
-    if name is None:
+    if not (moving := [n for n, power in powers.items() if power]):
         return None
+    name = moving[-1]  # that stands for the scale
     sizes = {n: (t if n == name else sp.S.One) * (-1 if n == law.pressure else 1) for n in powers}
     swap = {**law.settled(), **{law.symbols()[n]: size for n, size in sizes.items()}}
     try:
@@ -156,7 +152,7 @@ def _polygon(scaled: ScaledLaw, lines: Sequence[Array]) -> tuple[str, str]:
     outer, faces = hull.points[hull.vertices], hull.equations[:, :2] / -hull.equations[:, 2:]
     angles = np.unique([*(0.5 * np.pi * np.arange(4)), *(np.arctan2(y, x) % (2.0 * np.pi) for x, y in lines)])
     while True:
-        normals = _at(angles)
+        normals = around(angles)
         reach = (normals @ outer.T).max(axis=1)
         if len(angles) >= _MOST_SIDES:
             break
@@ -181,8 +177,8 @@ def _encloses(scaled: ScaledLaw, faces: Sequence[tuple[Fraction, Fraction]]) -> 
     law, table = scaled.law, scaled.law.symbols()
     fixed = dict(scaled.values) | ({law.pressure: sp.S.NegativeOne} if law.pressure else {})
     level = balls.compiled(law.g.xreplace({table[name]: x for name, x in fixed.items()}), law.force_symbols())
-    around = pairwise([faces[-1], *faces, faces[0]])
-    corners = [((d - b) / (a * d - b * c), (a - c) / (a * d - b * c)) for (a, b), (c, d) in around]
+    neighbours = pairwise([faces[-1], *faces, faces[0]])
+    corners = [((d - b) / (a * d - b * c), (a - c) / (a * d - b * c)) for (a, b), (c, d) in neighbours]
 
     def outside(p: tuple[Fraction, ...], q: tuple[Fraction, ...], halvings: int) -> bool:
         if balls.certain_sign(level(*(balls.ball(min(a, b), max(a, b)) for a, b in zip(p, q, strict=True)))) == 1:

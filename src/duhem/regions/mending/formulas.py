@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from decimal import Decimal
+
+import numpy as np
 
 __all__ = ["decimal", "linear", "times", "total"]
 
 
 def decimal(x: float, digits: int = 6) -> str:
     """A number to so many significant digits, as a formula has it: ``0.00125``, without an exponent."""
-    text = f"{Decimal(f'{x:.{digits}g}'):f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text
+    return np.format_float_positional(x, digits, unique=False, fractional=False, trim="-")
 
 
 def total(terms: Iterable[str]) -> str:

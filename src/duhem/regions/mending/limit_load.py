@@ -21,7 +21,7 @@ from duhem.expression.rays import exits
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import admitted_values
 
-__all__ = ["NO_DISTANCE", "Distance", "ScaledLaw", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
+__all__ = ["NO_DISTANCE", "Distance", "ScaledLaw", "around", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
 
 Array = NDArray[np.float64]
 Numbers = Mapping[str, sp.Rational]
@@ -74,11 +74,15 @@ def plain_values(law: Criterion) -> dict[str, sp.Rational]:
     return {name: sp.Rational(value) for name, value in found.items()}
 
 
+def around(angles: Array) -> Array:
+    """The directions (m, 2) of two forces at angles (m,) from that of the first one."""
+    return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
 def ways_of(law: Criterion) -> Array:
     """Directions of force (m, d), of two forces evenly around from that of the first one."""
     if len(law.forces) == 2:
-        angles = 2.0 * np.pi * np.arange(_ANGLES) / _ANGLES
-        return np.column_stack([np.cos(angles), np.sin(angles)])
+        return around(2.0 * np.pi * np.arange(_ANGLES) / _ANGLES)
     drawn = np.random.default_rng(0).normal(size=(_DRAWN, len(law.forces)))
     return np.asarray(drawn / np.linalg.norm(drawn, axis=1, keepdims=True))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from duhem.errors import InputError
 from duhem.expression.text import formula
-from duhem.regions.mending.limit_load import limit_loads, plain_values
+from duhem.regions.mending.limit_load import around, limit_loads, plain_values
 from duhem.regions.mending.result import Mended, Tried
 from duhem.show import figure
 from duhem.show.notation import latex_name
@@ -57,7 +57,7 @@ def plot(done: Mended, file: Any = None, axes: Any = None) -> tuple[Axes, ...]:
     if len(forces) < 2:
         raise InputError(f"{done.criterion.name} has one force", where="--plot", remedy="only laws of more forces are drawn")
     ways, values = np.zeros((len(angles), len(forces))), plain_values(done.criterion)
-    ways[:, 0], ways[:, 1] = np.cos(angles), np.sin(angles)
+    ways[:, :2] = around(angles)
 
     def paint(place: Axes) -> None:
         looks = ((done.law, "-", f"mended by {done.by}"), (done.criterion, (0, (5, 1.5)), done.criterion.name))
