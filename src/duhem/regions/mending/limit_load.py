@@ -1,7 +1,7 @@
 """The limit load of a law along directions of force, and by how much that of another law differs from it.
 
-The limit load is how far K reaches along a ray from zero force.  A change is measured by the mean limit load of the law, so that directions
-in which it carries next to nothing do not outweigh all others.
+The limit load is how far g <= 0 reaches along a ray from zero force; ranges of the forces are left out.  A change is
+measured by the mean limit load of the law, so that directions in which it carries next to nothing do not outweigh all others.
 """
 
 from __future__ import annotations
@@ -88,9 +88,9 @@ def ways_of(law: Criterion) -> Array:
 
 
 def limit_loads(law: Criterion, values: Numbers, ways: Array, load: float = 1.0) -> Array:
-    """How far K reaches along each of the ``ways`` (m, d) at the pressure -``load``; infinite where no end is found.
+    """How far g <= 0 reaches along each of the ``ways`` (m, d) at the pressure -``load``; infinite where no end is found.
 
-    ``values`` are of the free parameters, and may be of others.
+    Ranges of the forces are left out.  ``values`` are of the free parameters, and may be of others.
     """
     table = law.symbols()
     others = {table[n]: float(values[n] if own.value is None else own.value) for n, own in law.parameters.items()}
