@@ -14,7 +14,6 @@ from warnings import catch_warnings, simplefilter
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.text import formula
@@ -24,7 +23,6 @@ from duhem.regions.mending.limit_load import ScaledLaw
 
 __all__ = ["by_coefficients"]
 
-Array = NDArray[np.float64]
 Monomial = tuple[int, ...]
 _SOLVED = ("optimal", "optimal_inaccurate")
 _MARGINS = (1e-5, 1e-4, 1e-3)  # of the mean coefficient of a Gram matrix
