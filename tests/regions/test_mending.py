@@ -206,6 +206,15 @@ def test_more_forces_no_end_and_zero_outside_are_errors() -> None:
         duhem.mend(away, "hull")
 
 
+def test_ranges_of_forces_are_left_out_of_the_distance() -> None:
+    law = Criterion("dented", "(x**2 + y**2)**2 - 4*x**2 - y**2 - 1/50", {}, ("x", "y"), None)
+    ranged = replace(law, domain={"x": duhem.Domain.between(-1, 1)})
+    other = made(law, "x**2 + y**2 - 4")
+    assert distance(scale_of(ranged), other) == distance(scale_of(law), other) and distance(scale_of(law), other).mean > 0.1
+    with pytest.raises(duhem.InputError, match="forces without ranges"):
+        duhem.mend(ranged, "hull")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("limit", mostly_long(["0.0000001", "150", "1000000000"], "0.0000001"))
 def test_the_unit_of_stress_does_not_matter(limit: str) -> None:
