@@ -207,14 +207,8 @@ def test_a_umat_that_overwrites_what_it_is_given_is_told(tmp_path: Path) -> None
 def test_a_call_without_end_is_an_error_that_names_its_increment(many: Path, tmp_path: Path) -> None:
     update = shared_library(many, "void endless(const double *trial, double *stress)", isolated=True, seconds=0.5)
     assert update(np.array([[1.0]]), None, np.eye(1)).stress.tolist() == [[1.0]]
-    options = {
-        "stiffness": [1.0],
-        "scale": 1.0,
-        "max_examples": 3,
-        "rows": 4,
-        "tries": 5,
-        "seed": 0,
-    }  # a search for the scale would end first
+    # with a scale, as else the search for it would end the run first
+    options = {"stiffness": [1.0], "scale": 1.0, "max_examples": 3, "rows": 4, "tries": 5, "seed": 0}
     report = conformance(None, update, **options)
     failure = report.unfinished
     assert (

@@ -112,10 +112,11 @@ def violation(
 
     ``parameters`` and ``state`` are those with which a material is held to a law (:func:`conformance`).
     """
-    asked = (name if isinstance(name, Check) else _named(name, *_kind(law, update)),)
-    stiffness = case.stiffness if law is None and not isinstance(update, Material) else None
+    material = isinstance(update, Material)
+    asked = (name if isinstance(name, Check) else _named(name, law is not None, law is not None and material),)
+    stiffness = case.stiffness if law is None and not material else None
     told: dict[str, Any] = {"accuracy": accuracy, "state": state, "every": 1, "stiffness": stiffness}  # the case has the law's values
-    run = ConformanceRun(_loaded(law, update), update, parameters if isinstance(update, Material) else None, asked, **told)
+    run = ConformanceRun(_loaded(law, update), update, parameters if material else None, asked, **told)
     run.passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
     try:
         found = judged(*asked, run.query(case))
@@ -181,7 +182,7 @@ def conformance(
     """
     if not isinstance(update, Material) and state is not None:
         raise InputError("the routine keeps no state", where="state", remedy="give a Material, such as duhem.testing.foreign.umat(...)")
-    known, of_states = _loaded(law, update), _kind(law, update)[1]
+    known, of_states = _loaded(law, update), law is not None and isinstance(update, Material)
     asked = checks_asked(known, checks, of_states)
     check_expected(known, expected_failed_checks, of_states)
     if most_flagged is not None:
@@ -191,11 +192,6 @@ def conformance(
     told: dict[str, Any] = {"accuracy": accuracy, "tries": tries, "seconds": seconds, "expected": expected_failed_checks, "given": law}
     run = ConformanceRun(known, update, parameters, asked, state=state, **told, **drawn)  # type: ignore[arg-type]
     return replace(run.outcome(first), most_flagged=most_flagged)
-
-
-def _kind(law: _Law, update: Update | Material) -> tuple[bool, bool]:
-    """Whether the checks of a routine with a law are asked, and whether those of a material that is held to one."""
-    return law is not None, law is not None and isinstance(update, Material)
 
 
 def _loaded(law: _Law, update: Update | Material) -> Criterion | None:

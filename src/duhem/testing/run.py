@@ -90,12 +90,8 @@ class ConformanceRun:
             parameters = {} if first is None else {str(self.warm): sampled_from(first)}
             self.held = f"{drawn_again({'parameters': values})}, state={self.in_state.places!r}"
         if law is None:
-            own = {
-                "parameters": None if held_to else parameters,
-                "stiffness": drawn.stiffness,
-                "pressure": None if pressed else drawn.pressure,
-            }
-            _check_without_law(update, own)
+            own = {"parameters": None if held_to else parameters, "pressure": None if pressed else drawn.pressure}
+            _check_without_law(update, said | own)
         if pressed and drawn.pressure is None:
             drawn = replace(drawn, pressure=pressures(-1, 1))
         drawn.check(law)
