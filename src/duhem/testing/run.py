@@ -395,11 +395,12 @@ class ConformanceRun:
                 named |= {*region_of(own, own.here).tolist()} if cause.diagnoses else set()
             worst = [(-each.failed[name], name, case, each.check) for each in map(regions.get, asked[place]) if each for name, case in each]
             for _, region, case, check in sorted(worst, key=lambda w: w[0])[:_ASKED]:
-                again = next(self.failures(self.query(case), [check]), None) if region not in named else None
-                for failure in self._told([] if again is None else [again], known):
-                    if (said := _said_of(failure)) and not known & said:
-                        others += [replace(failure, where=regions[check.name].of(region))] if causes[place].diagnoses else []
-                        causes[place] = causes[place] if causes[place].diagnoses else replace(failure, explains=cause.explains)
+                again = () if region in named else self.failures(self.query(case), [check])
+                for failure in self._told(again, known):
+                    if (said := _said_of(failure)) and not known & said and causes[place].diagnoses:
+                        others.append(replace(failure, where=regions[check.name].of(region)))
+                    elif said and not known & said:
+                        causes[place] = replace(failure, explains=cause.explains)
                     named, known = named | ({region} if said else set()), known | said
         found, new = [*causes, *others], {f.check.name for f in others}
         told = (

@@ -34,7 +34,9 @@ from duhem.testing.failures.regions import region_of
 from duhem.testing.failures.state_suggestions import beside_in_state, of_the_state
 from duhem.testing.routines.origin import Origin
 
-__all__ = ["IN_REGION", "Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions", "suggests"]
+__all__ = [
+    "CLEAR", "IN_REGION", "Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions", "suggests",
+]  # fmt: skip
 
 Part: TypeAlias = Literal["stress", "slip", "multiplier", "tangent"]
 
@@ -44,7 +46,7 @@ _BEYOND = 1.7  # times as far out as the boundary that a routine would keep: it 
 _LEAST = 3  # increments that a suggestion has to explain
 IN_REGION = "; this explains only the increments "
 _ONLY = "; this happens only for such increments, and others near them are right"
-_CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
+CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
 
 
 def _closest(law: Criterion | None, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> Array:
@@ -76,7 +78,7 @@ def departure(query: Query) -> Departure | None:
                 stiffness=tuple(tuple(row) for row in stiffness.tolist()),
                 returned=tuple(reply.stress[0].tolist()),
                 closest=tuple(best[0].tolist()) if known else None,
-                apart=known and not off <= _CLEAR * query.unit(reply)[0],
+                apart=known and not off <= CLEAR * query.unit(reply)[0],
             )
             if here.apart:
                 return here
@@ -172,7 +174,7 @@ class Probe:
         with suppress(NoReply):
             for stiffness in (k,) if "stiffness" in q.fixed else (k, 1.37 * k + 0.61 * np.diag(np.diag(k)) * np.arange(len(k))):
                 reply, meant = q.ask(beyond, stiffness=stiffness)[0], self.projected(beyond, **{"stiffness": stiffness, **given})
-                allowed = _CLEAR * q.unit(reply)
+                allowed = CLEAR * q.unit(reply)
                 same, moved = q.length(reply.stress - meant) <= allowed, q.length(meant - beyond) > allowed
                 if not (same[known].all() and (moved & known).any()):
                     return False
@@ -199,9 +201,8 @@ def suggests(part: Part) -> Callable[[Suggest], Suggest]:
 def diagnoses(part: Part, query: Query, found: Departure, known: Collection[str] = ()) -> dict[str, str]:
     """Return by name what explains the answers beside ``found``, the best explanation first; empty where nothing does.
 
-    Where one of those that are ``known`` already explains them, no other is tried.
-    Where nothing explains all that are wrong, only those of the region of stress of ``found`` are looked at: elsewhere there may be another
-    mistake.
+    Where one of those whose names are ``known`` already explains them, no other is tried.  Where nothing explains all answers that are
+    wrong, only those of the region of stress of ``found`` are looked at: elsewhere there may be another mistake.
     """
     with suppress(NoReply, InputError, np.linalg.LinAlgError), np.errstate(all="ignore"):
         probe = _probe(query, found)
@@ -226,16 +227,16 @@ def _believed(part: Part, probe: Probe, asked: Mapping[str, Suggest]) -> tuple[d
     Also those of the suggestions ``asked`` that may explain some: what gives the answer to the first, or gives none.
     """
     given, right, allowed = _measured(part, probe)
-    wrong = ~(_apart(given, right) <= _CLEAR * allowed) & np.isfinite(right).all(axis=1)
+    wrong = ~(_apart(given, right) <= CLEAR * allowed) & np.isfinite(right).all(axis=1)
     if not wrong[0] or wrong.sum() < _LEAST:
         return {}, {}
 
     def explains(answers: Array) -> tuple[int, int] | None:
         """Return how many right increments it answers otherwise, and of these those it has an answer for; None if not believed."""
         meant = _in_energy(part, probe, answers)
-        same = _apart(given, meant) <= _CLEAR * allowed
+        same = _apart(given, meant) <= CLEAR * allowed
         first.append(bool(same[0]))
-        if not same[wrong].all() or not _apart(meant, right)[0] > _CLEAR * allowed[0]:
+        if not same[wrong].all() or not _apart(meant, right)[0] > CLEAR * allowed[0]:
             return None
         other = ~same & ~wrong
         return int(other.sum()), int((other & np.isfinite(meant).all(axis=1) & np.isfinite(right).all(axis=1)).sum())
@@ -340,8 +341,8 @@ def diagnosed(
 ) -> list[Failure]:
     """Return failures with what the routine returned, asked again; of those of one part of its answer the likeliest are diagnosed.
 
-    ``accused``: a check of the stress has failed; ``known``: names of diagnoses, of which one is enough.  Without a law no closest
-    point is known, and nothing is diagnosed.
+    ``accused``: a check of the stress has failed; ``known`` are those of :func:`diagnoses`.  Without a law no closest point is known:
+    only tangents, and steps of a law that a material is held to, are diagnosed.
     """
     told: list[Failure] = []
     tried: Counter[Part] = Counter()

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 from duhem.projection.result import Array
 from duhem.testing.checks.query import NoReply
 from duhem.testing.drawn.region import Region
-from duhem.testing.failures.diagnosis import Probe, constant, suggests
+from duhem.testing.failures.diagnosis import CLEAR, Probe, constant, suggests
 from duhem.testing.failures.state_suggestions import roots
 
 __all__ = ["needs_the_run"]
 
 _FAR = 10.0  # times as far out as others: trial stresses of which that may be why they are answered otherwise
 _FAR_OUT = 1e4  # times the trial stresses: where it is seen whether a routine corrects anything at all
-_CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
 _ALIKE = 1e-4  # of its value: what is closer is no other
-_CLEARLY = 1e-3  # of the component that is wrong most: smaller errors are those of differences
+_LISTED = 1e-3  # of the component that is wrong most: components with smaller errors are not told
+_RIGHT = 1e-6  # of the stiffness: a tangent that is off by less counts as right
 _SPREAD = np.logspace(-2.0, 2.0, 81)  # times the value of a parameter or a pressure: where another one is looked for
 
 
@@ -220,7 +220,7 @@ def far_trials(p: Probe) -> Iterator[tuple[str, Array]]:
 
 
 def _wrong(p: Probe) -> NDArray[np.bool_]:
-    return np.asarray(p.query.length(p.returned - p.closest) > _CLEAR * p.query.unit(p.reply))
+    return np.asarray(p.query.length(p.returned - p.closest) > CLEAR * p.query.unit(p.reply))
 
 
 def _slipping(p: Probe) -> NDArray[np.bool_]:
@@ -407,8 +407,8 @@ def components(p: Probe) -> Iterator[tuple[str, Array]]:
     right, given, root = p.slopes, np.asarray(p.reply.tangent), np.sqrt(np.diag(p.stiffness))
     off = np.abs(given - right) / np.outer(root, root)
     most = off.max(axis=(1, 2), keepdims=True)
-    places = [f"({i + 1}, {j + 1}), {given[0, i, j]:.6g} for {right[0, i, j]:.6g}" for i, j in np.argwhere(off[0] > _CLEARLY * most[0])]
+    places = [f"({i + 1}, {j + 1}), {given[0, i, j]:.6g} for {right[0, i, j]:.6g}" for i, j in np.argwhere(off[0] > _LISTED * most[0])]
     more = f"; and {len(places) - 6} more" if len(places) > 6 else ""
     if len(places) < off[0].size:
         said = f"the tangent is wrong in {len(places)} of {off[0].size} components: {'; '.join(places[:6])}{more}"
-        yield said, np.where(most > _CLEARLY**2, given, np.nan)
+        yield said, np.where(most > _RIGHT, given, np.nan)
