@@ -397,10 +397,11 @@ class ConformanceRun:
             for _, region, case, check in sorted(worst, key=lambda w: w[0])[:_ASKED]:
                 again = () if region in named else self.failures(self.query(case), [check])
                 for failure in self._told(again, known):
-                    if (said := _said_of(failure)) and not known & said and causes[place].diagnoses:
-                        others.append(replace(failure, where=regions[check.name].of(region)))
-                    elif said and not known & said:
-                        causes[place] = replace(failure, explains=cause.explains)
+                    if (said := _said_of(failure)) and not known & said:
+                        if causes[place].diagnoses:
+                            others.append(replace(failure, where=regions[check.name].of(region)))
+                        else:
+                            causes[place] = replace(failure, explains=cause.explains)
                     named, known = named | ({region} if said else set()), known | said
         found, new = [*causes, *others], {f.check.name for f in others}
         told = (

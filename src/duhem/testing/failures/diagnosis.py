@@ -35,7 +35,8 @@ from duhem.testing.failures.state_suggestions import beside_in_state, of_the_sta
 from duhem.testing.routines.origin import Origin
 
 __all__ = [
-    "CLEAR", "IN_REGION", "Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions", "suggests",
+    "CLEAR", "IN_REGION", "Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions",
+    "suggests",
 ]  # fmt: skip
 
 Part: TypeAlias = Literal["stress", "slip", "multiplier", "tangent"]
