@@ -82,8 +82,8 @@ class LawInState:
         if open_ := [n for n, d in fixed.parameters.items() if n not in law.variables and d.value is None]:
             what = f"the parameter {open_[0]} has no value, and a material contains its own"
             raise InputError(what, where=law.name, remedy=f'give it, for example parameters={{"{open_[0]}": ...}}')
-        forces, tails = prescribed(fixed), [name.rpartition("_")[2] for name in prescribed(fixed)]
-        d = len(material.elastic)
+        forces, d = prescribed(fixed), len(material.elastic)
+        tails = [name.rpartition("_")[2] for name in forces]
         if len(forces) != d:
             what = f"the law has {len(forces)} components of stress ({', '.join(forces)}), and the routine {d}"
             raise InputError(what, where=law.name, remedy="state the law in the routine's components")
