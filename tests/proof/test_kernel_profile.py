@@ -7,8 +7,8 @@ from fractions import Fraction
 import pytest
 
 from duhem.proof.kernel.polynomial import Polynomial
-from duhem.proof.kernel.region import _between, _beyond_roots, _concave_root, _in_numbers, _leading, _profile, _solved
-from duhem.proof.kernel.signs import RAY, Line, line, sign_at
+from duhem.proof.kernel.region import _bend, _between, _beyond_roots, _concave_root, _in_numbers, _leading, _profile, _solved
+from duhem.proof.kernel.signs import RAY, Line, line, on_the_line, sign_at
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain, poly
 
@@ -56,7 +56,8 @@ def test_the_sign_at_a_place() -> None:
     ],
 )  # fmt: skip
 def test_where_the_root_of_a_polynomial_is_concave(coefficients: tuple[int, ...], sides: list[Line], concave: bool) -> None:
-    assert _concave_root(in_t(*coefficients), sides) is concave
+    h, bend = (on_the_line(p) for p in (in_t(*coefficients), _bend(in_t(*coefficients))))
+    assert h and bend is not None and _concave_root(h, bend, sides) is concave
 
 
 def test_the_profile_along_a_load() -> None:
@@ -83,9 +84,9 @@ def test_the_profile_along_a_load() -> None:
 def test_a_profile_in_numbers_measures_in_one_constant() -> None:
     here = domain(g="a")
     m_t = {tuple(sorted([(RAY, 1), (parse("m"), 1)])): F(3)}
-    ((found, sides),) = _in_numbers(in_t(0, 2, 1), [in_t(1, 1), {}], here)
-    assert found == in_t(0, 2, 1) and sides == [line([F(1), F(1)])]
+    ((found, bend, sides),) = _in_numbers(in_t(0, 2, 1), [in_t(1, 1), {}], here)
+    assert found == (0, 2, 1) and bend == (1,) and sides == [line([F(1), F(1)])]
     cubic = {((RAY, 2), (parse("m"), 1)): F(1), ((RAY, 3),): F(-1)}  # m t^2 - t^3 is m^3 (u^2 - u^3) at t = m u
-    assert [h for h, _ in _in_numbers({tuple(sorted(m)): c for m, c in cubic.items()}, [], here)] == [in_t(0, 0, 1, -1)]
-    assert [*_in_numbers({}, [], here)] == [] and [h for h, _ in _in_numbers(m_t, [], here)] == [in_t(0, 3), in_t(0, 3)]
+    assert [h for h, *_ in _in_numbers({tuple(sorted(m)): c for m, c in cubic.items()}, [], here)] == [(0, 0, 1, -1)]
+    assert [*_in_numbers({}, [], here)] == [] and [h for h, *_ in _in_numbers(m_t, [], here)] == [(0, 1), (0, 1)]
     assert [*_in_numbers({((parse("q"), 1),): F(1), (): F(1)}, [], here)] == []

@@ -70,7 +70,7 @@ def _by_load(poly: Polynomial, load: Polynomial, sides: Collection[Polynomial], 
         x, place = _solved(load, domain)
         profile = _profile(replaced(poly, x, place), domain)
         along = [side for side in (replaced(side, x, place) for side in sides) if not _moving(side, domain)]
-        rounded = any(_concave_root(h, rest) for h, rest in _in_numbers(profile, along, domain))
+        rounded = any(_concave_root(*found) for found in _in_numbers(profile, along, domain))
         return rounded or _concave_between_sides(profile, along, domain)
     except NotWritten:
         return False
@@ -134,12 +134,12 @@ def _profile(poly: Polynomial, domain: StatedDomain) -> Polynomial:
     return negated(poly)
 
 
-def _in_numbers(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Polynomial, list[Line]]]:
-    """The profile and its sides without constants."""
+def _in_numbers(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Line, Line, list[Line]]]:
+    """The profile H, H'^2 - 2 H H'' and the sides, where no constants are left in them."""
     for h, lines in _measured(profile, sides, domain):
-        read = [on_the_line(p) for p in (h, *lines)]
-        if all(p is not None for p in read):
-            yield h, [p for p in read[1:] if p is not None]
+        read = [p for poly in (h, *lines) if (p := on_the_line(poly)) is not None]
+        if len(read) > len(lines) and (bend := on_the_line(_bend(h))) is not None:
+            yield read[0], bend, read[1:]
 
 
 def _measured(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Polynomial, list[Polynomial]]]:
@@ -183,11 +183,8 @@ def _bend(h: Polynomial) -> Polynomial:
     return total(times(first, first), times({(): Fraction(-2)}, times(h, slope(first, RAY))))
 
 
-def _concave_root(h: Polynomial, sides: Collection[Line]) -> bool:
-    """Whether sqrt H is concave where H >= 0 and the sides, of degree 1 at most, are >= 0, which is an interval then."""
-    bend, line = on_the_line(_bend(h)), on_the_line(h)
-    if not line or bend is None:
-        return False
+def _concave_root(line: Line, bend: Line, sides: Collection[Line]) -> bool:
+    """Whether sqrt H is concave, by its ``bend``, where H >= 0 and the sides, of degree 1 at most, are >= 0, which is an interval then."""
     low, high = _between(sides, 1 + max(map(_beyond_roots, (line, bend, *sides))))
     if low >= high:
         return True  # no more than one value of t is left
