@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 
 from duhem.proof.kernel.steps import pay
@@ -95,16 +95,22 @@ def in_powers(poly: Polynomial, x: Term) -> list[Polynomial]:
     return found
 
 
-def root_of_square(poly: Polynomial) -> tuple[Fraction, Polynomial] | None:
-    """(c, p) where the polynomial is c p^2, c > 0, term by term from the greatest; None where it is none, or p has more terms than that."""
-    if not poly:
-        return None
-    names = sorted({x for m in poly for x, _ in m})
+def _ranks(monomials: Iterable[Monomial]) -> Callable[[Monomial], tuple[int, ...]]:
+    """What the monomials of these variables are ordered by: the rank of a product is the sum of the ranks."""
+    names = sorted({x for m in monomials for x, _ in m})
 
     def rank(m: Monomial) -> tuple[int, ...]:
         own = dict(m)
         return tuple(own.get(x, 0) for x in names)
 
+    return rank
+
+
+def root_of_square(poly: Polynomial) -> tuple[Fraction, Polynomial] | None:
+    """(c, p) where the polynomial is c p^2, c > 0, term by term from the greatest; None where it is none, or p has more terms than that."""
+    if not poly:
+        return None
+    rank = _ranks(poly)
     top, bottom = max(poly, key=rank), min(poly, key=rank)
     c, left, root, last = poly[top], poly, Polynomial(), None
     if c < 0 or poly[bottom] < 0 or any(n % 2 for _, n in (*top, *bottom)):
@@ -123,12 +129,7 @@ def root_of_square(poly: Polynomial) -> tuple[Fraction, Polynomial] | None:
 
 def quotient(poly: Polynomial, by: Polynomial) -> Polynomial | None:
     """q with q times ``by`` the polynomial, term by term from the greatest; None where there is none, or it has more terms than that."""
-    names = sorted({x for m in (*poly, *by) for x, _ in m})
-
-    def rank(m: Monomial) -> tuple[int, ...]:
-        own = dict(m)
-        return tuple(own.get(x, 0) for x in names)
-
+    rank = _ranks((*poly, *by))
     lead, left, found = max(by, key=rank), poly, Polynomial()
     while left and len(found) < len(poly):
         m = max(left, key=rank)
