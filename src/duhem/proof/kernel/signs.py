@@ -276,11 +276,11 @@ def _slope(p: Line) -> Line:
 
 def parts(p: Line) -> tuple[Line, Line]:
     """The roots of p != 0 once each, and those of odd multiplicity once each."""
-    shared = _chain(p, _slope(p))[-1]  # every root once less often than in p
+    shared = common_roots(p, _slope(p))  # every root once less often than in p
     every = _quotient(p, shared)
     if len(shared) == 1:
         return every, every
-    repeated = _chain(shared, every)[-1]
+    repeated = common_roots(shared, every)
     odd = parts(_quotient(shared, repeated))[1]  # every repeated root twice less often than in p
     return every, _product(_quotient(every, repeated), odd)
 
@@ -295,11 +295,11 @@ def _product(p: Line, q: Line) -> Line:
 
 def roots_of_both(p: Line, q: Line) -> Line:
     """The roots of both, once each if they are so in each."""
-    return _product(p, _quotient(q, _chain(p, q)[-1]))
+    return _product(p, _quotient(q, common_roots(p, q)))
 
 
 def common_roots(p: Line, q: Line) -> Line:
-    """The greatest common divisor of p and q, neither of which is 0."""
+    """The roots that p and q share, as their greatest common divisor; one of them may be 0."""
     return _chain(p, q)[-1]
 
 
