@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from duhem.proof.kernel.domain import NEGATIVE, ZERO, StatedDomain
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, joined, negated, times, total
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, times, total
 from duhem.proof.kernel.term import Term, number
 
 __all__ = ["added", "plainly", "scaled", "sum_of_squares"]
@@ -14,36 +14,35 @@ _UNIT = Term("name", name="the unit")  # no name of a law has blanks
 
 
 def sum_of_squares(poly: Polynomial, domain: StatedDomain) -> list[tuple[Term, Polynomial]] | None:
-    """Products of constants >= 0, each with a polynomial, the sum of whose squares it is; None where none is found."""
+    """Products of constants >= 0, each with a polynomial times whose square it is, added up; None where none are found.
+
+    By Lagrange's reduction (1759): a x^2 + b x + c is a (x + b/(2 a))^2 + c - b^2/(4 a), and x is gone from the rest.
+    """
     return _by_products(poly, domain) or _by_one_force_after_another(poly, domain)
 
 
 def _by_one_force_after_another(poly: Polynomial, domain: StatedDomain) -> list[tuple[Term, Polynomial]] | None:
-    """By Lagrange's reduction, where one product of constants stands with the square of a force and divides what stands with twice it."""
+    """Where one product of constants stands with the square of each force, and divides what stands with twice that force."""
     found, left = list[tuple[Term, Polynomial]](), poly
     for x in sorted({x for m in poly for x, _ in m if not domain.constant(x)}):
         if not any(x in dict(m) for m in left):
             continue
         if x.op != "name" or any(dict(m).get(x, 0) < 0 for m in left) or len(powers := in_powers(left, x)) != 3 or len(powers[2]) != 1:
             return None
-        ((m, c),) = powers[2].items()
-        scale, whole = plainly({m: c}), times(powers[1], {tuple((y, -n) for y, n in m): 1 / (2 * c)})
-        if (
-            not domain.constant(scale)
-            or domain.facts(scale).sign & NEGATIVE
-            or any(n < 0 and domain.of(y) & ZERO for k in whole for y, n in k)
-        ):
+        scale, whole = plainly(powers[2]), _completed(x, powers)
+        if not domain.constant(scale) or domain.facts(scale).sign & NEGATIVE:
             return None
-        whole = total({((x, 1),): Fraction(1)}, whole)
+        if any(n < 0 and domain.of(y) & ZERO for m in whole for y, n in m):
+            return None
         found.append((scale, whole))
         left = total(left, negated(times(powers[2], times(whole, whole))))
     return None if left else found
 
 
 def _by_products(poly: Polynomial, domain: StatedDomain) -> list[tuple[Term, Polynomial]] | None:
-    """By Lagrange's reduction in fractions.
+    """For each product of constants, of what it multiplies: a form of second degree with numbers as coefficients.
 
-    Its terms of second degree, in the forces and in what stands beside a force once, are taken for each product of other constants.
+    Its variables are the forces, the constants that stand once beside a force, and 1.
     """
     beside = {x for m in poly if sum(n for y, n in m if not domain.constant(y)) == 1 for x, n in m if domain.constant(x) and n == 1}
     groups: dict[Monomial, Polynomial] = {}
@@ -58,18 +57,20 @@ def _by_products(poly: Polynomial, domain: StatedDomain) -> list[tuple[Term, Pol
         if domain.facts(plainly({scale: Fraction(1)})).sign & NEGATIVE:
             return None
         while form:
-            square = next(((x, a) for m, a in sorted(form.items()) for x, n in m if n == 2 and a > 0), None)
-            if square is None:
+            x = next((x for m, a in sorted(form.items()) for x, n in m if n == 2 and a > 0), None)
+            if x is None:
                 return None
-            x, a = square
-            beside_x = {m: b / (a if dict(m)[x] == 2 else 2 * a) for m, b in form.items() if x in dict(m)}
-            whole = {joined(m, ((x, -1),)): b for m, b in beside_x.items()}
-            form = total(form, times({(): -a}, times(whole, whole)))
-            line = {tuple(y for y in m if y[0] != _UNIT): b for m, b in whole.items()}
-            found.append((scaled(number(a), scale), line))
-            if any(x in dict(m) for m in form):
-                return None
+            powers = in_powers(form, x)
+            whole = _completed(x, powers)
+            found.append((scaled(number(powers[2][()]), scale), {tuple(y for y in m if y[0] != _UNIT): b for m, b in whole.items()}))
+            form = total(form, negated(times(powers[2], times(whole, whole))))
     return found
+
+
+def _completed(x: Term, powers: list[Polynomial]) -> Polynomial:
+    """y = x + b/(2 a), where a y^2 is all of a x^2 + b x + c that x enters; a is one term."""
+    ((m, a),) = powers[2].items()
+    return total({((x, 1),): Fraction(1)}, times(powers[1], {tuple((y, -n) for y, n in m): 1 / (2 * a)}))
 
 
 def _unit(x: Term) -> bool:
@@ -90,4 +91,5 @@ def plainly(poly: Polynomial) -> Term:
 
 
 def added(parts: list[Term]) -> Term:
+    """The sum of terms as they are, 0 for none."""
     return parts[0] if len(parts) == 1 else Term("+", tuple(parts)) if parts else number(0)
