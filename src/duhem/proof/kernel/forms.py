@@ -98,7 +98,10 @@ def leading_minors(matrix: Matrix, domain: StatedDomain) -> Iterator[Polynomial]
 
 
 def multiple(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomial | None:
-    """c where rest = c x; read off a part of x whose coefficient is a number, or a product of constants that are not 0, or divided."""
+    """The constant c where rest = c x; None where none is found.
+
+    It is read off a part of x whose coefficient is a number or a product of constants that are not 0, or else found by division.
+    """
     if not rest:
         return {}
     split = share_and_rest(rest, x, domain)

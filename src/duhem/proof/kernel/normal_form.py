@@ -179,7 +179,7 @@ class _Form(NamedTuple):
             return base
         if self.collects and base.op == "+" and p.denominator == 1 and p > _HIGHEST:
             return Term(_KEPT, (base, number(p)))
-        if p.denominator == 1 and p > 0 and p % 2 == 0 and base.op in ("abs", "norm"):
+        if p > 0 and p % 2 == 0 and base.op in ("abs", "norm"):
             square = sum_of(*(product_of(a, a) for a in base.args)) if base.op == "norm" else base.args[0]
             return self._power(self._collected(square), number(p / 2 if base.op == "norm" else p))
         if p == Fraction(1, 2) and (norm := self._root(base)) is not None:
@@ -187,10 +187,7 @@ class _Form(NamedTuple):
         if p.denominator == 1 and p < 0 and base.op == "*":
             return self._collected(Term("*", tuple(self._power(a, number(p)) for a in base.args)))
         if self.collects and p.denominator == 1 and p < 0 and base.op == "+":
-            inverse, found = self._inverse(self._reduced(self._poly(base))), ONE
-            for _ in range(-int(p)):
-                found = times(found, inverse)
-            return self._presented(found)
+            return self._presented(self._times_power(ONE, self._reduced(self._poly(base)), int(p)))
         return self._power_of_power(base, number(p))
 
     def _power_of_power(self, base: Term, p: Term) -> Term:
@@ -292,7 +289,7 @@ class _Form(NamedTuple):
         return poly
 
     def _reduced(self, poly: Polynomial) -> Polynomial:
-        """Even powers of roots, sizes and norms undone, and what a sum divides that it divides by."""
+        """Even powers of roots, sizes and norms undone, and P divided out of quotients (q P)/P."""
         for x in sorted({x for m in poly for x, n in m if abs(n) >= 2}):
             rooted = x.op == "**" and x.args[1] == _HALF
             if x.op in ("abs", "norm") or rooted:
@@ -302,13 +299,18 @@ class _Form(NamedTuple):
                     powers.setdefault(dict(m).get(x, 0), {})[tuple((y, n) for y, n in m if y != x)] = c
                 found = list[Polynomial]()
                 for n, part in powers.items():
-                    half = 0 if abs(n) > 2 * _HIGHEST and len(square) > 1 else abs(n) // 2
-                    for _ in range(half):
-                        part = times(part, square if n > 0 else self._inverse(square))
-                    left = n - 2 * half if n > 0 else n + 2 * half
-                    found.append(times(part, {((x, left),): Fraction(1)}) if left else part)
+                    half = 0 if abs(n) > 2 * _HIGHEST and len(square) > 1 else n // 2 if n > 0 else -(-n // 2)
+                    own, left = self._times_power(part, square, half), n - 2 * half
+                    found.append(times(own, {((x, left),): Fraction(1)}) if left else own)
                 poly = total(*found)
         return self._divided_out(poly)
+
+    def _times_power(self, part: Polynomial, poly: Polynomial, n: int) -> Polynomial:
+        """A polynomial times P^n."""
+        factor = poly if n >= 0 else self._inverse(poly)
+        for _ in range(abs(n)):
+            part = times(part, factor)
+        return part
 
     def _inverse(self, poly: Polynomial) -> Polynomial:
         """1/P, factors of all terms of P on their own."""
@@ -326,23 +328,25 @@ class _Form(NamedTuple):
         return tuple((x, n) for x, n in m if x.op == "name" and not self.domain.constant(x))
 
     def _divided_out(self, poly: Polynomial) -> Polynomial:
-        """With q for q P/P, among the terms that have the same other words, and one degree in the forces where P has one."""
+        """With q for (q P)/P, among the terms that have the same words beside the forces, and the same degree in these if P has one."""
         for x in sorted({x for m in poly for x, n in m if n > 0 and x.op == "**" and x.args[1] == number(-1)}):
-            by, groups = self._poly(x.args[0]), dict[tuple[Monomial, int], Polynomial]()
+            if not (by := self._poly(x.args[0])):
+                continue
+            groups = dict[tuple[Monomial, int], Polynomial]()
             alike = len({sum(n for _, n in self._in_forces(m)) for m in by}) == 1
             for m, c in poly.items():
                 words = tuple((y, n) for y, n in m if y.op != "name" and not self.domain.constant(y))
                 groups.setdefault((words, sum(n for _, n in self._in_forces(m)) if alike else 0), {})[m] = c
             parts = list[Polynomial]()
             for part in groups.values():
-                while by and any(x in dict(m) for m in part) and (q := quotient(_divided(part, ((x, 1),)), by)) is not None:
+                while any(x in dict(m) for m in part) and (q := quotient(_divided(part, ((x, 1),)), by)) is not None:
                     part = q
-                parts += self._apart(part, x, by) if by and any(x in dict(m) for m in part) else [part]
+                parts += self._apart(part, x, by) if any(x in dict(m) for m in part) else [part]
             poly = total(*parts)
         return poly
 
     def _apart(self, poly: Polynomial, x: Term, by: Polynomial) -> list[Polynomial]:
-        """N/P as s l + (N - s l P)/P with l the mean of forces along which P does not change, and s the constant with which N/P does."""
+        """N/P as s l + (N - s l P)/P: l is the mean of forces, P does not change when all these grow alike, and N/P then grows by s."""
         mixed = sorted({y for m in by if len(own := self._in_forces(m)) > 1 for y, _ in own})
         numerator = _divided(poly, ((x, 1),))
         if not mixed or any(n < 0 for m in numerator for y, n in m if y in mixed) or total(*(slope(by, y) for y in mixed)):
