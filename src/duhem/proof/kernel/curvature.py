@@ -252,7 +252,7 @@ def _size_by_its_logarithm(x: Term, logarithm: Term, domain: StatedDomain) -> bo
     if logarithm.op != "log" or not (size := domain.facts(logarithm.args[0])).affine or size.sign != POSITIVE:
         return False
     share = multiple(domain.polynomial(x), domain.polynomial(logarithm.args[0]), domain)
-    return bool(share) and share is not None and not domain.facts(written(share)).sign & NEGATIVE
+    return bool(share and not domain.facts(written(share)).sign & NEGATIVE)
 
 
 def _square_over_load(square: Term, under: Term, domain: StatedDomain) -> Sign:

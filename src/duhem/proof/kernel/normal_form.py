@@ -299,7 +299,7 @@ class _Form(NamedTuple):
                     powers.setdefault(dict(m).get(x, 0), {})[tuple((y, n) for y, n in m if y != x)] = c
                 found = list[Polynomial]()
                 for n, part in powers.items():
-                    half = 0 if abs(n) > 2 * _HIGHEST and len(square) > 1 else n // 2 if n > 0 else -(-n // 2)
+                    half = 0 if abs(n) > 2 * _HIGHEST and len(square) > 1 else (n + (n < 0)) // 2  # towards 0
                     own, left = self._times_power(part, square, half), n - 2 * half
                     found.append(times(own, {((x, left),): Fraction(1)}) if left else own)
                 poly = total(*found)

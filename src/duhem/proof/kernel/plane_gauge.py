@@ -227,7 +227,7 @@ class StarGauge:
     def jumps(self) -> Iterator[tuple[Polynomial, Interval]]:
         """By how much gamma'/gamma rises from each arc to the next, up to positive factors, and for which t.
 
-        An end that is not exact is the one root between two numbers of a polynomial: where that is a root of the rise too, it is 0.
+        An end that is not exact is the one root that ``switches`` has between two numbers: the rise is 0 where it shares this root.
         """
         for side, after in zip(self._sides, self._sides[::-1], strict=True):
             for one, two in pairwise(side):
@@ -235,7 +235,7 @@ class StarGauge:
             yield _rise(_at(side[-1].turn(), 1), _at(after[0].turn(), -1)), (Fraction(0), Fraction(0))
 
     def _at_the_end(self, rise: Polynomial, arc: DirectionArc) -> Polynomial:
-        """What a rise is where an arc begins."""
+        """A rise where an arc begins, 0 if it is shown to be 0 there."""
         plain = None if arc.start[0] == arc.start[1] else on_the_line(without_content(rise, self._domain))
         return {} if plain and roots_between(common_roots(plain, arc.switches), *arc.start) else rise
 

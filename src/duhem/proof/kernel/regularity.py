@@ -6,8 +6,9 @@ norm: only the tip is left where the norm is 0.
 Let G(x, z) be C^1 and even in every z_i, and r_i(x) >= 0 convex, and C^1 where it is > 0.  Then G(x, r(x)) is C^1, where r_i = 0 too:
 dG/dz_i is 0 for z_i = 0, and r_i is Lipschitz, so that the share dG/dz_i grad r_i of the gradient tends to 0 there.
 
-Let G(x, z) be C^1 and not change with the order of z, the eigenvalues of a symmetric matrix that is affine in x: then it is C^1 in x (Lewis
-1996, Math. Oper. Res. 21, 576, theorem 1.1); with the eigenvalues of several matrices too, its gradient in each being continuous in all.
+Let G(x, z) be C^1 and not change with the order of z, the eigenvalues of a symmetric matrix A = U' diag(z) U that is affine in x, or of
+each of several: then it is C^1 in x.  Its gradient in A is U' diag(dG/dz) U (Lewis 1996, Math. Oper. Res. 21, 576, theorem 1.1), for every
+such U the same; so it is continuous: where A and x tend to a limit, so do z, and U for a subsequence.
 """
 
 from __future__ import annotations

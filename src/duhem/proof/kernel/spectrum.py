@@ -154,7 +154,7 @@ def freed_of_eigenvalues(term: Term, domain: StatedDomain) -> Iterator[Freed]:
 
 
 def _of_sizes(term: Term, domain: StatedDomain) -> Term:
-    """The term with powers of |y| for those of y >= 0."""
+    """The term with powers of |y| for those of y >= 0: y may be < 0 where forces stand for eigenvalues."""
     if term.op in ("eigmax", "max", "min") or domain.constant(term):
         return term
     args = tuple(_of_sizes(a, domain) for a in term.args)
