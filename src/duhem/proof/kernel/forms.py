@@ -8,7 +8,7 @@ from itertools import combinations
 
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, negated, quotient, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, divided, negated, quotient, times, total, written
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
 
 __all__ = [
@@ -116,7 +116,7 @@ def _pivot(x: Polynomial, domain: StatedDomain) -> tuple[Monomial, Polynomial] |
     for moving, c in by_forces(x, domain).items():
         if moving and len(c) == 1 and all(not domain.of(y) & ZERO for m in c for y, _ in m):
             ((m, factor),) = c.items()
-            return moving, {tuple((y, -n) for y, n in m): 1 / factor}
+            return moving, divided(ONE, m, factor)
     return None
 
 

@@ -26,6 +26,7 @@ from duhem.proof.kernel.polynomial import (
     ONE,
     Monomial,
     Polynomial,
+    divided,
     in_powers,
     joined,
     negated,
@@ -155,7 +156,7 @@ class _Form(NamedTuple):
         """(c, p) with poly = c p, c one term of constants that are > 0 or < 0, and p beginning with a coefficient > 0."""
         own = shared(poly, lambda x: self.domain.constant(x) and self.domain.of(x) in (NEGATIVE, POSITIVE))
         lead = Fraction(1 if poly[min(poly)] > 0 else -1)
-        return {own: lead}, _divided(poly, own, lead)
+        return {own: lead}, divided(poly, own, lead)
 
     # -- powers --------------------------------------------------------------------------------------------------------
 
@@ -239,7 +240,7 @@ class _Form(NamedTuple):
         if not poly:
             return None
         common = shared(poly, self.domain.constant)
-        found = root_of_square(_divided(poly, common))
+        found = root_of_square(divided(poly, common))
         return None if found is None else ({common: found[0]}, self._presented(found[1]))
 
     # -- sums and products -----------------------------------------------------------------------------------------------
@@ -318,11 +319,11 @@ class _Form(NamedTuple):
             raise NotWritten("it divides by 0")
         own = shared(poly)
         first = abs(poly[min(poly)])
-        base, n = self._presented(_divided(poly, own, first)), 1
+        base, n = self._presented(divided(poly, own, first)), 1
         if base.op == "**" and base.args[1] == number(2):
             base, n = base.args[0], 2
         atom = self.domain.polynomial(Term("**", (base, number(-1))))
-        return times({tuple((x, -k) for x, k in own): 1 / first}, times(atom, atom) if n == 2 else atom)
+        return divided(times(atom, atom) if n == 2 else atom, own, first)
 
     def _in_forces(self, m: Monomial) -> Monomial:
         return tuple((x, n) for x, n in m if x.op == "name" and not self.domain.constant(x))
@@ -339,7 +340,7 @@ class _Form(NamedTuple):
                 groups.setdefault((words, sum(n for _, n in self._in_forces(m)) if alike else 0), {})[m] = c
             parts = list[Polynomial]()
             for part in groups.values():
-                while any(x in dict(m) for m in part) and (q := quotient(_divided(part, ((x, 1),)), by)) is not None:
+                while any(x in dict(m) for m in part) and (q := quotient(divided(part, ((x, 1),)), by)) is not None:
                     part = q
                 parts += self._apart(part, x, by) if any(x in dict(m) for m in part) else [part]
             poly = total(*parts)
@@ -348,7 +349,7 @@ class _Form(NamedTuple):
     def _apart(self, poly: Polynomial, x: Term, by: Polynomial) -> list[Polynomial]:
         """N/P as s l + (N - s l P)/P: l is the mean of forces, P does not change when all these grow alike, and N/P then grows by s."""
         mixed = sorted({y for m in by if len(own := self._in_forces(m)) > 1 for y, _ in own})
-        numerator = _divided(poly, ((x, 1),))
+        numerator = divided(poly, ((x, 1),))
         if not mixed or any(n < 0 for m in numerator for y, n in m if y in mixed) or total(*(slope(by, y) for y in mixed)):
             return [poly]
         share = quotient(total(*(slope(numerator, y) for y in mixed)), by)
@@ -385,7 +386,7 @@ class _Form(NamedTuple):
     def _group(self, poly: Polynomial) -> Term:
         """A polynomial of one degree in the forces: what is common to all of it in front; a power of a sum, and the rest."""
         common = shared(poly, self.domain.constant)
-        rest = _divided(poly, common)
+        rest = divided(poly, common)
         parts = list[Term]()
         if (power := self._power_of_sum(rest)) is not None:
             parts.append(power[0])
@@ -461,8 +462,3 @@ def _as_written(term: Term) -> Term:
     """The term with the powers of sums that were kept."""
     args = tuple(map(_as_written, term.args))
     return Term("**", args) if term.op == _KEPT else term if args == term.args else term._replace(args=args)
-
-
-def _divided(poly: Polynomial, by: Monomial, scale: Fraction = Fraction(1)) -> Polynomial:
-    over_it = tuple((x, -n) for x, n in by)
-    return {joined(m, over_it): c / scale for m, c in poly.items()}

@@ -9,8 +9,8 @@ from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
 __all__ = [
-    "ONE", "Monomial", "Polynomial", "in_powers", "joined", "negated", "number_in", "quotient", "replaced", "root_of_square", "shared",
-    "slope", "times", "total", "written",
+    "ONE", "Monomial", "Polynomial", "divided", "in_powers", "joined", "negated", "number_in", "quotient", "replaced", "root_of_square",
+    "shared", "slope", "times", "total", "written",
 ]  # fmt: skip
 
 Monomial = tuple[tuple[Term, int], ...]
@@ -44,6 +44,12 @@ def joined(one: Monomial, two: Monomial) -> Monomial:
     for x, n in two:
         powers[x] = powers.get(x, 0) + n
     return tuple(sorted((x, n) for x, n in powers.items() if n))
+
+
+def divided(poly: Polynomial, by: Monomial, scale: Fraction = Fraction(1)) -> Polynomial:
+    """P/(c m) with a monomial m and a number c."""
+    under = tuple((x, -n) for x, n in by)
+    return {joined(m, under): c / scale for m, c in poly.items()}
 
 
 def shared(poly: Polynomial, counts: Callable[[Term], bool] = lambda _: True) -> Monomial:
@@ -135,7 +141,7 @@ def quotient(poly: Polynomial, by: Polynomial) -> Polynomial | None:
         m = max(left, key=rank)
         if any(dict(m).get(x, 0) < n for x, n in lead):
             return None
-        step = {joined(m, tuple((x, -n) for x, n in lead)): left[m] / by[lead]}
+        step = divided({m: left[m]}, lead, by[lead])
         left, found = total(left, negated(times(step, by))), total(found, step)
     return None if left else found
 

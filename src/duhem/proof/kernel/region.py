@@ -39,7 +39,7 @@ from math import prod
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.forms import apart, at_end_of, multiple
-from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replaced, slope, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Polynomial, divided, in_powers, negated, replaced, slope, times, total, written
 from duhem.proof.kernel.profiles import times_load
 from duhem.proof.kernel.regularity import smooth_but_where_zero
 from duhem.proof.kernel.signs import RAY, Line, nonnegative, nonnegative_on_the_line, on_the_line, parts, roots, sign_at, without_content
@@ -103,13 +103,13 @@ def _degree(m: tuple[tuple[Term, int], ...], forces: Collection[Term]) -> int:
 
 
 def _inverse(constant: Polynomial, domain: StatedDomain) -> Polynomial:
-    """1/c of a product of constants that are not 0."""
+    """1/c of a product of constants that are > 0, times a number."""
     if len(constant) != 1:
         raise NotWritten("a constant is not to be divided by")
     ((m, c),) = constant.items()
     if any(domain.of(y) & ~POSITIVE for y, _ in m):
-        raise NotWritten("a constant may be 0")
-    return {tuple((y, -n) for y, n in m): 1 / c}
+        raise NotWritten("a constant may be <= 0")
+    return divided(ONE, m, c)
 
 
 def _solved(load: Polynomial, domain: StatedDomain) -> tuple[Term, Polynomial]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from duhem.proof.kernel.domain import NEGATIVE, ZERO, StatedDomain
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, times, total
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, divided, in_powers, negated, times, total
 from duhem.proof.kernel.term import Term, number
 
 __all__ = ["added", "plainly", "scaled", "sum_of_squares"]
@@ -70,7 +70,7 @@ def _by_products(poly: Polynomial, domain: StatedDomain) -> list[tuple[Term, Pol
 def _completed(x: Term, powers: list[Polynomial]) -> Polynomial:
     """y = x + b/(2 a), where a y^2 is all of a x^2 + b x + c that x enters; a is one term."""
     ((m, a),) = powers[2].items()
-    return total({((x, 1),): Fraction(1)}, times(powers[1], {tuple((y, -n) for y, n in m): 1 / (2 * a)}))
+    return total({((x, 1),): Fraction(1)}, divided(powers[1], m, 2 * a))
 
 
 def _unit(x: Term) -> bool:
