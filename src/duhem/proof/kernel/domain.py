@@ -24,6 +24,7 @@ from duhem.proof.kernel.polynomial import (
     ONE,
     Monomial,
     Polynomial,
+    divided,
     joined,
     number_in,
     replaced,
@@ -618,10 +619,9 @@ class StatedDomain:
 
 def _inverse(poly: Polynomial, n: int) -> Polynomial:
     """1/P^n, factors of all terms of P and its first number on their own: P is not 0 where it has a value, and it has one spelling."""
-    own = shared(poly)
-    first = abs(poly[min(poly)])
-    rest = {joined(m, tuple((x, -k) for x, k in own)): c / first for m, c in poly.items()}
-    return {tuple(sorted([*((x, -k * n) for x, k in own), (Term("**", (written(rest), number(-1))), n)])): 1 / first**n}
+    own, first = shared(poly), abs(poly[min(poly)])
+    rest = Term("**", (written(divided(poly, own, first)), number(-1)))
+    return divided({((rest, n),): Fraction(1)}, tuple((x, k * n) for x, k in own), first**n)
 
 
 def _outweighed(m: Monomial, c: Fraction, above: Polynomial) -> bool:
