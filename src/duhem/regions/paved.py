@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -21,7 +21,7 @@ from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from duhem.regions.asked import constraints_on
 from duhem.regions.paving import Known, Place, Tree, between, is_end, share_of
 from duhem.regions.result import FoundRegion
-from duhem.regions.suggested import value_of
+from duhem.regions.suggested import Array, value_of
 
 __all__ = ["PavedRegion"]
 
@@ -53,38 +53,29 @@ class PavedRegion(FoundRegion):
         """The constraints of the law on these parameters alone, which bound the domain too, but for those that bound the whole box."""
         return tuple(text for text in constraints_on(self.criterion, self.parameters)[0] if not is_end(text, self.parameters))
 
-    @property
-    def open_share(self) -> float:
-        """How much of the domain is open, from 0 to 1, a leaf taken for its whole box."""
-        return self._boxes("open")
-
-    def _boxes(self, verdict: str) -> float:
-        """How much the boxes of leaves with a verdict are of what no box outside of the domain is."""
-        shares = {"outside": Fraction(0), verdict: Fraction(0)}
-        for way, leaf in self.tree.leaves.items():
-            place = self.tree.place(way, self.whole)
-            if leaf.verdict == verdict or (leaf.verdict == "outside" and not place.polynomials):
-                shares[leaf.verdict] += share_of(place.box, self.whole)
-        return float(shares[verdict] / ((1 - shares["outside"]) or 1))
-
     @cached_property
-    def _sampled(self) -> bool:
-        """Whether something else than boxes has a verdict, or bounds the domain."""
-        return bool(self.conditions) or any(place.polynomials for place, _ in self.known)
-
-    @property
-    def open_part(self) -> str:
-        """How much of the domain is open, for people."""
-        return f"about {self.share('open'):.2%}" if self._sampled else super().open_part
+    def _sizes(self) -> dict[str, Fraction]:
+        """How much of the whole box has each verdict: of a leaf on sides of polynomials, or under conditions, the share of many points."""
+        n = int(_MOST_POINTS ** (1 / len(self.whole)))
+        shares = [Fraction(2 * k + 1, 2 * n) for k in range(n)]
+        sizes = dict.fromkeys(("proved", "refuted", "open"), Fraction(0))
+        for place, leaf in self.known:
+            size, bounds = share_of(place.box, self.whole), (*place.polynomials, *self.conditions)
+            if bounds:
+                each = [[float(between(place.box[name], own, share)) for share in shares] for name, own in self.whole.items()]
+                points = dict(zip(self.whole, map(np.ravel, np.meshgrid(*each)), strict=True))
+                size *= Fraction(int(np.sum(_meets(bounds, points))), n ** len(each))
+            sizes[leaf.verdict] += size
+        return sizes
 
     def share(self, verdict: str) -> float:
-        """How much of the domain has a verdict, from 0 to 1: of boxes exactly, on sides of polynomials by many points."""
-        if not self._sampled:
-            return self._boxes(verdict)
-        n = int(_MOST_POINTS ** (1 / len(self.whole)))
-        each = [[float(between(own, own, Fraction(2 * k + 1, 2 * n))) for k in range(n)] for own in self.whole.values()]
-        verdicts = self.at(dict(zip(self.whole, map(np.ravel, np.meshgrid(*each)), strict=True)))
-        return float(np.sum(verdicts == verdict) / max(np.sum(verdicts != ""), 1))
+        """How much of the domain has a verdict, from 0 to 1: of boxes exactly, on sides of polynomials and constraints by many points."""
+        return float(self._sizes[verdict] / (sum(self._sizes.values()) or 1))
+
+    def percentage(self, verdict: str) -> str:
+        """The same for people."""
+        sampled = self.conditions or any(place.polynomials for place, _ in self.known)
+        return f"{'about ' if sampled else ''}{super().percentage(verdict)}"
 
     @cached_property
     def places(self) -> tuple[tuple[Place, str], ...]:
@@ -103,7 +94,7 @@ class PavedRegion(FoundRegion):
     @property
     def proved(self) -> str:
         """Where the claim is proved, for people: how much of the domain that is, where the condition is long."""
-        shares = f"{self.share('proved'):.2%} and refuted for {self.share('refuted'):.2%} of the domain"
+        shares = f"{self.percentage('proved')} and refuted for {self.percentage('refuted')} of the domain"
         return super().proved if len(self.stretches("proved")) <= _MOST_PARTS else shares
 
     def stretches(self, verdict: str) -> list[Place]:
@@ -127,18 +118,13 @@ class PavedRegion(FoundRegion):
         """The domain asked for, as comparisons."""
         return self._said(Place((), self.whole), True) or "true"
 
-    def at(self, points: Mapping[str, NDArray[np.float64]]) -> NDArray[np.str_]:
+    def at(self, points: Mapping[str, Array]) -> NDArray[np.str_]:
         """The verdict at many points, in floating point; "" where none is, outside of the domain."""
         shape = next(iter(points.values())).shape
         found = np.full(shape, "", dtype="<U7")
         flat = {name: np.ravel(x) for name, x in points.items()}
         for place, verdict in self.places:
-            inside = np.ones(shape, dtype=bool)
-            for text in filter(None, self._said(place, True).split(" and ")):
-                comparison = parse(text)
-                value = value_of(gap(comparison), flat).reshape(shape)
-                inside &= value >= 0 if len(comparison.op) == 2 else value > 0
-            found[inside] = verdict
+            found[_meets(filter(None, self._said(place, True).split(" and ")), flat).reshape(shape)] = verdict
         return found
 
     def sample(self, cell: Place) -> dict[str, Fraction]:
@@ -155,3 +141,12 @@ class PavedRegion(FoundRegion):
     def written(self) -> dict[str, Any]:
         """What a certificate has of the leaves."""
         return {"schema": SCHEMA, "parameters": list(self.parameters), "tree": self.tree.written(), "steps": self.steps}
+
+
+def _meets(bounds: Iterable[str], points: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Where many points meet comparisons, in floating point."""
+    inside = np.ones(len(next(iter(points.values()))), dtype=bool)
+    for comparison in map(parse, bounds):
+        value = value_of(gap(comparison), points)
+        inside &= value >= 0 if len(comparison.op) == 2 else value > 0
+    return inside

@@ -142,7 +142,7 @@ def _counted(region: PavedRegion) -> Iterator[tuple[str, ...]]:
         by = ", ".join(dict.fromkeys(str(row["rule"]) for row in own if row))
         if own:
             count = "1 cell" if len(own) == 1 else f"{len(own)} cells"
-            yield f"{count}, {region.share(verdict):.2%} of the domain", verdict, "checked" if by else "-", by
+            yield f"{count}, {region.percentage(verdict)} of the domain", verdict, "checked" if by else "-", by
 
 
 def _ends(region: FoundRegion) -> Iterator[str]:

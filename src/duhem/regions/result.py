@@ -104,10 +104,18 @@ class FoundRegion(Shown):
         """Whether every cell is decided."""
         return all(done.verdict != "open" for _, done in self.known)
 
-    @property
     @abstractmethod
+    def share(self, verdict: str) -> float:
+        """How much of the domain has a verdict, from 0 to 1; 0 too where single values have it."""
+
+    def percentage(self, verdict: str) -> str:
+        """The same for people."""
+        return f"{self.share(verdict):.2%}"
+
+    @property
     def open_share(self) -> float:
         """How much of the domain is open, from 0 to 1; 0 too where single values are."""
+        return self.share("open")
 
     @property
     def cells(self) -> tuple[RegionCell, ...]:
@@ -155,18 +163,13 @@ class FoundRegion(Shown):
         return self._told(with_domain=False)
 
     @property
-    def open_part(self) -> str:
-        """How much of the domain is open, for people."""
-        return f"{self.open_share:.2%}"
-
-    @property
     def sentence(self) -> str:
         """What was found in one sentence."""
         if self.exact:
             words = {"true": "for all values of the domain", "false": "for no value of the domain"}
             said = f"{self.claim} holds {words.get(self.short, f'exactly for {self.short}')}"
         else:
-            said = f"{self.claim} is proved for {self.proved}; {self.open_part} of the domain are open"
+            said = f"{self.claim} is proved for {self.proved}; {self.percentage('open')} of the domain are open"
         said = f"{said}, where {' = '.join(self.scales)} = 1" if self.scales else said
         return f"{said}, as far as other parameters exist with {' and '.join(self.joined)}" if self.joined else said
 
@@ -214,12 +217,10 @@ class ParameterRegion(FoundRegion):
         """Each cell with what is known of it, in order."""
         return [(done.cell, done) for done in self.decided]
 
-    @property
-    def open_share(self) -> float:
-        """How much of the domain is open, from 0 to 1; 0 too where single values are."""
-        endless = None in (self.domain.low, self.domain.high)
-        left = sum(_length(done.cell, endless) for done in self.decided if done.verdict == "open")
-        return left / whole if (whole := _length(self.domain, endless)) else float(not self.exact)
+    def share(self, verdict: str) -> float:
+        """How much of the domain has a verdict, from 0 to 1; 0 too where single values have it."""
+        endless, own = None in self.domain[:2], [done.cell for done in self.decided if done.verdict == verdict]
+        return sum(_length(cell, endless) for cell in own) / whole if (whole := _length(self.domain, endless)) else float(bool(own))
 
     def stretches(self, verdict: str) -> list[ParameterCell]:
         """The cells of one verdict, those that meet joined."""
