@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
+from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
@@ -23,10 +24,10 @@ from duhem.proof.kernel.term import NotWritten, Term
 from duhem.proof.verdict import Trust
 from duhem.regions.suggested import Suggestion
 
-__all__ = ["MOST_STEPS", "MOST_STEPS_OF_A_RULE", "AsksTheKernel", "constraints_on"]
+__all__ = ["MOST_STEPS", "AsksTheKernel", "constraints_on"]
 
 MOST_STEPS = 60_000_000  # for a region
-MOST_STEPS_OF_A_RULE = 2_500_000  # on one cell
+_MOST_STEPS_OF_A_RULE = 2_500_000  # on one cell
 _FEW_TRIED = 9  # suggestions that the kernel is asked about on one cell
 
 
@@ -68,31 +69,34 @@ class AsksTheKernel:
         """One for each other parameter that is not fixed: 1, if all are admitted there, else what the law admits."""
         free = [n for n, own in self.stated.parameters.items() if n not in self.names and not own.single]
         ones = {name: "1" for name in free}
-        if free and not self._admitted(ones):
+        if free and not self.admits(ones, self.stated):
             ones = {**dict(admitted_values(self.law) or ones)}
         yield from ((name, ones[name]) for name in free)
 
-    def _admitted(self, values: Mapping[str, str]) -> bool:
-        try:
-            at_values(self.stated, values, {}, self.names)
-        except NotWritten:
-            return False
-        return True
+    def admits(self, values: Mapping[str, str], law: StatedLaw, swap: Mapping[Term, Term] = MappingProxyType({})) -> bool:
+        """Whether a law over some values is seen to admit these of the other parameters at all of them."""
+        with suppress(NotWritten):
+            at_values(law, values, swap, self.names)
+            return True
+        return False
 
     @property
     def spent(self) -> bool:
         """Whether the budget is used up."""
         return self.steps >= self.most
 
-    def within(self, ask: Callable[[], str]) -> str:
-        """What the kernel has against something, for no more steps than one rule may cost on one cell."""
-        with within(MOST_STEPS_OF_A_RULE) as purse:
-            try:
-                said = ask()
-            except TooDearError:
-                said = "it is too dear"
+    @contextmanager
+    def paid(self) -> Iterator[None]:
+        """What is asked inside of it may cost the steps of one rule on one cell, which count; what is dearer, or is refused, ends it."""
+        with within(_MOST_STEPS_OF_A_RULE) as purse, suppress(NotWritten, TooDearError):
+            yield
         self.steps += purse.spent
-        return said
+
+    def confirmed(self, objection: Callable[[], str]) -> bool:
+        """Whether the kernel has nothing against something."""
+        with self.paid():
+            return not objection()
+        return False
 
     def proof(self, law: StatedLaw) -> dict[str, Any] | None:
         """The rule that proves the claim of a law over some values, with those for the claims that it rests on; None where none does."""
@@ -120,7 +124,7 @@ class AsksTheKernel:
                 before += [step for step in more if step not in before]
             else:
                 settled = frozenset(step["claim"] for step in before)
-                if not self.within(partial(objection, claim, rule, settled, law, {}, as_written)):
+                if self.confirmed(partial(objection, claim, rule, settled, law, {}, as_written)):
                     found = [*before, {"claim": claim, "rule": rule, "evidence": {}}]
                     if self.learning and self.is_usual(law):
                         self.usual[claim] = rule, as_written
@@ -141,8 +145,8 @@ class AsksTheKernel:
         steps = [{"claim": r.claim, "rule": r.proof.rule, "evidence": dict(r.proof.evidence)} for r in rows.values() if r.proof is not None]
         (last,), needs = ([s for s in steps if (s["claim"] == self.claim) is own] for own in (True, False))
         proof = {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
-        fails = any("over" in step["evidence"] for step in steps) or self.within(partial(proof_fails, self.claim, stated, proof))
-        return None if fails else proof
+        whole = not any("over" in step["evidence"] for step in steps)
+        return proof if whole and self.confirmed(partial(proof_fails, self.claim, stated, proof)) else None
 
     def is_usual(self, law: StatedLaw) -> bool:
         """Whether what proves a claim of one such law is asked alone of all: a single value may have a proof of its own."""
@@ -151,11 +155,10 @@ class AsksTheKernel:
     def families(self, law: StatedLaw, swap: Mapping[Term, Term], told: Callable[[StatedLaw], Iterable[Suggestion]]) -> list[Suggestion]:
         """The first families that floating point suggests for a law over some values; none where nothing is told in so many steps."""
         found = list[Suggestion]()
-        with within(MOST_STEPS_OF_A_RULE) as purse, suppress(NotWritten, TooDearError):
+        with self.paid():
             for one in told(at_values(law, self.values, swap, self.names)):
                 free = {name: text for name, text in self.values.items() if name != one.evidence.get("scale")}
                 found.append(Suggestion(one.rule, {**one.evidence, "values": free}))
                 if len(found) == _FEW_TRIED:
                     break
-        self.steps += purse.spent
         return found

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -15,9 +14,8 @@ from duhem.proof import verification
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_cells import AS, ParameterCell, at_values, law_over, own_domain, refutation_fails
 from duhem.proof.kernel.real_root import RealRoot
-from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
-from duhem.regions.asked import MOST_STEPS_OF_A_RULE, AsksTheKernel
+from duhem.regions.asked import AsksTheKernel
 from duhem.regions.suggested import Suggestion, changes, suggestions
 
 __all__ = ["Asked", "Decided"]
@@ -66,11 +64,7 @@ class Asked(AsksTheKernel):
 
     def inhabited(self, cell: ParameterCell, found: Decided) -> bool:
         """Whether plain values of the other parameters are seen to be admitted at every value in a cell."""
-        with suppress(NotWritten):
-            law, swap = law_over(self.stated, self.name, cell, (found.row or {})["as"])
-            at_values(law, self.values, swap)
-            return True
-        return False
+        return self.admits(self.values, *law_over(self.stated, self.name, cell, (found.row or {})["as"]))
 
     # -- proved ----------------------------------------------------------------------------------------------------
 
@@ -114,12 +108,10 @@ class Asked(AsksTheKernel):
         """Stretches of the parameter where the claim seems to hold, and to fail, in floating point; None where that tells nothing."""
         if self.claim != "convexity":
             return None
-        found = None
-        with within(MOST_STEPS_OF_A_RULE) as purse, suppress(NotWritten, TooDearError):
+        with self.paid():
             law, swap = law_over(self.stated, self.name, self.whole, "range")
-            found = changes(at_values(law, self.values, swap), self.name)
-        self.steps += purse.spent
-        return found
+            return changes(at_values(law, self.values, swap), self.name)
+        return None
 
     @property
     def whole(self) -> ParameterCell:
@@ -179,5 +171,5 @@ class Asked(AsksTheKernel):
 
     def _confirmed(self, cell: ParameterCell, way: str, rule: str, evidence: Mapping[str, Any]) -> Decided | None:
         """A family of witnesses, if the kernel confirms it."""
-        fault = self.within(partial(refutation_fails, self.claim, rule, self.stated, self.name, cell, way, evidence))
-        return None if fault else Decided(cell, "refuted", {"as": way, "rule": rule, "evidence": evidence})
+        asked = partial(refutation_fails, self.claim, rule, self.stated, self.name, cell, way, evidence)
+        return Decided(cell, "refuted", {"as": way, "rule": rule, "evidence": evidence}) if self.confirmed(asked) else None

@@ -28,9 +28,8 @@ from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain
 from duhem.proof.kernel.parameter_tree import law_where, not_outside, opposite, read_comparison, recheck_tree
-from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, number, parse
-from duhem.regions.asked import MOST_STEPS_OF_A_RULE, AsksTheKernel, constraints_on
+from duhem.regions.asked import AsksTheKernel, constraints_on
 from duhem.regions.boundaries import boundaries
 from duhem.regions.suggested import Array, Holding, looked_at, suggestions, value_of
 
@@ -247,10 +246,7 @@ class Paving(AsksTheKernel):
 
     def inhabited(self, place: Place, _: Known) -> bool:
         """Whether plain values of the other parameters are seen to be admitted everywhere in a place."""
-        with suppress(NotWritten):
-            at_values(law_at(self.stated, place.where, self.names), self.values, {}, self.names)
-            return True
-        return False
+        return self.admits(self.values, law_at(self.stated, place.where, self.names))
 
     def _share(self, way: str) -> Fraction:
         return share_of(self.tree.place(way, self.whole).box, self.whole)
@@ -320,15 +316,13 @@ class Paving(AsksTheKernel):
 
     def _holding(self, law: StatedLaw) -> Holding | None:
         """Where the claim seems to hold of a law over a leaf; None where that is not told in so many steps."""
-        found = None
-        with within(MOST_STEPS_OF_A_RULE) as purse, suppress(NotWritten, TooDearError):
-            found = Holding.of(at_values(law, self.values, {}, self.names), self.claim)
-        self.steps += purse.spent
-        return found
+        with self.paid():
+            return Holding.of(at_values(law, self.values, {}, self.names), self.claim)
+        return None
 
     def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, fails: bool | None) -> Known | None:
         """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail."""
-        if self.stated.constraints and not self.within(partial(not_outside, law)):
+        if self.stated.constraints and self.confirmed(partial(not_outside, law)):
             return Known("outside")
         if holds is not False and (row := self.proof(law) or self._proof_by_all(law, place)) is not None:
             return Known("proved", row)
@@ -336,7 +330,7 @@ class Paving(AsksTheKernel):
             away = [f"({difference(text)})" for text in place.polynomials] + self.away
             told = self.families(law, {}, lambda at: suggestions(at, law, self.claim, self.names, [*away, *self.names]))
             for rule, evidence in told:
-                if not self.within(partial(family_fails, self.claim, rule, law, self.names, evidence)):
+                if self.confirmed(partial(family_fails, self.claim, rule, law, self.names, evidence)):
                     return Known("refuted", {"rule": rule, "evidence": dict(evidence)})
         return None
 
