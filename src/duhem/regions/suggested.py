@@ -54,7 +54,7 @@ def suggestions(
     if claim == "origin":
         yield Suggestion("evaluation", {})
     places = looked_at(law)
-    if not len(next(iter(places.values()), [0])):
+    if not _count(places):
         return
     if claim == "dissipation" and law.flow is not None and {*names} <= {*whole.parameters}:
         with suppress(*UNREADABLE):
@@ -77,7 +77,7 @@ def _of_points(law: StatedLaw, names: Sequence[str], away: Sequence[str]) -> Ite
     if scale is None or law.flow is None:
         return
     places = looked_at(law, names)
-    size = len(next(iter(places.values())))
+    size = _count(places)
     places |= {n: np.ones(size) for n in law.parameters if n not in (*names, scale)}
     plain = {str(x): np.full(size, float(x)) for x in _PLAIN}
     starts = plain | {n: places[n] for n in names if len(law.forces) <= 2}
@@ -105,7 +105,7 @@ def _stands_alone(g: Term, name: str) -> bool:
 
 def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
     """Lines through a point outside K along which a polynomial g falls both ways, at all of the values that are looked at."""
-    parts, size = by_forces(over(law).polynomial(law.g), over(law)), len(next(iter(places.values()), [0.0]))
+    parts, size = by_forces(over(law).polynomial(law.g), over(law)), _count(places)
     if any(x.op != "name" or n < 0 for moving in parts for x, n in moving):
         return
     degree = max(sum(n for _, n in moving) for moving in parts)
@@ -144,14 +144,9 @@ def _of_eigenvectors(law: StatedLaw, here: Mapping[str, Array]) -> Iterator[dict
     with suppress(NotWritten):
         many = _forms(quadratic(law.g, law.forces, over(law))[0], here)
         for form in (many[0], many[-1], many[len(many) // 2]):
-            way = _short(np.linalg.eigh(form)[1][:, 0])
-            yield {f: str(Fraction(x).limit_denominator(64)) for f, x in zip(law.forces, way, strict=True) if x}
-
-
-def _short(vector: Array) -> Array:
-    """A direction with small fractions for components."""
-    scaled = vector / np.max(np.abs(vector))
-    return np.array([float(Fraction(float(x)).limit_denominator(8)) for x in scaled])
+            way = np.linalg.eigh(form)[1][:, 0]
+            short = (Fraction(float(x)).limit_denominator(8) for x in way / np.max(np.abs(way)))
+            yield {f: str(x) for f, x in zip(law.forces, short, strict=True) if x}
 
 
 def _of_dents(found: list[Dent], places: Mapping[str, Array], ends: Sequence[RealRoot]) -> Iterator[Suggestion]:
@@ -159,7 +154,7 @@ def _of_dents(found: list[Dent], places: Mapping[str, Array], ends: Sequence[Rea
     for dent in found:
         with suppress(*UNREADABLE):
             for ray in _rays(dent, places, ends):
-                at = np.full(len(next(iter(places.values()), [0.0])), float(ray.low + ray.high) / 2)
+                at = np.full(_count(places), float(ray.low + ray.high) / 2)
                 if np.all(_value(dent.poly, {RAY.name: at, **places}) < 0):
                     yield Suggestion("dent", {"family": dent.family, "dent": dent.name, "at": ray.written()})
 
@@ -181,6 +176,11 @@ def looked_at(law: StatedLaw, names: Iterable[str] | None = None) -> dict[str, A
     return places
 
 
+def _count(places: Mapping[str, Array]) -> int:
+    """How many there are: one of no parameter."""
+    return len(next(iter(places.values()), [0.0]))
+
+
 def _in(own: Bounds, shares: Sequence[float]) -> list[float]:
     """Values at shares of the way between two ends; after x/(1 + x) from the one end, or from 0 both ways."""
     low, high = (None if end is None else float(end) for end in own[:2])
@@ -200,7 +200,7 @@ def _rays(dent: Dent, places: Mapping[str, Array], ends: Sequence[RealRoot]) -> 
         yield RealRoot.of(low)
         return
     rays = np.linspace(float(low), float(high), _RAYS)
-    seen, size = set[RealRoot](), len(next(iter(places.values()), [0.0]))
+    seen, size = set[RealRoot](), _count(places)
     for i in dict.fromkeys((0, size - 1, size // 2)):
         depth = _value(dent.poly, {RAY.name: rays, **{n: np.full_like(rays, x[i]) for n, x in places.items()}})
         deepest = float(rays[int(np.nanargmin(depth))])
@@ -278,12 +278,11 @@ class Holding(NamedTuple):
             return -value_of(self.at_zero, places)
         if self.forms:
             return _least_eigenvalues(self.forms, places)
-        least = np.full(len(next(iter(places.values()))), np.inf)
+        least = np.full(_count(places), np.inf)
         for dent in self.dents:
             rays = np.linspace(float(dent.between[0]), float(dent.between[1]), _RAYS // 4 if dent.between[1] > dent.between[0] else 1)
             at = {name: np.repeat(x, len(rays)) for name, x in places.items()} | {RAY.name: np.tile(rays, len(least))}
-            seen = _value(dent.poly, at) / np.maximum(_value(dent.poly, at, size=True), 1e-300)
-            least = np.minimum(least, seen.reshape(len(least), -1).min(axis=1))
+            least = np.minimum(least, _relative(dent.poly, at).reshape(len(least), -1).min(axis=1))
         return np.where(np.abs(least) <= _ZERO, 0.0, least)
 
 
@@ -340,7 +339,7 @@ def _least(dent: Dent, name: str, x: float) -> float:
     rays = np.linspace(low, high, _RAYS if high > low else 1)
     for _ in range(4 if high > low else 1):  # closer to where it is least
         at = {RAY.name: rays, name: np.full_like(rays, x)}
-        seen = _value(dent.poly, at) / np.maximum(_value(dent.poly, at, size=True), 1e-300)
+        seen = _relative(dent.poly, at)
         i = int(np.argmin(seen))
         step = (high - low) / (len(rays) - 1) if high > low else 0.0
         low, high = max(low, rays[i] - step), min(high, rays[i] + step)
@@ -351,9 +350,14 @@ def _least(dent: Dent, name: str, x: float) -> float:
 # -- in floating point -------------------------------------------------------------------------------------------------
 
 
+def _relative(poly: Polynomial, at: Mapping[str, Array]) -> Array:
+    """A polynomial at many places, as a share of the sizes that are added up."""
+    return _value(poly, at) / np.maximum(_value(poly, at, size=True), 1e-300)
+
+
 def _value(poly: Polynomial, at: Mapping[str, Array], size: bool = False) -> Array:
     """A polynomial at many places, or the sum of the sizes of its terms; infinite where it has no value."""
-    total = np.zeros(len(next(iter(at.values()))))
+    total = np.zeros(_count(at))
     with np.errstate(all="ignore"):
         for m, c in poly.items():
             part = np.full_like(total, float(c))
@@ -370,7 +374,7 @@ def value_of(term: Term, at: Mapping[str, Array]) -> Array:
 
 
 def _of(term: Term, at: Mapping[str, Array]) -> Array:
-    size = len(next(iter(at.values())))
+    size = _count(at)
     if term.op == "number":
         return np.full(size, float(term.value))
     if term.op == "name":
