@@ -16,7 +16,8 @@ from duhem.proof.kernel.parameter_cells import AS, ParameterCell, at_values, law
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.term import NotWritten
 from duhem.regions.asked import AsksTheKernel
-from duhem.regions.suggested import Suggestion, changes, suggestions
+from duhem.regions.seen import changes
+from duhem.regions.suggested import Suggestion, suggestions
 
 __all__ = ["Asked", "Decided"]
 

@@ -21,7 +21,7 @@ from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from duhem.regions.asked import constraints_on
 from duhem.regions.paving import Known, Place, Tree, between, is_end, share_of
 from duhem.regions.result import FoundRegion
-from duhem.regions.suggested import Array, value_of
+from duhem.regions.seen import Array, value_of
 
 __all__ = ["PavedRegion"]
 

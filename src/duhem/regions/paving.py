@@ -31,7 +31,8 @@ from duhem.proof.kernel.parameter_tree import law_where, not_outside, opposite, 
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, number, parse
 from duhem.regions.asked import AsksTheKernel, constraints_on
 from duhem.regions.boundaries import boundaries
-from duhem.regions.suggested import Array, Holding, looked_at, suggestions, value_of
+from duhem.regions.seen import Array, Holding, looked_at, value_of
+from duhem.regions.suggested import suggestions
 
 __all__ = ["FAILS", "HOLDS", "Known", "Paving", "Place", "Tree", "between", "is_end", "share_of"]
 

@@ -1,0 +1,215 @@
+"""Where a claim seems to hold: formulas at many values of the parameters, in floating point.  Nothing here is trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from itertools import pairwise, product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.dents import Dent, dents
+from duhem.proof.kernel.domain import StatedLaw, gap
+from duhem.proof.kernel.forms import quadratic
+from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, Term, number
+
+__all__ = ["RAYS", "Array", "Holding", "changes", "count", "forms_at", "looked_at", "polynomial_at", "value_of"]
+
+Array = NDArray[np.float64]
+RAYS = 721  # between the ends of a dent
+_PLACES, _SAMPLES, _ZERO = 9, 97, 1e-11
+_MOST_PLACES = 30  # of several parameters
+_AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
+
+
+class Holding(NamedTuple):
+    """Where the claim of a law seems to hold: by its dents, by the least eigenvalue of a quadratic g, or by g at zero force."""
+
+    dents: tuple[Dent, ...]
+    forms: tuple[tuple[Term, ...], ...]
+    at_zero: Term | None = None
+
+    @classmethod
+    def of(cls, law: StatedLaw, claim: str) -> Holding | None:
+        """None where that tells nothing."""
+        if claim == "origin":
+            at_zero = law.g.put({Term("name", name=f): number(0) for f in law.forces})
+            with suppress(*UNREADABLE):
+                value_of(at_zero, looked_at(law))
+                return cls((), (), at_zero)
+        if claim != "convexity":
+            return None
+        with suppress(*UNREADABLE):
+            matrix = quadratic(law.g, law.forces, over(law))[0]
+            return cls((), tuple(map(tuple, matrix)))
+        found = _told_dents(law)
+        return cls(tuple(found), ()) if found else None
+
+    def margins(self, places: Mapping[str, Array]) -> Array:
+        """By how much it seems to hold at some places, as a share of what is added up; < 0 where it seems to fail."""
+        if self.at_zero is not None:
+            return -value_of(self.at_zero, places)
+        if self.forms:
+            return _least_eigenvalues(self.forms, places)
+        least = np.full(count(places), np.inf)
+        for dent in self.dents:
+            rays = np.linspace(float(dent.between[0]), float(dent.between[1]), RAYS // 4 if dent.between[1] > dent.between[0] else 1)
+            at = {name: np.repeat(x, len(rays)) for name, x in places.items()} | {RAY.name: np.tile(rays, len(least))}
+            least = np.minimum(least, _relative(dent.poly, at).reshape(len(least), -1).min(axis=1))
+        return np.where(np.abs(least) <= _ZERO, 0.0, least)
+
+
+def _least_eigenvalues(matrix: Sequence[Sequence[Term]], places: Mapping[str, Array]) -> Array:
+    """Of a form in forces that are measured so that no square in it has another factor than 1, 0 or -1."""
+    many = forms_at(matrix, places)
+    sizes = np.sqrt(np.abs(np.diagonal(many, axis1=1, axis2=2)))
+    sizes[sizes == 0] = 1.0
+    return np.asarray(np.linalg.eigvalsh(many / sizes[:, :, None] / sizes[:, None, :])[:, 0])
+
+
+def forms_at(matrix: Sequence[Sequence[Term]], places: Mapping[str, Array]) -> Array:
+    return np.moveaxis(np.array([[value_of(a, places) for a in line] for line in matrix]), 2, 0)
+
+
+def _told_dents(law: StatedLaw) -> list[Dent]:
+    for family in ("sector", "gauge"):
+        with suppress(*UNREADABLE):
+            if found := list(dents(law, family)):
+                return found
+    return []
+
+
+def changes(law: StatedLaw, name: str) -> list[tuple[float, float, bool]] | None:
+    """Stretches of the one parameter that is left, and whether the dents of the law are seen to be >= 0 there; None where none are told."""
+    if not (found := _told_dents(law)):
+        return None
+
+    def round_at(x: float) -> bool:
+        return all(_least(dent, name, x) >= -_ZERO for dent in found)
+
+    try:
+        places = _in(law.parameters[name], np.linspace(0, 1, _SAMPLES + 2)[1:-1].tolist())
+        flags = [round_at(x) for x in places]
+        stretches, start = list[tuple[float, float, bool]](), places[0]
+        for (x, one), (y, two) in pairwise(zip(places, flags, strict=True)):
+            if one != two:
+                low, high = x, y
+                while high - low > 1e-13 * max(1.0, abs(low)) and low < (middle := (low + high) / 2) < high:
+                    low, high = (middle, high) if round_at(middle) == one else (low, middle)
+                stretches.append((start, low, one))
+                start = high
+        return [*stretches, (start, places[-1], flags[-1])]
+    except UNREADABLE:
+        return None
+
+
+def _least(dent: Dent, name: str, x: float) -> float:
+    """The least value of a dent, as a share of the sizes that are added up."""
+    low, high = map(float, dent.between)
+    rays = np.linspace(low, high, RAYS if high > low else 1)
+    for _ in range(4 if high > low else 1):  # closer to where it is least
+        at = {RAY.name: rays, name: np.full_like(rays, x)}
+        seen = _relative(dent.poly, at)
+        i = int(np.argmin(seen))
+        step = (high - low) / (len(rays) - 1) if high > low else 0.0
+        low, high = max(low, rays[i] - step), min(high, rays[i] + step)
+        rays = np.linspace(low, high, 65 if high > low else 1)
+    return float(np.min(seen))
+
+
+def looked_at(law: StatedLaw, names: Iterable[str] | None = None) -> dict[str, Array]:
+    """Values of the parameters that are free, near their ends and between them, as far as the constraints on these alone allow them."""
+    free = [n for n, own in law.parameters.items() if not own.single and (names is None or n in names)]
+    shares = [_AT_END, 2.0**-10, *np.linspace(0.05, 0.95, _PLACES), 1 - 2.0**-10]
+    if len(free) > 1:
+        shares = [_AT_END, *np.linspace(0, 1, max(3, int(_MOST_PLACES ** (1 / len(free)))))[1:-1]]
+    each = [_in(own, [*shares, *([] if None in own[:2] else [1 - _AT_END])]) for own in map(law.parameters.__getitem__, free)]
+    grid = np.array(list(product(*each))).reshape(-1, len(free))
+    places = dict(zip(free, grid.T, strict=True)) if free else {}
+    for c in law.constraints if len(free) > 1 else ():
+        with suppress(ValueError):
+            if c.names() <= {*free}:
+                held = value_of(gap(c), places) > (-_ZERO if len(c.op) == 2 else _ZERO)
+                places = {n: x[held] for n, x in places.items()}
+    return places
+
+
+def count(places: Mapping[str, Array]) -> int:
+    """How many there are: one of no parameter."""
+    return len(next(iter(places.values()), [0.0]))
+
+
+def _in(own: Bounds, shares: Sequence[float]) -> list[float]:
+    """Values at shares of the way between two ends; after x/(1 + x) from the one end, or from 0 both ways."""
+    low, high = (None if end is None else float(end) for end in own[:2])
+    if low is not None and high is not None:
+        return [low + (high - low) * s for s in shares]
+    far = [s / (1 - s) for s in shares]
+    if low is not None:
+        return [low + x for x in far]
+    down = [(0.0 if high is None else high) - x for x in reversed(far)]
+    return down if high is not None else [*down, 0.0, *far]
+
+
+def _relative(poly: Polynomial, at: Mapping[str, Array]) -> Array:
+    """A polynomial at many places, as a share of the sizes that are added up."""
+    return polynomial_at(poly, at) / np.maximum(polynomial_at(poly, at, size=True), 1e-300)
+
+
+def polynomial_at(poly: Polynomial, at: Mapping[str, Array], size: bool = False) -> Array:
+    """A polynomial at many places, or the sum of the sizes of its terms; infinite where it has no value."""
+    total = np.zeros(count(at))
+    with np.errstate(all="ignore"):
+        for m, c in poly.items():
+            part = np.full_like(total, float(c))
+            for x, n in m:
+                part = part * value_of(x, at) ** float(n)
+            total = total + (np.abs(part) if size else part)
+    return np.where(np.isnan(total), np.inf, total)
+
+
+def value_of(term: Term, at: Mapping[str, Array]) -> Array:
+    """A term at many places, not a number where it has no value; ValueError for a word that is not read here."""
+    with np.errstate(all="ignore"):
+        return _of(term, at)
+
+
+def _of(term: Term, at: Mapping[str, Array]) -> Array:
+    size = count(at)
+    if term.op == "number":
+        return np.full(size, float(term.value))
+    if term.op == "name":
+        if term.name == "pi":
+            return np.full(size, np.pi)
+        if term.name not in at:
+            return np.full(size, -1.0)  # the pressure
+        return at[term.name]
+    args = [_of(a, at) if a.op not in COMPARISONS else np.zeros(size) for a in term.args]
+    match term.op:
+        case "+":
+            return sum(args, np.zeros(size))
+        case "*":
+            return np.prod(args, axis=0)
+        case "**":
+            return args[0] ** args[1]
+        case "abs":
+            return np.abs(args[0])
+        case "norm":
+            return np.sqrt(sum((a * a for a in args), np.zeros(size)))
+        case "exp" | "log" | "sin" | "cos" | "tan" | "sinh" | "cosh" | "tanh":
+            return np.asarray(getattr(np, term.op)(args[0]))
+        case "asin" | "acos" | "atan":
+            return np.asarray(getattr(np, f"arc{term.op[1:]}")(args[0]))
+        case "where":
+            one, two = (_of(side, at) for side in term.args[0].args)
+            held = {"<": one < two, "<=": one <= two, ">": one > two, ">=": one >= two}[term.args[0].op]
+            return np.where(held, args[1], args[2])
+        case "max" | "min":
+            return np.asarray(getattr(np, term.op)(args, axis=0))
+    raise ValueError(f"{term.op} is not read here")
