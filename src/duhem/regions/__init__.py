@@ -1,4 +1,4 @@
-"""For which parameters? The exact set of values of a parameter for which a claim about a law holds."""
+"""For which parameters? The values of one or several parameters for which a claim about a law holds."""
 
 from __future__ import annotations
 

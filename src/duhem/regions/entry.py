@@ -1,4 +1,4 @@
-"""What is asked for: a law, one of its parameters, a claim, and over which domain."""
+"""What is asked for: a law, one or several of its parameters, a claim, and over which domain."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from duhem.regions.result import FoundRegion, ParameterRegion
 from duhem.regions.search import cells_of
 from duhem.show.place import AnyPath
 
-__all__ = ["ASKED", "region", "shape_parameters", "told"]
+__all__ = ["region", "shape_parameters", "told"]
 
 _STEPS_OF_A_SENTENCE = 4_000_000
 _MOST_UNNAMED = 3
-ASKED = ("origin", "convexity", "smoothness", "normality", "dissipation")
+_ASKED = ("origin", "convexity", "smoothness", "normality", "dissipation")
 Range = str | Domain | tuple[Any, Any]
 
 
@@ -52,9 +52,9 @@ def region(
     range, and for a certificate that is about something else or is not confirmed.
     """
     asked = _over(load_formula(law), over or {})
-    if claim not in ASKED:
-        near = get_close_matches(str(claim), ASKED, n=1)
-        remedy = f"did you mean {near[0]!r}?" if near else f"one of: {', '.join(ASKED)}"
+    if claim not in _ASKED:
+        near = get_close_matches(str(claim), _ASKED, n=1)
+        remedy = f"did you mean {near[0]!r}?" if near else f"one of: {', '.join(_ASKED)}"
         raise InputError(f"regions are not known of the claim {claim!r}", where="claim", remedy=remedy)
     names = _named(asked, parameters, over or {})
     if len(names) == 1 and resume is not None:
@@ -169,7 +169,7 @@ def told(law: Law, claim: str, asked: str) -> str:
     ``asked`` is the law as the command line names it, for the command that finds more.  "" for a law of which nothing is known.
     """
     try:
-        if not isinstance(law, Criterion) or claim not in ASKED or len(names := shape_parameters(law)) not in (1, 2):
+        if not isinstance(law, Criterion) or claim not in _ASKED or len(names := shape_parameters(law)) not in (1, 2):
             return ""
         found = region(law, None, claim, steps=_STEPS_OF_A_SENTENCE // len(names) ** 2)
     except Exception:  # the verdicts stand, whatever goes wrong in what is said beside them

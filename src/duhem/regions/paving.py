@@ -34,12 +34,12 @@ from duhem.regions.boundaries import boundaries
 from duhem.regions.seen import Array, Holding, looked_at, value_of
 from duhem.regions.suggested import suggestions
 
-__all__ = ["FAILS", "HOLDS", "Known", "Paving", "Place", "Tree", "between", "is_end", "share_of"]
+__all__ = ["Known", "Paving", "Place", "Tree", "between", "is_end", "share_of"]
 
 _BESIDE = Fraction(1, 64)  # of each range, the box in which the rule that proves the claim is looked for
 _SEEDS = 4  # of these boxes
 _LARGE = Fraction(1, 4)  # of the whole, a leaf of which whole verifications are asked
-HOLDS, FAILS = "0", "1"
+_HOLDS, _FAILS = "0", "1"
 
 
 @lru_cache(maxsize=4096)
@@ -96,8 +96,8 @@ class Tree:
         def below(node: Mapping[str, Any], way: str) -> None:
             if "split" in node:
                 splits[way] = node["split"]
-                below(node["holds"], way + HOLDS)
-                below(node["fails"], way + FAILS)
+                below(node["holds"], way + _HOLDS)
+                below(node["fails"], way + _FAILS)
             else:
                 row = {key: value for key, value in node.items() if key != "verdict"}
                 leaves[way] = Known(node["verdict"], row or None)
@@ -108,7 +108,7 @@ class Tree:
     def written(self, way: str = "") -> dict[str, Any]:
         """As a certificate has it."""
         if way in self.splits:
-            return {"split": self.splits[way], "holds": self.written(way + HOLDS), "fails": self.written(way + FAILS)}
+            return {"split": self.splits[way], "holds": self.written(way + _HOLDS), "fails": self.written(way + _FAILS)}
         return {"verdict": self.leaves[way].verdict, **(self.leaves[way].row or {})}
 
     def put(self, way: str, found: Known | Divided) -> Tree:
@@ -116,12 +116,12 @@ class Tree:
         if isinstance(found, Known):
             return Tree(self.splits, {**self.leaves, way: found})
         rest = {other: leaf for other, leaf in self.leaves.items() if other != way}
-        return Tree({**self.splits, way: found.text}, {**rest, way + HOLDS: found.holds, way + FAILS: found.fails})
+        return Tree({**self.splits, way: found.text}, {**rest, way + _HOLDS: found.holds, way + _FAILS: found.fails})
 
     def place(self, way: str, whole: Mapping[str, Bounds]) -> Place:
         """Where the end of a way is."""
         texts = [self.splits[way[:i]] for i in range(len(way))]
-        return Place.of(tuple(text if turn == HOLDS else against(text) for text, turn in zip(texts, way, strict=True)), whole)
+        return Place.of(tuple(text if turn == _HOLDS else against(text) for text, turn in zip(texts, way, strict=True)), whole)
 
 
 class Place(NamedTuple):
@@ -238,7 +238,7 @@ class Paving(AsksTheKernel):
                 if found is None:
                     break
                 self.tree, before = self.tree.put(way, found), self.steps
-                for more in (way + HOLDS, way + FAILS):
+                for more in (way + _HOLDS, way + _FAILS):
                     if more in self.tree.leaves and self.tree.leaves[more].verdict == "open":
                         heappush(queue, (-self._share(more), more))
         except KeyboardInterrupt:

@@ -1,4 +1,4 @@
-"""Families of witnesses that floating point suggests: where a dent is deepest on a cell, as an exact place.  Nothing here is trusted."""
+"""Families of witnesses that floating point suggests over a cell: points, lines and dents, told exactly.  Nothing here is trusted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``duhem region``: for which values of a parameter a claim holds."""
+"""``duhem region``: for which values of one or several parameters a claim holds."""
 
 from __future__ import annotations
 
