@@ -63,15 +63,14 @@ class AsksTheKernel:
             self.stated = found
         except NotWritten as fault:
             raise InputError(f"regions are not known of such a law: {fault}", where=self.law.name, remedy="use duhem verify") from None
-        self.values = dict(self._plain_values())
+        self.values = self._plain_values()
 
-    def _plain_values(self) -> Iterator[tuple[str, str]]:
+    def _plain_values(self) -> dict[str, str]:
         """One for each other parameter that is not fixed: 1, if all are admitted there, else what the law admits."""
         free = [n for n, own in self.stated.parameters.items() if n not in self.names and not own.single]
-        ones = {name: "1" for name in free}
-        if free and not self.admits(ones, self.stated):
-            ones = {**dict(admitted_values(self.law) or ones)}
-        yield from ((name, ones[name]) for name in free)
+        ones = dict.fromkeys(free, "1")
+        known = ones if not free or self.admits(ones, self.stated) else dict(admitted_values(self.law) or ones)
+        return {name: known[name] for name in free}
 
     def admits(self, values: Mapping[str, str], law: StatedLaw, swap: Mapping[Term, Term] = MappingProxyType({})) -> bool:
         """Whether a law over some values is seen to admit these of the other parameters at all of them."""
@@ -143,7 +142,7 @@ class AsksTheKernel:
         if rows[self.claim].trust is not Trust.CHECKED or rows[self.claim].proof is None:
             return None
         steps = [{"claim": r.claim, "rule": r.proof.rule, "evidence": dict(r.proof.evidence)} for r in rows.values() if r.proof is not None]
-        (last,), needs = ([s for s in steps if (s["claim"] == self.claim) is own] for own in (True, False))
+        *needs, last = steps
         proof = {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
         whole = not any("over" in step["evidence"] for step in steps)
         return proof if whole and self.confirmed(partial(proof_fails, self.claim, stated, proof)) else None
