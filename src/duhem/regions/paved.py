@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.constant_value import holds
-from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.parameter_tree import SCHEMA, ends
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from duhem.regions.asked import constraints_on
 from duhem.regions.paving import Known, Place, Tree, between, is_end, share_of
 from duhem.regions.result import FoundRegion
-from duhem.regions.seen import Array, value_of
+from duhem.regions.seen import Array, count, held
 
 __all__ = ["PavedRegion"]
 
@@ -103,20 +102,21 @@ class PavedRegion(FoundRegion):
 
     def between(self, cell: Place, with_domain: bool) -> str:
         """A place in words; "" for the whole domain."""
-        return self._said(cell, with_domain) if cell.polynomials or cell.box != self.whole else ""
+        return " and ".join(self.comparisons(cell, with_domain)) if cell.polynomials or cell.box != self.whole else ""
 
-    def _said(self, place: Place, with_domain: bool) -> str:
+    def comparisons(self, place: Place, with_domain: bool = True) -> list[str]:
+        """Those that hold in a place, with the ends of the domain and the conditions of the law or without."""
         said = list[str]()
         for name, own in place.box.items():
             known = () if with_domain else (*ends(name, self.whole[name]),)
             said += [end for end in ends(name, own) if end not in known]
         said += self.conditions if with_domain else ()
-        return " and ".join([*said, *place.polynomials])
+        return [*said, *place.polynomials]
 
     @property
     def over(self) -> str:
         """The domain asked for, as comparisons."""
-        return self._said(Place((), self.whole), True) or "true"
+        return " and ".join(self.comparisons(Place((), self.whole))) or "true"
 
     def at(self, points: Mapping[str, Array]) -> NDArray[np.str_]:
         """The verdict at many points, in floating point; "" where none is, outside of the domain."""
@@ -124,7 +124,7 @@ class PavedRegion(FoundRegion):
         found = np.full(shape, "", dtype="<U7")
         flat = {name: np.ravel(x) for name, x in points.items()}
         for place, verdict in self.places:
-            found[_meets(filter(None, self._said(place, True).split(" and ")), flat).reshape(shape)] = verdict
+            found[_meets(self.comparisons(place), flat).reshape(shape)] = verdict
         return found
 
     def sample(self, cell: Place) -> dict[str, Fraction]:
@@ -145,8 +145,4 @@ class PavedRegion(FoundRegion):
 
 def _meets(bounds: Iterable[str], points: Mapping[str, Array]) -> NDArray[np.bool_]:
     """Where many points meet comparisons, in floating point."""
-    inside = np.ones(len(next(iter(points.values()))), dtype=bool)
-    for comparison in map(parse, bounds):
-        value = value_of(gap(comparison), points)
-        inside &= value >= 0 if len(comparison.op) == 2 else value > 0
-    return inside
+    return np.logical_and.reduce([np.ones(count(points), dtype=bool), *(held(parse(text), points) for text in bounds)])

@@ -71,7 +71,7 @@ def as_latex(region: FoundRegion) -> str:
         return words[condition]
     if isinstance(region, PavedRegion):
         names = {name: sp.Symbol(latex_name(name), real=True) for name in region.parameters}
-        parts = [region.between(place, True).split(" and ") for place in region.stretches("proved")]
+        parts = map(region.comparisons, region.stretches("proved"))
         said = [r" \;\wedge\; ".join(sp.latex(parse_relation(text, names)) for text in part) for part in parts]
     else:
         (name,) = region.parameters

@@ -17,14 +17,16 @@ from duhem.proof.kernel.domain import StatedLaw, gap
 from duhem.proof.kernel.forms import quadratic
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.signs import RAY
-from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, Term, number
+from duhem.proof.kernel.term import UNREADABLE, Term, number
 
-__all__ = ["RAYS", "Array", "Holding", "changes", "count", "forms_at", "looked_at", "polynomial_at", "value_of"]
+__all__ = ["RAYS", "Array", "Holding", "changes", "count", "forms_at", "held", "looked_at", "polynomial_at", "value_of"]
 
 Array = NDArray[np.float64]
 RAYS = 721  # between the ends of a dent
 _PLACES, _SAMPLES, _ZERO = 9, 97, 1e-11
 _MOST_PLACES = 30  # of several parameters
+_COMPARED = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal}
+_JOINED = {"and": np.logical_and.reduce, "or": np.logical_or.reduce}
 _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
 
 
@@ -174,6 +176,13 @@ def polynomial_at(poly: Polynomial, at: Mapping[str, Array], size: bool = False)
     return np.where(np.isnan(total), np.inf, total)
 
 
+def held(condition: Term, at: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Where a comparison holds, or several that ``and`` and ``or`` join; not where a side has no value."""
+    if condition.op in _JOINED:
+        return np.asarray(_JOINED[condition.op]([held(part, at) for part in condition.args]))
+    return np.asarray(_COMPARED[condition.op](*(value_of(side, at) for side in condition.args)))
+
+
 def value_of(term: Term, at: Mapping[str, Array]) -> Array:
     """A term at many places, not a number where it has no value; ValueError for a word that is not read here."""
     with np.errstate(all="ignore"):
@@ -190,7 +199,9 @@ def _of(term: Term, at: Mapping[str, Array]) -> Array:
         if term.name not in at:
             return np.full(size, -1.0)  # the pressure
         return at[term.name]
-    args = [_of(a, at) if a.op not in COMPARISONS else np.zeros(size) for a in term.args]
+    if term.op == "where":
+        return np.where(held(term.args[0], at), *(value_of(a, at) for a in term.args[1:]))
+    args = [_of(a, at) for a in term.args]
     match term.op:
         case "+":
             return sum(args, np.zeros(size))
@@ -206,10 +217,8 @@ def _of(term: Term, at: Mapping[str, Array]) -> Array:
             return np.asarray(getattr(np, term.op)(args[0]))
         case "asin" | "acos" | "atan":
             return np.asarray(getattr(np, f"arc{term.op[1:]}")(args[0]))
-        case "where":
-            one, two = (_of(side, at) for side in term.args[0].args)
-            held = {"<": one < two, "<=": one <= two, ">": one > two, ">=": one >= two}[term.args[0].op]
-            return np.where(held, args[1], args[2])
+        case "atan2":
+            return np.asarray(np.arctan2(*args))
         case "max" | "min":
             return np.asarray(getattr(np, term.op)(args, axis=0))
     raise ValueError(f"{term.op} is not read here")
