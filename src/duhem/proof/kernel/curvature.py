@@ -41,7 +41,9 @@ from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of,
 __all__ = ["over", "shown", "within_ranges"]
 
 _HALF, _ONE = number(Fraction(1, 2)), number(1)
-_SIGN_KEPT = ("tanh", "atan")  # words that rise, and have the sign of what they are of
+_SIGN_KEPT = (  # words that rise, and have the sign of what they are of; a new word is a row here
+    "tanh", "atan",
+)  # fmt: skip
 _PRICE = 100  # steps for a part of a formula, beside what its polynomials cost
 _SMALL, _LARGEST_BLOCK = 3, 6
 _Bend = tuple[Term, Term, Term]  # x, right, left
