@@ -171,7 +171,7 @@ RULE = '''\
 from collections.abc import Mapping
 from typing import Any
 
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 
 __all__ = ["ball"]
 

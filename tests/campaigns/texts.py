@@ -34,8 +34,8 @@ from duhem.expression.parse import parse_as_written, parse_expression, parse_rel
 from duhem.expression.text import formula as text_of
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.obligations import formula, numbers
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, parse
 from tests.oracles.drawn_texts import NAMES, Drawn
 

@@ -33,7 +33,7 @@ from duhem.proof.claims import CHEAP, DEAR
 from duhem.proof.kernel.certificate import CLAIMS, stated
 from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 

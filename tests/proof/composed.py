@@ -7,7 +7,7 @@ from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from tests.oracles.prover.curvature import curvature
 
 __all__ = ["by_kernel", "by_prover"]

@@ -13,7 +13,7 @@ from duhem.law.criterion_file import reads
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import within
 
 __all__ = [

@@ -7,8 +7,9 @@ from typing import Any
 
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
 from tests.oracles import drawn_formulas
 

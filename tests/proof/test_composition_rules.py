@@ -15,7 +15,7 @@ from duhem import Criterion
 from duhem.law.domain import POSITIVE, REAL, Domain
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from tests.long import long_but
 from tests.oracles import drawn_formulas
 from tests.proof.composed import by_kernel, by_prover

@@ -19,11 +19,11 @@ from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel import claims
-from duhem.proof.kernel import domain as kernel_domain
+from duhem.proof.kernel import stated_law as kernel_law
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.claims import RULES, objection
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.gradient import gradient
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, minus
 from duhem.testing import conformance
 
@@ -194,7 +194,7 @@ def test_each_part_of_a_rule_is_needed(claim: str, functions: Any, part: str, mo
         key = ("dissipation", "resistance")
         monkeypatch.setitem(RULES, key, RULES[key]._replace(reads=lambda _: ""))  # type: ignore[index]
     if part == "power":
-        monkeypatch.setattr(kernel_domain, "product_of", lambda *terms: terms[-1])
+        monkeypatch.setattr(kernel_law, "product_of", lambda *terms: terms[-1])
     if part == "slope":
         monkeypatch.setattr(claims, "gradient", lambda force, names: tuple(minus(x) for x in gradient(force, names)))
     assert shown(claim, *functions)

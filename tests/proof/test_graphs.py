@@ -23,7 +23,7 @@ from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.kernel import term
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.claims import objection, rules_of
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten, definitions
 from tests.proof.networks import Network

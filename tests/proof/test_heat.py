@@ -13,7 +13,7 @@ from duhem import Criterion, Domain, InputError, Verdict
 from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten
 from duhem.screening.campaign import Campaign, Claimed, asked
 from duhem.screening.rows import Given, LawName

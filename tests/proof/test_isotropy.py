@@ -9,7 +9,7 @@ from duhem.expression.invariance import shears_of_isotropic
 from duhem.law.criterion_file import reads
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from tests.long import long_but
 from tests.oracles.reevaluation import confirmed
 

@@ -15,7 +15,8 @@ from duhem.proof.kernel import curvature
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.certificate import CLAIMS, recheck
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import mostly_long
 from tests.oracles import drawn_formulas

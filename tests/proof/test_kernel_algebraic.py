@@ -13,11 +13,12 @@ from duhem import Criterion
 from duhem.law.domain import Domain
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.identity import alike
 from duhem.proof.kernel.plane_function import Signs, inner, plain, root_of, roots_in, slope_along
 from duhem.proof.kernel.polynomial import Polynomial, negated, times, total
 from duhem.proof.kernel.signs import RAY, nonnegative
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof import small_laws
 

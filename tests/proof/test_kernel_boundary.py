@@ -10,7 +10,7 @@ import pytest
 
 from duhem.proof.kernel.boundary import is_steep, rises_outward, shown, with_convex_sums
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
 from tests.proof.small_laws import confirmed, domain, law
 

@@ -10,7 +10,7 @@ import pytest
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedLaw, inhabited
+from duhem.proof.kernel.stated_law import StatedLaw, inhabited
 from duhem.proof.kernel.term import NotWritten
 from tests.long import mostly_long
 

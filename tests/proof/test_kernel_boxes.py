@@ -21,7 +21,7 @@ from duhem.proof.kernel import boxes
 from duhem.proof.kernel.boxes import convex_in_its_box
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import BITS, Enclosure
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import parse
 from duhem.proof.methods.evidence import convexity_in_a_box

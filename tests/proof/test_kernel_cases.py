@@ -10,8 +10,8 @@ from duhem import load, verify
 from duhem.law.atlas.entry import ASKED
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.simpler_laws import cases
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
 from tests.long import mostly_long
 

@@ -12,10 +12,11 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.plane_function import PlaneFunction
 from duhem.proof.kernel.plane_gauge import arcs
 from duhem.proof.kernel.signs import RAY, nonnegative, without_content
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from tests.oracles import drawn_formulas
 

@@ -11,7 +11,7 @@ import pytest
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds
 from duhem.proof.kernel.constant_value import BITS, Enclosure, enclosed, sign_over
-from duhem.proof.kernel.domain import without_angles
+from duhem.proof.kernel.stated_law import without_angles
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.oracles import drawn_formulas
 

@@ -12,7 +12,8 @@ import pytest
 
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import StatedDomain
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
 from tests.long import long_but, mostly_slow
 from tests.oracles import drawn_formulas

@@ -7,11 +7,11 @@ from fractions import Fraction
 import pytest
 
 from duhem.proof.kernel.constant_value import BITS
-from duhem.proof.kernel.domain import without_angles
 from duhem.proof.kernel.forms import affine, determinant, multiple, quadratic
 from duhem.proof.kernel.homogeneity import grows_along_rays, potential_flows_outward
 from duhem.proof.kernel.identity import multiplied_out, signs_as_sizes, value, vanishes
 from duhem.proof.kernel.polynomial import written
+from duhem.proof.kernel.stated_law import without_angles
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from tests.proof.small_laws import domain, poly
 

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.simpler_laws import without_outer_map
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
 
 DISC = "(norm(a, b) - 1)"

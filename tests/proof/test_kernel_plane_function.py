@@ -12,11 +12,11 @@ import pytest
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.deviatoric import deviatoric_readers
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base_of
 from duhem.proof.kernel.plane_gauge import DirectionArc
 from duhem.proof.kernel.polynomial import ONE, Polynomial
 from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten
 
 F = Fraction

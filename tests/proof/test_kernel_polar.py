@@ -14,10 +14,10 @@ import pytest
 from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import divides_by_zero_force
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.signs import RAY, line, nonnegative_on_the_line, parts, roots
 from duhem.proof.kernel.signs import nonnegative as nonnegative_over
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import long_but, mostly_long
 

@@ -16,7 +16,7 @@ from duhem.expression.parse import parse_expression
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel import claims as kernel_claims
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums, directions, inward, outward
 from duhem.proof.verdict import Verdict
 from tests.long import long_but, mostly_long

@@ -11,7 +11,7 @@ import pytest
 
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from tests.proof.test_kernel_facts import said
 
 PARAMETERS: dict[str, Any] = {

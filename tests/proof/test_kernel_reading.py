@@ -12,8 +12,9 @@ import pytest
 from duhem.proof.kernel import claims as rules
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, exact, signs_of_product
 from duhem.proof.kernel.certificate import EVIDENCE, NO_RULE, SCHEMA, digest, recheck
-from duhem.proof.kernel.domain import StatedFace, StatedLaw, gap, inhabited
+from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.gradient import gradient
+from duhem.proof.kernel.stated_law import StatedFace, StatedLaw, inhabited
 from duhem.proof.kernel.term import WORDS, NotWritten, Term, factors, minus, number, parse, product_of, sum_of
 from tests.oracles import drawn_formulas
 

@@ -11,7 +11,8 @@ import pytest
 from duhem.proof.kernel import regularity
 from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import NEGATIVE, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE
+from duhem.proof.kernel.stated_law import StatedLaw
 from tests.oracles import drawn_formulas
 
 POSITIVE = {"positive": True}

@@ -10,10 +10,11 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.plane_function import Signs, plain, root_of, roots_in, slope_along
 from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.oracles import drawn_formulas
 

@@ -13,11 +13,12 @@ from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.deviatoric import Invariants, convex_in_deviator, deviatoric_readers, invariants
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.plane_function import Base, PlaneFunction, added, base_of, multiplied, plain, power_of, raised_to, widened
 from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import long_but
 from tests.proof.test_kernel_facts import said

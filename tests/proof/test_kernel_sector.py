@@ -12,10 +12,10 @@ from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.deviatoric import convex_in_deviator, deviatoric_readers
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.plane_function import PlaneFunction
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
 from tests.long import long_at
 from tests.oracles import drawn_formulas

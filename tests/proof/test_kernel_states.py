@@ -12,7 +12,7 @@ from duhem.law.criterion_file import reads
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import within
 from duhem.proof.kernel.term import NotWritten
 from tests.proof.laws_with_state import (

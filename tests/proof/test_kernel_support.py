@@ -13,7 +13,7 @@ import pytest
 
 from duhem import Criterion, load, verify
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import Term, parse
 from duhem.proof.verdict import Trust
 from tests.long import long_at, long_but

@@ -9,7 +9,8 @@ import pytest
 
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import mostly_long
 from tests.oracles import drawn_formulas

@@ -12,8 +12,9 @@ import pytest
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import Enclosure, enclosed
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO
 from duhem.proof.kernel.normal_form import normal
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import minus, parse, sum_of
 from tests.long import mostly_long
 

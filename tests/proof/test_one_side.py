@@ -12,7 +12,7 @@ from duhem.law.domain import Domain
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.methods.refuters import convexity_at_far_points
 from tests.long import long_but
 from tests.oracles.prover.curvature import convex_in_its_region

@@ -15,7 +15,7 @@ import duhem
 from duhem import Criterion, Verdict, verify
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.certificate import law_as_text
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
 from duhem.proof.unsettled import open_claims
 from duhem.proof.unsettled.blocked import blocked

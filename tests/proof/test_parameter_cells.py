@@ -13,11 +13,12 @@ import pytest
 from duhem.law.catalogue import load
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
-from duhem.proof.kernel.domain import Bounds, StatedLaw
+from duhem.proof.kernel.domain import Bounds
 from duhem.proof.kernel.parameter_cells import ParameterCell, at_values, covers, law_over, own_domain, refutation_fails
 from duhem.proof.kernel.polynomial import Polynomial, in_powers
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY, line, roots_between, sign_at
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten
 
 ROOT_2 = RealRoot.read({"polynomial": ["-2", "0", "1"], "enclosure": ["1", "3/2"]})

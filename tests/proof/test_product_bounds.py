@@ -9,7 +9,7 @@ from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel import region
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import long_but
 from tests.oracles.prover.curvature import convex_in_its_region as region_of

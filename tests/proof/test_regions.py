@@ -11,7 +11,7 @@ from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from tests.long import long_but, mostly_slow
 from tests.oracles import drawn_formulas
 from tests.oracles.prover.curvature import convex_in_its_region, curvature

@@ -15,8 +15,8 @@ from duhem import Criterion, verify
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import long_at, long_but, mostly_long
 from tests.proof.composed import by_kernel, by_prover

@@ -9,7 +9,7 @@ import pytest
 
 from duhem import Criterion, Domain, verify
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from tests.long import long_at, long_but
 
 X = "(max(a, b, c) - (a + b + c)/3)"

@@ -13,7 +13,7 @@ from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from tests.long import long_but
 from tests.oracles import drawn_formulas
 from tests.oracles.prover import rounded

@@ -9,8 +9,8 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
+from duhem.proof.kernel.stated_law import StatedLaw
 from tests.long import long_but, mostly_slow
 from tests.oracles.prover import composition
 from tests.oracles.prover.even_roots import even, freed

@@ -8,7 +8,7 @@ from duhem import Criterion, Domain, InputError
 from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten
 from tests.proof.laws_with_state import ABOVE_0, ALONG, FILE, PRAGER, QUADRATIC, SLIP, armstrong_frederick, misread
 

@@ -15,7 +15,7 @@ from duhem.proof.kernel.certificate import CLAIMS, SCHEMA, digest, recheck, stat
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader, continued, rarely_zero, undecided_beside
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.campaigns import undefined_parts
 from tests.long import long_at, long_but, mostly_long

@@ -17,7 +17,7 @@ from duhem.law import builtin
 from duhem.law.builtin.lobes import lobe_law
 from duhem.proof.claims import asked_of
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.methods import evidence, refuters
 from duhem.proof.verdict import Evidence
 from tests.campaigns.certificates import rechecked

@@ -29,8 +29,8 @@ from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.special_places import limits_taken, singular_places, undefined_place
 from duhem.proof.facts.subject import Subject
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.state import convex_in_each_variable
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.statement import as_written

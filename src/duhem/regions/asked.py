@@ -17,8 +17,8 @@ from duhem.proof import verification
 from duhem.proof.certificate import admitted_values, law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection, row_of, rules_of
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.parameter_cells import at_values, proof_fails
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten, Term
 from duhem.proof.verdict import Trust

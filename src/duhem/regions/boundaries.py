@@ -15,10 +15,10 @@ import sympy as sp
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import Dent
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.forms import determinant, quadratic
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, replaced
 from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, number, product_of
 
 __all__ = ["boundaries", "falling_directions"]

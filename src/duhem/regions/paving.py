@@ -25,9 +25,9 @@ from duhem.expression.parse import parse_relation
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain
 from duhem.proof.kernel.parameter_tree import law_where, not_outside, opposite, read_comparison, recheck_tree
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, number, parse
 from duhem.regions.asked import AsksTheKernel, constraints_on
 from duhem.regions.boundaries import boundaries

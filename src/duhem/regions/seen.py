@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import Dent, dents
-from duhem.proof.kernel.domain import StatedLaw, gap
+from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.forms import quadratic
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, Term, number
 
 __all__ = ["RAYS", "Array", "Holding", "changes", "count", "forms_at", "held", "looked_at", "polynomial_at", "value_of"]

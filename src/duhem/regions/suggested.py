@@ -14,11 +14,11 @@ import sympy as sp
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import Dent, dents
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.forms import by_forces, quadratic
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, number_in, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, factors, number, parse
 from duhem.regions.boundaries import falling_directions
 from duhem.regions.numbers import closest_fractions, narrowed

@@ -13,7 +13,7 @@ from duhem import Criterion, InputError, Verdict, Verification, Witness, verify
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import CLAIMS
 from duhem.proof.kernel.claims import objection, rules_of
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten
 from tests.campaigns.false_proofs.alone import false_proofs_alone
 from tests.campaigns.false_proofs.trap import Trap

@@ -20,9 +20,10 @@ from math import lcm
 from typing import Any
 
 from duhem.proof.kernel.curvature import over, within_ranges
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedFace, StatedLaw, exact
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, exact
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
 from duhem.proof.kernel.polynomial import ONE, Polynomial, negated, slope, times, total, written
+from duhem.proof.kernel.stated_law import StatedFace, StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, minus, parse, product_of, sum_of
 
 __all__ = ["curves_inward", "falls_from_zero", "flows_along_normals", "flows_outward", "is_steep", "rises_outward", "with_convex_sums"]

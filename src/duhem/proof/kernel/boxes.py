@@ -17,8 +17,8 @@ from itertools import product
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds
 from duhem.proof.kernel.constant_value import Enclosure, enclosed, exact_value
-from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.gradient import gradient
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 

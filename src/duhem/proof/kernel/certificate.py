@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel.claims import BY_CONSTRUCTION, objection
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.domain import Bounds, StatedLaw, as_object, exact, inhabited, without_more
+from duhem.proof.kernel.domain import Bounds, exact
 from duhem.proof.kernel.obligations import numbers
+from duhem.proof.kernel.stated_law import StatedLaw, as_object, inhabited, without_more
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 
 __all__ = [

@@ -13,7 +13,7 @@ from duhem.proof.kernel.cones import Fan
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import divides_by_zero_force, undecided_beside
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.heat import heat_flows_downhill
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
@@ -35,6 +35,7 @@ from duhem.proof.kernel.state import (
     state_laws_agree,
     stored_and_rates,
 )
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, parse, sum_of
 

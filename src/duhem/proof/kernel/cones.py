@@ -13,12 +13,13 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.forms import affine
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.pieces import CHOICES, pieces
 from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, minus, product_of, sum_of
 
 __all__ = ["Fan"]

@@ -27,7 +27,7 @@ from itertools import combinations
 from duhem.proof.kernel.bounds import Facts, of_sum, signs_of_product
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.forms import Matrix, apart, degree_at_most, determinant, leading_minors, multiple, quadratic, sign_within
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Monomial, written
@@ -35,6 +35,7 @@ from duhem.proof.kernel.profiles import closed_at_its_end, scaled, shape_of_two
 from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spans import RISING, below_right
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 

@@ -22,12 +22,13 @@ from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds, Sign
 from duhem.proof.kernel.constant_value import Enclosure, enclosed
 from duhem.proof.kernel.curvature import over, shown
 from duhem.proof.kernel.definedness import Reader
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw, as_list, declared, gap
+from duhem.proof.kernel.domain import StatedDomain, gap
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.plane_function import power_of
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, negated, times, total, written
 from duhem.proof.kernel.signs import RAY, nonnegative
+from duhem.proof.kernel.stated_law import StatedLaw, as_list, declared
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
 __all__ = ["StatedCurve"]

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.bounds import POSITIVE, Facts
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.deviatoric import DeviatoricReader, deviatoric_readers, invariants
-from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, StatedLaw, as_object
+from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
 from duhem.proof.kernel.forms import affine
 from duhem.proof.kernel.plane_function import PlaneFunction, Signs, derivatives, inner, roots_in
 from duhem.proof.kernel.plane_gauge import StarGauge
@@ -26,6 +26,7 @@ from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replac
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY, Interval, nonnegative
 from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer_map
+from duhem.proof.kernel.stated_law import StatedLaw, as_object
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
 __all__ = ["Dent", "dents", "falls_both_ways", "section"]

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.stated_law import StatedLaw
 
 __all__ = ["heat_flows_downhill"]
 

@@ -19,12 +19,13 @@ from fractions import Fraction
 
 from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.definedness import undecided_beside
-from duhem.proof.kernel.domain import POSITIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import POSITIVE, StatedDomain
 from duhem.proof.kernel.identity import in_order, signs_as_sizes, value, vanishes
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, written
 from duhem.proof.kernel.regularity import tips
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["by_degree", "flows_with_a_share_of_g", "grows_along_rays", "is_cone", "potential_flows_outward"]

@@ -12,9 +12,10 @@ from fractions import Fraction
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_beside
-from duhem.proof.kernel.domain import ANY, NEGATIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, StatedDomain
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import Term, minus, number, parse, sum_of
 
 __all__ = [

@@ -22,9 +22,9 @@ from duhem.proof.kernel.certificate import check_version, law_of
 from duhem.proof.kernel.claims import at_point, objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import dents, falls_both_ways, section
-from duhem.proof.kernel.domain import StatedLaw, as_list, as_object, without_more
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import roots_between, sign_at
+from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
 
 __all__ = [

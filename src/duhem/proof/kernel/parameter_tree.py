@@ -17,9 +17,9 @@ from duhem.proof.kernel.certificate import check_version, law_of
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import AGAINST, Reader
-from duhem.proof.kernel.domain import StatedLaw, as_list, as_object, without_more
 from duhem.proof.kernel.obligations import constraints, numbers
 from duhem.proof.kernel.parameter_cells import family_fails, proof_fails
+from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more
 from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, NotWritten, Term, in_words, number, parse
 
 __all__ = ["SCHEMA", "TreeLeaf", "ends", "law_where", "not_outside", "opposite", "read_comparison", "recheck_tree"]

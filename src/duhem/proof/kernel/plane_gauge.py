@@ -19,7 +19,7 @@ from itertools import pairwise, product
 from math import lcm
 
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.plane_function import MOST_POWER, PlaneFunction, PlaneVariable, added, derivatives, multiplied
 from duhem.proof.kernel.polynomial import Polynomial, negated, number_in, replaced, times, total
 from duhem.proof.kernel.signs import (
@@ -37,6 +37,7 @@ from duhem.proof.kernel.signs import (
     sign_inside,
     without_content,
 )
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, number
 
 __all__ = ["DirectionArc", "StarGauge", "arcs"]

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel.domain import as_list, exact, without_more
+from duhem.proof.kernel.domain import exact
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, times, total
 from duhem.proof.kernel.signs import RAY, Line, line, roots_between, sign_at
+from duhem.proof.kernel.stated_law import as_list, without_more
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
 __all__ = ["RealRoot"]

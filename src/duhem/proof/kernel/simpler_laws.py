@@ -23,10 +23,11 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import AGAINST
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Polynomial, negated, slope, times, total
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
 

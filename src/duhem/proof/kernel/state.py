@@ -14,11 +14,12 @@ from collections.abc import Mapping
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
-from duhem.proof.kernel.domain import ZERO, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import ZERO, StatedDomain
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.regularity import smooth_everywhere
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
 __all__ = [

@@ -17,12 +17,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import Row, affine, at, degree_at_most, determinant, quadratic
 from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.identity import multiplied_out, value, vanishes
 from duhem.proof.kernel.polyhedron import supports_polytope
 from duhem.proof.kernel.polynomial import Monomial
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["is_support_function"]

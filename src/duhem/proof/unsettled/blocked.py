@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import Reader
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import degree_at_most, determinant, quadratic
 from duhem.proof.kernel.identity import multiplied_out, multiplied_through
 from duhem.proof.kernel.polynomial import written
@@ -21,6 +21,7 @@ from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import regularity
 from duhem.proof.kernel.signs import without_content
 from duhem.proof.kernel.state import epigraph, in_state, rate_epigraph
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["Blocked", "blocked", "in_forces"]

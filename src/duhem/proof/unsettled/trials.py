@@ -15,7 +15,7 @@ from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import needs_of, objection, rules_of
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.domain import StatedLaw, inhabited
+from duhem.proof.kernel.stated_law import StatedLaw, inhabited
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, product_of
 from duhem.proof.unsettled.blocked import Blocked
