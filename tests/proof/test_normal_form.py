@@ -100,6 +100,9 @@ SPELLED = [
     ("x**2 + abs(y)", "(pos(x) - neg(x))*x + abs(y)", "(2*pos(x) - x)*abs(x) + abs(y)", "(x + 2*neg(x))**2 + pos(y) + neg(y)"),
     ("norm(x + c, y, sqrt(k)*x)", "sqrt((x + c)**2 + y**2 + k*x**2)", "sqrt(x**2 + 2*x*c + c**2 + y**2 + k*x**2)"),
     ("norm(x/(k + c), y/(k - c))", "norm(x/(k + m*cos(2*v)), y/(k - m*cos(2*v)))"),
+    ("norm(x, y) + max(v, w)", "norm(x, y) + v + pos(w - v)", "norm(x, y) + w - -pos(v - w)", "norm(x, y) + (v + w + abs(v - w))/2"),
+    ("norm(x, y) - min(v, w*k)", "norm(x, y) - v + pos(v - k*w)", "norm(x, y) - k*w + neg(k*w - v)", "norm(x, y) + max(-v, -k*w)"),
+    ("x**2 + k*y**2", "pos(x)**2 + k*(pos(y) + neg(y))**2 + neg(x)**2", "pos(x)**2 + 2*pos(x)*neg(x) + neg(x)**2 + max(k, -k)*y**2"),
 ]
 
 
@@ -134,6 +137,10 @@ WRONG = [
     "max(x, y, z)**2 + 2*max(x, y, z)*min(x, y, z) + min(x, y, z)**2 - s",
     "abs(x)**(1/2) + abs(y) - s",
     "-sqrt(x**2 + y**2) + s",
+    "pos(x)**2 - neg(x)**2 + abs(y) - s",
+    "pos(x)**2 + neg(x)**2 - 2*x*y + y**2/2 - s",
+    "min(v, w)*abs(x) + y**2 - s",
+    "(v - pos(v - w))*abs(x) + y**2 - s",
 ]
 
 
@@ -205,6 +212,10 @@ def _terms(rng: Random, depth: int) -> str:
             f"sqrt(({one})**4)",
             f"sqrt(k*({one})**2 + e*({two})**2)",
             f"pos({one})*pos({one})",
+            f"pos({one})**2 + 2*pos({one})*neg({one}) + neg({one})**2",
+            f"pos({one})**4 + neg({one})**4 - 3*pos({one})**2*neg({one})*({two})",
+            f"max(k, 2*e)*({one}) + e + pos(k - e)*(1 + e) - k",
+            f"k + abs(e - 1)/2 + e/2 - min(k, 1)*({two}) - neg(1 - k)",
             f"({one})/(k + ({two})**2)",
             f"(({one})*(k + ({two})**2) - ({one})**2)/(2*k*(({two})**2 + k))",
             f"sqrt(({two})**2 + 1)**3*({one})/(k*({two})**2 + k)**2",

@@ -3,7 +3,7 @@
 Every step is an identity wherever the formula as written has a value.  What has a value is asked of the text as written, before
 (:mod:`obligations`): so nothing here may be read as showing that, and a form that has a value in more places says no more of the law.
 
-Kinks come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0, powers of powers to one, and what is multiplied and added
+Kinks come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0, those of constants too, powers of powers to one, and what is multiplied and added
 up between words is multiplied out and collected.  ``where(d >= 0, a, b)`` with a - b = c d is b + c pos(d); r + c pos(d) is max(r, r + c d)
 for c >= 0; of a sum of squares under a root those that are no polynomials become parts of a norm.
 
@@ -46,6 +46,8 @@ from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minu
 __all__ = ["normal"]
 
 _HALF, _ZERO = number(Fraction(1, 2)), number(0)
+_ENDS = {"abs": (1, -1), "pos": (1, 0), "neg": (-1, 0)}  # what d is multiplied by, the greater of which is the kink of d
+_KINKS = (*_ENDS, "max", "min", "where")
 _PRICE = 20  # steps for a part, beside what its polynomials cost
 _MOST_TERMS = 300  # of what is multiplied out
 _HIGHEST, _KEPT = 3, "power of a sum"  # whole powers that are multiplied out; the word of the others while polynomials are made
@@ -69,7 +71,7 @@ class _Form(NamedTuple):
 
     def of(self, term: Term) -> Term:
         """The normal form."""
-        if not term.args or self.domain.constant(term):
+        if not term.args or (self.domain.constant(term) and not any(part.op in _KINKS for part in term.parts())):
             return term
         if term not in self.known:
             pay(_PRICE)
@@ -304,7 +306,34 @@ class _Form(NamedTuple):
                     own, left = self._times_power(part, square, half), n - 2 * half
                     found.append(times(own, {((x, left),): Fraction(1)}) if left else own)
                 poly = total(*found)
-        return self._divided_out(poly)
+        return self._chosen(self._divided_out(self._without_both_ramps(poly)))
+
+    def _without_both_ramps(self, poly: Polynomial) -> Polynomial:
+        """pos(d) neg(d) is 0, and pos(d)^n + neg(d)^n is d^n for even n > 0."""
+        for up in sorted({x for m in poly for x, n in m if x.op == "pos" and n > 0}):
+            down = Term("neg", up.args)
+            poly = {m: c for m, c in poly.items() if not {(x, n > 0) for x, n in m} >= {(up, True), (down, True)}}
+            for m in [*poly]:
+                n = dict(m).get(up, 0)
+                other = joined(tuple((x, k) for x, k in m if x != up), ((down, n),))
+                if n > 0 and n % 2 == 0 and poly.get(other) == poly[m]:
+                    whole = times({tuple((x, k) for x, k in m if x != up): poly[m]}, self._poly(Term("**", (up.args[0], number(n)))))
+                    poly = total({k: c for k, c in poly.items() if k not in (m, other)}, whole)
+        return poly
+
+    def _chosen(self, poly: Polynomial) -> Polynomial:
+        """Constants r + c pos(d) as max(r, r + c d) for c > 0, as their minimum for c < 0, where that leaves less."""
+        for x in sorted({x for m in poly for x, _ in m if x.op in _ENDS and self.domain.constant(x)}):
+            constants = {m: a for m, a in poly.items() if all(self.domain.constant(y) for y, _ in m)}
+            c = divided({m: a for m, a in constants.items() if (x, 1) in m}, ((x, 1),))
+            if (sign := self.domain.facts(plainly(c)).sign) not in (POSITIVE, NEGATIVE):
+                continue
+            rest, step = total(constants, negated(times(c, {((x, 1),): Fraction(1)}))), times(c, self._poly(x.args[0]))
+            values = [total(rest, times(step, {(): Fraction(k)})) for k in _ENDS[x.op]]
+            if sum(map(len, values)) < len(rest) + len(step):
+                found = self._extreme(Term("max" if sign == POSITIVE else "min", tuple(map(self._presented, values))))
+                poly = total(poly, negated(constants), self._poly(found))
+        return poly
 
     def _times_power(self, part: Polynomial, poly: Polynomial, n: int) -> Polynomial:
         """A polynomial times P^n."""
@@ -438,7 +467,7 @@ class _Form(NamedTuple):
             return term
         for i, part in enumerate(term.args):
             c, moving = apart(part, self.domain)
-            if len(moving) != 1 or moving[0].op not in ("abs", "pos", "neg"):
+            if len(moving) != 1 or moving[0].op not in _ENDS:
                 continue
             (d,) = moving[0].args
             poly, rest = self._poly(d), sum_of(*term.args[:i], *term.args[i + 1 :])
@@ -449,8 +478,7 @@ class _Form(NamedTuple):
                 continue
             if self.domain.facts(c).sign & NEGATIVE:
                 continue
-            ends = {"abs": (1, -1), "pos": (1, 0), "neg": (-1, 0)}[moving[0].op]
-            values = [self._reduced(self._poly(sum_of(rest, product_of(c, d, number(k))))) for k in ends]
+            values = [self._reduced(self._poly(sum_of(rest, product_of(c, d, number(k))))) for k in _ENDS[moving[0].op]]
             words = [len({x for m in v for x, _ in m if x.op != "name" and not self.domain.constant(x)}) for v in values]
             inside = len({x for m in poly for x, _ in m if x.op != "name" and not self.domain.constant(x)})
             if max(words) <= inside and sum(map(len, values)) <= 2 * len(poly) + len(self._poly(rest)):
