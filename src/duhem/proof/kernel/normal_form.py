@@ -3,9 +3,9 @@
 Every step is an identity wherever the formula as written has a value.  What has a value is asked of the text as written, before
 (:mod:`obligations`): so nothing here may be read as showing that, and a form that has a value in more places says no more of the law.
 
-Kinks come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0, those of constants too, powers of powers to one, and what is multiplied and added
-up between words is multiplied out and collected.  ``where(d >= 0, a, b)`` with a - b = c d is b + c pos(d); r + c pos(d) is max(r, r + c d)
-for c >= 0; of a sum of squares under a root those that are no polynomials become parts of a norm.
+Kinks, of constants too, come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0, powers of powers to one, and what is
+multiplied and added up between words is multiplied out and collected.  ``where(d >= 0, a, b)`` with a - b = c d is b + c pos(d);
+r + c pos(d) is max(r, r + c d) for c >= 0; of a sum of squares under a root those that are no polynomials become parts of a norm.
 
 A quotient N/P has a value only where P is not 0.  Factors of all terms of P are divided by on their own; N/P is q + R/P for N = q P + R.
 Several powers of one P are written as whole powers of one of them: P is >= 0 where they have values, or they are all whole.
