@@ -12,7 +12,9 @@ The one theorem on limits: where a formula has no value at a tip, and what it is
 is 0, on a set without an inside: J2 of a tensor that the forces may be, which is 0 on an axis.  Let a formula g have a value wherever the
 tip is not 0, every obligation being decided there, and let each part of g that has none on the axis stand in a function rho^k f, k > 0,
 rho = sqrt(J2), f bounded: it tends to 0 there.  Then g, with 0 for these functions, which must have a value on the axis too, is what g
-extends to, continuously.  Nothing else that divides 0 by 0 is given a value.  K is the set where g, so extended, is <= 0.
+extends to, continuously.  Nothing else that divides 0 by 0 is given a value.  K is the set where g, so extended, is <= 0.  The same is
+read of g with what is divided by the same added up over it, N/P for the terms of N each over P: that is g wherever g has a value.  A
+quotient with N = 0 is left as it was.
 
 At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no value: A tends to 0 there and B is of less degree.  K holds 0 then.
 The slip of a law's own, having no value where a tip of g is 0, is there any mean of its limits from around (Koiter 1953): it is asked
@@ -24,6 +26,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from fractions import Fraction
+from itertools import product
 from typing import NamedTuple
 
 from duhem.proof.kernel.deviatoric import deviatoric_readers
@@ -31,17 +34,21 @@ from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, State
 from duhem.proof.kernel.forms import by_forces
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import below
-from duhem.proof.kernel.polynomial import number_in, written
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
+from duhem.proof.kernel.polynomial import divided, number_in, written
+from duhem.proof.kernel.squares import added, scaled
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
-    "AGAINST", "Reader", "asks", "continued", "divides_by_zero_force", "has_value", "rarely_zero", "sign_on_axis", "undecided_beside",
+    "AGAINST", "Reader", "asks", "continued", "divides_by_zero_force", "has_value", "in_quotients", "rarely_zero", "sign_on_axis",
+    "undecided_beside",
 ]  # fmt: skip
 
 AGAINST = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}  # what holds where a comparison does not
 _PARTIAL = ("**", "log", "asin", "acos", "tan", "atan2")
 _SETTLED = (NEGATIVE, ZERO, POSITIVE)
 _ONE = number(1)
+_MOST_QUOTIENTS = 50
+_CONDITIONS = (*COMPARISONS, "and", "or")
 
 
 def has_value(term: Term, sign: Callable[[Term], Sign], domain: StatedDomain) -> bool:
@@ -172,6 +179,51 @@ def continued(term: Term, domain: StatedDomain) -> Iterator[Term]:
             beside = Reader(domain.where({tip: True}), reader.sign)
             if rarely_zero(tip, domain) and beside.undecided(term) is None and Reader(domain).undecided(there) is None:
                 yield there
+
+
+def in_quotients(term: Term, domain: StatedDomain) -> Term:
+    """The term with its largest parts that have a value everywhere in normal form, and what is divided by the same as one quotient.
+
+    It has a value where the term has one, and the same; a quotient that then is 0 stays as it was.
+    """
+    parts = list[Term]()
+    for divisors, values in _quotients(term, domain).items():
+        whole = added(values)
+        if Reader(domain).undecided(whole) is None and (domain.polynomial(whole) or not divisors):
+            values = [normal(whole, domain, collects=True)]
+        parts += [scaled(value, tuple((x, 1) for x in divisors)) for value in values]
+    return added(parts)
+
+
+def _quotients(term: Term, domain: StatedDomain) -> dict[tuple[Term, ...], list[Term]]:
+    """What a term adds up, by what each is divided by."""
+    found = dict[tuple[Term, ...], list[Term]]()
+    if Reader(domain).undecided(term) is None:
+        found[()] = [term]
+    elif term.op == "+":
+        for a in term.args:
+            for divisors, values in _quotients(a, domain).items():
+                found.setdefault(divisors, []).extend(values)
+    elif term.op == "*":
+        found[()] = [number(1)]
+        for a in term.args:
+            pairs = list(product(found.items(), _quotients(a, domain).items()))
+            found = {}
+            for (below_one, ones), (below_two, twos) in pairs:
+                key = tuple(sorted((*below_one, *below_two)))
+                found.setdefault(key, []).append(scaled(added(ones), ((added(twos), 1),)))
+            if len(found) > _MOST_QUOTIENTS:
+                raise NotWritten("there are too many quotients")
+    elif term.op == "**" and Reader(domain).undecided(term.args[0]) is None and domain.facts(term.args[1]).sign == NEGATIVE:
+        base, p = normal(term.args[0], domain, collects=True), number_in(domain.polynomial(term.args[1]))
+        poly, lead = domain.polynomial(base), Fraction(1)
+        if poly and p is not None and p.denominator == 1:
+            lead = abs(poly[min(poly)]) * (1 if domain.facts(base).sign & POSITIVE else -1)
+            base = normal(written(divided(poly, (), lead)), domain, collects=True)
+        found[(Term("**", (base, term.args[1])),)] = [number(lead ** int(p or 0))]
+    else:
+        found[()] = [term._replace(args=tuple(a if a.op in _CONDITIONS else in_quotients(a, domain) for a in term.args))]
+    return found
 
 
 def _normal_forms(term: Term, domain: StatedDomain) -> Iterator[Term]:

@@ -7,16 +7,17 @@ as the rule that reads it allows.  Each function returns "" where everything has
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from fractions import Fraction
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_beside
+from duhem.proof.kernel.definedness import Reader, asks, continued, in_quotients, undecided_beside
 from duhem.proof.kernel.domain import ANY, NEGATIVE, StatedDomain
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import Term, minus, number, parse, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, sum_of
 
 __all__ = [
     "constraints", "flow", "formula", "formula_and_flow", "formula_and_potential", "formula_at_zero", "formula_but_at_tips",
@@ -84,7 +85,14 @@ def formula_in_ranges(law: StatedLaw) -> str:
 
 def limits(law: StatedLaw) -> tuple[Term, ...]:
     """What g is at a tip, as its parts may be read, by continuity; none where it may have no value elsewhere."""
-    return () if law.g.large else tuple(continued(law.g, over(law)))
+    if law.g.large:
+        return ()
+    if found := tuple(continued(law.g, over(law))):
+        return found
+    with suppress(NotWritten):
+        law = law._replace(g=in_quotients(law.g, over(law)))
+        return tuple(continued(law.g, over(law)))
+    return ()
 
 
 def formula_but_at_tips(law: StatedLaw) -> str:
