@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.certificate import CLAIMS
+from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.constant_value import Enclosure, enclosed
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO
@@ -109,6 +110,22 @@ SPELLED = [
 @pytest.mark.parametrize("text", [text for _, *others in SPELLED for text in others])
 def test_a_convex_law_is_proved_however_it_is_spelled(text: str) -> None:
     assert convex(text.removesuffix(" + s") if text.endswith("s") else f"{text} - s", "m < k")
+
+
+@pytest.mark.parametrize(
+    ("slip", "normal_to_k"),
+    [
+        (("x/norm(x, y)", "y/norm(y, x)"), True),
+        (("x/sqrt(x*x + y**2)", "y/norm(-y, x)"), True),
+        (("x/norm(x, y)", "2*y/norm(y, x)"), False),
+        (("x/norm(x, y)", "y/norm(y, x) + 0/k"), True),
+        (("x/norm(x, y)", "y/norm(y, x) + 0/v"), False),
+    ],
+)
+def test_a_slip_is_read_however_it_is_spelled(slip: Sequence[str], normal_to_k: bool) -> None:
+    known = law("norm(x, y) - k", forces="x y", flow=slip)
+    found = [objection("normality", rule, frozenset(CLAIMS), known, {}) for rule in rules_of("normality", known)]
+    assert ("" in found) is normal_to_k
 
 
 WRONG = [

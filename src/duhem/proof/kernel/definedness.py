@@ -188,9 +188,9 @@ def in_quotients(term: Term, domain: StatedDomain) -> Term:
     """
     parts = list[Term]()
     for divisors, values in _quotients(term, domain).items():
-        whole = added(values)
-        if Reader(domain).undecided(whole) is None and (domain.polynomial(whole) or not divisors):
-            values = [normal(whole, domain, collects=True)]
+        whole = added(settled := [value for value in values if Reader(domain).undecided(value) is None])
+        if settled and (domain.polynomial(whole) or not divisors):
+            values = [normal(whole, domain, collects=True), *(value for value in values if value not in settled)]
         parts += [scaled(value, tuple((x, 1) for x in divisors)) for value in values]
     return added(parts)
 

@@ -22,7 +22,7 @@ from itertools import permutations
 from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.definedness import AGAINST
+from duhem.proof.kernel.definedness import AGAINST, in_quotients
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.normal_form import normal
@@ -47,7 +47,7 @@ def normal_forms(law: StatedLaw) -> tuple[StatedLaw, ...]:
     domain, found = over(law), list[StatedLaw]()
 
     def beside(term: Term, collects: bool) -> Term:
-        return normal(term, domain, collects) if domain.facts(term).defined else term
+        return normal(term, domain, collects) if domain.facts(term).defined else in_quotients(term, domain)
 
     def flow(terms: tuple[Term, ...] | None, collects: bool) -> tuple[Term, ...] | None:
         return None if terms is None else tuple(beside(term, collects) for term in terms)
