@@ -138,10 +138,12 @@ def rate(h: HistoryQuery) -> Finding:
     return Finding(most, allowed + 2.0 * h.error(*(h.case.path[:, i] for i in range(h.case.path.shape[1]))))
 
 
-def _energies(state: MaterialState) -> tuple[Array, Array]:
-    if state.stored is None or state.dissipated is None or not (state.stored.any() or state.dissipated.any()):
+def _energies(before: MaterialState, after: MaterialState) -> list[Array]:
+    """Stored and dissipated, before the steps, which may all be the first ones, and after."""
+    found = [each for state in (before, after) for each in (state.stored, state.dissipated) if each is not None]
+    if len(found) < 4 or not any(each.any() for each in found):
         raise NothingToCheck("the routine returns no energies, or none that is not 0")
-    return state.stored, state.dissipated
+    return found
 
 
 def _worst_step(h: HistoryQuery, measured: Array, allowed: Array) -> Finding:
@@ -158,9 +160,9 @@ def _worst_step(h: HistoryQuery, measured: Array, allowed: Array) -> Finding:
 )
 def dissipation(h: HistoryQuery) -> Finding:
     before, after = h.steps
-    gained = _energies(after)[1] - _energies(before)[1]
+    _, lost_0, _, lost = _energies(before, after)
     step = h.length((after.strain - before.strain) @ h.case.stiffness)
-    return _worst_step(h, -gained, h.error(before.stress, after.stress) * (h.length(after.stress) + step))
+    return _worst_step(h, lost_0 - lost, h.error(before.stress, after.stress) * (h.length(after.stress) + step))
 
 
 @_of_any(
@@ -240,7 +242,7 @@ def energy(h: HistoryQuery) -> Finding:
     if not h.remembers and h.start.slip is None and h.here.slip is None:
         raise NothingToCheck("the routine returns no slip: k^-1 (sigma_tr - sigma) satisfies this by definition")
     before, after = h.steps
-    (psi, lost), (psi_0, lost_0) = _energies(after), _energies(before)
+    psi_0, lost_0, psi, lost = _energies(before, after)
     asked = (after.strain - before.strain) @ h.case.stiffness
     work = h.inner(0.5 * (before.stress + after.stress), asked)
     left = np.abs(work - (psi - psi_0) - (lost - lost_0))
