@@ -1,4 +1,4 @@
-"""An exported C file, compiled by the machine's compiler and called through ctypes as a routine for the conformance suite."""
+"""An exported file, compiled by the machine's compilers and called through ctypes as a routine for the conformance suite."""
 
 from __future__ import annotations
 
@@ -22,10 +22,11 @@ from duhem.projection.result import Array
 from duhem.proof.verification import verify
 from duhem.testing import Step
 
-__all__ = ["OPTIMISED", "STRICT", "Compiled", "compiled", "compiler", "shared"]
+__all__ = ["FORTRAN", "OPTIMISED", "STRICT", "Compiled", "compiled", "compiler", "shared", "with_fortran"]
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic")
 OPTIMISED = (*STRICT, "-O2")  # as users compile it; without, it takes a quarter of the time
+FORTRAN = ("-std=f2008", "-Wall", "-Wextra", "-Werror", "-Wno-unused-dummy-argument")  # a UMAT has arguments that a law has no use for
 
 
 def compiler(variable: str, *names: str) -> str:
@@ -41,6 +42,16 @@ def shared(sources: Sequence[Path], *options: str, with_: str) -> ctypes.CDLL:
     library = sources[0].with_suffix(f".{os.urandom(4).hex()}.so")
     subprocess.run([with_, "-O2", *options, "-shared", "-fPIC", *map(str, sources), "-o", str(library), "-lm"], check=True)
     return ctypes.CDLL(str(library))
+
+
+def with_fortran(folder: Path, c: str, *fortran: str, options: Sequence[str] = OPTIMISED) -> ctypes.CDLL:
+    """The library of an exported C file and of what is written in Fortran to call it; skipped without a compiler of either."""
+    with_, files = compiler("FC", "gfortran"), [folder / f"own{i}.f90" for i in range(len(fortran))]
+    for file, text in zip([folder / "own.c", *files], [c, *fortran], strict=True):
+        file.write_text(text, "utf-8")
+    made = folder / "own.o"
+    subprocess.run([compiler("CC", "cc", "gcc", "clang"), *options, "-c", "-fPIC", str(folder / "own.c"), "-o", str(made)], check=True)
+    return shared([*files, made], *FORTRAN, "-J", str(folder), with_=with_)
 
 
 @dataclass(frozen=True)

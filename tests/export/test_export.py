@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import re
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from duhem.export.fortran_file import fortran_file
 from duhem.export.routine import routine
 from duhem.testing import checks_for, conformance, pressures
 from duhem.testing.foreign import shared_library, umat
-from tests.export.shared_library import OPTIMISED, compiled, compiler, shared
+from tests.export.shared_library import OPTIMISED, compiled, compiler, shared, with_fortran
 from tests.long import long_at, long_but, mostly_long
 
 LAWS: dict[str, dict[str, Any]] = {"antoni2007": {}, "coulomb": {}, "superellipse": {"p": 3}, "polygon": {}, "tresca": {}, "von-mises": {}}
@@ -317,14 +316,8 @@ def test_a_set_that_is_not_convex_is_refused() -> None:
 
 def fortran(law: Criterion, folder: Path) -> ctypes.CDLL:
     """The subroutine, linked with the C file; skipped without a compiler of Fortran."""
-    with_ = compiler("FC", "gfortran")
     done = duhem.verify(law, claims=["convexity"])
-    (folder / "own.f90").write_text(fortran_file(done), "utf-8")
-    (folder / "own.c").write_text(c_file(done), "utf-8")
-    apart = [compiler("CC", "cc", "gcc", "clang"), "-c", "-fPIC", str(folder / "own.c"), "-o", str(folder / "own.o")]
-    subprocess.run(apart, check=True)
-    strict = ("-Wall", "-Werror", "-Wno-unused-dummy-argument", "-J", str(folder))
-    return shared([folder / "own.f90", folder / "own.o"], *strict, with_=with_)
+    return with_fortran(folder, c_file(done), fortran_file(done))
 
 
 def call(subroutine: Any, *arguments: Any) -> None:

@@ -21,7 +21,7 @@ from duhem.path.state_path import StateHistory
 from duhem.path.state_step import StateLaw
 from duhem.projection.result import Array
 from duhem.proof.verification import verify
-from tests.export.shared_library import OPTIMISED, compiler, shared
+from tests.export.shared_library import OPTIMISED, compiler, shared, with_fortran
 
 ATLAS = {  # parameters of laws of the atlas whose stress is the derivative of an energy
     "prager": {"R": 1.0, "C": 5.0, "k": 100.0},
@@ -102,10 +102,7 @@ def at(array: Array) -> ctypes.c_void_p:
 def test_umat_keeps_the_state(tmp_path: Path) -> None:
     law = OWN["warm"]
     verification = verify(law, claims=["convexity"])
-    sources = [tmp_path / "warm.c", tmp_path / "warm.f90"]
-    sources[0].write_text(state_c_file(verification), encoding="utf-8")
-    sources[1].write_text(state_fortran_file(verification), encoding="utf-8")
-    compiled = shared(sources, "-Wall", "-J", str(tmp_path), with_=compiler("FC", "gfortran"))
+    compiled = with_fortran(tmp_path, state_c_file(verification), state_fortran_file(verification))
     rng = np.random.default_rng(2)
     values = np.concatenate([np.zeros((1, 2)), 0.03 * rng.normal(size=(8, 2))])
     heat = 2.0 + rng.uniform(size=9)

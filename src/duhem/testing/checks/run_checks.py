@@ -30,7 +30,7 @@ def _visited(visited: Visited) -> str | None:
     missing = [name for name in ("slip", "stick")[: 1 if visited.creeps else 2] if shares and shares[name] <= least]
     if not missing:
         given_up = f"{visited.given_up:.2%} of the slipping increments are flagged as not solved, and therefore not tested"
-        unknown = "no elastic range was found, so that the size of the increments says nothing of the routine"
+        unknown = "no elastic range was found, so that the size of the increments says nothing of the routine (in Python: scale=STRAIN)"
         return given_up if visited.given_up > _MOST else unknown if found and not found["range"] else None
     few = f"only {shares[missing[0]]:.2g} of them " if shares[missing[0]] else "nothing "
     what = few + {"slip": "slipped", "stick": "stuck"}[missing[0]]
