@@ -33,6 +33,7 @@ import time
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from subprocess import CalledProcessError
 from tempfile import TemporaryDirectory
 
 import numpy as np
@@ -349,7 +350,10 @@ def main(arguments: Sequence[str]) -> int:
     wrong = []
     for name in names:
         if asked.points:
-            row, bad = agreement(name, asked.points, asked.fortran)
+            try:
+                row, bad = agreement(name, asked.points, asked.fortran)
+            except CalledProcessError:
+                row, bad = "a compiler refuses it", True
             wrong += [name] * bad
             print(f"{name:<22} {row}{'  APART' * bad}", flush=True)
             continue

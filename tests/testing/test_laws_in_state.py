@@ -11,7 +11,7 @@ from duhem import Criterion, Domain
 from duhem.errors import InputError
 from duhem.testing import Material, MaterialState, check, conformance, violation
 from duhem.testing.checks.registry import registered
-from tests.long import mostly_long
+from tests.long import long_but, mostly_long
 from tests.testing.atlas_materials import NAMES
 from tests.testing.atlas_materials import material as atlas_material
 from tests.testing.hardening import KINDS, MISTAKES, UNNAMED, hardening
@@ -75,6 +75,37 @@ def test_a_variable_that_is_stored_wrongly_is_found(name: str, variable: int, ho
         return kept
 
     assert not conformance(**atlas_material(name, store), **FEW, checks=[*STATES]).ok
+
+
+# -- tips ----------------------------------------------------------------------------------------------------------------
+
+CONE = Criterion("cone", "norm(a, b) + alpha*n - c", {"alpha": Domain(positive=True), "c": Domain(positive=True)}, ("a", "b", "n"), None)
+
+
+def cone(alpha: float, early: float = 0.0, share: float = 1.0) -> Material:
+    """The closest point of a cone, its tip at n = 1/alpha; wrong where the tip comes ``early``, or the flow has a ``share`` along n."""
+    k, tip = np.array([3.0, 3.0, 5.0]), np.array([0.0, 0.0, 1.0 / alpha])
+
+    def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
+        trial = before.stress + k * increment
+        q = np.hypot(trial[:, 0], trial[:, 1])
+        by = np.maximum(q + alpha * trial[:, 2] - 1.0, 0.0) / (k[0] + share * k[2] * alpha**2)
+        around = np.where(q > 0.0, 1.0 - k[0] * by / np.where(q > 0.0, q, 1.0), 1.0)
+        back = np.stack([around * trial[:, 0], around * trial[:, 1], trial[:, 2] - share * alpha * k[2] * by], axis=1)
+        stress = np.where((around * q <= early)[:, None] & (by > 0.0)[:, None], tip, back)
+        return MaterialState(before.strain + increment, stress, before.variables)
+
+    return Material(advance, np.diag(k))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("alpha", long_but([0, 1], [0.1, 1.0, 5.0]))
+def test_at_a_tip_the_law_has_many_flows(alpha: float) -> None:
+    given: dict[str, Any] = {"parameters": {"alpha": alpha, "c": 1.0}, **FEW, "max_examples": 6, "rows": 30}
+    report = conformance(CONE, cone(alpha), **given)
+    assert report.ok and {"flow", "loading"} <= {*report.passed}, str(report)
+    assert "flow" in conformance(CONE, cone(alpha, early=0.5), **given).failed
+    assert {"flow"} <= conformance(CONE, cone(alpha, share=0.5), **given).failed
 
 
 # -- laws of other shapes ------------------------------------------------------------------------------------------------

@@ -243,7 +243,7 @@ def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, inverse: A
         deep = max(deep, abs(v[LEVELS, j]))
         if not v[LENGTHS, j] >= -ANGLE * (1.0 + away):
             return False
-        for b in range(j):  # the smaller the angle at which they meet, the closer their levels must be
+        for b in range(j if D > 1 else 0):  # the smaller the angle at which they meet, the closer their levels must be
             apart = 0.0
             for i in range(D):
                 off = m[NORMALS, j, i] - m[NORMALS, b, i]

@@ -14,6 +14,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -27,13 +28,16 @@ from duhem.expression.parse import parse_expression
 from duhem.law.formula_law import Criterion
 from duhem.law.state import prescribed
 from duhem.path.state_step import Guess, StateFormula, StateLaw, StepEquations
-from duhem.projection.result import Array
+from duhem.projection.projector import Projector
+from duhem.projection.result import Array, Status
+from duhem.testing.checks.query import NEAR
 from duhem.testing.routines.material import Material, MaterialState
 
 __all__ = ["Kept", "LawInState", "LawStep", "Places"]
 
 _NEWTON = 40
 _MET = 1e-14
+_TURNED = 1e-3  # of a direction, over a millionth of the stress
 _EPS = float(np.finfo(np.float64).eps)
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
@@ -239,7 +243,7 @@ class LawStep:
         inner = slice(o, o + own.internal)
         bent, slips = own.free_energy(self.begun, self.others)[2], of.slips
         known = np.isfinite(bent).all(axis=(1, 2)) & (np.linalg.eigvalsh(np.nan_to_num(bent[:, :o, :o])).min(axis=1) > 0.0)
-        lower = np.linalg.cholesky(np.where(known[:, None, None], bent[:, :o, :o], np.eye(o)))
+        self.lower = lower = np.linalg.cholesky(np.where(known[:, None, None], bent[:, :o, :o], np.eye(o)))
         self.flow, self.rate = self.flows()
         self.change = self.ended[:, inner] - self.begun[:, inner]
         stretched = [np.linalg.norm(np.einsum("nji,nj->ni", lower, x[:, :o]), axis=1) for x in (self.begun, self.ended)]
@@ -286,6 +290,31 @@ class LawStep:
         pushed = self.flow.sum(axis=1) + self.rate  # against a bound, whose reaction takes part in the force
         self.bound = (((at_high & (pushed > 0.0)) | (at_low & (pushed < 0.0))) & own.reacts).any(axis=1)
         self.slipped = (self.multiplier > 4.0 * self.multiplier_error).any(axis=1)
+
+    @cached_property
+    def many_ways(self) -> NDArray[np.bool_]:
+        """The rows (M,) at a tip or an edge of K, where a flow may have any direction between those beside it.
+
+        Not so where the law has no variables and the stress is not the closest point of K.
+        """
+        of, o, ways = self.of, self.of.own.observables, np.zeros(len(self.ended), dtype=np.bool_)
+        stress, law = self.after.stress[:, of.columns], of.own.law
+        if not of.slips.size:
+            return ways
+        h = np.maximum(NEAR * np.linalg.norm(np.linalg.solve(self.lower, stress[..., None])[..., 0], axis=1), 4.0 * self.error)[:, None]
+        for way in (*self.inverse.transpose(2, 0, 1), *-self.inverse.transpose(2, 0, 1)):
+            beside = self.ended.copy()
+            beside[:, o + of.slips] += h * way
+            units = [x / np.linalg.norm(x, axis=2, keepdims=True) for x in (self.flow, self.flows(beside)[0])]
+            ways |= (np.linalg.norm(np.nan_to_num(units[1] - units[0]), axis=2) > _TURNED).any(axis=1)
+        ways &= (self.level >= -4.0 * self.level_allowed).any(axis=1)
+        if ways.any() and law.energy is None and not law.variables and law.associated:
+            k, load = (self.lower @ self.lower.transpose(0, 2, 1))[0], law.pressure and self.others[of.own.others.index(law.pressure)]
+            trial = self.before.stress[:, of.columns] + (self.after.strain - self.before.strain)[:, of.columns] @ k
+            closest = Projector.of(law, k, {})(trial, load)
+            off = np.linalg.norm(np.linalg.solve(self.lower, (stress - closest.stress)[..., None])[..., 0], axis=1)
+            ways &= ~((closest.status <= Status.SLIP) & (off > 4.0 * self.error))
+        return ways
 
     def spread(self, slope: Array, error: Array) -> Array:
         """What errors of the state make of values with these derivatives (M, k, n): ``error`` of the slips as one vector, others each."""

@@ -107,7 +107,13 @@ def _(step: LawStep, h: HistoryQuery) -> Condition:
             return f"what slips goes against the flow of the law: lambda = {step.multiplier[i, j - count]:.4g}"
         return f"it flows with g = {step.level[i, j]:.4g} < 0, {-step.level[i, j] / step.size[i, j]:.3g} of its terms"
 
-    return np.hstack([inside, np.maximum(-step.multiplier, 0.0)]), 4.0 * np.hstack([step.level_allowed, least]), say
+    back, allowed = np.maximum(-step.multiplier, 0.0), 4.0 * np.hstack([step.level_allowed, least])
+    return np.hstack([inside, _but_at_tips(step, back, 4.0 * least)]), allowed, say
+
+
+def _but_at_tips(step: LawStep, off: Array, allowed: Array) -> Array:
+    """What is off, but where the law has many directions."""
+    return np.where(step.many_ways[:, None], 0.0, off) if (off > allowed).any() else off
 
 
 def _evolved(step: LawStep, which: NDArray[np.intp]) -> Condition:
@@ -120,7 +126,8 @@ def _evolved(step: LawStep, which: NDArray[np.intp]) -> Condition:
         change, right = step.change[i, v], step.moved[i, v]
         return f"{names[v]} changes by {change:.6g}, and by {right:.6g} in the law, {change - right:.2g} off"
 
-    return step.off[:, which], 2.0 * step.allowed[:, which], say
+    allowed = 2.0 * step.allowed[:, which]
+    return _but_at_tips(step, np.abs(step.off[:, which]), allowed), allowed, say
 
 
 _STEP = "alpha - alpha_n = lambda h(Y; alpha) + dt r(Y; alpha)"
