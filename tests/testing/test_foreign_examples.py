@@ -1,4 +1,4 @@
-"""One example of each kind of foreign routine, and the five kinds of mistakes of public code in C and C++, with their right twins."""
+"""One example of each kind of foreign routine; the five kinds of mistakes of public code in C, C++ and Fortran, and right twins."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import sysconfig
 from functools import cache
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from hypothesis.strategies import sampled_from
 
 from duhem.testing import Report, conformance, decades
 from duhem.testing.foreign import jax_routine, mgis_material, shared_library, umat
+from duhem.testing.foreign.built import built
 from tests.export.shared_library import compiler
 from tests.long import mostly_long
 from tests.testing.examples import elastic
@@ -51,14 +53,24 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("foreign")
 
 
-def judged(library: Path, mistake: int) -> Report:
+FORTRAN = HERE / "defects.f"  # compiled as a user's is
+
+
+def judged(language: str, folder: Path, mistake: int) -> Report:
+    fixed = language == "fortran"
+    if fixed:
+        compiler("FC", "gfortran")
+    library = built(FORTRAN) if fixed else compiled("defects.c", language, folder)
     if mistake == 5 or mistake == -1:  # the disk, at its tip
         signature = "void friction(const double *trial, double pressure, double mu, double mistake, double *stress)"
+        if fixed:
+            signature = "void friction_(const double *trial, double *pressure, double *mu, double *mistake, double *stress)"
         update = shared_library(library, signature, parameters={"mistake": float(mistake)})
         checks = ["vacuity", "feasibility", "variational-inequality", "complementarity"]
         return conformance(**DISK | {"max_examples": 6, "pressure": sampled_from([-1.0, 0.0])}, update=update, checks=checks)
-    crashes = mistake == 4
-    material = umat(library, [*STEEL, mistake], elastic(*STEEL[:2]), nstatv=1, state={"p": 0}, isolated=crashes)
+    state = {"p": 0} | ({"u_in": slice(1, 7)} if fixed else {})
+    given: dict[str, Any] = {"nstatv": 7 if fixed else 1, "state": state, "isolated": mistake in (4, 7, 8, 9), "seconds": 2.0}
+    material = umat(FORTRAN if fixed else library, [*STEEL, mistake], elastic(*STEEL[:2]), **given)
     return conformance(law("isotropic"), material, {"R": 250.0, "H": 1000.0}, **FEW)
 
 
@@ -72,22 +84,42 @@ KINDS = {
 }
 
 
-EVERY = [(kind, language) for kind in KINDS for language in ("c", "c++")]
+EVERY = [(kind, language) for kind in KINDS for language in ("c", "c++", "fortran")]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "language"), mostly_long(EVERY, EVERY[0], EVERY[9]))
+@pytest.mark.parametrize(("kind", "language"), mostly_long(EVERY, EVERY[0], EVERY[11], EVERY[13]))
 def test_each_kind_of_mistake_of_public_code_is_found_and_named(kind: str, language: str, folder: Path) -> None:
     mistake, check, words = KINDS[kind]
-    report = judged(compiled("defects.c", language, folder), mistake)
+    report = judged(language, folder, mistake)
     failure = report.failure_of(check)
     assert failure is not None and words in str(failure), str(report)
+    assert (mistake, language) != (4, "fortran") or "it printed: ***ERROR - SINGULAR MATRIX" in str(failure)
 
 
-@pytest.mark.parametrize("language", mostly_long(["c", "c++"], "c++"))
+# what a source in Fortran has more: the number, and words of the report
+MORE = {6: "a single-precision literal?", 8: "exit code 0; it printed: ***ERROR - STRAIN TOO LARGE", 9: "has not answered within 2 s"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mistake", mostly_long(MORE, 8))
+def test_what_fortran_alone_does_is_told_soon_and_quietly(mistake: int, folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    begun = monotonic()
+    report = judged("fortran", folder, mistake)
+    assert not report.ok and MORE[mistake] in str(report) and monotonic() - begun < 60.0
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.long
+def test_an_error_that_ends_abaqus_is_an_increment_that_is_not_solved(folder: Path) -> None:
+    report = judged("fortran", folder, 7)
+    assert report.ok and report.flagged and "slope" in report.passed, str(report)
+
+
+@pytest.mark.parametrize("language", mostly_long(["c", "c++", "fortran"], "c", "fortran"))
 def test_their_right_twins_pass(language: str, folder: Path) -> None:
     for twin in (0, -1):
-        report = judged(compiled("defects.c", language, folder), twin)
+        report = judged(language, folder, twin)
         assert report.ok and report.visited["slip"] > 0.2, str(report)
 
 

@@ -158,7 +158,8 @@ class _Process:
         self.name, self.seconds, self.late, self.waiting, self.lock = f"{symbol} of {path}", seconds, False, False, threading.Lock()
         self.closed, self.printed = False, TemporaryFile()  # noqa: SIM115 (it lives as long as the process)
         command, pipe = [sys.executable, "-P", __file__], subprocess.PIPE
-        self.child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=self.printed, start_new_session=True)
+        at_once = os.environ | {"GFORTRAN_UNBUFFERED_PRECONNECTED": "y"}  # what unit 6 has is not lost with the process
+        self.child = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=self.printed, start_new_session=True, env=at_once)
         self._say((path, symbol, kinds))
         if fault := self._hear():
             self.close()
