@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from hypothesis.strategies import sampled_from
 
+from duhem.errors import InputError
 from duhem.testing import Report, conformance, decades
 from duhem.testing.foreign import jax_routine, mgis_material, shared_library, umat
 from duhem.testing.foreign.built import built
@@ -108,6 +109,18 @@ def test_what_fortran_alone_does_is_told_soon_and_quietly(mistake: int, folder: 
     report = judged("fortran", folder, mistake)
     assert not report.ok and MORE[mistake] in str(report) and monotonic() - begun < 60.0
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_source_in_fortran_that_cannot_be_run_is_told(tmp_path: Path) -> None:
+    compiler("FC", "gfortran")
+    file = tmp_path / "umat.for"
+    file.write_text("      SUBROUTINE UMAT(A\n      END\n", "utf-8")
+    with pytest.raises(InputError, match=r"(?s)gfortran refuses it:\n.*Error: ") as told:
+        umat(file)
+    assert "cc1" not in str(told.value)
+    file.write_text("      SUBROUTINE UMAT(A)\n      CALL GETRANK(I)\n      END\n", "utf-8")
+    with pytest.raises(InputError, match="undefined symbol: getrank_; add what is missing"):
+        umat(file)
 
 
 @pytest.mark.long

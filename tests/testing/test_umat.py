@@ -74,6 +74,16 @@ def test_a_right_umat_passes_with_its_energies(source) -> None:  # type: ignore[
     assert {"energy", "dissipation", "stored-energy"} <= {*left} and "none that is not 0" in left["energy"]
 
 
+def test_a_dissipation_of_the_step_alone_is_told(source) -> None:  # type: ignore[no-untyped-def]
+    report = judged(source("", CLIPPED.replace("*spd +=", "*spd =")))
+    assert "does not add it to what it is given (SPD = SPD + ...)" in str(report.failure_of("dissipation")), str(report)
+
+
+def test_a_balance_without_a_stored_energy_is_left_out(source) -> None:  # type: ignore[no-untyped-def]
+    report = judged(source("double none; sse = &none;"))
+    assert report.ok and "dissipation" in report.passed and "no stored energy" in report.left_out["energy"], str(report)
+
+
 def test_what_abaqus_offers_is_there(source) -> None:  # type: ignore[no-untyped-def]
     """A stress of principal values 3, 2, 1 turned by an angle: its invariants, directions, and what turns it back."""
     text = """

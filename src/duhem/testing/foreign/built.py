@@ -48,9 +48,12 @@ def _library(file: Path, _: int) -> Path:
         (folder / name).write_text(_PARAMETERS, "utf-8")
     made = folder / f"{file.stem}.so"
     form = ("-cpp", "-std=legacy", "-ffixed-line-length-none", "-ffree-line-length-none") if "gfortran" in Path(found).name else ()
-    command = [found, "-O2", "-shared", "-fPIC", f"-I{folder}", *form, str(file), str(_STUBS), "-o", str(made), "-lm"]
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
-    if done.returncode != 0:
-        said = "\n".join((done.stderr or done.stdout).strip().splitlines()[:_LINES])
-        raise InputError(f"{Path(found).name} refuses it:\n{said}", where=str(file), remedy="mend the source, or give the compiled library")
+    stubs = str(folder / "stubs.o")  # apart: C has no use for options of Fortran
+    whole = ["-shared", f"-I{folder}", *form, str(file), stubs, "-o", str(made), "-lm"]
+    for options in (["-c", str(_STUBS), "-o", stubs], whole):
+        done = subprocess.run([found, "-O2", "-fPIC", *options], capture_output=True, text=True, errors="replace", check=False)
+        if done.returncode != 0:
+            said = "\n".join((done.stderr or done.stdout).strip().splitlines()[:_LINES])
+            remedy = "mend the source, or give the compiled library"
+            raise InputError(f"{Path(found).name} refuses it:\n{said}", where=str(file), remedy=remedy)
     return made

@@ -132,6 +132,7 @@ def loaded(path: str | Path, symbol: str, kinds: str, isolated: bool, seconds: f
         return Native(str(where.resolve()), symbol, kinds, isolated, seconds)
     except NativeFault as fault:
         remedy = "name an exported function (nm -D lists them; Fortran without bind(C) adds an underscore)"
+        remedy = "add what is missing to the source or the library" if "undefined symbol" in str(fault) else remedy
         raise InputError(str(fault), where="shared library", remedy=remedy) from None
 
 
