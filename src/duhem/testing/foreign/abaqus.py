@@ -71,7 +71,7 @@ def umat(
 
     A source in Fortran or C (``.f``, ``.for``, ``.f90``, ``.c``, ...) is compiled with the compiler that FC or CC names, or gfortran or cc,
     together with stubs of what Abaqus offers: XIT and STDB_ABQERR(-3, ...), which end the increment as not solved, ROTSIG, SINV, SPRINC,
-    SPRIND, GETVRM (which knows no output variable) and ABA_PARAM.INC.  Tested with C alone: no source in Fortran has been tried.
+    SPRIND, GETVRM (which knows no output variable) and ABA_PARAM.INC.  Of Fortran, gfortran alone was tried.
 
     ``props`` are PROPS; ``nstatv`` the number of STATEV, ``variables`` their values at the beginning (default: 0).  ``ntens`` (default
     6) is 6, 4 (NDI = 3, NSHR = 1) or 3 (plane stress, NDI = 2), or any other with ``direct`` for NDI.  ``order`` names the components of
