@@ -17,6 +17,7 @@ from duhem.export.fortran_file import fortran_file
 from duhem.export.routine import routine
 from duhem.testing import checks_for, conformance, pressures
 from duhem.testing.foreign import shared_library, umat
+from tests.campaigns.increments import at_simplest
 from tests.export.shared_library import OPTIMISED, compiled, compiler, shared, with_fortran
 from tests.long import long_at, long_but, mostly_long
 
@@ -299,6 +300,19 @@ def test_a_user_puts_the_umat_to_the_suite(isolated: bool, tmp_path: Path) -> No
     report = conformance(None, material, max_examples=2, rows=10)
     needed = {"inputs", "energy", "slope", "elasticity", "dissipation", "stored-energy", "rest", "subdivision", "vacuity"}
     assert report.ok and needed <= {*report.passed}, str(report)
+
+
+@pytest.mark.long
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["abaqus-linear", "drucker-prager-tensor", "hill48", "yoon"])
+def test_an_exported_umat_satisfies_its_own_law(name: str, tmp_path: Path) -> None:
+    """Tips too, where a law has many flows, or its formula no value."""
+    law = at_simplest(name)
+    d = len(law.forces)
+    k = np.diag([2.0] * 3 + [1.0] * (d - 3)) + np.pad(np.full((3, 3), 0.7), (0, d - 3))
+    material = umat(fortran(law, tmp_path)._name, k.ravel().tolist(), k, ntens=d, isolated=False)
+    report = conformance(law, material, max_examples=6, seed=1, most_flagged=0.1)
+    assert report.ok and {"flow", "loading", "admissibility", "slope", "energy"} <= {*report.passed}, str(report)
 
 
 CIRCLE = duhem.ParametricCriterion("circle", ("cos(phi)", "sin(phi)"))  # type: ignore[arg-type]
