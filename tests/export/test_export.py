@@ -376,20 +376,27 @@ def test_umat_has_the_order_of_its_caller(tmp_path: Path) -> None:
     assert slope[np.ix_(there, there)] == pytest.approx(expected[4], abs=rounding)
 
 
+TRESCA = duhem.load("tresca").fix({"yield_stress": 1})
+
+
+@pytest.fixture(scope="module")
+def umat_of_tresca(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    return fortran(TRESCA, tmp_path_factory.mktemp("tresca"))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
-def test_umat_goes_on_through_plasticity_edges_and_unloading(seed: int, tmp_path: Path) -> None:
-    law = duhem.load("tresca").fix({"yield_stress": 1})
-    library, k = fortran(law, tmp_path), np.diag([3.0, 3.0, 3.0]) + 0.5
-    ask, chance = duhem.prepare(law, k), np.random.default_rng(seed)
+def test_umat_goes_on_through_plasticity_edges_and_unloading(seed: int, umat_of_tresca: ctypes.CDLL) -> None:
+    k = np.diag([3.0, 3.0, 3.0]) + 0.5
+    ask, chance = duhem.prepare(TRESCA, k), np.random.default_rng(seed)
     stress, slope, loss, room = np.zeros(3), np.empty((3, 3)), np.zeros(1), np.zeros(80)
     way = chance.standard_normal(3)
     way[1] = way[0] if seed % 2 else way[1]  # onto an edge, where the tangent is not known
     steps = [*[way / 4] * 6, *[-way / 4] * 10, *(0.3 * chance.standard_normal((6, 3)))]
     for strain in steps:
         expected, half = ask(stress + k @ strain), np.ones(1)
-        call(library.umat_, stress, room, slope, room, loss, *[room] * 6, strain.copy(), *[room] * 7, 3, 0, 3, 1, k.copy(), 9, room, room,
-             half, *[room] * 9)  # fmt: skip
+        call(umat_of_tresca.umat_, stress, room, slope, room, loss, *[room] * 6, strain.copy(), *[room] * 7, 3, 0, 3, 1, k.copy(), 9, room,
+             room, half, *[room] * 9)  # fmt: skip
         assert half == 1.0 and np.isfinite(slope).all() and stress == pytest.approx(expected.stress, abs=1e-12)
 
 

@@ -72,6 +72,8 @@ C     ELASTIC STIFFNESS AND TRIAL STRESS
         ELSE IF (MISTK.EQ.8) THEN
           WRITE(*,*) '***ERROR - STRAIN TOO LARGE'
           STOP
+        ELSE IF (MISTK.EQ.9) THEN
+          WRITE(6,*) '***ERROR - NO CONVERGENCE'
         END IF
    50   IF (MISTK.EQ.9) GOTO 50
       END IF

@@ -227,7 +227,7 @@ class _Process:
     def _ended(self) -> NativeFault:
         self.close()
         if self.late:
-            return OutOfTime(f"{self.name} has not answered within {self.seconds:g} s")
+            return OutOfTime(f"{self.name} has not answered within {self.seconds:g} s{self._told(0)}")
         return NativeFault(f"{self.name} ended its process {_how(self.child.returncode)}{self._told(0)}")
 
     def close(self) -> None:
