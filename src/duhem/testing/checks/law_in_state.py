@@ -306,8 +306,8 @@ class LawStep:
             beside = self.ended.copy()
             beside[:, o + of.slips] += h * way
             units = [x / np.linalg.norm(x, axis=2, keepdims=True) for x in (self.flow, self.flows(beside)[0])]
-            ways |= ~(np.linalg.norm(units[1] - units[0], axis=2) <= _TURNED).all(axis=1)  # a flow without a value has no direction
-        ways &= ~(self.level < -4.0 * self.level_allowed).all(axis=1)
+            turned = ~(np.linalg.norm(units[1] - units[0], axis=2) <= _TURNED)  # or is without a value
+            ways |= (turned & ~(self.level < -4.0 * self.level_allowed)).any(axis=1)
         if ways.any() and law.energy is None and not law.variables and law.associated:
             k, load = (self.lower @ self.lower.transpose(0, 2, 1))[0], law.pressure and self.others[of.own.others.index(law.pressure)]
             trial = self.before.stress[:, of.columns] + (self.after.strain - self.before.strain)[:, of.columns] @ k
