@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["Book", "LearnedFile", "arrays_of", "check_numbers", "learned"]
+__all__ = ["MOST_NUMBERS", "Book", "LearnedFile", "arrays_of", "check_numbers", "exact", "learned"]
 
 Arrays = Mapping[str, "NDArray[Any]"]
 _ACTIVATIONS = {"softplus": "softplus", "relu": "pos", "tanh": "tanh"}
-_MOST_NUMBERS = 1_000_000
+MOST_NUMBERS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def check_numbers(name: str, array: NDArray[Any], where: str = "") -> None:
     """InputError for what is no matrix of finite numbers."""
     import numpy as np
 
-    if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8 or array.size > _MOST_NUMBERS or array.ndim > 2:
+    if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8 or array.size > MOST_NUMBERS or array.ndim > 2:
         raise InputError(f"{name} is no matrix of numbers", where=where, remedy="save arrays of floats of at most 64 bits")
     if not np.isfinite(array).all():
         raise InputError(f"{name} holds a number that is not finite", where=where, remedy="train again, or look at the export")
@@ -110,7 +110,7 @@ class Book:
         if array.shape[1] != width or array.shape[0] != (height or array.shape[0]) or not array.size:
             raise InputError(f"{name} has {array.shape[0]} x {array.shape[1]} numbers", remedy=f"it takes {height or 'n'} x {width}")
         self.files[name] = file = f"{self.stem}_{name}.csv"
-        self.texts[file] = "".join(",".join(map(_exact, row)) + "\n" for row in array)
+        self.texts[file] = "".join(",".join(map(exact, row)) + "\n" for row in array)
         return int(array.shape[0])
 
     def check_used(self) -> None:
@@ -164,7 +164,7 @@ def _toml(value: str | Sequence[str]) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def _exact(x: np.generic) -> str:
+def exact(x: np.generic) -> str:
     """All decimals of what a number of any precision holds."""
     told = str(int(x)) if x.dtype.kind in "iu" else str(Decimal(float(x)))
     if len(told) > MOST_DIGITS:

@@ -34,16 +34,18 @@ def import_(file: str, kind: str | None, out: str, stress: str | None, forces: s
     from duhem.expression.number import exact_number
     from duhem.law.learned import arrays_of, learned
     from duhem.law.onnx_network import onnx_network
+    from duhem.law.pt2_network import pt2_network
 
     if (stress is None) == (forces is None):
         raise InputError("the inputs are not named", where="--stress", remedy="give either --stress or --forces")
     names = Stress("sigma", stress) if stress is not None else [name.strip() for name in (forces or "").split(",")]
     place = Path(out)
     level = f"{exact_number(level)}"
-    if file.endswith(".onnx"):
+    if file.endswith((".onnx", ".pt2")):
         if kind == "polynomial" or activation is not None:
-            raise InputError("an .onnx file has a network and its activations", where=file, remedy="leave out --kind and --activation")
-        made = onnx_network(file, place.stem, forces=names, level=level, stem=place.stem)
+            raise InputError("such a file has a network and its activations", where=file, remedy="leave out --kind and --activation")
+        read = onnx_network if file.endswith(".onnx") else pt2_network
+        made = read(file, place.stem, forces=names, level=level, stem=place.stem)
     elif kind is None:
         raise InputError("the file does not say what was learned", where="--kind", remedy="give icnn, mlp or polynomial")
     else:

@@ -1,0 +1,323 @@
+"""A network as a graph of operators, as a criterion file: each node is a formula of what goes into it.
+
+The operators are those of ONNX, as linear layers and their activations are exported; in none of those that are read do the rows of a
+batch meet.  What depends on weights alone is a number: it is computed in double precision and rounded to the precision of the weights.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.errors import InputError
+from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile, check_numbers, exact
+
+__all__ = ["REMEDY", "SWITCH", "Network", "Node", "criterion_file", "not_read"]
+
+Array = NDArray[Any]
+_WORDS = {
+    "Relu": "pos({x})", "Softplus": "softplus({x})", "Tanh": "tanh({x})", "Sigmoid": "1/2 + tanh(({x})/2)/2", "Exp": "exp({x})",
+    "Log": "log({x})", "Sqrt": "sqrt({x})", "Abs": "abs({x})", "Neg": "-({x})", "LeakyRelu": "max({x}, {a}*({x}))",
+    "Elu": "pos({x}) + {a}*(exp(-neg({x})) - 1)", "Celu": "pos({x}) + {a}*(exp(-neg({x})/{a}) - 1)",
+}  # fmt: skip
+_PAIRS = {
+    "Add": "{x} + {y}", "Sub": "({x}) - ({y})", "Mul": "({x}) * ({y})", "Div": "({x}) / ({y})", "Max": "max({x}, {y})",
+    "Min": "min({x}, {y})",
+}  # fmt: skip
+_OVER_ALL = {
+    "ReduceSum": "sum(j, 1, {n}, {x})", "ReduceMean": "sum(j, 1, {n}, {x})/{n}", "ReduceMax": "max_over(j, 1, {n}, {x})",
+    "ReduceL2": "sqrt(sum(j, 1, {n}, ({x})**2))", "ReduceLogSumExp": "log(sum(j, 1, {n}, exp({x})))",
+}  # fmt: skip
+_OF_NUMBERS: Mapping[str, Callable[..., Any]] = {
+    "Relu": lambda x: np.maximum(x, 0.0), "Softplus": lambda x: np.logaddexp(0.0, x), "Sigmoid": lambda x: 1.0 / (1.0 + np.exp(-x)),
+    "Tanh": np.tanh, "Exp": np.exp, "Log": np.log, "Sqrt": np.sqrt, "Abs": np.abs, "Neg": np.negative, "Add": np.add, "Sub": np.subtract,
+    "Mul": np.multiply, "Div": np.divide, "Max": np.maximum, "Min": np.minimum, "Pow": np.power,
+}  # fmt: skip
+_OTHERS = ("Gemm", "MatMul", "Pow", "Clip", "Where", "Greater", "Concat", "Gather", "Slice", "Transpose", "Squeeze", "Unsqueeze", "Reshape", "Cast")
+_OPERATORS = (*_WORDS, *_PAIRS, *_OVER_ALL, *_OTHERS, "Identity", "Dropout", "Constant")
+_PLAIN = (("transA", 0), ("alpha", 1.0), ("beta", 1.0))  # of Gemm, x w + b
+_SLOPES = {"LeakyRelu": 0.01, "Elu": 1.0, "Celu": 1.0}  # alpha, where a node does not say it
+_FLOATS = {1: "f4", 10: "f2", 11: "f8"}  # by their numbers in ONNX
+SWITCH = 20.0  # where log(1 + exp x) is x within 2.1e-9, less than float32 tells apart
+_MOST_PARTS = 10_000  # of joined vectors
+_SAID = 60  # letters of a name that a message repeats
+REMEDY = "export the layers alone, with constants folded, for a batch of shape (1, n); or save the weights with numpy.savez"
+
+
+@dataclass(frozen=True)
+class Node:
+    """``output`` is what ``operator`` makes of ``inputs``: names, numbers, or None for one that is left out; ``given`` are attributes."""
+
+    operator: str
+    inputs: Sequence[Any]
+    output: str
+    given: Mapping[str, Any] = field(default_factory=dict)
+    name: str = ""
+
+    def __str__(self) -> str:
+        return f"the operator {self.operator[:_SAID]} ({'node' if self.name else 'of'} {(self.name or self.output)[:_SAID]})"
+
+
+@dataclass(frozen=True)
+class Network:
+    """Nodes in an order in which they can be computed; ``inputs`` have shapes with 0 where an axis is free."""
+
+    nodes: Sequence[Node]
+    weights: Mapping[str, Array]
+    inputs: Mapping[str, Sequence[int]]
+    outputs: Sequence[str]
+
+
+def criterion_file(network: Network, book: Book, name: str, level: str) -> LearnedFile:
+    """The criterion file of the network: K is where its output is at most ``level``.
+
+    The last axis of its one input has the forces of the book, and its one output has one part.  InputError for anything else, with the
+    node and its operator.
+    """
+    if len(network.inputs) != 1 or len(network.outputs) != 1:
+        what = f"the network has {len(network.inputs)} inputs and {len(network.outputs)} outputs"
+        raise InputError(what, remedy="export one function of the stress")
+    ((start, shape),) = network.inputs.items()
+    if len(shape) not in (1, 2) or shape[-1] not in (0, len(book.components)):
+        what = f"the input has the shape {list(shape)}, with 0 where it is free, and {len(book.components)} forces are named"
+        raise InputError(what, remedy="name each part of the last axis")
+    uses = Counter(each for node in network.nodes for each in node.inputs if isinstance(each, str))
+    first = _Vector("x[i]", len(book.components), len(shape))
+    reader = _Reader(book, len(shape), {**network.weights, start: first}, {each.output: each for each in network.nodes})
+    for node in network.nodes:
+        made = reader.value(node)
+        many = uses[node.output] > 1  # so that no formula stands in two places
+        reader.found[node.output] = reader.named(made) if many and isinstance(made, _Vector) else made
+    last = reader.found.get(network.outputs[0])
+    if not isinstance(last, _Vector) or last.width != 1:
+        raise InputError(f"the output {network.outputs[0]} is no single number that depends on the input", remedy=REMEDY)
+    return book.criterion_file(name, reader.rows, last.part("1"), level)
+
+
+def not_read(node: Node) -> InputError:
+    return InputError(f"{node} is not read", remedy=f"operators that are read: {', '.join(_OPERATORS)}; {REMEDY}")
+
+
+@dataclass(frozen=True)
+class _Vector:
+    """What depends on the input: ``formula`` is its part i, of ``width``; ``rank`` is 2 for a row of a batch, else 1, and 0 without axis."""
+
+    formula: str
+    width: int
+    rank: int
+
+    def part(self, i: str) -> str:
+        return re.sub(r"\[i\b", f"[{i}", self.formula)
+
+
+@dataclass(frozen=True)
+class _Switch:
+    """Where the value ``over`` is greater than ``at``."""
+
+    over: Any
+    at: float
+
+
+_Value = Array | _Vector | _Switch
+
+
+@dataclass
+class _Reader:
+    """What is ``found`` of each value of the graph, and the definitions of those that others take parts of."""
+
+    book: Book
+    rank: int  # of the input
+    found: dict[str, _Value]
+    nodes: Mapping[str, Node]  # by output
+    rows: list[str] = field(default_factory=list)
+
+    def value(self, node: Node) -> _Value:
+        """What a node makes of what was found before it."""
+        if node.operator not in _OPERATORS:
+            raise not_read(node)
+        parts = [self.found[each] if isinstance(each, str) else each for each in node.inputs]
+        made = self.moved(node, parts) if any(isinstance(x, _Vector) for x in parts) else self.number(node, parts)
+        if made is None:
+            raise InputError(f"{node} stands between values of kinds or shapes that are not read", remedy=REMEDY)
+        return made
+
+    def number(self, node: Node, parts: Sequence[Any]) -> Array | None:
+        """Of numbers, a number."""
+        given, axes = node.given, _axes(node, parts)
+        match node.operator, parts:
+            case "Constant", [] if "value" in given:
+                return np.asarray(given["value"])
+            case "Identity", [np.ndarray() as x]:
+                return x
+            case "Transpose", [np.ndarray() as x]:
+                return np.transpose(x, given.get("perm"))
+            case "Cast", [np.ndarray() as x] if given["to"] in _FLOATS:
+                return x.astype(_FLOATS[given["to"]])
+            case "Unsqueeze", [np.ndarray() as x, *_] if axes:
+                return np.expand_dims(x, tuple(axes))
+            case "Clip", [np.ndarray() as x, *_] if ends := _ends(node, parts):
+                return np.clip(x, *(None if end is None else x.dtype.type(end) for end in ends))
+            case "ReduceL2", [np.ndarray() as x, *_] if axes:
+                return _rounded(np.sqrt((x.astype(float) ** 2).sum(tuple(axes), keepdims=bool(given.get("keepdims", 1)))), [x])
+        if node.operator in _OF_NUMBERS and all(isinstance(x, np.ndarray) and x.dtype.kind == "f" for x in parts):
+            if np.prod(np.broadcast_shapes(*(x.shape for x in parts)), dtype=float) <= MOST_NUMBERS:
+                with np.errstate(all="ignore"):  # what is not finite is refused as a table
+                    return _rounded(_OF_NUMBERS[node.operator](*(x.astype(float) for x in parts)), parts)
+        return None
+
+    def moved(self, node: Node, parts: Sequence[Any]) -> _Vector | _Switch | None:
+        """Of what depends on the input, a vector."""
+        given, operator = node.given, node.operator
+        match operator, parts:
+            case "Identity", [_Vector() as x]:
+                return x
+            case "Dropout", [_Vector() as x, *more] if len(more) < 2 or (isinstance(more[1], np.ndarray) and not more[1].any()):
+                return x
+            case "Cast", [_Vector() as x] if given["to"] in (1, 11):
+                return x
+            case "MatMul", [_Vector() as x, np.ndarray() as w] if w.ndim == 2 and x.rank:
+                return self.linear(x, w.T, node.inputs[1])
+            case "MatMul", [np.ndarray() as w, _Vector(rank=1) as x] if w.ndim == 2:
+                return self.linear(x, w, node.inputs[0])
+            case "Gemm", [_Vector(rank=2) as x, np.ndarray() as w, *bias] if w.ndim == 2 and [given.get(x, y) for x, y in _PLAIN] == [
+                y for _, y in _PLAIN
+            ]:
+                made = self.linear(x, w if given.get("transB") else w.T, node.inputs[1])
+                return self.joined(_PAIRS["Add"], made, self.vector(bias[0], 2, node), node) if bias and bias[0] is not None else made
+            case _, [_Vector() as x] if operator in _WORDS:
+                slope = float(given.get("alpha", _SLOPES.get(operator, 0.0)))
+                if (operator == "LeakyRelu" and not 0.0 <= slope <= 1.0) or (operator == "Celu" and slope <= 0.0):
+                    return None
+                x = self.named(x) if _WORDS[operator].count("{x}") > 1 else x
+                return _Vector(_WORDS[operator].format(x=x.formula, a=exact(np.float64(slope))), x.width, x.rank)
+            case "Clip", [_Vector() as x, *_] if ends := _ends(node, parts):
+                low, high = (None if end is None else exact(np.float64(end)) for end in ends)
+                formula = x.formula if low is None else f"max({x.formula}, {low})"
+                return _Vector(formula if high is None else f"min({formula}, {high})", x.width, x.rank)
+            case "Pow", [_Vector() as x, np.ndarray() as power] if power.size == 1:
+                return _Vector(f"({x.formula})**({Fraction(float(power.reshape(-1)[0]))})", x.width, x.rank)
+            case _, [a, b] if operator in _PAIRS:
+                rank = max(x.rank for x in (a, b) if isinstance(x, _Vector))
+                return self.joined(_PAIRS[operator], self.vector(a, rank, node), self.vector(b, rank, node), node)
+            case "Greater", [_Vector(), np.ndarray() as at] if at.size == 1:
+                return _Switch(node.inputs[0], _single(at))
+            case "Where", [_Switch() as switch, _Vector(), _Vector() as soft] if self.is_softplus(switch, *node.inputs[1:]):
+                return soft
+        return self.shaped(node, parts)
+
+    def shaped(self, node: Node, parts: Sequence[Any]) -> _Vector | None:
+        """Parts taken out, joined or summed, and axes of one part put in or out."""
+        given, axes = node.given, _axes(node, parts)
+        match node.operator, parts:
+            case "Concat", [_Vector(rank=rank), *_] if rank and given["axis"] in (-1, rank - 1):
+                ends = [self.named(x) for x in parts if isinstance(x, _Vector) and x.rank == rank]
+                if len(ends) == len(parts) and sum(x.width for x in ends) <= _MOST_PARTS:
+                    return self.listed([x.part(str(i)) for x in ends for i in range(1, x.width + 1)], rank)
+            case "Gather", [_Vector() as x, np.ndarray(ndim=0 | 1) as at] if x.rank and given.get("axis", 0) in (-1, x.rank - 1):
+                return self.some(x, np.arange(x.width)[at])
+            case "Slice", [_Vector() as x, *ends] if x.rank and 2 < len(ends) < 5 and all(np.size(each) == 1 for each in ends):
+                begin, stop, axis, step = (int(np.ravel(each)[0]) for each in (*ends, np.ones(1, int))[:4])
+                if axis in (-1, x.rank - 1) and step > 0:
+                    return self.some(x, np.arange(x.width)[begin:stop:step])
+                return x if (begin, axis, step) == (0, 0, 1) and stop >= 2**31 - 1 else None  # all rows of a batch
+            case "Squeeze", [_Vector(width=1) as x, *_] if x.rank and (axes is None or axes in ([-1], [x.rank - 1])):
+                return _Vector(x.part("1"), 1, 0)
+            case "Reshape", [_Vector(width=1) as x, np.ndarray() as shape] if shape.tolist() == [-1]:
+                return _Vector(x.part("1"), 1, 0)
+            case "Unsqueeze", [_Vector(rank=0) as x, *_] if axes in ([-1], [self.rank - 1]):
+                return _Vector(x.formula, 1, self.rank)
+            case _, [_Vector() as x, *_] if node.operator in _OVER_ALL and x.rank and axes in ([-1], [x.rank - 1]):
+                part = re.sub(r"\[i\b", "[j", self.named(x).formula)
+                return _Vector(_OVER_ALL[node.operator].format(n=x.width, x=part), 1, x.rank if given.get("keepdims", 1) else 0)
+        return None
+
+    def is_softplus(self, switch: _Switch, plain: Any, soft: Any) -> bool:
+        """Whether a choice is x where b x > 20 or more, else log(1 + exp(b x))/b: softplus as PyTorch computes it."""
+        made = self.nodes.get(soft)
+        if made is not None and made.operator == "Div":
+            scaled = self.nodes.get(switch.over)
+            if scaled is None or scaled.operator != "Mul" or scaled.inputs[0] != plain:
+                return False
+            factor, divisor = (_single(self.found.get(each.inputs[1])) for each in (scaled, made))
+            if not factor == divisor > 0.0:
+                return False
+            made, plain = self.nodes.get(made.inputs[0]), switch.over
+        return made is not None and made.operator == "Softplus" and made.inputs[0] == switch.over == plain and switch.at >= SWITCH
+
+    def linear(self, x: _Vector, w: Array, said: Any) -> _Vector:
+        """w x, by the rows of w."""
+        if w.shape[1] != x.width:
+            raise InputError(f"{said} has {w.shape[1]} numbers for each output", remedy=f"it takes {x.width}")
+        name = self.named(x).formula.removesuffix("[i]")
+        return _Vector(f"sum(j, 1, {x.width}, {self.table('W', w, said)}[i, j]*{name}[j])", len(w), x.rank)
+
+    def joined(self, form: str, a: _Vector, b: _Vector, node: Node) -> _Vector:
+        """Part by part; what has one part has it for each part of the other."""
+        width = max(a.width, b.width)
+        if a.rank != b.rank or not {a.width, b.width} <= {1, width}:
+            raise InputError(f"{node} joins vectors with {a.width} and {b.width} parts", remedy=REMEDY)
+        left, right = (x.part("1") if x.width < width else x.formula for x in (a, b))
+        return _Vector(form.format(x=left, y=right), width, a.rank)
+
+    def vector(self, x: Array | _Vector, rank: int, node: Node) -> _Vector:
+        """A value as it is, or numbers that are the same for all rows of a batch."""
+        if isinstance(x, _Vector):
+            return x
+        if x.ndim > max(rank, 1) or x.size != (x.shape or (1,))[-1] or (not rank and x.size != 1):
+            raise InputError(f"{node} takes numbers of the shape {x.shape}", remedy="give one for each part, the same for all rows")
+        return _Vector(f"{self.table('b', x.reshape(-1, 1), node)}[i, 1]", x.size, rank)
+
+    def table(self, letter: str, array: Array, said: object) -> str:
+        """The name of a table of numbers."""
+        check_numbers(f"{said}", array)
+        name = f"{letter}{sum(each.startswith(letter) for each in self.book.files)}"
+        self.book.left[name] = array
+        self.book.table(name, *array.shape)
+        return name
+
+    def some(self, x: _Vector, at: Array) -> _Vector | None:
+        """Parts of a vector; a single number where ``at`` is one."""
+        texts = [self.named(x).part(str(i + 1)) for i in at.reshape(-1)]
+        return None if not texts else self.listed(texts, x.rank) if at.ndim else _Vector(texts[0], 1, 0)
+
+    def listed(self, texts: Sequence[str], rank: int) -> _Vector:
+        return self.defined("[" + ", ".join(f'"{each}"' for each in texts) + "]", len(texts), rank)
+
+    def named(self, x: _Vector) -> _Vector:
+        """The vector as one of which parts can be taken by an index."""
+        if re.fullmatch(r"\w+\[i\]", x.formula):
+            return x
+        return self.defined(f'"vector(i, 1, {x.width}, {x.formula})"', x.width, x.rank)
+
+    def defined(self, text: str, width: int, rank: int) -> _Vector:
+        name = f"z{len(self.rows)}"
+        self.rows.append(f"{name} = {text}")
+        return _Vector(f"{name}[i]", width, rank)
+
+
+def _axes(node: Node, parts: Sequence[Any]) -> list[int] | None:
+    """The axes of a node, which older operators have as an attribute and newer ones as an input."""
+    given = node.given.get("axes", parts[1] if len(parts) == 2 else None)
+    return None if given is None or isinstance(given, _Vector) else [int(x) for x in np.ravel(given)]
+
+
+def _ends(node: Node, parts: Sequence[Any]) -> list[float | None] | None:
+    """The least and the greatest that a node lets through; None where one is no single number."""
+    ends = [node.given.get(name, end) for name, end in zip(("min", "max"), [*parts[1:], None, None], strict=False)]
+    found = [None if end is None else _single(np.asarray(end)) for end in ends]
+    return None if any(x is not None and np.isnan(x) for x in found) else found
+
+
+def _single(x: Any) -> float:
+    return float(x.reshape(-1)[0]) if isinstance(x, np.ndarray) and x.size == 1 and x.dtype.kind in "fi" else np.nan
+
+
+def _rounded(x: Any, of: Sequence[Array]) -> Array:
+    return np.asarray(x).astype(np.result_type(*([y for y in of if y.ndim] or of)))
