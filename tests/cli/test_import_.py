@@ -87,7 +87,7 @@ def test_what_is_no_such_network_is_told(tmp_path: Path, change: dict[str, Any],
 
 def test_other_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "bad.npz").write_bytes(b"PK\x03\x04nothing")
-    for name, said in (("net.pt2", "only .npz.*torch.onnx.export"), ("missing.npz", "no such file"), ("bad.npz", "cannot be read")):
+    for name, said in (("net.pt", "only .npz.*torch.export.save"), ("missing.npz", "no such file"), ("bad.npz", "cannot be read")):
         asked = ["import", f"{tmp_path / name}", "--kind", "mlp", "--out", f"{tmp_path / 'o.toml'}", "--forces", "a"]
         with pytest.raises(InputError, match=said):
             cli.main(asked, standalone_mode=False)

@@ -42,8 +42,8 @@ def arrays_of(file: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
 
     where = os.fspath(file)
     if not where.endswith(".npz"):
-        remedy = "export the network with torch.onnx.export, or save the weights with numpy.savez, as the page on learned laws shows"
-        raise InputError("only .npz files of NumPy and .onnx files are read", where=where, remedy=remedy)
+        remedy = "save a network with torch.export.save or torch.onnx.export, or its weights with numpy.savez (page: Verify a learned law)"
+        raise InputError("only .npz files of NumPy, .onnx files and .pt2 files are read", where=where, remedy=remedy)
     try:
         with open(file, "rb") as stream, np.load(stream, allow_pickle=False) as given:
             found = {name: np.asarray(given[name]) for name in given.files}

@@ -6,9 +6,11 @@ batch meet.  What depends on weights alone is a number: it is computed in double
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -19,7 +21,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile, check_numbers, exact
 
-__all__ = ["REMEDY", "SWITCH", "Network", "Node", "criterion_file", "not_read"]
+__all__ = ["REMEDY", "SWITCH", "Network", "Node", "criterion_file", "not_read", "read_from"]
 
 Array = NDArray[Any]
 _WORDS = {
@@ -40,8 +42,10 @@ _OF_NUMBERS: Mapping[str, Callable[..., Any]] = {
     "Tanh": np.tanh, "Exp": np.exp, "Log": np.log, "Sqrt": np.sqrt, "Abs": np.abs, "Neg": np.negative, "Add": np.add, "Sub": np.subtract,
     "Mul": np.multiply, "Div": np.divide, "Max": np.maximum, "Min": np.minimum, "Pow": np.power,
 }  # fmt: skip
-_OTHERS = ("Gemm", "MatMul", "Pow", "Clip", "Where", "Greater", "Concat", "Gather", "Slice", "Transpose", "Squeeze", "Unsqueeze", "Reshape", "Cast")
-_OPERATORS = (*_WORDS, *_PAIRS, *_OVER_ALL, *_OTHERS, "Identity", "Dropout", "Constant")
+_OPERATORS = (
+    "Gemm", "MatMul", *_WORDS, *_PAIRS, *_OVER_ALL, "Pow", "Clip", "Where", "Greater", "Concat", "Gather", "Slice", "Transpose", "Squeeze",
+    "Unsqueeze", "Reshape", "Cast", "Identity", "Dropout", "Constant",
+)  # fmt: skip
 _PLAIN = (("transA", 0), ("alpha", 1.0), ("beta", 1.0))  # of Gemm, x w + b
 _SLOPES = {"LeakyRelu": 0.01, "Elu": 1.0, "Celu": 1.0}  # alpha, where a node does not say it
 _FLOATS = {1: "f4", 10: "f2", 11: "f8"}  # by their numbers in ONNX
@@ -63,6 +67,21 @@ class Node:
 
     def __str__(self) -> str:
         return f"the operator {self.operator[:_SAID]} ({'node' if self.name else 'of'} {(self.name or self.output)[:_SAID]})"
+
+
+@contextmanager
+def read_from(file: str | os.PathLike[str], remedy: str) -> Iterator[None]:
+    """InputError with the file for what is found in it, and for the errors of those who read it."""
+    where = os.fspath(file)
+    try:
+        yield
+    except InputError as fault:
+        raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
+    except FileNotFoundError:
+        raise InputError("there is no such file", where=where, remedy="check the path") from None
+    except Exception as fault:  # zip, JSON, protobuf, onnx and NumPy have errors of their own for what a file should not contain
+        said = " ".join(str(fault).split())[:120] or type(fault).__name__
+        raise InputError(f"the file cannot be read: {said}", where=where, remedy=remedy) from None
 
 
 @dataclass(frozen=True)
@@ -107,7 +126,7 @@ def not_read(node: Node) -> InputError:
 
 @dataclass(frozen=True)
 class _Vector:
-    """What depends on the input: ``formula`` is its part i, of ``width``; ``rank`` is 2 for a row of a batch, else 1, and 0 without axis."""
+    """What depends on the input: ``formula`` is its part i, of ``width``; ``rank`` is 2 in a row of a batch, else 1; 0 without axis."""
 
     formula: str
     width: int
@@ -166,10 +185,10 @@ class _Reader:
                 return np.clip(x, *(None if end is None else x.dtype.type(end) for end in ends))
             case "ReduceL2", [np.ndarray() as x, *_] if axes:
                 return _rounded(np.sqrt((x.astype(float) ** 2).sum(tuple(axes), keepdims=bool(given.get("keepdims", 1)))), [x])
-        if node.operator in _OF_NUMBERS and all(isinstance(x, np.ndarray) and x.dtype.kind == "f" for x in parts):
-            if np.prod(np.broadcast_shapes(*(x.shape for x in parts)), dtype=float) <= MOST_NUMBERS:
-                with np.errstate(all="ignore"):  # what is not finite is refused as a table
-                    return _rounded(_OF_NUMBERS[node.operator](*(x.astype(float) for x in parts)), parts)
+            case operator, [np.ndarray(), *_] if operator in _OF_NUMBERS and {x.dtype.kind for x in parts} == {"f"}:
+                if np.prod(np.broadcast_shapes(*(x.shape for x in parts)), dtype=float) <= MOST_NUMBERS:
+                    with np.errstate(all="ignore"):  # what is not finite is refused as a table
+                        return _rounded(_OF_NUMBERS[operator](*(x.astype(float) for x in parts)), parts)
         return None
 
     def moved(self, node: Node, parts: Sequence[Any]) -> _Vector | _Switch | None:
@@ -222,8 +241,8 @@ class _Reader:
                     return self.listed([x.part(str(i)) for x in ends for i in range(1, x.width + 1)], rank)
             case "Gather", [_Vector() as x, np.ndarray(ndim=0 | 1) as at] if x.rank and given.get("axis", 0) in (-1, x.rank - 1):
                 return self.some(x, np.arange(x.width)[at])
-            case "Slice", [_Vector() as x, *ends] if x.rank and 2 < len(ends) < 5 and all(np.size(each) == 1 for each in ends):
-                begin, stop, axis, step = (int(np.ravel(each)[0]) for each in (*ends, np.ones(1, int))[:4])
+            case "Slice", [_Vector() as x, *ends] if x.rank and 2 < len(ends) < 5:
+                begin, stop, axis, step = (int(_single(each)) for each in (*ends, np.ones(1, int))[:4])
                 if axis in (-1, x.rank - 1) and step > 0:
                     return self.some(x, np.arange(x.width)[begin:stop:step])
                 return x if (begin, axis, step) == (0, 0, 1) and stop >= 2**31 - 1 else None  # all rows of a batch

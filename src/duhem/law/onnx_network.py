@@ -9,7 +9,7 @@ from typing import Any
 from duhem.errors import InputError, MissingExtraError
 from duhem.expression.abbreviations import Stress
 from duhem.law.learned import Book, LearnedFile
-from duhem.law.network import REMEDY, Network, Node, criterion_file
+from duhem.law.network import REMEDY, Network, Node, criterion_file, read_from
 
 __all__ = ["onnx_network"]
 
@@ -28,19 +28,11 @@ def onnx_network(file: str | os.PathLike[str], name: str, *, forces: Sequence[st
         import onnx
     except ImportError:
         raise MissingExtraError("onnx", "learned") from None
-    where = os.fspath(file)
-    try:
-        model = onnx.load(where)
+    with read_from(file, "export the network again"):
+        model = onnx.load(os.fspath(file))
         onnx.checker.check_model(model)
         _check_meaning(model, onnx.defs.onnx_opset_version())
         return criterion_file(_network(model.graph), Book({}, stem, forces), name, level)
-    except InputError as fault:
-        raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
-    except FileNotFoundError:
-        raise InputError("there is no such file", where=where, remedy="check the path") from None
-    except Exception as fault:  # protobuf, onnx and NumPy have errors of their own for what a file should not contain
-        said = " ".join(str(fault).split())[:120]
-        raise InputError(f"the file cannot be read: {said}", where=where, remedy="export the network again") from None
 
 
 def _check_meaning(model: Any, newest: int) -> None:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.abbreviations import Stress
 from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile
-from duhem.law.network import SWITCH, Network, Node, criterion_file, not_read
+from duhem.law.network import SWITCH, Network, Node, criterion_file, not_read, read_from
 
 __all__ = ["pt2_network"]
 
@@ -27,22 +27,22 @@ Array = NDArray[Any]
 _MOST_BYTES = 50_000_000  # of the graph
 _SCHEMA = 8  # of the graph, since PyTorch 2.5
 _TYPES = {5: "i8", 6: "f2", 7: "f4", 8: "f8"}  # by their numbers in PyTorch
+_ORDERS = {b"little": "<", b"big": ">"}
 _TO_ONNX = {6: 10, 7: 1, 8: 11}
-_KINDS = {"parameter": ("weights", "parameter_name"), "buffer": ("weights", "buffer_name"), "tensor_constant": ("constants", "tensor_constant_name")}
+_FOLDERS = {"parameter": "weights", "buffer": "weights", "tensor_constant": "constants"}
 _AGAIN = "save it with torch.export.save of a newer PyTorch, such as 2.13, or export it with torch.onnx.export"
-_SAME = "Identity"
 _END = 2**63 - 1
 _OVER_ALL = {
     "sum": "ReduceSum", "mean": "ReduceMean", "amax": "ReduceMax", "logsumexp": "ReduceLogSumExp", "linalg_vector_norm": "ReduceL2",
     "linalg_norm": "ReduceL2",
 }  # fmt: skip
-_SIMPLE: Mapping[str, tuple[str, ...]] = {  # the operator of ONNX and the arguments it takes, where it is the same
+_SIMPLE: Mapping[str, tuple[str, ...]] = {  # the operator of ONNX and the arguments that it takes, where it is the same
     "relu": ("Relu", "self"), "tanh": ("Tanh", "self"), "sigmoid": ("Sigmoid", "self"), "exp": ("Exp", "self"), "log": ("Log", "self"),
-    "sqrt": ("Sqrt", "self"), "abs": ("Abs", "self"), "neg": ("Neg", "self"), "sub": ("Sub", "self", "other"), "mul": ("Mul", "self", "other"),
-    "div": ("Div", "self", "other"), "add": ("Add", "self", "other"), "pow": ("Pow", "self", "exponent"), "maximum": ("Max", "self", "other"),
-    "minimum": ("Min", "self", "other"), "matmul": ("MatMul", "self", "other"), "mm": ("MatMul", "self", "mat2"),
-    "mv": ("MatMul", "self", "vec"), "clamp": ("Clip", "self", "min", "max"), "clamp_min": ("Clip", "self", "min"), "detach": (_SAME, "self"), "alias": (_SAME, "self"), "clone": (_SAME, "self"),
-    "contiguous": (_SAME, "self"), "detach_": (_SAME, "self"), "lift_fresh_copy": (_SAME, "self"),
+    "sqrt": ("Sqrt", "self"), "abs": ("Abs", "self"), "neg": ("Neg", "self"), "add": ("Add", "self", "other"),
+    "sub": ("Sub", "self", "other"), "mul": ("Mul", "self", "other"), "div": ("Div", "self", "other"), "pow": ("Pow", "self", "exponent"),
+    "maximum": ("Max", "self", "other"), "minimum": ("Min", "self", "other"), "matmul": ("MatMul", "self", "other"),
+    "mm": ("MatMul", "self", "mat2"), "clamp": ("Clip", "self", "min", "max"), "clamp_min": ("Clip", "self", "min"),
+    **{word: ("Identity", "self") for word in ("detach", "detach_", "alias", "clone", "contiguous", "lift_fresh_copy")},
 }  # fmt: skip
 
 
@@ -52,18 +52,8 @@ def pt2_network(file: str | os.PathLike[str], name: str, *, forces: Sequence[str
     The last axis of its one input has the ``forces``, and its one output has one part.  InputError for anything else, with the node and
     its operator, and for weights that are pickled.
     """
-    where = os.fspath(file)
-    try:
-        with zipfile.ZipFile(file) as archive:
-            network = _network(_Archive(archive))
-        return criterion_file(network, Book({}, stem, forces), name, level)
-    except InputError as fault:
-        raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
-    except FileNotFoundError:
-        raise InputError("there is no such file", where=where, remedy="check the path") from None
-    except Exception as fault:  # zip, JSON and NumPy have errors of their own for what a file should not contain
-        said = " ".join(f"{type(fault).__name__} {fault}".split())[:120]
-        raise InputError(f"the file cannot be read: {said}", where=where, remedy=_AGAIN) from None
+    with read_from(file, _AGAIN), zipfile.ZipFile(file) as archive:
+        return criterion_file(_network(_Archive(archive)), Book({}, stem, forces), name, level)
 
 
 class _Archive:
@@ -94,7 +84,7 @@ class _Archive:
         sizes, strides, offset = ([x["as_int"] for x in each] for each in (meta["sizes"], meta["strides"], [meta["storage_offset"]]))
         if prod(sizes) > MOST_NUMBERS or min([*sizes, *strides, *offset]) < 0 or len(sizes) != len(strides):
             raise InputError(f"{name} has the sizes {sizes}", remedy=f"at most {MOST_NUMBERS} numbers can be read")
-        kind = np.dtype(_TYPES[meta["dtype"]]).newbyteorder(self.bytes("byteorder", 10).decode())
+        kind = np.dtype(_ORDERS[self.bytes("byteorder", 10)] + _TYPES[meta["dtype"]])
         flat = np.frombuffer(self.bytes(f"data/{folder}/{told['path_name']}", 8 * MOST_NUMBERS), kind)
         steps = (np.arange(n).reshape([-1] + [1] * (len(sizes) - k - 1)) * by for k, (n, by) in enumerate(zip(sizes, strides, strict=True)))
         return flat[sum(steps, np.asarray(offset[0]))].astype(kind.newbyteorder("="))
@@ -113,10 +103,9 @@ def _network(archive: _Archive) -> Network:
         if kind == "user_input" and "as_tensor" in told["arg"]:
             name = told["arg"]["as_tensor"]["name"]
             inputs[name] = [x.get("as_int", 0) for x in graph["tensor_values"][name]["sizes"]]
-        elif kind in _KINDS:
-            folder, key = _KINDS[kind]
-            folder = "constants" if told.get("persistent") is False else folder
-            weights[told["arg"]["name"]] = archive.array(folder, configs[folder], told[key])
+        elif kind in _FOLDERS:
+            folder = "constants" if told.get("persistent") is False else _FOLDERS[kind]
+            weights[told["arg"]["name"]] = archive.array(folder, configs[folder], told[f"{kind}_name"])
         else:
             raise InputError(f"the network takes a {kind} that is no tensor of floats", remedy="export one function of the stress")
     outputs = [each["user_output"]["arg"]["as_tensor"]["name"] for each in signature["output_specs"]]

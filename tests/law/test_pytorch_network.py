@@ -1,0 +1,166 @@
+"""A network that PyTorch wrote is the law that it was there: files that are kept, and files written anew where PyTorch is installed."""
+
+from __future__ import annotations
+
+import io
+import json
+import pickle
+import zipfile
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from duhem import load
+from duhem.cli import cli
+from duhem.errors import InputError
+from duhem.expression import numpy_
+from duhem.law.pt2_network import pt2_network
+from duhem.proof.certificate import law_as_text
+from duhem.proof.kernel.certificate import stated
+from duhem.proof.kernel.claims import objection
+
+KEPT = Path(__file__).parent / "pytorch"
+VALUES = np.load(KEPT / "values.npz")
+FORMS = ("pt2", "dynamo.onnx", "legacy.onnx")
+WITH_TORCH = pytest.mark.skipif(not find_spec("torch") or not find_spec("onnxscript"), reason="PyTorch or onnxscript is not installed")
+
+
+def imported(file: Path, folder: Path, level: str = "0") -> Any:
+    if file.suffix == ".onnx":
+        pytest.importorskip("onnx")
+    asked = ["import", f"{file}", "--out", f"{folder / 'law.toml'}", "--stress", "plane", "--level", level]
+    cli.main(asked, standalone_mode=False)
+    return load(folder / "law.toml")
+
+
+def agrees(law: Any, at: Any, wanted: Any) -> None:
+    """Within what float32 tells apart of the sums that a network makes."""
+    found = numpy_.compiled(law.g, law.force_symbols())(*at.T.astype(float))
+    assert np.all(abs(found - wanted) <= 3e-6 * (abs(wanted) + abs(wanted).max()))
+
+
+def is_convex(law: Any) -> bool:
+    return not objection("convexity", "composition", frozenset(), stated(law_as_text(law)), {})
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("name", ["convex", "joined", "invariants"])
+def test_a_file_that_is_kept_is_the_network_that_it_was(tmp_path: Path, name: str, form: str) -> None:
+    law = imported(KEPT / f"{name}.{form}", tmp_path)
+    agrees(law, VALUES["at"], VALUES[name])
+    assert is_convex(law) == (name == "convex")
+
+
+@WITH_TORCH
+@pytest.mark.parametrize(
+    "name", ["convex", "joined", "invariants", "softplus-64", "relu-64", "Tanh", "ReLU", "Softplus", "ELU", "CELU", "SiLU", "Sigmoid"]
+)
+def test_a_file_written_anew_is_the_network_at_many_points(tmp_path: Path, name: str) -> None:
+    from tests.law.pytorch.networks import values, write
+
+    network = write(tmp_path, name)
+    for scale in (0.5, 3.0, 100.0):  # the last is beyond where PyTorch takes softplus to be x
+        at = np.random.default_rng(2).normal(size=(10_000, 3)).astype("f4") * np.float32(scale)
+        for form in FORMS:
+            (folder := tmp_path / f"{form}-{scale}").mkdir()
+            law = imported(tmp_path / f"{name}.{form}", folder)
+            agrees(law, at, values(network, at))
+    if name in ("convex", "softplus-64", "relu-64"):
+        assert is_convex(law)
+
+
+def changed(folder: Path, change: Callable[[dict[str, bytes]], Any], name: str = "convex") -> Path:
+    """A kept .pt2 file with other entries."""
+    old = zipfile.ZipFile(KEPT / f"{name}.pt2")
+    parts = {each: old.read(each) for each in old.namelist()}
+    change(parts)
+    with zipfile.ZipFile(folder / "net.pt2", "w") as new:
+        for each, text in parts.items():
+            new.writestr(each, text)
+    return folder / "net.pt2"
+
+
+class Trap:
+    """Once read from a pickle, it leaves a file."""
+
+    def __init__(self, place: str) -> None:
+        self.place = place
+
+    def __reduce__(self) -> Any:
+        return Path.touch, (Path(self.place),)
+
+
+def test_a_pickle_in_the_file_is_never_opened(tmp_path: Path) -> None:
+    trap = pickle.dumps(Trap(f"{tmp_path / 'sprung'}"))
+    pickle.load(io.BytesIO(trap))
+    assert (tmp_path / "sprung").exists()
+    (tmp_path / "sprung").unlink()
+    file = changed(tmp_path, lambda parts: parts.update({"convex/data/sample_inputs/model.pt": trap, "convex/extra/trap.pkl": trap}))
+    agrees(imported(file, tmp_path), VALUES["at"], VALUES["convex"])
+    assert not (tmp_path / "sprung").exists()
+
+
+def at(entry: str, *path: Any) -> Callable[[Any], Callable[[dict[str, bytes]], None]]:
+    """What puts a value into the JSON of an entry."""
+
+    def put(value: Any) -> Callable[[dict[str, bytes]], None]:
+        def change(parts: dict[str, bytes]) -> None:
+            tree = inner = json.loads(parts[f"convex/{entry}"])
+            for key in path[:-1]:
+                inner = inner[key]
+            inner[path[-1]] = value
+            parts[f"convex/{entry}"] = json.dumps(tree).encode()
+
+        return change
+
+    return put
+
+
+MODEL, WEIGHTS = "models/model.json", "data/weights/model_weights_config.json"
+META = (WEIGHTS, "config", "skips.0.weight", "tensor_meta")
+NODES = (MODEL, "graph_module", "graph", "nodes")
+SPOILED: dict[str, tuple[Callable[[dict[str, bytes]], Any], str]] = {
+    "pickled": (at(WEIGHTS, "config", "skips.0.weight", "use_pickle")(True), "skips.0.weight is not kept as plain numbers"),
+    "missing": (at(WEIGHTS, "config")({}), "mean is not kept as plain|skips.0.weight is not kept as plain"),
+    "kind": (at(*META, "dtype")(13), "not kept as plain numbers"),
+    "strides": (at(*META, "strides")([{"as_int": 10**6}, {"as_int": 1}]), "cannot be read: index"),
+    "before": (at(*META, "storage_offset")({"as_int": -5}), "has the sizes"),
+    "huge": (at(*META, "sizes")([{"as_int": 10**9}, {"as_int": 3}]), "has the sizes .*at most 1000000"),
+    "version": (at(MODEL, "schema_version", "major")(9), "the graph is of version 9, and 8 is read"),
+    "older": (lambda parts: parts.pop(f"convex/{MODEL}"), "no graph that can be read without running"),
+    "two": (lambda parts: parts.update({"other/models/model.json": b"{}"}), "no graph"),
+    "text": (lambda parts: parts.update({f"convex/{MODEL}": b"{"}), "cannot be read"),
+    "order": (lambda parts: parts.update({"convex/byteorder": b"odd"}), "cannot be read"),
+    "operator": (at(*NODES, 0, "target")("torch.ops.aten.erf.default"), r"torch.ops.aten.erf.default \(of sub\) is not read"),
+    "python": (at(*NODES, 0, "target")("_operator.sub"), r"_operator.sub \(of sub\) is not read"),
+    "scaled": (at(*NODES, 0, "inputs")([{"name": "alpha", "arg": {"as_int": 2}}]), "is not read"),
+    "string": (at(*NODES, 1, "inputs", 1)({"name": "rounding_mode", "arg": {"as_string": "floor"}}), "takes string"),
+    "switch": (
+        at(*NODES, 3)({
+            "target": "torch.ops.aten.softplus.default", "outputs": [{"as_tensor": {"name": "softplus"}}],
+            "inputs": [{"name": "self", "arg": {"as_tensor": {"name": "linear"}}}, {"name": "threshold", "arg": {"as_float": 3.0}}],
+        }),
+        "softplus.default",
+    ),
+    "input": (at(MODEL, "graph_module", "signature", "input_specs", 0)({"token": {"arg": {"name": "x"}}}), "takes a token"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SPOILED)
+def test_what_is_not_read_is_told(tmp_path: Path, name: str) -> None:
+    change, said = SPOILED[name]
+    with pytest.raises(InputError, match=said) as told:
+        pt2_network(changed(tmp_path, change), "law", forces=["a", "b", "c"], stem="law")
+    assert told.value.remedy and "net.pt2" in told.value.where
+
+
+@pytest.mark.parametrize(("text", "said"), [(None, "no such file"), (b"nothing", "cannot be read"), (b"PK\x03\x04", "cannot be read")])
+def test_a_file_that_is_none_is_told(tmp_path: Path, text: bytes | None, said: str) -> None:
+    if text is not None:
+        (tmp_path / "net.pt2").write_bytes(text)
+    with pytest.raises(InputError, match=said):
+        pt2_network(tmp_path / "net.pt2", "law", forces=["a"], stem="law")
