@@ -121,9 +121,27 @@ def imported(folder: Path, net: Net, *asked: str) -> Any:
     return load(folder / "law.toml")
 
 
+OTHERS = Net(
+    [
+        node("Softplus", "raw", "kept"), node("Div", "kept two", "halved"), node("Gemm", "stress halved bias", "a", transB=1),
+        node("Mul", "a two", "b"), node("Softplus", "b", "c"), node("Div", "c two", "d"), node("Greater", "b twenty", "more"),
+        node("Where", "more a d", "e"), node("ReduceMax", "e", "f", axes=[1], keepdims=1), node("Gather", "a second", "g", axis=1),
+        node("Unsqueeze", "g last", "h"), node("Slice", "a from to last", "i"), node("Elu", "i", "j", alpha=0.5),
+        node("Concat", "f h j", "k", axis=1), node("LeakyRelu", "k", "l", alpha=0.25), node("Pow", "l two", "m"),
+        node("Clip", "m low high", "n"),
+        node("ReduceSum", "n last", "o", keepdims=0), node("Sigmoid", "o", "p"), node("Celu", "p", "q", alpha=2.0), node("Neg", "q", "out"),
+    ],
+    {
+        "raw": normal(5, 3), "bias": normal(5), "two": np.float32(2.0), "twenty": np.float32(20.0), "second": np.array(1), "last": [1],
+        "from": [2], "to": [99], "low": np.float32(0.1), "high": np.float32(1.5),
+    },
+    output=("N",),
+)  # fmt: skip
+
+
 @pytest.mark.parametrize(
-    "net", [icnn("Relu"), icnn("Softplus"), icnn("Tanh"), KERAS, EQUINOX, CLAMPED, SCALED],
-    ids=["relu", "softplus", "tanh", "keras", "equinox", "clamped", "scaled"],
+    "net", [icnn("Relu"), icnn("Softplus"), icnn("Tanh"), KERAS, EQUINOX, CLAMPED, SCALED, OTHERS],
+    ids=["relu", "softplus", "tanh", "keras", "equinox", "clamped", "scaled", "others"],
 )  # fmt: skip
 def test_a_network_is_the_same_as_before(tmp_path: Path, net: Net) -> None:
     from onnx.reference import ReferenceEvaluator
@@ -159,9 +177,10 @@ def wrong(nodes: Sequence[Any], **more: Any) -> Net:
 
 
 LAST = node("MatMul", "a W", "out")
+SWITCH = [node("Softplus", "stress", "soft"), node("Greater", "stress twenty", "more"), node("Where", "more stress soft", "a")]
 DOUBLED = node("MatMul", "a30 W", "out")
 WRONG: dict[str, tuple[Net, str]] = {
-    "word": (wrong([node("Sigmoid", "stress", "a", name="act"), LAST]), r"operator Sigmoid \(node act\) is not read; operators that are"),
+    "word": (wrong([node("Erf", "stress", "a", name="act"), LAST]), r"operator Erf \(node act\) is not read; operators that are"),
     "nameless": (wrong([node("LayerNormalization", "stress b", "a"), LAST]), r"LayerNormalization \(of a\)"),
     "domain": (wrong([node("Relu", "stress", "a", domain="own"), LAST]), "operator own.Relu"),
     "width": (wrong([node("Identity", "stress", "a"), LAST], inputs=("N", 4)), r"shape \[0, 4\]"),
@@ -180,7 +199,48 @@ WRONG: dict[str, tuple[Net, str]] = {
     "from": (wrong([node("MatMul", "stress c", "out")], weights={"c": normal(2, 1)}), "c has 2 numbers for each output; it takes 3"),
     "gemm": (wrong([node("Gemm", "stress W", "out", transA=1)]), "Gemm"),
     "scaled": (wrong([node("Gemm", "stress W", "out", alpha=0.5)]), "Gemm"),
-    "weights": (wrong([node("Softplus", "W", "a"), node("MatMul", "stress a", "out")]), "Softplus"),
+    "weights": (wrong([node("Softplus", "n", "a"), node("MatMul", "stress a", "out")], weights={"n": np.ones((3, 1), "i8")}), "Softplus"),
+    "grown": (
+        wrong([node("Add", "tall flat", "a"), node("MatMul", "stress a", "out")], weights={"tall": normal(2000, 1), "flat": normal(2000)}),
+        r"Add \(of a\)",
+    ),
+    "slope": (wrong([node("LeakyRelu", "stress", "a", alpha=1.5), LAST]), "LeakyRelu"),
+    "half": (wrong([node("Cast", "stress", "a", to=10), LAST]), "Cast"),
+    "dropped": (wrong([node("Dropout", "stress half yes", "a"), LAST], weights={"half": np.float32(0.5), "yes": np.True_}), "Dropout"),
+    "ends": (wrong([node("Clip", "stress b", "a"), LAST]), "Clip"),
+    "power": (wrong([node("Pow", "stress b", "a"), LAST]), "Pow"),
+    "base": (wrong([node("Pow", "b stress", "a"), LAST]), "Pow"),
+    "over rows": (wrong([node("ReduceMax", "stress", "a", axes=[0]), node("MatMul", "a W", "out")]), "ReduceMax"),
+    "over all": (wrong([node("ReduceMax", "stress", "a"), node("MatMul", "a W", "out")]), "ReduceMax"),
+    "row": (wrong([node("Gather", "stress zero", "a", axis=0), node("MatMul", "a W", "out")], weights={"zero": np.array(0)}), "Gather"),
+    "rows of a batch": (
+        wrong([node("Slice", "stress one two zero", "a"), LAST], weights={"one": [1], "two": [2], "zero": [0]}), r"Slice \(of a\)",
+    ),
+    "squeezed": (wrong([node("Squeeze", "stress", "a"), LAST]), "Squeeze"),
+    "without an axis": (
+        wrong([node("MatMul", "stress W", "p"), node("Squeeze", "p last", "q"), node("Add", "q p", "out")], weights={"last": [1]}),
+        "joins vectors",
+    ),
+    "many numbers": (
+        wrong([node("MatMul", "stress W", "p"), node("Squeeze", "p last", "q"), node("Add", "q b", "out")], weights={"last": [1]}),
+        "numbers of the shape",
+    ),
+    "switch": (wrong([*SWITCH, LAST], weights={"twenty": np.float32(19.0)}), "Where"),
+    "other": (wrong([*SWITCH[:2], node("Where", "more soft stress", "a"), LAST], weights={"twenty": np.float32(20.0)}), "Where"),
+    "another": (
+        wrong([node("Tanh", "stress", "v"), node("Softplus", "v", "soft"), *SWITCH[1:], LAST], weights={"twenty": np.float32(20.0)}),
+        "Where",
+    ),
+    "sharper": (
+        wrong(
+            [
+                node("Mul", "stress two", "v"), node("Softplus", "v", "w"), node("Div", "w three", "soft"),
+                node("Greater", "v twenty", "more"), SWITCH[2], LAST,
+            ],
+            weights={"twenty": np.float32(20.0), "two": np.float32(2.0), "three": np.float32(3.0)},
+        ),
+        "Where",
+    ),
     "nan": (wrong([node("MatMul", "stress c", "out")], weights={"c": np.full((3, 1), np.nan)}), "c holds a number that is not finite"),
     "kind": (wrong([node("MatMul", "stress c", "out")], weights={"c": np.ones((3, 1), "complex64")}), "c is no matrix of numbers"),
     "text": (wrong([node("Constant", "", "a", value_string="x"), LAST]), "Constant"),
