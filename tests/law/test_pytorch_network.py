@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import pickle
+import shlex
+import subprocess
+import sys
 import zipfile
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -22,6 +26,7 @@ from duhem.law.pt2_network import pt2_network
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
+from tests.pages import ROOT, blocks, named
 
 KEPT = Path(__file__).parent / "pytorch"
 VALUES = np.load(KEPT / "values.npz")
@@ -53,6 +58,37 @@ def test_a_file_that_is_kept_is_the_network_that_it_was(tmp_path: Path, name: st
     law = imported(KEPT / f"{name}.{form}", tmp_path)
     agrees(law, VALUES["at"], VALUES[name])
     assert is_convex(law) == (name == "convex")
+
+
+PAGE = ROOT / "docs" / "how-to" / "learned-laws.md"
+LINES = {named(block): block for block in blocks(PAGE.read_text("utf-8"), "py")}
+TYPED = [block for block in blocks(PAGE.read_text("utf-8"), "sh") if block.startswith("duhem import")]
+
+
+@pytest.mark.parametrize(("scripts", "needs", "typed"), [
+    (("save_pytorch.py",), ("torch",), "net.pt2"), (("save_pytorch.py", "save_onnx.py"), ("torch", "onnxscript", "onnx"), "net.onnx"),
+    (("save_jaxmat.py",), ("jaxmat",), "jaxmat.npz"), (("save_jaxmat_skip.py",), ("jaxmat",), "skip.npz"),
+])  # fmt: skip
+def test_the_lines_of_the_page_make_a_law_that_is_the_network(tmp_path: Path, scripts: Any, needs: Any, typed: str) -> None:
+    for package in needs:
+        if not find_spec(package):
+            pytest.skip(f"{package} is not installed")
+    for script in scripts:
+        (tmp_path / script).write_text(LINES[script], "utf-8")
+    at = (2.0 * np.random.default_rng(4).normal(size=(10_000, 3))).astype("f4")
+    np.save(tmp_path / "at.npy", at)
+    batch = "net(torch.tensor(at)).detach()" if "torch" in needs else "jax.vmap(net)(at)"
+    asked = f"from {scripts[0].removesuffix('.py')} import *\nimport numpy as np\nat = np.load('at.npy')\nnp.save('values.npy', {batch})"
+    (tmp_path / "ask.py").write_text(asked, "utf-8")
+    for script in (*scripts, "ask.py"):
+        subprocess.run([sys.executable, script], cwd=tmp_path, check=True, capture_output=True)
+    (line,) = [block.split("\n")[0] for block in TYPED if f" {typed} " in block]
+    _, *words = shlex.split(line)
+    with contextlib.chdir(tmp_path):
+        cli.main(words, standalone_mode=False)
+    law = load(tmp_path / words[words.index("--out") + 1])
+    agrees(law, at, np.load(tmp_path / "values.npy") - float(words[words.index("--level") + 1]))
+    assert is_convex(law)
 
 
 @WITH_TORCH

@@ -15,7 +15,7 @@ __all__ = ["import_"]
 
 @click.command("import")
 @click.argument("file", type=click.Path(dir_okay=False))
-@click.option("--kind", type=click.Choice(("icnn", "mlp", "polynomial")), help="What was learned; in an .onnx file, any network.")
+@click.option("--kind", type=click.Choice(("icnn", "mlp", "polynomial")), help="What was learned; in an .onnx or .pt2 file, any network.")
 @click.option("--out", metavar="LAW.toml", required=True, help="The criterion file to write, with tables beside it.")
 @click.option("--stress", type=click.Choice(("3d", "plane", "principal")), help="The inputs are the components of a stress of this kind.")
 @click.option("--forces", metavar="A,B,...", help="The names of the inputs, where they are no components of a stress.")
@@ -24,11 +24,11 @@ __all__ = ["import_"]
 )
 @click.option("--level", default="0", show_default=True, metavar="C", help="K is where the output is at most C.")
 def import_(file: str, kind: str | None, out: str, stress: str | None, forces: str | None, activation: str | None, level: str) -> None:
-    """Write a network or a polynomial in FILE, an .npz file of NumPy or an .onnx file, as a criterion file.
+    """Write a network or a polynomial in FILE, an .npz file of NumPy, a .pt2 file of PyTorch or an .onnx file, as a criterion file.
 
     Arrays in an .npz file: Wx0, b0, Wz1, Wx1, b1, ... of an input-convex network; W0, b0, W1, b1, ... of a plain one (rows are outputs, the
-    last layer has one output and no activation); coefficients (n) and exponents (n x inputs) of a polynomial. An .onnx file needs the extra
-    learned, and may have layers in any order. Every weight is kept exactly.
+    last layer has one output and no activation); coefficients (n) and exponents (n x inputs) of a polynomial. In a .pt2 file
+    (torch.export.save) and in an .onnx file, which needs the extra learned, layers may stand in any order. Every weight is kept exactly.
     """
     from duhem.expression.abbreviations import Stress
     from duhem.expression.number import exact_number
