@@ -248,3 +248,13 @@ def test_what_is_empty_for_some_parameters_is_not_called_unbounded() -> None:
 def test_no_formula_ends_the_run(g: str) -> None:
     claims = ["smoothness"] if "exp" in g else ["origin", "convexity", "smoothness"]
     assert not [r for r in verify(law(g), claims=claims).results if r.claim == "smoothness" and r.verdict is PROVED]
+
+
+@pytest.mark.parametrize("level", ["46", "200"])
+def test_all_but_a_hole_that_is_small_from_afar_is_not_convex(level: str) -> None:
+    below = ["pos(7*a/5 + b/3)", "pos(-a - 7*b/5)", "pos(a + b/4)", "pos(a + 3*b/10)", "pos(b/5 - a)", "pos(a/5 - b)"]
+    weights = {"3/10": (2, 0.4, 0.7, 1, 0.8, 1), "13/10": (0.8, 0.1, 1, 0.7, 0.8, 0.9)}
+    inner = {last: " + ".join(f"{w}*{z}" for w, z in zip(row, below, strict=True)) for last, row in weights.items()}
+    g = f"{level} - " + " - ".join(f"({last})*pos({sums} - 1/2)" for last, sums in inner.items())
+    found = verify(law(g), claims=["convexity"])["convexity"]
+    assert (found.verdict, found.method) == (REFUTED, "witness-chord")

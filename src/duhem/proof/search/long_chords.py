@@ -1,6 +1,7 @@
 """Chords between distant points of K that seem to leave it: midpoints are tried in floats.
 
-Sampled: the boundary is followed along rays in plane sections, which sees inward kinks, dents and separate components.
+Sampled: the boundary is followed along rays in plane sections, which sees inward kinks, dents and separate components; through
+zero, where it is not in K, for K may be all but a hole that is small from afar.
 On exact rays: K may have faces, edges or whiskers that no sample meets.  From far points: where an ellipsoid in a maximum lies
 farthest along a load, for what is cut off a ball may leave a cap that no sample meets; along the diameter to such an end g is looked
 at, and the other end of the chord is its mirror image in a zero of a load, or in where g is greatest.
@@ -97,12 +98,22 @@ def _suspects(value: Any, centre: Array, seen: list[int]) -> Iterator[tuple[Arra
             turn = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
             frame = np.eye(d)[:2] if section == 0 else np.linalg.qr(rng.standard_normal((d, 2)))[0].T
             directions = np.outer(np.cos(turn), frame[0]) + np.outer(np.sin(turn), frame[1])
+        if section == 0 and d > 1 and value(np.zeros(d)) > 0.0:
+            yield from _through_zero(value, directions)
         yield from _along_rays(value, centre, directions, seen)
 
 
 def _sections(d: int) -> int:
     """How many plane sections of d forces are looked at."""
     return 1 if d <= 2 else _SECTIONS
+
+
+def _through_zero(value: Any, directions: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """Points of K that lie opposite to each other, as near as there are some: zero, which is not in K, is between them."""
+    inside = Rays(value, np.zeros(directions.shape[1]), directions).inside(_RADII)
+    near, way = np.nonzero((inside & np.roll(inside, len(directions) // 2, axis=0)).T)
+    for p in _RADII[near[:1], None] * directions[way[:1]]:
+        yield p, -p, 2 * p, -2 * p
 
 
 def _along_rays(value: Any, centre: Array, directions: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
