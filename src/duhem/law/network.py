@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile, check_numbers, exact
 
-__all__ = ["REMEDY", "SWITCH", "Network", "Node", "criterion_file", "not_read", "read_from"]
+__all__ = ["REMEDY", "SWITCH", "GraphNode", "Network", "criterion_file", "not_read", "read_from"]
 
 Array = NDArray[Any]
 _WORDS = {
@@ -56,7 +56,7 @@ REMEDY = "export the layers alone, with constants folded, for a batch of shape (
 
 
 @dataclass(frozen=True)
-class Node:
+class GraphNode:
     """``output`` is what ``operator`` makes of ``inputs``: names, numbers, or None for one that is left out; ``given`` are attributes."""
 
     operator: str
@@ -88,7 +88,7 @@ def read_from(file: str | os.PathLike[str], remedy: str) -> Iterator[None]:
 class Network:
     """Nodes in an order in which they can be computed; ``inputs`` have shapes with 0 where an axis is free."""
 
-    nodes: Sequence[Node]
+    nodes: Sequence[GraphNode]
     weights: Mapping[str, Array]
     inputs: Mapping[str, Sequence[int]]
     outputs: Sequence[str]
@@ -120,7 +120,7 @@ def criterion_file(network: Network, book: Book, name: str, level: str) -> Learn
     return book.criterion_file(name, reader.rows, last.part("1"), level)
 
 
-def not_read(node: Node) -> InputError:
+def not_read(node: GraphNode) -> InputError:
     return InputError(f"{node} is not read", remedy=f"operators that are read: {', '.join(_OPERATORS)}; {REMEDY}")
 
 
@@ -154,10 +154,10 @@ class _Reader:
     book: Book
     rank: int  # of the input
     found: dict[str, _Value]
-    nodes: Mapping[str, Node]  # by output
+    nodes: Mapping[str, GraphNode]  # by output
     rows: list[str] = field(default_factory=list)
 
-    def value(self, node: Node) -> _Value:
+    def value(self, node: GraphNode) -> _Value:
         """What a node makes of what was found before it."""
         if node.operator not in _OPERATORS:
             raise not_read(node)
@@ -167,7 +167,7 @@ class _Reader:
             raise InputError(f"{node} stands between values of kinds or shapes that are not read", remedy=REMEDY)
         return made
 
-    def number(self, node: Node, parts: Sequence[Any]) -> Array | None:
+    def number(self, node: GraphNode, parts: Sequence[Any]) -> Array | None:
         """Of numbers, a number."""
         given, axes = node.given, _axes(node, parts)
         match node.operator, parts:
@@ -191,7 +191,7 @@ class _Reader:
                         return _rounded(_OF_NUMBERS[operator](*(x.astype(float) for x in parts)), parts)
         return None
 
-    def moved(self, node: Node, parts: Sequence[Any]) -> _Vector | _Switch | None:
+    def moved(self, node: GraphNode, parts: Sequence[Any]) -> _Vector | _Switch | None:
         """Of what depends on the input, a vector."""
         given, operator = node.given, node.operator
         match operator, parts:
@@ -231,7 +231,7 @@ class _Reader:
                 return soft
         return self.shaped(node, parts)
 
-    def shaped(self, node: Node, parts: Sequence[Any]) -> _Vector | None:
+    def shaped(self, node: GraphNode, parts: Sequence[Any]) -> _Vector | None:
         """Parts taken out, joined or summed, and axes of one part put in or out."""
         given, axes = node.given, _axes(node, parts)
         match node.operator, parts:
@@ -277,7 +277,7 @@ class _Reader:
         name = self.named(x).formula.removesuffix("[i]")
         return _Vector(f"sum(j, 1, {x.width}, {self.table('W', w, said)}[i, j]*{name}[j])", len(w), x.rank)
 
-    def joined(self, form: str, a: _Vector, b: _Vector, node: Node) -> _Vector:
+    def joined(self, form: str, a: _Vector, b: _Vector, node: GraphNode) -> _Vector:
         """Part by part; what has one part has it for each part of the other."""
         width = max(a.width, b.width)
         if a.rank != b.rank or not {a.width, b.width} <= {1, width}:
@@ -285,7 +285,7 @@ class _Reader:
         left, right = (x.part("1") if x.width < width else x.formula for x in (a, b))
         return _Vector(form.format(x=left, y=right), width, a.rank)
 
-    def vector(self, x: Array | _Vector, rank: int, node: Node) -> _Vector:
+    def vector(self, x: Array | _Vector, rank: int, node: GraphNode) -> _Vector:
         """A value as it is, or numbers that are the same for all rows of a batch."""
         if isinstance(x, _Vector):
             return x
@@ -321,13 +321,13 @@ class _Reader:
         return _Vector(f"{name}[i]", width, rank)
 
 
-def _axes(node: Node, parts: Sequence[Any]) -> list[int] | None:
+def _axes(node: GraphNode, parts: Sequence[Any]) -> list[int] | None:
     """The axes of a node, which older operators have as an attribute and newer ones as an input."""
     given = node.given.get("axes", parts[1] if len(parts) == 2 else None)
     return None if given is None or isinstance(given, _Vector) else [int(x) for x in np.ravel(given)]
 
 
-def _ends(node: Node, parts: Sequence[Any]) -> list[float | None] | None:
+def _ends(node: GraphNode, parts: Sequence[Any]) -> list[float | None] | None:
     """The least and the greatest that a node lets through; None where one is no single number."""
     ends = [node.given.get(name, end) for name, end in zip(("min", "max"), [*parts[1:], None, None], strict=False)]
     found = [None if end is None else _single(np.asarray(end)) for end in ends]

@@ -9,7 +9,7 @@ from typing import Any
 from duhem.errors import InputError, MissingExtraError
 from duhem.expression.abbreviations import Stress
 from duhem.law.learned import Book, LearnedFile
-from duhem.law.network import REMEDY, Network, Node, criterion_file, read_from
+from duhem.law.network import REMEDY, GraphNode, Network, criterion_file, read_from
 
 __all__ = ["onnx_network"]
 
@@ -55,5 +55,5 @@ def _network(graph: Any) -> Network:
         given = {x.name: helper.get_attribute_value(x) for x in each.attribute}
         given = {x: numpy_helper.to_array(y) if x == "value" else y for x, y in given.items()}
         operator = each.op_type if each.domain in _STANDARD else f"{each.domain}.{each.op_type}"
-        nodes.append(Node(operator, [x or None for x in each.input], each.output[0], given, each.name))
+        nodes.append(GraphNode(operator, [x or None for x in each.input], each.output[0], given, each.name))
     return Network(nodes, weights, shapes, [each.name for each in graph.output])

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.abbreviations import Stress
 from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile
-from duhem.law.network import SWITCH, Network, Node, criterion_file, not_read, read_from
+from duhem.law.network import SWITCH, GraphNode, Network, criterion_file, not_read, read_from
 
 __all__ = ["pt2_network"]
 
@@ -113,7 +113,7 @@ def _network(archive: _Archive) -> Network:
     return Network(nodes, weights, inputs, outputs)
 
 
-def _nodes(told: Mapping[str, Any]) -> Iterator[Node]:
+def _nodes(told: Mapping[str, Any]) -> Iterator[GraphNode]:
     """What a node of PyTorch is in operators of ONNX."""
     target, name = told["target"].removeprefix("torch.ops.aten."), told.get("name") or ""
     if target == "_assert_tensor_metadata.default":
@@ -122,8 +122,8 @@ def _nodes(told: Mapping[str, Any]) -> Iterator[Node]:
     given = {each["name"]: x for each in told["inputs"] if (x := _argument(each["arg"])) is not None}
     asked, x = given.get, given.get("self", given.get("input"))
 
-    def node(operator: str, *inputs: Any, into: str = out, **attributes: Any) -> Node:
-        return Node(operator, [x if x is None or isinstance(x, str) else np.asarray(x) for x in inputs], into, attributes, name)
+    def node(operator: str, *inputs: Any, into: str = out, **attributes: Any) -> GraphNode:
+        return GraphNode(operator, [x if x is None or isinstance(x, str) else np.asarray(x) for x in inputs], into, attributes, name)
 
     match word:
         case _ if word in _SIMPLE and asked("alpha", 1) == 1 and asked("rounding_mode") is None:
@@ -184,7 +184,7 @@ def _nodes(told: Mapping[str, Any]) -> Iterator[Node]:
         case "dropout" if not given["train"]:
             yield node("Identity", x)
         case _:
-            raise not_read(Node(told["target"], [], out))
+            raise not_read(GraphNode(told["target"], [], out))
 
 
 def _argument(arg: Mapping[str, Any]) -> Any:
