@@ -26,6 +26,8 @@ CASM = "(abs(q)/(M*p))**n + log(p/c)"  # Yu (1998)
 CUBIC = "max(q**2 - p*(c - p)*(c + h*p), p - c, -p)"
 CLOSED = "max(abs(q) + where(p > 0, M*p*log(p/c), 0), -p)"
 SPREAD = "(max(q, p) - min(p, t))**n - c"
+UNIT = "pos(q) + a*(exp(-neg(q)) - 1) + abs(p) - c"  # the exponential linear unit of networks
+OF_SQUARES = "pos(q**2 + p**2 - c) + exp(-neg(q**2 + p**2 - c)/2)*2 - 3"
 
 CONVEX = [
     (CAP, {"n": AT_LEAST_1}, ABOVE),
@@ -50,6 +52,9 @@ CONVEX = [
     (CLOSED.replace("log(p/c)", "(2 + log(p/c))"), {}, {}),
     (SPREAD, {"n": AT_LEAST_1}, {}),
     (SPREAD.replace("(max", "(abs(p) + max"), {"n": AT_LEAST_1}, {}),
+    (UNIT, {"a": Domain.between(0, 1)}, {}),
+    (UNIT.replace("abs(p)", "pos(q) + pos(p) + exp(-neg(q)) + exp(-neg(p)/2)*3/2"), {"a": Domain.between(0, 1)}, {}),
+    (OF_SQUARES, {}, {}),
 ]  # fmt: skip
 OPEN = [
     (CAP, {"n": Domain.between(-1, None)}, ABOVE),
@@ -98,6 +103,17 @@ OPEN = [
     (SPREAD.replace("max(q, p)", "2*max(q, p)"), {"n": AT_LEAST_1}, {}),
     (SPREAD.replace("max(q, p)", "max(q, q)"), {"n": AT_LEAST_1}, {}),
     (SPREAD + " + abs(t)", {"n": Domain.between("1/2", 2)}, {}),
+    (UNIT, {"a": Domain.between(0, "101/100")}, {}),
+    (UNIT, {"a": Domain.between(-1, 1)}, {}),
+    (UNIT.replace("neg(q)", "neg(p)"), {"a": Domain.between(0, 1)}, {}),
+    (UNIT.replace("neg(q)", "neg(-q)"), {"a": Domain.between(0, 1)}, {}),
+    (UNIT.replace("neg(q)", "2*neg(q)"), {"a": Domain.between("1/10", 1)}, {}),
+    (UNIT.replace("pos(q)", "pos(q)/2"), {"a": Domain.between(0, 1)}, {}),
+    (UNIT.replace("abs(p)", "abs(p) + exp(-neg(q))"), {"a": Domain.between("1/10", 1)}, {}),  # two beside one ramp
+    (UNIT.replace("abs(p)", "abs(p) + exp(-(p**2))"), {"a": Domain.between(0, 1)}, {}),
+    (UNIT.replace("(q)", "(-(q**2))"), {"a": Domain.between("1/10", 1)}, {}),  # pos of it is 0
+    (OF_SQUARES.replace("q**2", "abs(q)**(1/2)"), {}, {}),
+    (OF_SQUARES.replace("/2)", ")"), {}, {}),
 ]  # fmt: skip
 
 

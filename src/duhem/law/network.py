@@ -214,8 +214,10 @@ class _Reader:
                 slope = float(given.get("alpha", _SLOPES.get(operator, 0.0)))
                 if (operator == "LeakyRelu" and not 0.0 <= slope <= 1.0) or (operator == "Celu" and slope <= 0.0):
                     return None
-                x = self.named(x) if _WORDS[operator].count("{x}") > 1 else x
-                return _Vector(_WORDS[operator].format(x=x.formula, a=exact(np.float64(slope))), x.width, x.rank)
+                twice = _WORDS[operator].count("{x}") > 1
+                x = self.named(x) if twice else x
+                made = _Vector(_WORDS[operator].format(x=x.formula, a=exact(np.float64(slope))), x.width, x.rank)
+                return self.named(made) if twice else made
             case "Clip", [_Vector() as x, *_] if ends := _ends(node, parts):
                 low, high = (None if end is None else exact(np.float64(end)) for end in ends)
                 formula = x.formula if low is None else f"max({x.formula}, {low})"

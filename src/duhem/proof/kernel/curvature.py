@@ -31,7 +31,7 @@ from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, State
 from duhem.proof.kernel.forms import Matrix, apart, degree_at_most, determinant, leading_minors, multiple, quadratic, sign_within
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Monomial, written
-from duhem.proof.kernel.profiles import closed_at_its_end, scaled, shape_of_two
+from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled, shape_of_two
 from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spans import RISING, below_right
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
@@ -183,6 +183,8 @@ def _risen(x: Facts) -> Facts:
 def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
     moving, still = ([p for a, p in zip(term.args, parts, strict=True) if domain.constant(a) is c] for c in (False, True))
     known = of_sum(moving, still)
+    if not known.convex and convex_with_exponential_ramps(term, domain):
+        known = replace(known, convex=True, quasiconvex=True)
     if term.large:
         return known
     if known.sign & NEGATIVE and (nonnegative_when_bent(term, domain) or nonnegative_as_a_spread(term, domain)):

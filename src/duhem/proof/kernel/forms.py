@@ -104,6 +104,8 @@ def multiple(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomia
     """
     if not rest:
         return {}
+    if by_forces(rest, domain).keys() != by_forces(x, domain).keys():
+        return None
     split = share_and_rest(rest, x, domain)
     if split is not None:
         return None if split[1] else split[0]

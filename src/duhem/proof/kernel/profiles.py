@@ -13,6 +13,9 @@ Let f, g >= 0 be concave and f rise in a load t, g fall in it, the forces enteri
 m = r x + s y, r + s = 1, f(m) g(m) >= (r f(x) + s f(y)) (r g(x) + s g(y)) = r f(x) g(x) + s f(y) g(y) - r s (f(x) - f(y)) (g(x) - g(y)),
 and the last product is <= 0.  With f, g >= 0 convex, both rising or both falling, all signs turn: f g is convex (Boyd, Vandenberghe
 2004, exercise 3.32).
+
+pos(x) + c exp(-b neg(x)), b, c >= 0, b c <= 1, is convex and does not fall in x: it is continuous, and its slope is b c exp(b x) for x < 0,
+which lies between 0 and 1 and rises, and 1 for x > 0.  So it is convex where x is (the exponential linear units of networks).
 """
 
 from __future__ import annotations
@@ -56,6 +59,33 @@ def opened(x: Term, w: Term, domain: StatedDomain) -> Term | None:
     if w.op != "+" or domain.constant(w) or domain.facts(w).affine or not domain.facts(x).affine:
         return None
     return sum_of(*(_times(x, part, domain) for part in w.args))
+
+
+def convex_with_exponential_ramps(term: Term, domain: StatedDomain) -> bool:
+    """Whether a sum is made of ramps with an exponential, pos(x) + c (exp(-b neg(x)) + d), x convex, and of what is convex itself."""
+    rest = list(term.args)
+    for ramp in [a for a in rest if a.op == "pos" and domain.facts(a.args[0]).convex]:
+        if (below := next((a for a in rest if _goes_on(ramp, a, domain)), None)) is not None:
+            rest.remove(ramp)  # one that is equal to it, where there are more
+            rest.remove(below)
+    return len(rest) < len(term.args) and all(domain.facts(a).convex for a in rest)
+
+
+def _goes_on(ramp: Term, part: Term, domain: StatedDomain) -> bool:
+    """Whether c (exp(-b neg(x)) + d) stands beside pos(x), with b, c >= 0 and b c <= 1."""
+    c, inner = _apart(part, domain)
+    moving = [a for each in inner for a in (each.args if each.op == "+" else (each,)) if not domain.constant(a)]
+    if len(inner) != 1 or len(moving) != 1 or moving[0].op != "exp":
+        return False
+    b, below = _apart(moving[0].args[0], domain)
+    known = [domain.facts(x) for x in (c, minus(b), sum_of(_ONE, product_of(b, c)))]
+    return below == [Term("neg", ramp.args)] and all(x.defined and x.nonnegative for x in known)
+
+
+def _apart(term: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
+    """As :func:`apart`, of a large term too: it goes into products within its own and no deeper, as parts may be shared without end."""
+    own = [b for a in (term.args if term.op == "*" else (term,)) for b in (a.args if a.op == "*" else (a,))]
+    return product_of(*(a for a in own if domain.constant(a))), [a for a in own if not domain.constant(a)]
 
 
 def closed_at_its_end(term: Term, domain: StatedDomain) -> Facts | None:
