@@ -23,7 +23,8 @@ from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import BITS, Enclosure
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import parse
+from duhem.proof.kernel.taylor import TaylorForm, coefficients
+from duhem.proof.kernel.term import NotWritten, Term, parse
 from duhem.proof.methods.evidence import convexity_in_a_box
 
 TRAINED = Path(__file__).parent / "trained"
@@ -158,6 +159,70 @@ def test_no_drawn_law_that_is_proved_has_a_chord_that_leaves_k() -> None:
         ]
         g = " + ".join([*parts, f"{rng.randint(0, 2)}*(x**2 + y**2)/3", f"-{rng.randint(1, 4)}"])
         if not is_proved(stated(g), 30_000):
+            continue
+        program = numpy_.compiled(parse_as_written(g, {name: symbol(name) for name in "xy"}), (symbol("x"), symbol("y")))
+        p, q = 4.0 * places.random(size=(2, 4000, 2)) - 2.0
+        here, there, between = (program(*at.T) + np.zeros(4000) for at in (p, q, 0.5 * (p + q)))
+        assert not ((here < -1e-9) & (there < -1e-9) & (between > 1e-9)).any(), g
+        proved += bool((here > 0.0).any() and (here < 0.0).any())
+    assert proved > 1
+
+
+def drawn_polynomial(rng: Random, degree: int) -> str:
+    places = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    return " + ".join(f"({rng.randint(-9, 9)}/4)*x**{i}*y**{j}" for i, j in places)
+
+
+def test_a_taylor_form_holds_the_polynomial_and_its_derivatives() -> None:
+    x, y = symbol("x"), symbol("y")
+    for seed in range(6):
+        rng = Random(seed)
+        text = f"({drawn_polynomial(rng, 3)})**2 - {drawn_polynomial(rng, rng.randint(1, 6))}"
+        low = [Fraction(rng.randint(-20, 20), 10) for _ in range(2)]
+        sides = [Enclosure.between(a, a + Fraction(rng.choice((0, 1, 7)), 10)) for a in low]
+        form, term = TaylorForm(coefficients(parse(text), ("x", "y")), sides), parse(text)
+        g = sp.expand(sp.sympify(text, {"x": x, "y": y}, rational=True))
+        found = [form.value(term), *form.of(term)]
+        for wanted, has in zip([g, g.diff(x), g.diff(y), g.diff(x, 2), g.diff(x, y), g.diff(y, 2)], found, strict=True):
+            for _ in range(5):
+                at = {name: sp.Rational(rng.randint(s.low, s.high), 1 << BITS) for name, s in zip((x, y), sides, strict=True)}
+                assert sp.Rational(has.low, 1 << BITS) <= wanted.subs(at) <= sp.Rational(has.high, 1 << BITS)
+
+
+@pytest.mark.parametrize(
+    "text", ["x/x", "0/x", "x**(1/2)", "abs(x)", "pi*x", "k*x", "x**25", "(x*y)**13*x**12", "sqrt(2)*x", "exp(x)", "x**y", "1/0 + x"]
+)
+def test_what_is_no_polynomial_of_two_forces_as_it_is_written_has_no_taylor_form(text: str) -> None:
+    with pytest.raises((ValueError, ZeroDivisionError, NotWritten)):
+        coefficients(parse(text), ("x", "y"))
+
+
+def test_a_polynomial_of_shared_parts_is_read_once_for_each() -> None:
+    term = parse("x + y**2")
+    for _ in range(60):
+        term = Term("+", (term, term))
+    assert coefficients(term, ("x", "y")) == {(1, 0): 2**60, (0, 2): 2**60}
+
+
+SURROGATE = "(x**2 + y**2 + x*y/3)**4/9 + (x - y/2)**6/9 + (x + y)**3/30 - x**5*y**2/90 + x**2/2 + y**2/2 - x*y**4/50 - 1"
+
+
+@pytest.mark.slow
+def test_a_surrogate_of_high_degree_is_proved_and_one_with_a_dent_is_not() -> None:
+    assert is_proved(stated(str(sp.expand(sp.sympify(SURROGATE)))), 10_000_000)
+    for more in (" - 4*x**4", " - 3*x**2"):
+        dented = str(sp.expand(sp.sympify(SURROGATE + more)))
+        assert not is_proved(stated(dented), 300_000), more
+
+
+@pytest.mark.slow
+def test_no_drawn_polynomial_that_is_proved_has_a_chord_that_leaves_k() -> None:
+    places, proved = np.random.default_rng(3), 0
+    for seed in range(8):
+        rng = Random(seed)
+        k, n, share = rng.randint(1, 4), rng.randint(1, 4), rng.choice((30, 60, 120))
+        g = f"({k}/2)*(x**2 + y**2 + x*y/3)**{n} + ({drawn_polynomial(rng, 4)})/{share} - 2"
+        if not is_proved(stated(g), 600_000):
             continue
         program = numpy_.compiled(parse_as_written(g, {name: symbol(name) for name in "xy"}), (symbol("x"), symbol("y")))
         p, q = 4.0 * places.random(size=(2, 4000, 2)) - 2.0

@@ -11,6 +11,7 @@ Parameters and the pressure are further sides of the box, by which nothing is di
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from functools import cache, reduce
 from itertools import product
@@ -20,6 +21,7 @@ from duhem.proof.kernel.constant_value import Enclosure, enclosed, exact_value
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
+from duhem.proof.kernel.taylor import TaylorForm, coefficients
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 
 __all__ = ["convex_in_its_box"]
@@ -41,8 +43,10 @@ def convex_in_its_box(law: StatedLaw) -> bool:
     if len(law.forces) != 2 or law.viscous or law.of_rates:
         return False
     whole = {name: _side(sides.get(name, Bounds(None, None))) for name in names}
-    c = dict.fromkeys(law.forces, _ZERO)
-    if any(whole[x].sign != ANY for x in c) or not _is_shown(law, c, {**whole, **c}):
+    c, of = dict.fromkeys(law.forces, _ZERO), None
+    with suppress(ValueError, ZeroDivisionError, NotWritten):
+        of = coefficients(law.g, law.forces)
+    if any(whole[x].sign != ANY for x in c) or not _is_shown(law, c, {**whole, **c}, of):
         c = {x: Enclosure(middle, middle) for x in c for middle in [_halves(whole[x])[1].low]}
     boxes, count = [whole], sum(1 for _ in law.g.parts())
     for _ in range(_MOST_BOXES):
@@ -50,7 +54,7 @@ def convex_in_its_box(law: StatedLaw) -> bool:
             return True
         box = boxes.pop()
         pay(_PRICE * count)
-        if not _is_shown(law, c, box):
+        if not _is_shown(law, c, box, of):
             shares = {x: Fraction(box[x].high - box[x].low, whole[x].high - whole[x].low or 1) for x in names}
             if (widest := max(shares.values())) * _FINEST < 1:
                 return False
@@ -71,10 +75,12 @@ def _halves(side: Enclosure) -> tuple[Enclosure, Enclosure]:
     return Enclosure(side.low, middle), Enclosure(middle, side.high)
 
 
-def _is_shown(law: StatedLaw, c: _Box, box: _Box) -> bool:
-    """Whether g keeps a sign in a part of the box, which is < 0 at c, or the boundary rises from c and curves towards it."""
-    found = _Derivatives(law.forces, box)
+def _is_shown(law: StatedLaw, c: _Box, box: _Box, of: Mapping[tuple[int, int], Fraction] | None) -> bool:
+    """Whether g, which may be a polynomial ``of`` two forces, keeps a sign in a part of the box, which is < 0 at c, or the boundary rises
+    from c and curves towards it.
+    """
     try:
+        found = _Derivatives(law.forces, box) if of is None else TaylorForm(of, [box[x] for x in law.forces])
         sign = found.value(law.g).sign
         if sign in (NEGATIVE, POSITIVE):
             return sign == NEGATIVE or any(c[x].high < box[x].low or c[x].low > box[x].high for x in c)
