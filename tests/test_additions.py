@@ -286,7 +286,6 @@ __all__: list[str] = []
 
 
 @register(
-    "nearer",
     statement="the stress is no longer than the trial stress",
     formula="|stress| <= |trial|",
     source="made up",

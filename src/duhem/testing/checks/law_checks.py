@@ -156,7 +156,6 @@ class Dents:
 
 
 @register(
-    "origin",
     statement="zero stress is admissible",
     formula="0 in K(sigma_n)",
     source="Antoni et al. (2007), Eqs. 27, 28: Phi* least at 0",
@@ -170,7 +169,6 @@ def origin(q: Query) -> Finding:
 
 
 @register(
-    "convexity",
     statement="the midpoint of two stresses in K lies in K",
     formula="p, q in K(sigma_n) => (p + q)/2 in K(sigma_n)",
     source="Antoni et al. (2007), Eq. 34; Rockafellar (1970), section 2",
@@ -204,7 +202,6 @@ def _told(first: Array, last: Array) -> str:
 
 
 @register(
-    "smoothness",
     statement="the boundary has one normal at a seam, whichever side it is taken from",
     formula="n from the left = n from the right, where the piece of g changes",
     source="theory of gauges: gamma' continuous across seams (Antoni et al. 2007, Eq. 35)",

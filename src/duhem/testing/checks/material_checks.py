@@ -35,7 +35,6 @@ def _as_of_a_law(name: str, /, **other: object) -> None:
 
 
 @_of_any(
-    "answers",
     statement="the routine answers every increment with finite stresses, state and energies",
     formula="sigma in R^d",
     source="an unnoticed nan makes all later results wrong",
@@ -51,7 +50,6 @@ def answers(h: HistoryQuery) -> Finding:
 
 
 @_of_any(
-    "repeatability",
     statement="the same increment from the same state has the same answer, alone, together with others, and after others",
     formula="sigma(state, du) = sigma(state, du)",
     source="state that is kept between calls or shared between points makes an answer depend on the order of the calls",
@@ -73,7 +71,6 @@ _as_of_a_law(
 
 
 @_of_any(
-    "elasticity",
     statement="where a first small step can be undone, and the opposite one has the opposite answer, it is that of the stiffness given",
     formula="sigma(du) = k du, where -du/2 after du leads back to half the stress, -du to none, and sigma(-du) = -sigma(du)",
     source="the stiffness that all else is measured with; shear strains of the tensor and of engineers differ by a factor of two",
@@ -120,7 +117,6 @@ _as_of_a_law("vacuity", formula="sigma = sigma_tr for some, and not for others")
 
 
 @_of_any(
-    "rate",
     statement="rate independence: the same path in a thousandth and in a thousand times the time ends at the same stress",
     formula="sigma(u(t)) = sigma(u(c t)) for c > 0",
     source="Moreau (1977), J. Differ. Equ. 26, 347-374",
@@ -152,7 +148,6 @@ def _worst_step(h: HistoryQuery, measured: Array, allowed: Array) -> Finding:
 
 
 @_of_any(
-    "dissipation",
     statement="no step has negative dissipation",
     formula="d D >= 0",
     source="Antoni et al. (2007), Eqs. 22, 36: Clausius-Duhem",
@@ -172,7 +167,6 @@ def dissipation(h: HistoryQuery) -> Finding:
 
 
 @_of_any(
-    "rest",
     statement="a zero increment changes nothing, also not the answer to the next increment",
     formula="sigma(state, 0) = sigma; sigma(state after that, du) = sigma(state, du)",
     source="rate independence: no increment, no change (Moreau 1977, J. Differ. Equ. 26, 347-374)",
@@ -199,7 +193,6 @@ _as_of_a_law("slip")
 
 
 @_of_any(
-    "stored-energy",
     statement="in an elastic step the stress is the slope of the stored energy",
     formula="sigma = d psi/d u",
     source="Antoni et al. (2007), Eqs. 22, 23",
@@ -237,7 +230,6 @@ def stored_energy(h: HistoryQuery) -> Finding:
 
 
 @_of_any(
-    "energy",
     statement="work = stored + dissipated energy, up to the error of a finite step",
     formula="(sigma_0 + sigma)/2 . du = d psi + d D",
     source="Antoni et al. (2007), Eqs. 22-31, discrete",
@@ -270,7 +262,6 @@ _as_of_a_law(
 
 
 @_of_any(
-    "subdivision",
     statement="a path in twice as many steps ends, in the limit, at the same stress",
     formula="sigma_2n - sigma_n -> 0 as each leg is taken in n steps",
     source="Moreau (1977), J. Differ. Equ. 26, 347-374: the catching-up algorithm converges",
@@ -297,14 +288,13 @@ def subdivision(h: HistoryQuery) -> Finding:
 
 
 @_of_any(
-    "associated-symmetry",
     statement="the consistent tangent of an associated law, with or without hardening, is symmetric",
     formula="C = C^T",
     source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
     tolerance="d^2 (accuracy + 8 eps), in the metric of k",
     demanded=False,
 )
-def symmetry(h: HistoryQuery) -> Finding:
+def associated_symmetry(h: HistoryQuery) -> Finding:
     if h.here.tangent is None:
         raise NothingToCheck("the routine returns no tangent")
     return Finding(*tangent_checks.asymmetry(h, h.whitened(h.here.tangent)))
@@ -319,14 +309,13 @@ for _name, _said in (
 
 
 @_of_any(
-    "isotropic-plastic-work",
     statement="without kinematic hardening, the slip does positive work",
     formula="sigma . (du - k^-1 d sigma) >= 0",
     source="Drucker (1951), Proc. First US Natl. Congr. Appl. Mech., 487-491",
     tolerance="2 u (|sigma| + |k du|)",
     demanded=False,
 )
-def plastic_work(h: HistoryQuery) -> Finding:
+def isotropic_plastic_work(h: HistoryQuery) -> Finding:
     before, after = h.steps
     asked = (after.strain - before.strain) @ h.case.stiffness
     lost = -h.inner(after.stress, h.slip_of(before, after))

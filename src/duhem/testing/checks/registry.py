@@ -81,11 +81,11 @@ def enter(check: Check) -> None:
     _checks[check.of_a_law, check.name] = check
 
 
-def register(name: str, **said: Any) -> Callable[[Callable[[Any], Finding]], Callable[[Any], Finding]]:
-    """Return a decorator that enters a function as the check ``name``; ``said`` are further fields of :class:`Check`."""
+def register(**said: Any) -> Callable[[Callable[[Any], Finding]], Callable[[Any], Finding]]:
+    """Return a decorator that enters a function as the check of its name; ``said`` are further fields of :class:`Check`, or the name."""
 
     def add(measure: Callable[[Any], Finding]) -> Callable[[Any], Finding]:
-        enter(Check(name, measure=measure, **said))
+        enter(Check(measure=measure, **{"name": measure.__name__.replace("_", "-"), **said}))
         return measure
 
     return add

@@ -29,7 +29,6 @@ _ALONG = 1.0 - 1e-6  # cosine of a slip along the normal
 
 
 @register(
-    "multiplier",
     statement="the multiplier is never negative, zero where the trial is admissible, and the slip over the gradient of g as it is written",
     formula="lambda >= 0; sigma_tr in K => lambda = 0; k^-1 (sigma_tr - sigma) = lambda dg/dsigma",
     source="Antoni et al. (2007), Eq. 36; at corners F. H. Clarke (1983), Optimization and Nonsmooth Analysis, section 2.3",
@@ -106,7 +105,6 @@ def _slopes(q: Query, stress: Array, way: Array, near: Array) -> tuple[Array, Ar
 
 
 @register(
-    "answers",
     statement="the routine answers every increment with finite stresses",
     formula="sigma in R^d",
     source="an unnoticed nan makes all later results wrong",
@@ -120,7 +118,6 @@ def answers(q: Query) -> Finding:
 
 
 @register(
-    "feasibility",
     statement="the stress is admissible",
     formula="g(sigma, sigma_n) <= 0",
     source=_LAW,
@@ -153,7 +150,6 @@ def feasibility(q: Query) -> Finding:
 
 
 @register(
-    "idempotence",
     statement="an admissible stress does not change",
     formula="P(P(sigma_tr)) = P(sigma_tr)",
     source=_MOREAU,
@@ -166,7 +162,6 @@ def idempotence(q: Query) -> Finding:
 
 
 @register(
-    "non-expansiveness",
     statement="the distance between two stresses does not increase",
     formula="|P(x) - P(y)| <= |x - y|",
     source=_MOREAU,
@@ -180,7 +175,6 @@ def non_expansiveness(q: Query) -> Finding:
 
 
 @register(
-    "firmness",
     statement="the eigenvalues of the tangent lie in [0, k]; here for finite steps",
     formula="|P(x) - P(y)|^2 <= (P(x) - P(y)) . k^-1 (x - y)",
     source=_MOREAU,
@@ -195,7 +189,6 @@ def firmness(q: Query) -> Finding:
 
 
 @register(
-    "potential",
     statement="the step derives from a potential, so its tangent is symmetric; here for finite steps",
     formula="sum over a cycle x_1, x_2, x_3 of P(x_i) . k^-1 (x_i+1 - x_i) <= 0",
     source="Rockafellar (1970), Convex Analysis, Theorem 24.8; P = grad(|x|^2 - dist^2)/2",
@@ -240,7 +233,6 @@ def _leaning(q: Query, found: Reply, slip: Array, unit: Array) -> Iterator[Array
 
 
 @register(
-    "variational-inequality",
     statement="no admissible stress dissipates more with this slip",
     formula="(sigma_tr - sigma) . k^-1 (tau - sigma) <= 0 for all tau in K",
     source=f"{_LAW}; Moreau (1977), J. Differ. Equ. 26, 347-374",
@@ -262,7 +254,6 @@ def variational_inequality(q: Query) -> Finding:
 
 
 @register(
-    "complementarity",
     statement="slip occurs only on the boundary",
     formula="lambda g(sigma, sigma_n) = 0",
     source=_LAW,
@@ -283,7 +274,6 @@ def complementarity(q: Query) -> Finding:
 
 
 @register(
-    "dissipation",
     statement="the step dissipates",
     formula="sigma . slip >= 0",
     source="Antoni et al. (2007), Eqs. 22, 36: Clausius-Duhem",
@@ -301,7 +291,6 @@ def _loss(q: Query, found: Reply) -> tuple[Array, Array]:
 
 
 @register(
-    "slip",
     statement="the returned slip agrees with the difference between trial stress and stress",
     formula="k slip = sigma_tr - sigma",
     source="Antoni et al. (2007), Eqs. 25, 31",
@@ -319,7 +308,6 @@ def _returned(found: Reply) -> Array:
 
 
 @register(
-    "energy",
     statement="work = stored + dissipated energy + numerical loss of the implicit step",
     formula="sigma . du = d psi + sigma . slip + du_e . k du_e/2",
     source="Antoni et al. (2007), Eqs. 22-31, discrete",
@@ -338,7 +326,6 @@ def energy(q: Query) -> Finding:
 
 
 @register(
-    "ray",
     statement="rate independence: a longer or shorter slip in the same direction ends at the same stress",
     formula="P(sigma + t (sigma_tr - sigma)) = sigma for all t >= 0",
     source=_MOREAU,
@@ -352,7 +339,6 @@ def ray(q: Query) -> Finding:
 
 
 @register(
-    "stiffness-scale",
     statement="rate independence: the stress depends on the shape of the stiffness, not on its size",
     formula="P(sigma_tr; c k) = P(sigma_tr; k) for c > 0",
     source="the minimum of (sigma_tr - sigma) . (c k)^-1 (sigma_tr - sigma)/2 is where that of k is",
@@ -370,7 +356,6 @@ def stiffness_scale(q: Query) -> Finding:
 
 
 @register(
-    "homogeneity",
     statement="twice the load gives twice the stress: the routine contains no fixed stress",
     formula="P(c sigma_tr; c sigma_n) = c P(sigma_tr; sigma_n) for c > 0, where K(c sigma_n) = c K(sigma_n)",
     source="Antoni et al. (2007), Eq. 35: the gauge is positively homogeneous",
@@ -387,7 +372,6 @@ def homogeneity(q: Query) -> Finding:
 
 
 @register(
-    "path",
     statement="along a loading path the total dissipation is never negative",
     formula="sum over the steps of sigma . slip >= 0",
     source="Antoni et al. (2007), Eqs. 22, 23",

@@ -39,7 +39,6 @@ def _visited(visited: Visited) -> str | None:
 
 
 @register(
-    "vacuity",
     statement="the run contains increments that stick and increments that slip, and the routine solves most of those that slip",
     formula="sigma_tr in K(sigma_n) for some, and not for others",
     source="if nothing slips, a test passes for any routine",
@@ -52,7 +51,6 @@ def vacuity(q: Query) -> Finding:
 
 
 @register(
-    "repeatability",
     statement="the same increment has the same answer, alone, together with others, and after others",
     formula="P(sigma_tr) = P(sigma_tr)",
     source="state that is kept between calls or shared between rows makes an answer depend on the order of the calls",
@@ -102,7 +100,6 @@ def _apart(one: Array, other: Array) -> Array:
 
 
 @register(
-    "inputs",
     statement="the routine does not change its inputs and its earlier answers, and writes to no other memory",
     formula="sigma_tr, sigma_n and k after the call are those before it, and so are the answers to the calls before",
     source="the caller uses the trial stress, the pressure and the stiffness again, and keeps one answer during the next call",

@@ -32,8 +32,8 @@ def _condition(name: str, statement: str, formula: str, tolerance: str = "what u
     """Return a decorator that enters a function of steps and their metric as a check."""
 
     def add(measure: Callable[[LawStep, HistoryQuery], Condition]) -> None:
-        said = {"statement": statement, "formula": formula, "tolerance": tolerance, "source": source}
-        register(name, of_a_law=False, of_states=True, **said)(lambda h: _worst(h, *measure(h.law_step, h)))
+        said = {"name": name, "statement": statement, "formula": formula, "tolerance": tolerance, "source": source}
+        register(of_a_law=False, of_states=True, **said)(lambda h: _worst(h, *measure(h.law_step, h)))
 
     return add
 

@@ -18,7 +18,6 @@ _FINER = 12  # steps, each a quarter of the one before: the last is some thousan
 
 
 @register(
-    "tangent",
     statement="the consistent tangent is symmetric and has eigenvalues in [0, k]",
     formula="C = C^T, 0 <= x . C x <= x . k x",
     source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
@@ -43,7 +42,6 @@ def asymmetry(q: Query, c: Array) -> tuple[Array, Array]:
 
 
 @register(
-    "slope",
     statement="the consistent tangent agrees with finite differences of the routine where these are accurate (not near a flat point of K)",
     formula="C du = d sigma",
     source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
