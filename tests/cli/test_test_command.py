@@ -227,7 +227,7 @@ def test_a_routine_that_does_not_come_back_is_an_error_and_written_as_a_test(run
         ([*of("number")], "my_routines:number is a int, not a routine"),
         ([*of("absent")], "cannot be imported"),
         ([*of("right"), "--checks", "feasable"], "did you mean 'feasibility'?"),
-        ([*of("right"), "--checks", ","], "no check is named"),
+        ([*of("right"), "--checks", ","], "no check is selected"),
         ([*of("right"), "--expect", "slope"], "not of the form CHECK=REASON"),
         ([*of("right"), "--expect", "slop=because"], "did you mean 'slope'?"),
         ([*of("right"), "--accuracy", "0"], "--accuracy: the accuracy is not positive"),

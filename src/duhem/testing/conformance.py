@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -56,45 +57,48 @@ def check(name: str) -> Check:
     return _named(name, of_a_law=True)
 
 
-def _named(name: str, of_a_law: bool, of_states: bool = False) -> Check:
+def _named(name: str, of_a_law: bool, of_states: bool = False, where: str = "") -> Check:
     known = registered(of_a_law, of_states)
     if name not in known:
-        where = "" if of_a_law else "without a law"
-        raise InputError(f"unknown check {name!r}", where=where, remedy=f"choose one of {', '.join(known)}")
+        near = "".join(f"; did you mean {each!r}?" for each in get_close_matches(name, known, n=1))
+        remedy = f"choose one of {', '.join(known)}{near}"
+        raise InputError(f"unknown check {name!r}", where=where or ("" if of_a_law else "without a law"), remedy=remedy)
     return known[name]
 
 
-def checks_asked(law: _Law, checks: Iterable[Check | str] | Check | str | None, of_states: bool = False) -> tuple[Check, ...]:
+def checks_asked(
+    law: _Law, checks: Iterable[Check | str] | Check | str | None, of_states: bool = False, where: str = ""
+) -> tuple[Check, ...]:
     """The checks that ``checks`` name, of a law or of none; all that are demanded where left out.
 
     InputError for one that there is not, for what names none, and where none is asked for: nothing would be tested.
     """
     if checks is None:
         return tuple(c for c in every_check(law, of_states) if c.demanded)
-    remedy = 'name some, for example checks=["feasibility"], or omit it to run all'
+    place, remedy = where or "checks", 'name some, for example "feasibility", or omit it to run all'
     if not isinstance(checks, str | Check | Iterable):
-        raise InputError(f"{checks!r} names no checks", where="checks", remedy=remedy)
+        raise InputError(f"{checks!r} names no checks", where=place, remedy=remedy)
     named = (checks,) if isinstance(checks, str | Check) else tuple(checks)
     if not named:
-        raise InputError("no check is selected", where="checks", remedy=remedy)
+        raise InputError("no check is selected", where=place, remedy=remedy)
     if wrong := [each for each in named if not isinstance(each, str | Check)]:
-        raise InputError(f"{wrong[0]!r} is no check", where="checks", remedy=remedy)
-    found = tuple(_named(each, law is not None, of_states) if isinstance(each, str) else each for each in named)
+        raise InputError(f"{wrong[0]!r} is no check", where=place, remedy=remedy)
+    found = tuple(_named(each, law is not None, of_states, where) if isinstance(each, str) else each for each in named)
     if wrong := [each.name for each in found if not each.applies(law is not None, of_states)]:
         remedy = "name others; the marker of a material that is held to a law takes its state too"
-        raise InputError(f"the check {wrong[0]} is not for such a routine", where="checks", remedy=remedy)
+        raise InputError(f"the check {wrong[0]} is not for such a routine", where=place, remedy=remedy)
     return found
 
 
-def check_expected(law: _Law, expected: Mapping[str, str] | None, of_states: bool = False) -> None:
+def check_expected(law: _Law, expected: Mapping[str, str] | None, of_states: bool = False, where: str = "") -> None:
     """InputError unless it maps names of checks to the reasons why they fail."""
     if expected is None:
         return
     if not isinstance(expected, Mapping) or not all(isinstance(each, str) for pair in expected.items() for each in pair):
         remedy = 'give each check with its reason, for example {"slope": "no tangent yet"}'
-        raise InputError(f"{expected!r} does not map checks to reasons", where="expected_failed_checks", remedy=remedy)
+        raise InputError(f"{expected!r} does not map checks to reasons", where=where or "expected_failed_checks", remedy=remedy)
     for name in expected:
-        _named(name, law is not None, of_states)
+        _named(name, law is not None, of_states, where)
 
 
 def violation(

@@ -84,11 +84,11 @@ class RoutineChecks:
         RunOptions(accuracy=self.accuracy).check(None)
         check_share(self.most_flagged, "most_flagged")
         if self.checks is not None:
-            _placed("checks", lambda: checks_asked(_ANY, self.checks))
+            checks_asked(_ANY, self.checks, where="checks")
         if not isinstance(self.expect, tuple) or not all(isinstance(pair, tuple) and len(pair) == 2 for pair in self.expect):
             remedy = 'give each check with its reason, for example slope = "no tangent yet"'
             raise InputError(f"{str(self.expect)[:40]} does not map checks to reasons", where="expect", remedy=remedy)
-        _placed("expect", lambda: check_expected(_ANY, dict(self.expect)))
+        check_expected(_ANY, dict(self.expect), where="expect")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -158,14 +158,6 @@ class RoutineChecks:
 _VERDICTS = {PASSED: "passed", FAILED: "failed", SKIPPED: "not_applicable", MET: "xfailed", UNMET: "xpassed"}
 _ANY = "coulomb"  # the checks of one law are those of any
 _ROUTINE = "give a function update(trial, pressure, stiffness), or what from_material makes of a material"
-
-
-def _placed(where: str, ask: Any) -> None:
-    """What is wrong, by the name of the option."""
-    try:
-        ask()
-    except InputError as fault:
-        raise InputError(fault.what, where=where, remedy=fault.remedy) from None
 
 
 def _bound(routine: Update, law: Criterion) -> Update:

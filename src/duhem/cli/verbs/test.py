@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import isqrt
 from random import Random
@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from duhem.cli.arguments import (
-    check_names,
     complete_law,
     read_attribute,
     read_fixed_formula,
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from duhem.testing.routines.unfinished import Unfinished
     from duhem.testing.run import ConformanceRun
 
-    Routine = tuple[Callable[..., ConformanceRun], float]  # what makes its run, and the accuracy it is held to
+    Routine = Callable[..., ConformanceRun]  # what makes its run
 
 __all__ = ["test"]
 
@@ -144,29 +143,21 @@ def test(
     most = _most_flagged(most_flagged, own)
     expected = dict(read_pair(one, f"--expect {one}", "CHECK=REASON", "--expect slope='no tangent yet'") for one in expect)
     named = None if checks is None else tuple(dict.fromkeys(name.strip() for name in checks.split(",") if name.strip()))
-    held_to = None if accuracy is None else read_number(accuracy, "--accuracy")
-    free = law is None and own
-    fixed = {
-        "stiffness": None if stiffness is None else _matrix(read_numbers(stiffness, "--stiffness"), free),
-        "pressure": None if pressure is None else read_number(pressure, "--pressure"),
-    }
+    sizes = None if stiffness is None else _matrix(read_numbers(stiffness, "--stiffness"), own and law is None)
+    options: dict[str, Any] = {"max_examples": examples or _EXAMPLES[profile], "rows": 30, "every": every, "tries": shrink, "seed": seed}
+    for name, given in {"pressure": pressure, "accuracy": accuracy, "largest_strain": largest_strain}.items():
+        options |= {} if given is None else {name: read_number(given, f"--{name.replace('_', '-')}")}
     places = {name: _places(at, f"--state {one}") for one in state for name, at in [read_pair(one, f"--state {one}", *_STATE)]}
-    material = _material(subject, own, props, nstatv, ntens, places, fixed["stiffness"])
-    asked_for = _checks(None if free else subject, named, expected, material is not None and law is not None)
-    if material is not None:
-        routines, left_out = _held(subject, material, law, settings, places, held_to), dict[str, str]()
-        fixed["stiffness"] = None if _is_umat(subject) else fixed["stiffness"]
-    else:
-        routines, left_out = _routines(subject, law, free, settings, held_to, stiffness)
-    if largest_strain is not None:
-        fixed["largest_strain"] = read_number(largest_strain, "--largest-strain")
-    options = {"max_examples": examples or _EXAMPLES[profile], "rows": 30, "every": every, "tries": shrink, "seed": seed}
-    tested, ended = _carry_out(routines, asked_for, most, {**options, "expected": expected, **fixed})
+    material = _material(subject, own, props, nstatv, ntens, places, sizes)
+    options |= {"expected": expected, "stiffness": None if _is_umat(subject) else sizes}
+    asked_for = _checks(None if own and law is None else subject, named, expected, material is not None and law is not None)
+    routines, left_out = _routines(subject, own, material, law, settings, places, sizes is not None)
+    tested, ended = _carry_out(routines, asked_for, most, options)
     say(_told(form, tested, left_out, again))
     unfinished = None if isinstance(ended, KeyboardInterrupt) else ended
     if unfinished is not None:
         click.echo(f"duhem: {unfinished}", err=True)
-    reports = [each.report for each in tested.values()]
+    reports = [report for report, _ in tested.values()]
     if replay is not None:  # a test file for each cause, and for the increment that a routine does not come back from
         for file in (file for report in reports for file in report.write_replays(replay)):
             wrote("a failure as a test", f"{file}")
@@ -186,7 +177,7 @@ def _matrix(numbers: list[float], free: bool) -> Any:
     return [numbers[i : i + d] for i in range(0, d * d, d)] if d * d == len(numbers) and d > 1 else numbers
 
 
-def _made(made: Callable[..., ConformanceRun], checks: Sequence[Check], **options: Any) -> ConformanceRun:
+def _made(made: Routine, checks: Sequence[Check], **options: Any) -> ConformanceRun:
     """A run; what cannot be used is told by the name of its option."""
     try:
         return made(checks, **options)
@@ -194,15 +185,6 @@ def _made(made: Callable[..., ConformanceRun], checks: Sequence[Check], **option
         if fault.where not in ("stiffness", "pressure", "accuracy"):
             raise
         raise InputError(fault.what, where=f"--{fault.where}", remedy=fault.remedy) from None
-
-
-@dataclass(frozen=True)
-class _Tested:
-    """What came of a routine, the seconds it took, and of how many increments one was asked again."""
-
-    report: Report
-    seconds: float
-    every: int
 
 
 _STATE = ("NAME=PLACES", "--state X=7:13")
@@ -238,33 +220,12 @@ def _material(
     return None
 
 
-def _held(
-    subject: str, material: Material, law: str | None, settings: Sequence[str], places: Mapping[str, list[int]], accuracy: float | None
-) -> dict[str, Routine]:
-    """The run of a material, held to a law or to none."""
-    from duhem.law.catalogue import load_formula
-    from duhem.testing.conformance import ACCURACY
-    from duhem.testing.run import ConformanceRun
-
-    if law is None and settings:
-        what = "a material contains its own parameters"
-        raise InputError(what, where=f"--set {settings[0]}", remedy="set them where the material is created")
-    values = {name: float(value) for name, value in read_settings(settings).items()}
-    known = None if law is None else load_formula(read_law(law))
-    made = partial(ConformanceRun, known, material, values or None, state=places or None, given=law)
-    return {subject: (made, ACCURACY if accuracy is None else accuracy)}
-
-
-def _checks(law: str | None, named: Sequence[str] | None, expected: Mapping[str, str], held: bool = False) -> list[Check]:
+def _checks(law: str | None, named: Sequence[str] | None, expected: Mapping[str, str], held: bool) -> Sequence[Check]:
     """Those that are asked for; InputError for one that there is not."""
-    from duhem.testing.conformance import every_check
+    from duhem.testing.conformance import check_expected, checks_asked
 
-    known = {c.name: c for c in every_check(law, held)}
-    check_names("check", named or (), known, "checks are", "--checks")
-    if named == ():
-        raise InputError("no check is named", where="--checks", remedy=f"checks are: {', '.join(known)}")
-    check_names("check", expected, known, "checks are", "--expect")
-    return [c for c in known.values() if c.demanded] if named is None else [known[name] for name in named]
+    check_expected(law, expected, held, "--expect")
+    return checks_asked(law, named, held, "--checks")
 
 
 def _is_umat(subject: str) -> bool:
@@ -300,43 +261,52 @@ def _most_flagged(given: str | None, own: bool) -> float:
 
 
 def _routines(
-    subject: str, law: str | None, free: bool, settings: Sequence[str], accuracy: float | None, stiffness: str | None
+    subject: str,
+    own: bool,
+    material: Material | None,
+    law: str | None,
+    settings: Sequence[str],
+    places: Mapping[str, list[int]],
+    sized: bool,
 ) -> tuple[dict[str, Routine], dict[str, str]]:
     """What is tested, by the name it is shown under; of the methods of duhem that do not take a law, why they do not."""
-    from duhem.testing.conformance import ACCURACY
+    from duhem.law.catalogue import load_formula
+    from duhem.testing.drawn.options import ACCURACY
     from duhem.testing.routines.routine import PROMISED, own_solvers
     from duhem.testing.run import ConformanceRun
 
-    held_to = ACCURACY if accuracy is None else accuracy
+    values = {name: float(value) for name, value in read_settings(settings).items()} if own else {}
+    if material is not None:
+        if law is None and settings:
+            what = "a material contains its own parameters"
+            raise InputError(what, where=f"--set {settings[0]}", remedy="set them where the material is created")
+        held_to = None if law is None else load_formula(read_law(law))
+        return {subject: partial(ConformanceRun, held_to, material, values or None, state=places or None, given=law)}, {}
     if law is not None:
-        known, given = read_fixed_formula(law, settings), read_routine(subject)
-        return {subject: (partial(ConformanceRun, known, given, None, given=law), held_to)}, {}
-    if free:
-        routine, values = read_routine(subject), read_settings(settings)
-        if stiffness is None:
+        return {subject: partial(ConformanceRun, read_fixed_formula(law, settings), read_routine(subject), None, given=law)}, {}
+    if own:
+        routine = read_routine(subject)
+        if not sized:
             what = f"{subject} is a routine without a law, so the number of forces is not known"
             raise InputError(what, where="--law", remedy="name its law, for example --law coulomb, or give --stiffness")
-        parameters = {name: float(value) for name, value in values.items()}
-        return {subject: (partial(ConformanceRun, None, routine, parameters), held_to)}, {}
+        return {subject: partial(ConformanceRun, None, routine, values)}, {}
     known = read_fixed_formula(subject, settings)
-    found: dict[str, Routine] = {}
-    left_out: dict[str, str] = {}
-    for method, solver in own_solvers(known):
-        if isinstance(solver, str):
-            left_out[method] = solver
-        else:
-            run = partial(ConformanceRun, known, solver, None, given=subject)
-            found[f"{known.name} {method}"] = run, PROMISED.get(method, ACCURACY) if accuracy is None else accuracy
-    return found, left_out
+    solvers = dict(own_solvers(known))
+    found: dict[str, Routine] = {
+        f"{known.name} {method}": partial(ConformanceRun, known, solver, None, given=subject, accuracy=PROMISED.get(method, ACCURACY))
+        for method, solver in solvers.items()
+        if not isinstance(solver, str)
+    }
+    return found, {method: why for method, why in solvers.items() if isinstance(why, str)}
 
 
 def _carry_out(
     routines: Mapping[str, Routine], checks: Sequence[Check], most_flagged: float, options: Mapping[str, Any]
-) -> tuple[dict[str, _Tested], KeyboardInterrupt | Unfinished | None]:
-    """What came of one after the other, and what ended it before its end."""
-    tested: dict[str, _Tested] = {}
+) -> tuple[dict[str, tuple[Report, str]], KeyboardInterrupt | Unfinished | None]:
+    """What came of one after the other, with words on how it was asked, and what ended it before its end."""
+    tested: dict[str, tuple[Report, str]] = {}
     with Progress("testing") as progress:
-        for name, (made, accuracy) in routines.items():
+        for name, made in routines.items():
             begun = monotonic()
 
             def seen(run: ConformanceRun, name: str = name, begun: float = begun) -> None:
@@ -345,34 +315,27 @@ def _carry_out(
                 slip = f", slip {shares['slip']:.0%}" if shares else ""
                 progress.show(f"{name}: {run.examples} of {options['max_examples']}, {rate:.0f}/s{slip}, {len(run.found)} failed")
 
-            run = _made(made, checks, accuracy=accuracy, on_case=seen, **options)
-            report = replace(run.outcome(), most_flagged=most_flagged)
-            every = run.every if any(each.again for each in run.asked) else 1
-            tested[name] = _Tested(report, monotonic() - begun, every)
+            run = _made(made, checks, on_case=seen, **options)
+            report, seconds = replace(run.outcome(), most_flagged=most_flagged), monotonic() - begun
+            asked = f"{report.examples} examples in {seconds:.1f} s, {report.examples / max(seconds, 1e-9):.0f} a second"
+            if run.every > 1 and any(each.again for each in run.asked):
+                asked += f"\nchecks that call the routine again used one increment in {run.every}; --every 1 uses all of them"
+            tested[name] = report, asked
             if run.ended is not None:
                 return tested, run.ended
     return tested, None
 
 
-def _told(form: str, tested: Mapping[str, _Tested], left_out: Mapping[str, str], again: str) -> str:
+def _told(form: str, tested: Mapping[str, tuple[Report, str]], left_out: Mapping[str, str], again: str) -> str:
     from duhem.testing.failures.report import as_dict, as_junit
 
     if form == "junit":
-        return as_junit({name: each.report for name, each in tested.items()})
+        return as_junit({name: report for name, (report, _) in tested.items()})
     if form == "json":
-        routines = {name: {**as_dict(each.report), "again": again} for name, each in tested.items()}
+        routines = {name: {**as_dict(report), "again": again} for name, (report, _) in tested.items()}
         return json.dumps({"routines": routines, "left_out": left_out}, indent=2, ensure_ascii=False)
-    parts = [_text(name, each, again) for name, each in tested.items()]
+    parts = [f"{name}\n{report}\n{asked}\nagain: {again}" for name, (report, asked) in tested.items()]
     return "\n\n".join([*parts, *(f"{method} skipped: {why}" for method, why in left_out.items())])
-
-
-def _text(name: str, tested: _Tested, again: str) -> str:
-    report, seconds = tested.report, tested.seconds
-    lines = [f"{name}", str(report)]
-    lines.append(f"{report.examples} examples in {seconds:.1f} s, {report.examples / max(seconds, 1e-9):.0f} a second")
-    if tested.every > 1:
-        lines.append(f"checks that call the routine again used one increment in {tested.every}; --every 1 uses all of them")
-    return "\n".join([*lines, f"again: {again}"])
 
 
 def _again(context: click.Context, subject: str, seed: int) -> str:
