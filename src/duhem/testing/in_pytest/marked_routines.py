@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import fields
 from functools import cached_property
 from inspect import CO_ASYNC_GENERATOR, CO_COROUTINE, getattr_static, signature
 from pathlib import Path
@@ -20,7 +20,7 @@ from duhem.law.catalogue import load
 from duhem.testing.conformance import check_expected, checks_asked, conformance
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import RunOptions, check_share
-from duhem.testing.failures.report import Report
+from duhem.testing.failures.report import MET, PASSED, SKIPPED, UNMET, Report
 from duhem.testing.in_pytest.items import UnusableTest, group, group_marks
 from duhem.testing.routines.routine import Update
 
@@ -36,10 +36,7 @@ PROFILES: dict[str, dict[str, Any]] = {
 
 
 FLAGGED = "flagged"  # the node that says how many increments the routine gives up
-_TAKES = (
-    "law", "parameters", "stiffness", "pressure", "checks", "accuracy", "max_examples", "rows", "every", "seconds", "seed",
-    "expected_failed_checks", "most_flagged", "tries", "largest_strain", "scale", "state",
-)  # fmt: skip
+_TAKES = tuple(name for name in signature(conformance).parameters if name not in ("update", "first"))
 _REMEDY = 'write for example @pytest.mark.duhem(law="coulomb", parameters={"mu": 0.3})'
 _ROUTINES = pytest.StashKey[dict[str, "Trial"]]()
 
@@ -47,30 +44,27 @@ _ROUTINES = pytest.StashKey[dict[str, "Trial"]]()
 class Trial:
     """One routine with what its marker asks; :meth:`outcome` of a node comes from one run of all that are selected."""
 
-    def __init__(self, node: str, marker: pytest.Mark, config: pytest.Config, name: str) -> None:
+    def __init__(self, node: str, marker: pytest.Mark, config: pytest.Config) -> None:
         given = dict(zip(_TAKES, marker.args, strict=False)) | dict(marker.kwargs)
         if unknown := [key for key in given if key not in _TAKES]:
             raise _unusable(node, f"the marker duhem takes no {unknown[0]!r}", f"it takes {', '.join(_TAKES)}")
         if "law" not in given:
             raise _unusable(node, "the marker duhem names no law", _REMEDY)
-        self.node, self.config, self.name = node, config, name
-        self.law = given.pop("law")
-        self.parameters = given.pop("parameters", None)
-        self.most_flagged = given.pop("most_flagged", 0.0)
-        checks, expected = given.pop("checks", None), given.pop("expected_failed_checks", None)
-        self.state = given.pop("state", None)
+        self.node, self.config, self.law, self.parameters = node, config, given["law"], given.get("parameters")
+        self.expected, of_states = given.pop("expected_failed_checks", None), given.get("state") is not None
         try:
-            check_share(self.most_flagged, "most_flagged")
+            check_share(given.setdefault("most_flagged", 0.0), "most_flagged")
             known = None if self.law is None else load(self.law)
-            asked = checks_asked(known, checks, self.state is not None)
-            check_expected(known, expected, self.state is not None)
+            asked = checks_asked(known, given.pop("checks", None), of_states)
+            check_expected(known, self.expected, of_states)
             if known is not None:
                 known.fix(self.parameters)
-            RunOptions(**given).check(known if self.state is None else None)
+            RunOptions(**{each.name: given[each.name] for each in fields(RunOptions) if each.name in given}).check(
+                None if of_states else known
+            )
         except DuhemError as fault:
             raise _unusable(node, f"{fault}", "") from None
-        self.expected: dict[str, str] = dict(expected or {})
-        if besides := {*self.expected} - {each.name for each in asked}:
+        if besides := {*(self.expected or ())} - {each.name for each in asked}:
             raise _unusable(node, f"{min(besides)} is expected to fail, but is not selected", "name it in checks")
         self.asked = {each.name: each for each in asked}
         self.options = given | PROFILES.get(config.getoption("--duhem-profile") or "", {})
@@ -86,11 +80,11 @@ class Trial:
         """Return the report of all checks that are selected; the routine is run once."""
         if self._outcome is None:
             if asked := {*self.selected} & {*self.asked}:
-                asked |= {*self.expected}  # one that fails explains others, though its node be left out
+                asked |= {*(self.expected or ())}  # one that fails explains others, though its node be left out
             checks = [each for name, each in self.asked.items() if name in asked] or list(self.asked.values())
-            options = {"checks": checks, "expected_failed_checks": self.expected, "first": [*self._kept.values()], **self.options}
+            told = {"checks": checks, "expected_failed_checks": self.expected, "first": [*self._kept.values()]}
             try:
-                self._outcome = conformance(self.law, update, self.parameters, state=self.state, **options)
+                self._outcome = conformance(update=update, **self.options, **told)
             except DuhemError as fault:
                 self._outcome = fault
             else:
@@ -108,39 +102,38 @@ class Trial:
         """Return whether one of the selected nodes fails."""
         report = self.report(update)
         unexpected = any(name in self.selected for name in report.unexpected)
-        return bool(report.failures) or unexpected or (FLAGGED in self.selected and report.flagged_share > self.most_flagged)
+        return bool(report.failures) or unexpected or (FLAGGED in self.selected and report.flags_too_many)
 
     def judge(self, node: str, update: Update, properties: list[tuple[str, object]]) -> Report:
         """Pass, fail, skip or xfail as one node says."""
         report = self.report(update)
         properties += self._properties(node, report)
-        if node == FLAGGED:
-            if (bounded := replace(report, most_flagged=self.most_flagged)).flags_too_many:
-                pytest.fail(f"{self.node} {bounded.flags()}", pytrace=False)
-        elif node in report.expected:
-            pytest.xfail(report.expected[node])
-            pytest.fail(f"{self.node}: {node} fails, as expected: {report.expected[node]}", pytrace=False)  # with --runxfail
-        elif node in report.unexpected:
-            reason = f"{node} passes, but was expected to fail: {report.unexpected[node]}"
+        failure, cause, (how, why) = report.failure_of(node), report.cause_of(node), report.outcomes().get(node, (PASSED, ""))
+        if node == FLAGGED and report.flags_too_many:
+            pytest.fail(f"{self.node} {report.flags()}", pytrace=False)
+        if how == MET:
+            pytest.xfail(why)
+            pytest.fail(f"{self.node}: {node} fails, as expected: {why}", pytrace=False)  # with --runxfail
+        if how == UNMET:
+            reason = f"{node} passes, but was expected to fail: {why}"
             pytest.fail(f"{self.node}: {reason}; remove it from expected_failed_checks", pytrace=False)
-        elif (failure := report.failure_of(node)) is not None:
-            if cause := report.cause_of(node):
-                pytest.fail(f"{failure.title}: {failure.message}\n  likely for the same reason as [{cause}]", pytrace=False)
-            pytest.fail(str(failure), pytrace=False)
-        elif node in report.left_out:
-            pytest.skip(report.left_out[node])
+        if failure is not None:
+            explained = f"{failure.title}: {failure.message}\n  likely for the same reason as [{cause}]"
+            pytest.fail(explained if cause else str(failure), pytrace=False)
+        if how == SKIPPED:
+            pytest.skip(why)
         return report
 
     def _properties(self, node: str, report: Report) -> Iterator[tuple[str, object]]:
         failure = report.failure_of(node)
-        refuted = report.flagged_share > self.most_flagged if node == FLAGGED else node in report.failed
+        refuted = report.flags_too_many if node == FLAGGED else node in report.failed
         yield "duhem_law", report.law
         yield "duhem_verdict", "refuted" if refuted else "undecided" if node in report.left_out else "tested"
         yield "duhem_method", "drawn cases"
         yield "duhem_seed", str(report.seed)
         yield "duhem_examples", str(report.examples)
         yield "duhem_flagged", f"{report.flagged} of {report.points}"
-        yield "duhem_most_flagged", f"{self.most_flagged:g}"
+        yield "duhem_most_flagged", f"{report.most_flagged:g}"
         if failure is not None:
             yield "duhem_measured", repr(failure.measured)
             yield "duhem_allowed", repr(failure.allowed)
@@ -241,7 +234,7 @@ def check_items(
 
 def _trial_of(collector: pytest.Module | pytest.Class, name: str, function: FunctionType, mark: pytest.Mark) -> Trial:
     """Return what a marker asks of the function under it.  Raises CollectError."""
-    trial = Trial(f"{collector.nodeid}::{name}", mark, collector.config, name)
+    trial = Trial(f"{collector.nodeid}::{name}", mark, collector.config)
     if fault := _needs_pytest(function, collector, trial):
         remedy = "use the fixture duhem_check in a test that makes the routine: def test_it(duhem_check): duhem_check(update)"
         raise _unusable(trial.node, fault, remedy)
@@ -275,7 +268,7 @@ def names_of_checks(definition: pytest.Item) -> list[Any]:
     """Return what parametrises the fixture ``duhem_check``: nodes, or one that says what is wrong with the marker."""
     marks = group_marks(definition.config, definition.nodeid)
     try:
-        nodes = _trial(definition, definition.name, definition.nodeid).nodes
+        nodes = _trial(definition, definition.nodeid).nodes
     except pytest.Collector.CollectError as fault:
         return [pytest.param(fault, marks=marks, id="marker")]
     return [pytest.param(node, marks=marks, id=node) for node in nodes]
@@ -289,7 +282,7 @@ def checked(request: pytest.FixtureRequest) -> Callable[..., Report]:
     key = _shared(item)
     trials = item.config.stash.setdefault(_ROUTINES, {})
     if key not in trials:
-        trials[key] = _trial(item, item.originalname, key)
+        trials[key] = _trial(item, key)
         trials[key].selected = [i.callspec.params["duhem_check"] for i in item.session.items if _shared(i) == key]
 
     def check_routine(update: Update) -> Report:
@@ -299,11 +292,11 @@ def checked(request: pytest.FixtureRequest) -> Callable[..., Report]:
     return check_routine
 
 
-def _trial(item: pytest.Item, name: str, node: str) -> Trial:
+def _trial(item: pytest.Item, node: str) -> Trial:
     marker = item.get_closest_marker("duhem")
     if marker is None:
         raise _unusable(node, "the fixture duhem_check needs the marker duhem", _REMEDY)
-    return Trial(node, marker, item.config, name)
+    return Trial(node, marker, item.config)
 
 
 def _shared(item: pytest.Item) -> str:
