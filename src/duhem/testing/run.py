@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from math import isnan
+from math import isnan, nan
 from numbers import Real
 from random import Random
 from typing import Any, cast
@@ -75,44 +75,38 @@ class ConformanceRun:
         state: Places | None = None,
         **options: Any,
     ) -> None:
-        drawn = RunOptions(**options)
-        held_to = law if isinstance(update, Material) else None
+        drawn, self.held_to = RunOptions(**options), law if isinstance(update, Material) else None
         self.in_state: LawInState | None = None
-        self.warm, self.held, pressed = None, "", held_to is not None and held_to.pressure is not None
+        self.warm, self.held, pressed = None, "", self.held_to is not None and self.held_to.pressure is not None
         self.given = law if given is None else given
         said = {"parameters": parameters or None, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
-        if held_to is not None and isinstance(update, Material):
-            law, self.warm, values = None, held_to.temperature, dict(parameters or {})
-            del said["parameters"]
+        if isinstance(update, Material) and law is not None:
+            self.warm, values = law.temperature, dict(parameters or {})
             first = None if self.warm is None else _temperatures(values.get(self.warm), self.warm)
             update = replace(update, temperature=first[0] if first else None, pressed=pressed)
-            self.in_state = LawInState.of(held_to, update, values, state)
+            self.in_state = LawInState.of(law, update, values, state)
             parameters = {} if first is None else {str(self.warm): sampled_from(first)}
             self.held = f"{drawn_again({'parameters': values})}, state={self.in_state.places!r}"
+            law, said["parameters"] = None, None
         if law is None:
-            own = {"parameters": None if held_to else parameters, "pressure": None if pressed else drawn.pressure}
-            _check_without_law(update, said | own)
+            _check_without_law(update, said | ({"pressure": None} if pressed else {}))
         if pressed and drawn.pressure is None:
             drawn = replace(drawn, pressure=pressures(-1, 1))
         drawn.check(law)
-        self.law, self.held_to, self.update, self.parameters, self.on_case = law, held_to, update, parameters, on_case
-        self.pressure, self.accuracy, self.rows = drawn.pressure, drawn.accuracy, drawn.rows
-        self.stiffness = update.elastic if isinstance(update, Material) else drawn.stiffness
-        self.sizes = {"largest_strain": drawn.largest_strain, "scale": drawn.scale}
-        self.tries, self.seconds = drawn.tries, drawn.seconds
+        most: dict[str, Any] = {} if drawn.max_examples is None else {"max_examples": drawn.max_examples}
+        self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **most)
+        self.seed = drawn.seed if drawn.seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
         self.every = drawn.every if drawn.every is not None else _EVERY_HISTORY if law is None else _EVERY
+        self.law, self.update, self.parameters, self.on_case, self.drawn = law, update, parameters, on_case, drawn
+        self.stiffness = update.elastic if isinstance(update, Material) else drawn.stiffness
         domains = {} if law is None else law.fix(parameters).parameters
         self.passed = tuple(parameters or ()) if law is None else tuple(name for name, domain in domains.items() if domain.value is None)
         self.asked, self.pending, self.expected = tuple(asked), list(asked), dict(expected or {})
         self.answers = next((c for c in asked if c.name == _ANSWERS), None)  # which tells of silence, once for all checks
-        most: dict[str, Any] = {} if drawn.max_examples is None else {"max_examples": drawn.max_examples}
-        self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **most)
-        self.seed = drawn.seed if drawn.seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
-        demanded = {check for check in registered(law is not None, held_to is not None).values() if check.demanded}
+        demanded = {check for check in registered(law is not None, self.held_to is not None).values() if check.demanded}
         chosen = {"checks": [c.name for c in asked]} if {*asked} != demanded else {}
         counts = {"max_examples": self.profile.max_examples, "rows": drawn.rows, "every": self.every, "seed": self.seed}
-        sizes = {name: size for name, size in self.sizes.items() if size is not None}
-        again = drawn_again(said, **chosen, **counts, **sizes)
+        again = drawn_again(said, **chosen, **counts, **self._sizes)
         self.again = ", ".join(filter(None, (self.held, again))) if again else ""
         self.ended: KeyboardInterrupt | Unfinished | None = None
         self.found: list[Failure] = []
@@ -123,19 +117,24 @@ class ConformanceRun:
         self.raised = Raised()
         self.last: Case | None = None
         self.opening: Case | None = None
-        free = {"pressure": not isinstance(drawn.pressure, Real), "stiffness": isinstance(drawn.stiffness, SearchStrategy | None)}
-        self.fixed = frozenset(name for name, may_change in free.items() if not may_change)
+        fixed = {"pressure": isinstance(drawn.pressure, Real), "stiffness": not isinstance(drawn.stiffness, SearchStrategy | None)}
+        self.fixed = frozenset(name for name, always in fixed.items() if always)
         self.shortened: dict[str, Failure] = {}
         self.visited, self.examples = self._nothing_visited(), 0
 
     def _nothing_visited(self) -> Visited:
         if self.law is None:
-            return Visited((), self.pressure is not None, self._timed)
+            return Visited((), self.drawn.pressure is not None, self._timed)
         return Visited(tuple(self.law.forces), self.law.pressure is not None)
 
     @property
     def _timed(self) -> bool:
         return self.in_state is not None and self.in_state.own.timed
+
+    @property
+    def _sizes(self) -> dict[str, Any]:
+        sizes = {"largest_strain": self.drawn.largest_strain, "scale": self.drawn.scale}
+        return {name: size for name, size in sizes.items() if size is not None}
 
     @property
     def _title(self) -> str:
@@ -164,7 +163,7 @@ class ConformanceRun:
         """Draw cases until every check has failed or has seen them all."""
         while self.pending:
             self.visited, self.examples = self._nothing_visited(), 0
-            drawn = self._cases(self.parameters, self.stiffness, self.rows)
+            drawn = self._cases(self.parameters, self.stiffness, self.drawn.rows)
             found = self._least(self.pending, drawn, settings(self.profile, phases=(Phase.generate,)), self._drawn)
             if found is None:
                 self._look_at_the_whole()
@@ -174,11 +173,11 @@ class ConformanceRun:
 
     def _cases(self, parameters: Mapping[str, Any] | None, stiffness: ArrayLike | Strategy | None, rows: int = 1) -> Strategy:
         if self.law is not None:
-            return cases(self.law, parameters, stiffness=stiffness, pressure=self.pressure, rows=rows)
+            return cases(self.law, parameters, stiffness=stiffness, pressure=self.drawn.pressure, rows=rows)
         assert stiffness is not None
-        given = parameters or {}, stiffness, self.pressure, rows
-        told = {"accuracy": self.accuracy, "searched": self.visited.searched, "timed": self._timed, **self.sizes}
-        return histories(self._material, *given, **told)  # type: ignore[arg-type]
+        given = parameters or {}, stiffness, self.drawn.pressure, rows
+        told = {"accuracy": self.drawn.accuracy, "searched": self.visited.searched, "timed": self._timed, **self._sizes}
+        return histories(self._material, *given, **told)
 
     def _material(self, values: Mapping[str, float], stiffness: Any) -> Material:
         if isinstance(self.update, Material) and self.warm is not None and self.update.temperature != values[self.warm]:
@@ -196,7 +195,7 @@ class ConformanceRun:
             drawn(query)
             return found
 
-        bounds: dict[str, Any] = {"seed": self.seed, "tries": self.tries, "seconds": self.seconds, "raised": self.raised}
+        bounds: dict[str, Any] = {"seed": self.seed, "tries": self.drawn.tries, "seconds": self.drawn.seconds, "raised": self.raised}
         return least_case(failing, checks, cases, profile, **bounds)
 
     def _drawn(self, query: Query) -> None:
@@ -215,7 +214,7 @@ class ConformanceRun:
             self._note_all(self._unrepeatable(first, failed))
             return
         if self.in_state is not None and any(self.failures(self.query(failed.case), checks)):  # each row is a history of its own
-            least = shortened(failed.case, lambda case: any(self.failures(self.query(case), checks)), min(self.tries, _FEW))
+            least = shortened(failed.case, lambda case: any(self.failures(self.query(case), checks)), min(self.drawn.tries, _FEW))
             self._note_all(list(self.failures(self.query(least), self.pending)))
             return
         least = first
@@ -240,9 +239,8 @@ class ConformanceRun:
         known = any(f.check.name == _MEMORY for f in self.found)
         memory = next((c for c in self.pending if c.name == _MEMORY), None)
         if memory is None and not known:
-            raise InputError(
-                "the routine gives different answers to the same increment", where="update", remedy="test a routine without memory"
-            )
+            what = "the routine gives different answers to the same increment"
+            raise InputError(what, where="update", remedy="test a routine without memory")
         if check.name != _MEMORY:
             self.pending.remove(check)
             self.judged.discard(check.name)
@@ -250,7 +248,7 @@ class ConformanceRun:
         if memory is None:
             return []
         message = f"{check.name} failed on this case, but not when repeated: {failed.message}"
-        return [self._failure(memory, message, case, float("nan"), 0.0)]
+        return [self._failure(memory, message, case)]
 
     def _look_at_the_whole(self) -> None:
         """Note the failures of checks that no case alone can fail."""
@@ -259,7 +257,7 @@ class ConformanceRun:
                 continue
             if (message := asked.whole(self.visited)) is not None:
                 self.judged.add(asked.name)
-                self.found.append(self._failure(asked, message, self.last.row(0), float("nan"), 0.0))
+                self.found.append(self._failure(asked, message, self.last.row(0)))
 
     def failures(self, query: Query, checks: Sequence[Check]) -> Iterator[Failure]:
         """Yield the failures of some checks on a case, as they are found."""
@@ -278,15 +276,15 @@ class ConformanceRun:
                         self.left_out[asked.name] = f"not run: {fault}"
                         if silent:
                             continue
-                    found = self._silent(asked, query.case, fault), str(fault), float("nan"), 0.0
+                    found = self._silent(asked, query.case, fault), str(fault), nan, 0.0
                     if self.answers is not None and self._is_silent(self.answers, found[0]):
                         if silent or self.answers not in checks:
                             continue
                         asked, silent = self.answers, True
                 self.judged.add(asked.name)
                 if found is not None:
-                    case, message, measured, allowed = found
-                    yield self._failure(asked, message, case, measured, allowed)
+                    case, message, *sizes = found
+                    yield self._failure(asked, message, case, *sizes)
         finally:
             for part in query.parts:
                 self.counted.update(points=part.points, flagged=part.flagged, undefined=int(part.unsaid.sum()))
@@ -294,7 +292,7 @@ class ConformanceRun:
 
     def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
         """Return the same error with the increment, and with what shows it again."""
-        failure = replace(self._failure(asked, fault.what, named_by(fault, case), float("nan"), 0.0), origin=self._origin())
+        failure = replace(self._failure(asked, fault.what, named_by(fault, case)), origin=self._origin())
         placed = Unfinished(fault.what, where=f"{failure.increment}, in the check {asked.name}", remedy=fault.remedy)
         placed.failure = failure
         return placed
@@ -320,7 +318,7 @@ class ConformanceRun:
 
     def query(self, case: Case, accuracy: float | None = None) -> Query:
         """Return what asks the routine about one case, held to the accuracy of the run or another one."""
-        self.last, counted = case, (self.accuracy if accuracy is None else accuracy, self.every, self.examples)
+        self.last, counted = case, (self.drawn.accuracy if accuracy is None else accuracy, self.every, self.examples)
         if self.law is None:
             made = self._material(case.parameters, case.stiffness)
             return HistoryQuery(made, case, *counted, raised=self.raised, law=self.in_state)
@@ -329,8 +327,8 @@ class ConformanceRun:
         asked = Region(self.law, case.parameters), case, cast(Update, self.update), self.passed
         return Query(*asked, *counted, raised=self.raised, opening=former, fixed=self.fixed)
 
-    def _failure(self, check: Check, message: str, case: Case, measured: float, allowed: float) -> Failure:
-        told = check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed
+    def _failure(self, check: Check, message: str, case: Case, measured: float = nan, allowed: float = 0.0) -> Failure:
+        told = check, self.law, message, case, measured, allowed, self.drawn.accuracy, named(self.update), self.passed
         return Failure(*told, drawn=self.again, alone=not check.whole and check.name != _MEMORY, held=self.held)
 
     # -- what is told --------------------------------------------------------------------------------------------------
@@ -383,7 +381,7 @@ class ConformanceRun:
 
         few = settings(self.profile, max_examples=min(_LOOKED_AT, self.profile.max_examples), phases=(Phase.generate,))
         if regions:
-            self._least((), self._cases(self.parameters, self.stiffness, self.rows), few, seen)
+            self._least((), self._cases(self.parameters, self.stiffness, self.drawn.rows), few, seen)
         where = {name: str(each) for name, each in regions.items()}
         known, others = set().union(*map(_said_of, causes)), list[Failure]()
         for place, cause in enumerate(causes):
@@ -417,7 +415,7 @@ class ConformanceRun:
         """The least power of ten as an accuracy at which the check passes at the increment, up to 1e-2."""
         if failure.check.whole or failure.check.law_only or not failure.alone:
             return None
-        tried = (10.0**power for power in range(-14, -1) if 10.0**power > self.accuracy)
+        tried = (10.0**power for power in range(-14, -1) if 10.0**power > self.drawn.accuracy)
         return next((x for x in tried if not any(self.failures(self.query(failure.case, x), [failure.check]))), None)
 
     def _short(self, failure: Failure) -> Failure:
@@ -451,7 +449,7 @@ class ConformanceRun:
             admitted=admitted(law.fix(self.parameters)).holds,
             free=self.passed,
             stiffness=self.stiffness is None,
-            pressure=None if self.pressure is not None else lambda p: p <= 0.0 and (own is None or p in own),
+            pressure=None if self.drawn.pressure is not None else lambda p: p <= 0.0 and (own is None or p in own),
         )
 
         def on(case: Case) -> Failure:

@@ -52,6 +52,7 @@ class HistoryQuery(Query):
 
     whole: HistoryQuery | None
     turned = slice(None)  # each increment has a state of its own to start from
+    _trials: Mapping[str, Reply] = {}  # the path is followed first
 
     def __init__(
         self,
@@ -81,9 +82,6 @@ class HistoryQuery(Query):
         return super().together(asked, stiffness)
 
     def ahead(self) -> Mapping[str, Asked]:
-        return {}
-
-    def beside(self) -> Mapping[str, Asked]:
         return {}
 
     def unit(self, reply: Reply) -> Array:

@@ -123,7 +123,7 @@ def named_by(fault: NoReply | Unfinished, case: Case) -> Case:
     return case.row(fault.row or 0) if fault.case is None else fault.case
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reply:
     """What the routine returned for ``trial`` (N, d), as arrays; ``solved`` (N,) as it says itself."""
 
@@ -206,8 +206,8 @@ class Query:
         self.sound, self.unsaid = np.ones(len(case), dtype=np.bool_), np.zeros(len(case), dtype=np.bool_)
         self.overwritten: Overwritten = np.full(len(case), "", dtype=object)
         self.tried: Counter[tuple[str, str]] = Counter()
-        self._units: dict[int, tuple[Reply, Array]] = {}
-        self._gradients: dict[int, tuple[Reply, Array]] = {}
+        self._units: dict[Reply, Array] = {}
+        self._gradients: dict[Reply, Array] = {}
 
     @cached_property
     def some(self) -> Query:
@@ -263,21 +263,20 @@ class Query:
         """Return the error u in stress (N,) that the routine is held to, found once for all checks."""
         if self.whole is not None and reply is self.here:
             return self.whole.unit(self.whole.here)[self.rows]
-        if id(reply) not in self._units:
+        if reply not in self._units:
             size = self.length(reply.trial) + self.length(reply.stress)
             steep = self.dual_length(self.gradient(reply))
             blur = self.region.rounding(reply.stress, self.pressure) / np.where(steep > 0.0, steep, np.inf)
-            unit = self.accuracy * size + self._rounding * (size + self._extent) + 2.0 * blur
-            self._units[id(reply)] = reply, unit  # the reply is kept, so that no other can have its identity
-        return self._units[id(reply)][1]
+            self._units[reply] = self.accuracy * size + self._rounding * (size + self._extent) + 2.0 * blur
+        return self._units[reply]
 
     def gradient(self, reply: Reply) -> Array:
         """Return grad g (N, d) at the stresses of a reply, found once for all checks."""
         if self.whole is not None and reply is self.here:
             return self.whole.gradient(self.whole.here)[self.rows]
-        if id(reply) not in self._gradients:
-            self._gradients[id(reply)] = reply, self.region.slope(reply.stress, self.pressure)[0]
-        return self._gradients[id(reply)][1]
+        if reply not in self._gradients:
+            self._gradients[reply] = self.region.slope(reply.stress, self.pressure)[0]
+        return self._gradients[reply]
 
     @cached_property
     def _rounding(self) -> float:
@@ -404,7 +403,7 @@ class Query:
     @cached_property
     def here(self) -> Reply:
         """The reply to ``trial``."""
-        return self.heeded(self._round_1["trial"])
+        return self.heeded(self._trials["trial"] if self.whole is None else self.whole._trials["trial"].part(self.rows))
 
     @cached_property
     def first(self) -> list[Reply]:
@@ -475,19 +474,14 @@ class Query:
     # A routine that works on arrays may spend as long on a call as on its rows: what can be asked at once is.
 
     @cached_property
-    def _round_1(self) -> Mapping[str, Reply]:
-        trial = {"trial": (self.case.trial, self.case.pressure)}
-        if self.whole is not None:  # which has asked the rest with its trial stresses, if the routine could answer all of it
-            known = {**self.whole._round_1}
-            here = {"trial": known.pop("trial").part(self.rows)}
-            return {**here, **(known or self._at_once(self._others, self.ahead()))}
-        if self.some is self:
-            return self._at_once({**trial, **self._others}, self.ahead())
-        return self._at_once(trial, self.beside())
+    def _trials(self) -> Mapping[str, Reply]:
+        """The reply to all trial stresses, and with them those of round 1, if the routine could answer all of it."""
+        return self._at_once({"trial": (self.case.trial, self.case.pressure)}, {**self.some._others, **self.some.ahead()})
 
-    def beside(self) -> Mapping[str, Asked]:
-        """What may be asked of some rows with the trial stresses of all."""
-        return {**self.some._others, **self.some.ahead()}
+    @cached_property
+    def _round_1(self) -> Mapping[str, Reply]:
+        known = {name: reply for name, reply in (self.whole or self)._trials.items() if name != "trial"}
+        return known or self._at_once(self._others, self.ahead())
 
     @property
     def _others(self) -> Mapping[str, Asked]:
