@@ -106,9 +106,11 @@ INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
         ("stress", radial_return, "radial return"),
         ("stress", radial_when_far, "radial return of trial stresses that lie 3."),
     ],
-    "metric_of_no_stiffness": [("stress", identity_metric, "computed with the identity")],
-    "metric_of_the_diagonal": [("stress", lambda t, p, k: projected(t, p, np.diag(np.diag(k))), "only the diagonal of the stiffness")],
-    "metric_of_the_inverse": [("stress", inverse_metric, "inverse of the stiffness")],
+    "another_metric": [
+        ("stress", identity_metric, "computed with the identity"),
+        ("stress", lambda t, p, k: projected(t, p, np.diag(np.diag(k))), "only the diagonal of the stiffness"),
+        ("stress", inverse_metric, "inverse of the stiffness"),
+    ],
     "metric_of_exchanged_entries": [
         ("stress", lambda t, p, k: projected(t, p, k[::-1, ::-1]), "entries of the stiffness for sigma_a and sigma_b exchanged"),
     ],

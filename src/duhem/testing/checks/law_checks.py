@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
-from duhem.expression.rays import Rays, evenly_between
+from duhem.expression.rays import Rays
 from duhem.projection.result import Array
 from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.registry import Finding, register
@@ -17,7 +17,6 @@ from duhem.testing.checks.registry import Finding, register
 __all__ = ["Dents"]
 
 _EPS = float(np.finfo(np.float64).eps)
-_PARTS = 16  # of the way to a seam, looked at in one round
 _ANGLES = 64
 _PLANES = 2  # of a case
 _NEAR, _FAR = 2.0**-30, 2.0**10  # shares of the size of K between which its boundary is looked for
@@ -86,11 +85,8 @@ class Dents:
         if not self.rows.size:
             return {}
         edge = self._boundary()
-        m, _, d = edge.shape
-        load = self.query.pressure[self.rows]
         first, last = edge[:, _LEFT], edge[:, _RIGHT]
-        middle = (0.5 * (first + last)).reshape(-1, d)
-        level = self.query.region.level(middle, np.repeat(load, len(_LEFT))).reshape(m, -1)
+        level = self.query.region.level(0.5 * (first + last), self.query.pressure[self.rows, None])
         level = np.where(np.isfinite(level), level, -np.inf)
         found = {}
         for i in np.flatnonzero((level > 0.0).any(axis=1)).tolist():
@@ -104,13 +100,9 @@ class Dents:
         first, second = self._planes()
         way = (_COS[:, None] * first[:, None] + _SIN[:, None] * second[:, None]) * self.size[:, None]
         m, n, d = way.shape
-        load = np.repeat(self.query.pressure[self.rows], n)
-
-        def level(points: Array) -> Array:
-            k, at_once, _ = points.shape
-            return self.query.region.level(points.reshape(-1, d), np.repeat(load, at_once)).reshape(k, at_once)
-
-        rays = Rays(level, np.repeat(self.middle, n, axis=0), way.reshape(m * n, d))
+        load = np.repeat(self.query.pressure[self.rows], n)[:, None]
+        middle, ways = np.repeat(self.middle, n, axis=0), way.reshape(m * n, d)
+        rays = Rays(lambda points: self.query.region.level(points, load), middle, ways)
         ends = rays.inside(np.array([_NEAR, _FAR]))
         inner, _ = rays.ended(np.full(m * n, _NEAR), np.full(m * n, _FAR), bits=_BITS)
         inner = np.where(ends[:, 0], np.where(ends[:, 1], _FAR, inner), 0.0)
@@ -213,32 +205,27 @@ def smoothness(q: Query) -> Finding:
     if q.case.trial.shape[1] < 2:
         raise NothingToCheck("in one dimension the boundary is two points")
     first, last = _directed(q.case.inside), _directed(q.case.beside)
-    rows = np.arange(len(first))
-    low, high = np.zeros(len(first)), np.ones(len(first))
 
-    def towards(share: Array, who: NDArray[np.intp] = rows) -> Array:
-        return np.asarray((1.0 - share)[:, None] * first[who] + share[:, None] * last[who])
-
-    def at(share: Array, who: NDArray[np.intp] = rows) -> Array:
-        way = towards(share, who)
-        reach = q.region.reach(way, q.pressure[who])
+    def at(way: Array, pressure: Array) -> Array:
+        reach = q.region.reach(way, pressure)
         return np.where(np.isfinite(reach), reach, 1.0)[:, None] * way
 
-    _, here = q.region.slope(at(low), q.pressure)
-    _, there = q.region.slope(at(high), q.pressure)
-    apart = (here != there).any(axis=1)
+    def piece(ways: Array) -> Choices:
+        """That of directions (N, n, d), as (N, n, pieces)."""
+        n, many, d = ways.shape
+        load = np.repeat(q.pressure, many)
+        return q.region.slope(at(ways.reshape(-1, d), load), load)[1].reshape(n, many, -1)
+
+    none = np.zeros(len(first))
+    here = piece(first[:, None])
+    rays = Rays(lambda ways: np.where((piece(ways) == here).all(axis=2), -1.0, 1.0), first, last - first)
+    apart = ~rays.inside(np.ones(1))[:, 0]
     if not apart.any():
-        return Finding(np.zeros(len(first)), np.zeros(len(first)))
-    while ((np.nextafter(low, 1.0) < high) & apart).any():  # in some 16 rounds down to neighbouring numbers, denormal ones too
-        between = evenly_between(low, high, _PARTS)
-        who = np.repeat(rows, between.shape[1])
-        pieces = q.region.slope(at(between.ravel(), who), q.pressure[who])[1].reshape(*between.shape, -1)
-        other = np.column_stack([(pieces != here[:, None]).any(axis=2), np.ones(len(rows), dtype=np.bool_)])
-        met, ends = np.argmax(other, axis=1), np.column_stack([low, between, high])  # the first that is of another piece
-        there = np.concatenate([pieces, there[:, None]], axis=1)[rows, met]
-        low, high = ends[rows, met], ends[rows, met + 1]
-    seam = at(low)
-    blur = 16.0 * _EPS * np.linalg.norm(seam, axis=1) / np.maximum(np.linalg.norm(towards(low), axis=1), _EPS)
+        return Finding(none, none)
+    low, high = rays.ended(none, np.ones(len(first)))
+    here, there = here[:, 0], piece(rays.at(high)[:, None])[:, 0]
+    seam = at(rays.at(low), q.pressure)
+    blur = 16.0 * _EPS * np.linalg.norm(seam, axis=1) / np.maximum(np.linalg.norm(rays.at(low), axis=1), _EPS)
     beside = seam + blur[:, None] * _directed(last - first)
 
     def normal(point: Array, piece: Choices) -> Array:

@@ -43,8 +43,8 @@ class Region:
         return _homogeneous(self.law)
 
     def level(self, stress: Array, pressure: Array) -> Array:
-        """g (N,), in double precision; nan where it is undefined."""
-        return _programs(self.law)[0](*stress.T, *self._others(pressure))
+        """g (...), in double precision, of stresses (..., d) and pressures (...); nan where it is undefined."""
+        return _programs(self.law)[0](*np.moveaxis(stress, -1, 0), *self._others(pressure))
 
     def slope(self, stress: Array, pressure: Array, choices: Choices | None = None) -> tuple[Array, Choices]:
         """grad g (N, d) of the smooth piece that holds at each stress, or of the one ``choices`` name, and the piece."""
@@ -110,16 +110,14 @@ class Region:
         rounding of g may seem to admit a little of a ray that leaves K at once: half of it is looked at in 60 digits.
         """
 
-        def level(points: Array) -> Array:
-            return _programs(self.law)[0](*np.moveaxis(points, -1, 0), *self._others(pressure[:, None]))
-
-        rays, ends = Rays(level, np.zeros(way.shape[1]), way), np.array([_NEAREST, _FARTHEST])
+        load, ends = pressure[:, None], np.array([_NEAREST, _FARTHEST])
+        rays = Rays(lambda points: self.level(points, load), np.zeros(way.shape[1]), way)
         inside = rays.inside(ends)
         near, far = np.repeat(ends[:, None], len(way), axis=1)
         last, beyond = rays.ended(near, far, bits=bits)
-        lost = (last > _FAR) & ~np.isfinite(level(rays.at(beyond)[:, None, :])[:, 0])
+        lost = (last > _FAR) & ~np.isfinite(self.level(rays.at(beyond), pressure))
         found = np.where(~inside[:, 0], 0.0, np.where(inside[:, 1] | lost, np.inf, last))
-        edge = np.flatnonzero((found > 0.0) & np.isfinite(found) & ~(level(np.zeros((len(way), 1, way.shape[1])))[:, 0] < 0.0))
+        edge = np.flatnonzero((found > 0.0) & np.isfinite(found) & ~(self.level(np.zeros_like(way), pressure) < 0.0))
         found[edge[self.outside(0.5 * found[edge, None] * way[edge], pressure[edge])]] = 0.0
         return found
 

@@ -36,7 +36,7 @@ from duhem.testing.routines.origin import Origin
 
 __all__ = [
     "CLEAR", "IN_REGION", "Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions",
-    "suggests",
+    "suggested", "suggests",
 ]  # fmt: skip
 
 Part: TypeAlias = Literal["stress", "slip", "multiplier", "tangent"]
@@ -184,16 +184,21 @@ class Probe:
 
 
 # What a routine may be doing, and the answers (N, ...) it would give then.
-Suggest: TypeAlias = Callable[[Probe], Iterator[tuple[str, Array]]]
+Suggest: TypeAlias = Callable[[Probe], Iterable[tuple[str, Array]]]
 
 _suggestions: dict[Part, dict[str, Suggest]] = {"stress": {}, "slip": {}, "multiplier": {}, "tangent": {}}
 
 
+def suggested(part: Part, **suggestions: Suggest) -> None:
+    """Add suggestions by name, after those before; of two that explain as much the first added is told."""
+    _suggestions[part] |= suggestions
+
+
 def suggests(part: Part) -> Callable[[Suggest], Suggest]:
-    """Add a suggestion about what the routine returns as ``part``; of two that explain as much the first added is told."""
+    """Return a decorator that adds a suggestion about what the routine returns as ``part``, by the name of the function."""
 
     def add(suggest: Suggest) -> Suggest:
-        _suggestions[part][suggest.__name__] = suggest
+        suggested(part, **{suggest.__name__: suggest})
         return suggest
 
     return add

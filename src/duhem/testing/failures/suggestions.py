@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from duhem.projection.result import Array
 from duhem.testing.checks.query import NoReply
 from duhem.testing.drawn.region import Region
-from duhem.testing.failures.diagnosis import CLEAR, Probe, constant, suggests
+from duhem.testing.failures.diagnosis import CLEAR, Probe, constant, suggested, suggests
 from duhem.testing.failures.state_suggestions import roots
 
 __all__ = ["needs_the_run"]
@@ -36,9 +36,7 @@ def trial_stress(p: Probe) -> Iterator[tuple[str, Array]]:
     yield f"the routine returns the trial stress without a correction{' of these, but farther out it does' if corrected else ''}", p.trial
 
 
-@suggests("stress")
-def no_stress(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "every stress returned is zero", np.zeros_like(p.trial)
+suggested("stress", no_stress=lambda p: [("every stress returned is zero", np.zeros_like(p.trial))])
 
 
 @suggests("stress")
@@ -54,20 +52,17 @@ def radial_return(p: Probe) -> Iterator[tuple[str, Array]]:
         yield said, np.where(reach[:, None] <= nearest, scaled, p.closest)
 
 
-@suggests("stress")
-def metric_of_no_stiffness(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the closest point is computed with the identity instead of the stiffness", p.projected(stiffness=np.eye(len(p.stiffness)))
+_METRICS: dict[str, Callable[[Array], Array]] = {
+    "the identity instead of": lambda k: np.eye(len(k)),
+    "only the diagonal of": lambda k: np.diag(np.diag(k)),
+    "the inverse of": lambda k: 0.5 * (np.linalg.inv(k) + np.linalg.inv(k).T),
+}
 
 
 @suggests("stress")
-def metric_of_the_diagonal(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the closest point is computed with only the diagonal of the stiffness", p.projected(stiffness=np.diag(np.diag(p.stiffness)))
-
-
-@suggests("stress")
-def metric_of_the_inverse(p: Probe) -> Iterator[tuple[str, Array]]:
-    inverse = np.linalg.inv(p.stiffness)
-    yield "the closest point is computed with the inverse of the stiffness", p.projected(stiffness=0.5 * (inverse + inverse.T))
+def another_metric(p: Probe) -> Iterator[tuple[str, Array]]:
+    for said, metric in _METRICS.items():
+        yield f"the closest point is computed with {said} the stiffness", p.projected(stiffness=metric(p.stiffness))
 
 
 def _exchanges(p: Probe) -> Iterator[tuple[str, list[int]]]:
@@ -263,41 +258,28 @@ def _compliant(p: Probe, stress: Array) -> Array:
     return np.asarray(np.linalg.solve(p.stiffness, stress.T).T)
 
 
-@suggests("slip")
-def opposite_slip(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the slip has the opposite sign", -_slip(p)
-
-
-@suggests("slip")
-def no_slip(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the slip returned is always zero", np.zeros_like(p.trial)
-
-
-@suggests("slip")
-def slip_as_a_stress(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the slip returned is a stress: it is not divided by the stiffness", p.trial - p.returned
-
-
-@suggests("slip")
-def slip_times_the_stiffness(p: Probe) -> Iterator[tuple[str, Array]]:
-    said = "the slip is the stiffness times what the stress lacks: a stiffness is taken for a compliance"
-    yield said, (p.trial - p.returned) @ p.stiffness
-
-
-@suggests("slip")
-def slip_of_the_closest_point(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the slip is that of the closest point, but the stress is different", _compliant(p, p.trial - p.closest)
-
-
-@suggests("slip")
-def slip_of_the_diagonal(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the slip is computed with only the diagonal of the stiffness", (p.trial - p.returned) / np.diag(p.stiffness)
-
-
-@suggests("slip")
-def slip_as_a_displacement(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the elastic displacement is returned as slip", _compliant(p, p.returned)
-    yield "the whole displacement is returned as slip", _compliant(p, p.trial)
+suggested(
+    "slip",
+    opposite_slip=lambda p: [("the slip has the opposite sign", -_slip(p))],
+    no_slip=lambda p: [("the slip returned is always zero", np.zeros_like(p.trial))],
+    slip_as_a_stress=lambda p: [("the slip returned is a stress: it is not divided by the stiffness", p.trial - p.returned)],
+    slip_times_the_stiffness=lambda p: [
+        (
+            "the slip is the stiffness times what the stress lacks: a stiffness is taken for a compliance",
+            (p.trial - p.returned) @ p.stiffness,
+        )
+    ],
+    slip_of_the_closest_point=lambda p: [
+        ("the slip is that of the closest point, but the stress is different", _compliant(p, p.trial - p.closest))
+    ],
+    slip_of_the_diagonal=lambda p: [
+        ("the slip is computed with only the diagonal of the stiffness", (p.trial - p.returned) / np.diag(p.stiffness))
+    ],
+    slip_as_a_displacement=lambda p: [
+        ("the elastic displacement is returned as slip", _compliant(p, p.returned)),
+        ("the whole displacement is returned as slip", _compliant(p, p.trial)),
+    ],
+)
 
 
 @suggests("slip")
@@ -311,9 +293,7 @@ def _multiplier(p: Probe) -> Array:
     return p.query.length(p.trial - p.returned) / p.query.dual_length(p.gradient)
 
 
-@suggests("multiplier")
-def opposite_multiplier(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the multiplier has the opposite sign", -_multiplier(p)
+suggested("multiplier", opposite_multiplier=lambda p: [("the multiplier has the opposite sign", -_multiplier(p))])
 
 
 @suggests("multiplier")
@@ -349,14 +329,11 @@ def _length(vectors: Array) -> Array:
     return np.asarray(np.linalg.norm(vectors, axis=1))
 
 
-@suggests("tangent")
-def elastic_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the tangent is the elastic stiffness although there is slip", np.tile(p.stiffness, (len(p.trial), 1, 1))
-
-
-@suggests("tangent")
-def no_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the tangent is not set: it is zero", np.zeros((len(p.trial), *p.stiffness.shape))
+suggested(
+    "tangent",
+    elastic_tangent=lambda p: [("the tangent is the elastic stiffness although there is slip", np.tile(p.stiffness, (len(p.trial), 1, 1)))],
+    no_tangent=lambda p: [("the tangent is not set: it is zero", np.zeros_like(p.slopes))],
+)
 
 
 @suggests("tangent")
@@ -370,19 +347,14 @@ def continuum_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
     )
 
 
-@suggests("tangent")
-def tangent_by_the_trial(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the tangent is the derivative by the trial stress, not by the displacement", p.slopes @ np.linalg.inv(p.stiffness)
-
-
-@suggests("tangent")
-def opposite_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the tangent has the opposite sign", -p.slopes
-
-
-@suggests("tangent")
-def transposed_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the tangent is transposed", np.swapaxes(p.slopes, 1, 2)
+suggested(
+    "tangent",
+    tangent_by_the_trial=lambda p: [
+        ("the tangent is the derivative by the trial stress, not by the displacement", p.slopes @ np.linalg.inv(p.stiffness))
+    ],
+    opposite_tangent=lambda p: [("the tangent has the opposite sign", -p.slopes)],
+    transposed_tangent=lambda p: [("the tangent is transposed", np.swapaxes(p.slopes, 1, 2))],
+)
 
 
 @suggests("tangent")
