@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Real
 from pathlib import Path
+from textwrap import indent
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from duhem.testing.routines.origin import Origin
 
 __all__ = ["Departure", "Failure", "drawn_again", "write_replays"]
 
+_LINE = "\n"
 _NO_LAW = "...  # write the code that makes the law here"
 
 Numbers = tuple[float, ...]
@@ -134,25 +136,28 @@ class Failure:
         ``...`` stands for a routine or a law that has no name to import.  What need not show at one increment alone is shown by the run
         that draws them all again, where its arguments can be written.
         """
-        found, check = self.origin, self.check.name
+        found, whole = self.origin, self.drawn and not self.alone
         on_path = found.folder if found.making else ""
-        if self.drawn and not self.alone:
-            what, shown = "conformance", [f"print(conformance(law, update, {self.drawn}, accuracy={self.accuracy!r}))"]
-        else:
-            free = f", {self.held}" if self.held else ""
-            free += "" if self.open_parameters == tuple(self.case.parameters) else f", open_parameters={self.open_parameters!r}"
-            asked = f"print(violation({check!r}, law, update, case, accuracy={self.accuracy!r}{free}))"
-            what, shown = "Case, violation", [f"case = {self.case!r}", asked]
+        making = found.making or f"update = ...  # {_nameless(self.routine)}"
         lines = [
-            *(["import sys"] if on_path else []),
-            *_imports(found.law),
-            f"from duhem.testing import {what}",
-            *([f"sys.path.append({on_path!r})"] if on_path else []),
-            *filter(None, (found.making or f"update = ...  # {_nameless(self.routine)}").splitlines()),
+            "import sys" if on_path else "",
+            _imports(found.law).strip(),
+            f"from duhem.testing import {'conformance' if whole else 'Case, violation'}",
+            f"sys.path.append({on_path!r})" if on_path else "",
+            *making.splitlines(),
             f"law = {found.law or _NO_LAW}",
-            *shown,
+            "" if whole else f"case = {self.case!r}",
+            f"print({self._all_asked('law') if whole else self._asked('law', 'case')})",
         ]
-        return "\n".join(lines)
+        return "\n".join(filter(None, lines))
+
+    def _asked(self, law: str, case: str) -> str:
+        free = "" if self.open_parameters == tuple(self.case.parameters) else f", open_parameters={self.open_parameters!r}"
+        held = f", {self.held}" if self.held else ""
+        return f"violation({self.check.name!r}, {law}, update, {case}, accuracy={self.accuracy!r}{held}{free})"
+
+    def _all_asked(self, law: str) -> str:
+        return f"conformance({law}, update, {self.drawn}{self.drawn and ', '}accuracy={self.accuracy!r})"
 
     def replay(self, place: Path | None = None) -> str:
         """Return the text of a test file for the folder ``place`` that fails as long as the routine does.
@@ -163,40 +168,34 @@ class Failure:
         or the law has no name that a file can import, as one of ``__main__`` or a closure, it is a stub that says so.  The routine is bound
         inside the test: pytest would collect one that carries the marker, or its class, from the module.
         """
-        found, check, case = self.origin, self.check.name, self.case if self.alone else None
-        making, law = (_moving(place, text) for text in (found.making, found.law))
-        law = law or _NO_LAW
-        what = "conformance" if case is None else f"Case, {'conformance, ' if self.drawn else ''}violation"
-        beside = _from(place, found.folder)
-        paths = [f"sys.path.append({beside or repr(found.folder)})  # where the routine is", ""] if making and found.folder else []
-        imports = ["import sys"] if paths else []
-        imports += ["from pathlib import Path"] if any("Path(__file__)" in text for text in (*paths, making, law)) else []
-        lines = [
-            f'"""{self.title} (of {self.routine})."""',
-            "",
-            *([*imports, ""] if imports else []),
-            *_imports(law),
-            f"from duhem.testing import {what}",
-            "",
-            *paths,
-            *([] if making else [*_stub(self.routine).splitlines(), ""]),
-            f"LAW = {law}",
-        ]
-        run = [f"    {line}".rstrip() for line in making.splitlines()] + ([""] if making else [])
-        if case is not None:
-            lines += ["CASE = Case(", *(f"    {line}," for line in case.arguments()), ")"]
-            asked = f"open_parameters={self.open_parameters!r}, accuracy={self.accuracy!r}" + (f", {self.held}" if self.held else "")
-            run += [f"    wrong = violation({check!r}, LAW, update, CASE, {asked})", "    assert wrong is None, wrong"]
-        if self.drawn or case is None:
-            if not self.drawn:
-                run.append("    # write the parameters, the stiffness and the pressure of the failed run here")
-            elif case is not None:
-                run.append("    # this error depends on earlier calls, so the test repeats the whole run")
-            run += [
-                f"    report = conformance(LAW, update, {self.drawn}{self.drawn and ', '}accuracy={self.accuracy!r})",
-                f"    assert report.failure_of({check!r}) is None, str(report)",
-            ]
-        return "\n".join([*lines, "", "", f"def test_{_words(check)}() -> None:", *run, ""])
+        found, check = self.origin, self.check.name
+        making, law = (_moving(place, text) for text in (found.making, found.law or _NO_LAW))
+        names = f"Case, {'conformance, ' if self.drawn else ''}violation" if self.alone else "conformance"
+        beside = _from(place, found.folder) or repr(found.folder)
+        path = f"sys.path.append({beside})  # where the routine is\n\n" if making and found.folder else ""
+        used = {"import sys": path, "from pathlib import Path": "Path(__file__)" in f"{path}{making}{law}"}
+        imports = "".join(f"{line}\n" for line, needed in used.items() if needed)
+        arguments = "".join(f"    {line},\n" for line in self.case.arguments())
+        case = f"CASE = Case(\n{arguments})\n" if self.alone else ""
+        run = [f"{making}\n"] if making else []
+        if self.alone:
+            run += [f"wrong = {self._asked('LAW', 'CASE')}", "assert wrong is None, wrong"]
+        if not self.drawn and not self.alone:
+            run.append("# write the parameters, the stiffness and the pressure of the failed run here")
+        elif self.drawn and self.alone:
+            run.append("# this error depends on earlier calls, so the test repeats the whole run")
+        if self.drawn or not self.alone:
+            run += [f"report = {self._all_asked('LAW')}", f"assert report.failure_of({check!r}) is None, str(report)"]
+        return f'''"""{self.title} (of {self.routine})."""
+
+{imports}{imports and _LINE}{_imports(law)}from duhem.testing import {names}
+
+{path}{"" if making else _stub(self.routine)}LAW = {law}
+{case}
+
+def test_{_words(check)}() -> None:
+{indent(_LINE.join(run), "    ")}
+'''
 
 
 def _increment(
@@ -239,22 +238,19 @@ def _words(text: str) -> str:
 def _nameless(routine: str) -> str:
     """Return a comment that says what to put in the place of a routine without a name to import."""
     maker, inner, _ = routine.rpartition(".<locals>.")
-    return (
-        f"made by {maker}: write the code that makes it here"
-        if inner
-        else f"{routine} has no name that can be imported: write the code that makes it here"
-    )
+    said = f"made by {maker}" if inner else f"{routine} has no name that can be imported"
+    return f"{said}: write the code that makes it here"
 
 
 def _stub(routine: str) -> str:
     told = f"{routine} has no name that can be imported: call it here"
-    return f"def update(trial, pressure, stiffness, **parameters):\n    raise NotImplementedError({told!r})\n"
+    return f"def update(trial, pressure, stiffness, **parameters):\n    raise NotImplementedError({told!r})\n\n"
 
 
-def _imports(law: str) -> list[str]:
+def _imports(law: str) -> str:
     """Return the line that imports what the Python for a law uses, if any."""
     names = [name for name in ("Criterion", "Domain", "load") if f"{name}(" in law or f"{name}." in law]
-    return [f"from duhem import {', '.join(names)}"] if names else []
+    return f"from duhem import {', '.join(names)}\n" if names else ""
 
 
 def drawn_again(given: Mapping[str, Any], **counts: Any) -> str:
