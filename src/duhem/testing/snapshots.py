@@ -20,7 +20,6 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.curve_law import Law
-from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.placed_toml import text_of
 from duhem.projection.increment import check_associated
@@ -84,7 +83,8 @@ def _trials(law: Law) -> Iterator[dict[str, Any]]:
         raise InputError("duhem found no exact values of the parameters")
     values = {name: float(Fraction(value)) for name, value in exact.items()}
     d = len(law.forces)
-    load = None if law.pressure is None else _load(law.domain.get(law.pressure))
+    low, high = (-np.inf, 0.0) if (own := law.domain.get(law.pressure or "")) is None else own.ends
+    load = None if law.pressure is None else float(np.clip(-1.0, low, high))  # -1, or the pressure next to it within the declared range
     ways = np.array([*_mixed(d), *np.eye(d)[:2], *-np.eye(d)[:2]])
     reach = Region(law, values).reach(ways, np.full(len(ways), load or 0.0))
     ends = np.where(np.isfinite(reach) & (reach > 0.0), reach, 1.0)[:, None] * ways
@@ -99,12 +99,6 @@ def _mixed(d: int) -> Array:
     """Return two directions (2, d) off the axes, which no symmetry of the law makes alike."""
     size = 1.0 / np.arange(1.0, d + 1.0)
     return np.array([size, size[::-1] * (-1.0) ** np.arange(d)])
-
-
-def _load(declared: Domain | None) -> float:
-    """Return -1, or the pressure next to it within the declared range."""
-    low, high = (-np.inf, 0.0) if declared is None else declared.ends
-    return float(min(max(-1.0, low), high))
 
 
 def _answered(law: Law, asked: Mapping[str, Any], project: Project) -> dict[str, Any]:
@@ -230,15 +224,10 @@ def _increment(old: Mapping[str, Any], new: Mapping[str, Any], tolerance: float)
         before, after = ([float(each[part][f]) for f in forces] for each in (old, new))
         moved = hypot(*(b - a for a, b in zip(before, after, strict=True)))
         size = hypot(*before) or trial
-        if not moved <= tolerance * size and not _alike(before, after):
+        if not moved <= tolerance * size and not np.array_equal(before, after, equal_nan=True):
             shown = " to ".join(f"({', '.join(f'{x:.6g}' for x in each)})" for each in (before, after))
             share = f"by {moved / size:.1g} of its size" if moved < float("inf") else "and is not finite"
             yield f"{part} moved {share}, from {shown}"
-
-
-def _alike(before: Sequence[float], after: Sequence[float]) -> bool:
-    """Return whether the numbers are equal, where two nan count as equal."""
-    return all(a == b or (a != a and b != b) for a, b in zip(before, after, strict=True))
 
 
 _MOST_BYTES = 10_000_000

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
@@ -126,12 +127,9 @@ _as_of_a_law("vacuity", formula="sigma = sigma_tr for some, and not for others")
 def rate(h: HistoryQuery) -> Finding:
     if not h.remembers or h.timed:
         raise NothingToCheck("the law depends on the rate" if h.timed else "the routine has no argument for time")
-    most, allowed = np.zeros(len(h.case)), np.zeros(len(h.case))
-    for here, before in zip(h.course[1:], h.course[:-1], strict=True):
-        allowed += 2.0 * h.error(here.stress, before.stress)
-    for duration in (1e-3, 1e3):
-        most = np.maximum(most, h.length(h.along(1, duration)[-1].stress - h.start.stress))
-    return Finding(most, allowed + 2.0 * h.error(*(h.case.path[:, i] for i in range(h.case.path.shape[1]))))
+    ends = [h.length(h.along(1, duration)[-1].stress - h.start.stress) for duration in (1e-3, 1e3)]
+    allowed = h.error(*np.moveaxis(h.case.path, 1, 0)) + sum(h.error(before.stress, after.stress) for before, after in pairwise(h.course))
+    return Finding(np.max(ends, axis=0), 2.0 * allowed)
 
 
 def _energies(before: MaterialState, after: MaterialState) -> list[Array]:
@@ -185,8 +183,7 @@ def rest(h: HistoryQuery) -> Finding:
     ends = h.counted(MaterialState.joined([here, still]), np.concatenate([trial, trial + (still.stress - here.stress)]), case.pressure)
     one, two = np.split(ends.stress, 2)
     after, may = h.length(two - one), 4.0 * h.error(here.stress, case.trial, trial, one)
-    at_rest = ~(moved <= allowed)
-    return Finding(np.where(at_rest, moved, after), np.where(at_rest, allowed, may))
+    return worst([(moved, allowed), (after, may)])
 
 
 _as_of_a_law("slip")
@@ -219,14 +216,9 @@ def stored_energy(h: HistoryQuery) -> Finding:
     off = np.abs((up - down) / 2.0 - h.inner(stress[: d * n], ways.reshape(d * n, d)).reshape(d, n))
     rounding = 32.0 * np.finfo(np.float64).eps * (np.abs(up) + np.abs(down))
     allowed = (h.error(base.stress, h.case.trial) + 1e-6 * h.length(base.stress)) * size + rounding
-    allowed = np.where(allowed > 0.0, allowed, 1.0)
-    most, bound = np.full(n, -1.0), np.ones(n)
-    for i in range(d):
-        more = elastic[i] & ~(off[i] / allowed[i] <= most / bound)
-        most, bound = np.where(more, off[i], most), np.where(more, allowed[i], bound)
     if not elastic.any():
         raise NothingToCheck("no step was elastic")
-    return Finding(most, bound)
+    return worst(zip(np.where(elastic, off, -1.0), np.where(elastic & (allowed > 0.0), allowed, 1.0), strict=True))
 
 
 @_of_any(

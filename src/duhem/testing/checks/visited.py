@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 import numpy as np
-from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
@@ -90,19 +89,15 @@ class Visited:
         solved, trial = reply.solved, reply.trial
         slips, boundary = query.slipping(reply)
         self.increments += int(solved.sum())
-        self._count("stick", ~slips & solved)
-        self._count("slip", slips & solved)
         may_slip = slips | (not self.forces)  # an answer that is given up does not say whether it slips
         self._slipping += int(may_slip.sum())
         self._given_up += int((may_slip & ~solved).sum())
-        if (moved := query.state_moves) is not None:
-            self._count("state", moved & solved)
-        self._count("boundary", boundary & solved)
-        if "tip" in self._counts:
-            self._count("tip", (query.pressure == 0.0) & solved)
+        found = {"stick": ~slips, "slip": slips, "boundary": boundary}
+        found |= {} if (moved := query.state_moves) is None else {"state": moved}
+        found |= {"tip": query.pressure == 0.0} if "tip" in self._counts else {}
         for name, column in zip(self.forces or range(1, 1 + trial.shape[1]), trial.T, strict=True):
-            self._count(f"{name}+", (column > 0.0) & solved)
-            self._count(f"{name}-", (column < 0.0) & solved)
+            found |= {f"{name}+": column > 0.0, f"{name}-": column < 0.0}
+        self._counts.update({name: int((which & solved).sum()) for name, which in found.items()})
 
     def _answers(self, query: Query, reply: Reply) -> None:
         at = np.flatnonzero(reply.solved & np.isfinite(reply.stress).all(axis=1))
@@ -121,11 +116,7 @@ class Visited:
         seam = (around != around[0]).any(axis=(0, 2))
         normal = (gradient / np.linalg.norm(gradient, axis=1, keepdims=True)).reshape(2 * d, len(at), d)
         turned = np.linalg.norm(normal - normal[0], axis=2).max(axis=0)
-        self._count("seam", seam)
-        self._count("corner", seam & (turned > _TURNED))
-
-    def _count(self, name: str, which: NDArray[np.bool_]) -> None:
-        self._counts[name] += int(which.sum())
+        self._counts.update(seam=int(seam.sum()), corner=int((seam & (turned > _TURNED)).sum()))
 
     def _spread(self, name: str, sizes: Array) -> None:
         sizes = sizes[(sizes > 0.0) & np.isfinite(sizes)]

@@ -4,20 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from duhem.testing.failures.failure import Failure
 
-__all__ = ["CAUSES", "FREE_CAUSES", "Cause", "as_expected", "by_cause", "likeliest_first", "of_stress"]
-
-
-@dataclass(frozen=True)
-class Cause:
-    """A check that may be the cause, the checks that fail with it, and why they do."""
-
-    check: str
-    explains: tuple[str, ...]
-    why: str
+__all__ = ["CAUSES", "FREE_CAUSES", "as_expected", "by_cause", "likeliest_first", "of_stress"]
 
 
 _STRESS = (  # of a stress that is not the closest point, what says most of it first
@@ -29,22 +20,23 @@ _SHAPE = (
     "variational-inequality", "non-expansiveness", "firmness", "potential", "ray", "idempotence", "complementarity", "tangent", "slope",
 )  # fmt: skip
 
-# The likely causes, the first first.  What is said of the stress comes before what is returned beside it.
-CAUSES: tuple[Cause, ...] = (
-    Cause("vacuity", (), "the run did not test what it should test"),
-    Cause("answers", (*_STRESS, *_OUTPUTS, "repeatability"), "without a stress, the other checks cannot pass"),
-    Cause("origin", _SHAPE, "if K does not contain the origin, the closest point has none of these properties"),
-    Cause("convexity", _SHAPE, "if K is not convex, the closest point is not unique and has none of these properties"),
-    Cause("smoothness", (), "a corner of K affects no other check"),
-    Cause("repeatability", (*_STRESS, *_OUTPUTS), "an answer that depends on earlier calls cannot satisfy the other checks"),
-    Cause("inputs", (), "an answer may be right although the routine has changed its inputs"),
-    *(Cause(name, _STRESS[i + 1 :], "each of them follows if the stress is the closest point") for i, name in enumerate(_STRESS)),
-    Cause("slip", ("energy",), "the balance of energy uses the returned slip"),
-    Cause("energy", (), "no other check uses it"),
-    Cause("multiplier", (), "no other check uses it"),
-    Cause("slope", ("tangent",), "a tangent that is not the slope of the stress need be neither symmetric nor bounded"),
-    Cause("tangent", (), "where it is the slope of the stress, the stress derives from no potential"),
-)
+# The checks that may be the cause, the likeliest first, and those that fail with each.  What is said of the stress comes before what is
+# returned beside it.
+CAUSES: Mapping[str, tuple[str, ...]] = {
+    "vacuity": (),
+    "answers": (*_STRESS, *_OUTPUTS, "repeatability"),  # without a stress, they cannot pass
+    "origin": _SHAPE,  # if K does not contain the origin, the closest point has none of these properties
+    "convexity": _SHAPE,  # if K is not convex, the closest point is not unique and has none of these properties
+    "smoothness": (),  # a corner of K affects no other check
+    "repeatability": (*_STRESS, *_OUTPUTS),  # an answer that depends on earlier calls cannot satisfy them
+    "inputs": (),  # an answer may be right although the routine has changed its inputs
+    **{name: _STRESS[i + 1 :] for i, name in enumerate(_STRESS)},  # each of them follows if the stress is the closest point
+    "slip": ("energy",),  # the balance of energy uses the returned slip
+    "energy": (),
+    "multiplier": (),
+    "slope": ("tangent",),  # a tangent that is not the slope of the stress need be neither symmetric nor bounded
+    "tangent": (),  # where it is the slope of the stress, the stress derives from no potential
+}
 _STATES = ("kept-state", "stress-of-the-state", "admissibility", "loading", "flow", "evolution", "law-dissipation")
 _FREE_STRESS = (*_STATES, "rest", "slip", "stored-energy", "dissipation", "energy", "slope", "subdivision")
 _ASSOCIATED = ("associated-symmetry", "associated-non-expansiveness", "associated-potential", "associated-ray")
@@ -65,7 +57,7 @@ FREE_CAUSES: Mapping[str, tuple[str, ...]] = {
     "slope": ("associated-symmetry",),
     "subdivision": (),
 }
-_TABLES = {True: {cause.check: cause.explains for cause in CAUSES}, False: FREE_CAUSES}  # with a law, and without
+_TABLES = {True: CAUSES, False: FREE_CAUSES}  # with a law, and without
 _UNSYMMETRIC = {"potential", "firmness", "variational-inequality"}  # a stress without a potential has no symmetric slope
 
 

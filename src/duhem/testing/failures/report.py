@@ -139,19 +139,12 @@ class Report(Shown):
         return f"visited: {shares}", "decades: " + ", ".join(f"{what} 1e{low} to 1e{high}" for what, (low, high) in self.decades.items())
 
     def __str__(self) -> str:
-        return "\n".join(
-            [
-                self.counted(),
-                *([f"ended before its end: {self.ended}"] if self.ended else []),
-                *([str(self.unfinished)] if self.unfinished is not None else []),
-                *map(str, self.failures),
-                *(f"{name} {UNMET}: {why}" for name, why in self.unexpected.items()),
-                *(f"{name} {MET}: {why}" for name, why in self.expected.items()),
-                *(f"skipped {name}: {why}" for name, why in self.left_out.items()),
-                *self.tested(),
-                *self.ranges(),
-            ]
-        )
+        said = [self.counted(), *([f"ended before its end: {self.ended}"] if self.ended else [])]
+        said += map(str, (*([] if self.unfinished is None else [self.unfinished]), *self.failures))
+        said += [f"{name} {UNMET}: {why}" for name, why in self.unexpected.items()]
+        said += [f"{name} {MET}: {why}" for name, why in self.expected.items()]
+        said += [f"skipped {name}: {why}" for name, why in self.left_out.items()]
+        return "\n".join([*said, *self.tested(), *self.ranges()])
 
 
 @plain.register(Report)
