@@ -114,8 +114,6 @@ class HistoryQuery(Query):
         pressure = pressure if pressure is None or len(pressure) == len(trial) else pressure[many % len(pressure)]
 
         def ask(at: slice) -> MaterialState:
-            if at == slice(None):
-                return self.step(before, trial, pressure, duration)
             return self.step(before.rows(at), trial[at], None if pressure is None else pressure[at], duration)
 
         def key(i: int) -> Hashable:

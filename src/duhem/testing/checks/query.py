@@ -59,9 +59,11 @@ class NoReply(Exception):
     that is tried, where it is another than the trial of the row; ``together``: it raises at several asked together, and at none alone.
     """
 
-    row: int | None = None
     case: Case | None = None
-    together: bool = False
+
+    def __init__(self, said: str, row: int | None = None, together: bool = False) -> None:
+        super().__init__(said)
+        self.row, self.together = row, together
 
 
 @dataclass
@@ -87,14 +89,14 @@ class Raised:
                 except (Exception, SystemExit) as fault:
                     self.times += 1
                     self.said[key(row)] = say(fault)
-                    raise self._at(row, self.said[key(row)]) from fault
+                    raise NoReply(self.said[key(row)], row) from fault
 
         together = tuple(map(key, range(count))) if self.said else ()
         for row, each in enumerate(together):
             if each in self.said:
-                raise self._at(row, self.said[each])
+                raise NoReply(self.said[each], row)
         if together in self.said:
-            raise self._at(None, self.said[together])
+            raise NoReply(self.said[together], together=True)
         if self.said and 1 < count <= _FEW:
             one_by_one()
         try:
@@ -107,15 +109,10 @@ class Raised:
             said = say(fault)
             if count == 1:
                 self.said[key(0)] = said
-                raise self._at(0, said) from fault
+                raise NoReply(said, 0) from fault
         one_by_one()
         self.said[tuple(map(key, range(count)))] = said
-        raise self._at(None, said)
-
-    def _at(self, row: int | None, said: str) -> NoReply:
-        fault = NoReply(said)
-        fault.row, fault.together = row, row is None
-        return fault
+        raise NoReply(said, together=True)
 
 
 def named_by(fault: NoReply | Unfinished, case: Case) -> Case:

@@ -280,11 +280,6 @@ def _given(given: Any, otherwise: Strategy) -> Strategy:
     return otherwise if given is None else given if isinstance(given, st.SearchStrategy) else st.just(given)
 
 
-def _drawn_from(draw: st.DrawFn, given: Any) -> Any:
-    """Return what is given, or what is drawn from it where it is a strategy."""
-    return draw(given) if isinstance(given, st.SearchStrategy) else given
-
-
 def _picked(draw: st.DrawFn, tables: Sequence[Sequence[Any]], rows: int) -> tuple[NDArray[np.intp], np.random.Generator | None]:
     """Return places (rows, tables) in tables: those of one row are drawn, so that they shrink, those of several come from a drawn seed."""
     lengths = [len(each) for each in tables]
@@ -439,8 +434,8 @@ def histories(
     ``searched`` counts what is found (:class:`duhem.testing.checks.visited.Visited`).  The steps of a case of one shrink; those of a
     larger one are picked from the same tables by a seed.
     """
-    numbers = {name: float(_drawn_from(draw, value)) for name, value in values.items()}
-    k = stiffness_matrix(_drawn_from(draw, stiffness), None)
+    numbers = {name: float(draw(_given(value, st.nothing()))) for name, value in values.items()}
+    k = stiffness_matrix(draw(_given(stiffness, st.nothing())), None)
     d = len(k)
     material = made(numbers, k)
     tables: list[list[Any]] = [*[_FORCES] * (4 * d), _AMOUNTS, _STEPS_ASIDE, _STEPS_ASIDE, _LONGER, _BEFORE, [0, 1, 2, 3]]

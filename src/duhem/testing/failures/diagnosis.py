@@ -126,6 +126,16 @@ class Probe:
         return self.query.gradient(self.reply)
 
     @cached_property
+    def slip(self) -> Array:
+        """k^-1 (sigma_tr - sigma) (N, d)."""
+        return np.asarray(np.linalg.solve(self.stiffness, (self.trial - self.returned).T).T)
+
+    @cached_property
+    def multiplier(self) -> Array:
+        """The slip over grad g (N,)."""
+        return self.query.length(self.trial - self.returned) / self.query.dual_length(self.gradient)
+
+    @cached_property
     def slopes(self) -> Array:
         """d sigma/d u (N, d, d) of the routine itself, by central differences; nan where either way has a slope of its own."""
         q = self.query
@@ -271,15 +281,9 @@ def _measured(part: Part, probe: Probe) -> tuple[Array, Array, Array]:
     given = getattr(reply, part)
     if given is None:
         raise NoReply(part)
-    if part == "stress":
-        right = probe.closest
-    elif part == "slip":
-        right = np.asarray(np.linalg.solve(probe.stiffness, (probe.trial - probe.returned).T).T)
-    elif part == "multiplier":
-        right = q.length(probe.trial - probe.returned) / q.dual_length(probe.gradient)
-    else:
-        right, u = probe.slopes, np.full(len(u), 1e-5 + q.accuracy)
-    return _in_energy(part, probe, given), _in_energy(part, probe, right), u
+    right = {"stress": "closest", "slip": "slip", "multiplier": "multiplier", "tangent": "slopes"}[part]
+    allowed = np.full(len(u), 1e-5 + q.accuracy) if part == "tangent" else u
+    return _in_energy(part, probe, given), _in_energy(part, probe, getattr(probe, right)), allowed
 
 
 def _in_energy(part: Part, probe: Probe, answers: Array) -> Array:
@@ -300,33 +304,28 @@ def _probe(query: Query, found: Departure) -> Probe:
     signs = np.where(np.arange(d) % 2 == 0, 1.0, -1.0)
     beside = [trial * (1.0 + s * 0.0437 * signs) + s * 0.0213 * size * np.roll(signs, i) for i in range(d) for s in (1.0, -1.0)]
     far = [trial * c + 0.0371 * c * size * signs for c in (3.17, 11.3)]
-    rows = [trial, 1.071 * trial, *beside, *far, 1.0193 * at, 0.953 * at]
-    loads = [1.0] * len(rows)
-    rows, loads = [*rows, 1.731 * rows[2], trial, 2.93 * rows[3]], [*loads, 1.731, 1.297, 0.613]
-    mirrors = [-np.ones(d), *(1.0 - 2.0 * np.eye(d))] if d > 1 else [-np.ones(d)]
-    rows, loads = [*rows, *(m * rows[3] for m in mirrors)], [*loads, *[1.0] * len(mirrors)]
-    at_rest = np.zeros(len(rows))
-    if "pressure" in query.fixed:
-        loads = [1.0] * len(rows)
-    elif found.pressure is not None and size > 0.0 and query.region.law is not None:
-        own, p = query.region.law.domain.get(query.region.law.pressure or ""), found.pressure
-        far_off = [(rows[2], 0.1 * p), (10.3 * rows[3], 10.0 * p)] if p else [(rows[2], -0.1 * size)]
-        unit = abs(p) or 0.1 * size
-        far_off += [(rows[2] * (1.0193 / unit), -1.0)]
-        for row, load in far_off:
-            if own is None or load in own:
-                rows, loads, at_rest = [*rows, row], [*loads, load / p if p else 1.0], np.append(at_rest, 0.0 if p else load)
+    p, held = found.pressure or 0.0, "pressure" in query.fixed
+    asked = [(row, 1.0) for row in (trial, 1.071 * trial, *beside, *far, 1.0193 * at, 0.953 * at)]
+    asked += [(1.731 * beside[0], 1.731), (trial, 1.297), (2.93 * beside[1], 0.613)]
+    asked += [(m * beside[1], 1.0) for m in (-np.ones(d), *(1.0 - 2.0 * np.eye(d))[: d if d > 1 else 0])]
+    asked = [(row, p if held else share * p) for row, share in asked]
+    if not held and found.pressure is not None and size > 0.0 and query.region.law is not None:
+        own = query.region.law.domain.get(query.region.law.pressure or "")
+        far_off = [(beside[0], 0.1 * p), (10.3 * beside[1], 10.0 * p)] if p else [(beside[0], -0.1 * size)]
+        far_off += [(beside[0] * (1.0193 / (abs(p) or 0.1 * size)), -1.0)]
+        asked += [(row, load) for row, load in far_off if own is None or load in own]
+    rows, loads = map(list, zip(*asked, strict=True))
     n = len(rows)
     stacked, zero = np.array(rows), np.zeros((n, d))
-    pressure = None if found.pressure is None else found.pressure * np.array(loads) + at_rest
+    pressure = None if found.pressure is None else np.array(loads)
     case = replace(
         query.case.rows(np.zeros(n, dtype=np.intp)), stiffness=np.array(found.stiffness), pressure=pressure, trial=stacked,
         other=zero, third=zero, inside=zero, beside=zero, stretch=np.ones(n),
     )  # fmt: skip
     if query.region.law is not None:  # else after the path that leads to each
         case = replace(case, path=np.zeros((n, 1, d)), loads=None if pressure is None else pressure[:, None])
-    asked = query.of(case)
-    return Probe(asked, asked.ask(stacked)[0])
+    beside_it = query.of(case)
+    return Probe(beside_it, beside_it.ask(stacked)[0])
 
 
 def constant(values: Array) -> float | None:

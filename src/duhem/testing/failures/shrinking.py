@@ -193,13 +193,9 @@ class _Shorter:
 
 def _rounder(x: float) -> Iterator[float]:
     """Yield numbers near ``x`` of one digit and of two, and the next of two towards zero; none where ``x`` has no more itself."""
-    if _round(x):
+    if not isfinite(x) or float(f"{x:.1e}") == x:
         return
     yield float(f"{x:.0e}")
     yield float(f"{x:.1e}")
     power = floor(log10(abs(x))) - 1
     yield float(np.copysign(scaled(float(floor(abs(x) / 10.0**power)), power), x))
-
-
-def _round(x: float) -> bool:
-    return not isfinite(x) or float(f"{x:.1e}") == x

@@ -249,10 +249,6 @@ def _unlike_one(factor: float) -> str:
     return next((said for n in range(6, 17) if float(said := f"{factor:.{n}g}") != 1.0), "1")
 
 
-def _slip(p: Probe) -> Array:
-    return _compliant(p, p.trial - p.returned)
-
-
 def _compliant(p: Probe, stress: Array) -> Array:
     """Return k^-1 stress (N, d)."""
     return np.asarray(np.linalg.solve(p.stiffness, stress.T).T)
@@ -260,7 +256,7 @@ def _compliant(p: Probe, stress: Array) -> Array:
 
 suggested(
     "slip",
-    opposite_slip=lambda p: [("the slip has the opposite sign", -_slip(p))],
+    opposite_slip=lambda p: [("the slip has the opposite sign", -p.slip)],
     no_slip=lambda p: [("the slip returned is always zero", np.zeros_like(p.trial))],
     slip_as_a_stress=lambda p: [("the slip returned is a stress: it is not divided by the stiffness", p.trial - p.returned)],
     slip_times_the_stiffness=lambda p: [
@@ -284,27 +280,23 @@ suggested(
 
 @suggests("slip")
 def multiple_of_the_slip(p: Probe) -> Iterator[tuple[str, Array]]:
-    right, given = _slip(p), np.asarray(p.reply.slip)
+    right, given = p.slip, np.asarray(p.reply.slip)
     if (factor := constant(np.einsum("ij,ij->i", given, right) / np.einsum("ij,ij->i", right, right))) is not None:
         yield f"the slip is {_unlike_one(factor)} times what the stress lacks", factor * right
 
 
-def _multiplier(p: Probe) -> Array:
-    return p.query.length(p.trial - p.returned) / p.query.dual_length(p.gradient)
-
-
-suggested("multiplier", opposite_multiplier=lambda p: [("the multiplier has the opposite sign", -_multiplier(p))])
+suggested("multiplier", opposite_multiplier=lambda p: [("the multiplier has the opposite sign", -p.multiplier)])
 
 
 @suggests("multiplier")
 def multiplier_with_a_shift(p: Probe) -> Iterator[tuple[str, Array]]:
-    if (shift := constant(np.asarray(p.reply.multiplier) - _multiplier(p))) is not None:
-        yield f"the multiplier is off by {shift:+.6g} everywhere", _multiplier(p) + shift
+    if (shift := constant(np.asarray(p.reply.multiplier) - p.multiplier)) is not None:
+        yield f"the multiplier is off by {shift:+.6g} everywhere", p.multiplier + shift
 
 
 @suggests("multiplier")
 def multiple_of_the_multiplier(p: Probe) -> Iterator[tuple[str, Array]]:
-    right = _multiplier(p)
+    right = p.multiplier
     with np.errstate(all="ignore"):
         factor = constant(np.where(right > 0.0, np.asarray(p.reply.multiplier) / right, np.nan))
     if factor == 0.0:
@@ -315,8 +307,8 @@ def multiple_of_the_multiplier(p: Probe) -> Iterator[tuple[str, Array]]:
 
 @suggests("multiplier")
 def multiplier_of_another_g(p: Probe) -> Iterator[tuple[str, Array]]:
-    right, size = _multiplier(p), -p.query.region.level(np.zeros_like(p.trial), p.pressure)  # of g = N - R or N^p - R^p
-    yield "the multiplier is the length of the slip, of a g whose gradient has length 1", _length(_slip(p))
+    right, size = p.multiplier, -p.query.region.level(np.zeros_like(p.trial), p.pressure)  # of g = N - R or N^p - R^p
+    yield "the multiplier is the length of the slip, of a g whose gradient has length 1", _length(p.slip)
     yield "the multiplier is the length of (trial stress - stress): it is not divided by the stiffness", _length(p.trial - p.returned)
     if p.query.region.law.pressure is not None:
         yield "the multiplier is that of g divided by the pressure, not of g as it is written", right * np.abs(p.pressure)

@@ -153,10 +153,9 @@ class Material:
         """Return n points at the beginning."""
         d = len(self.components) if self.stiffness is None else len(np.asarray(self.stiffness))
         zero, none = np.zeros((n, d)), np.zeros(n)
-        energies = (none, none.copy()) if self.energies else (None, None)
+        stored, dissipated = (none, none.copy()) if self.energies else (None, None)
         warm = None if self.temperature is None else np.full(n, self.temperature)
-        found = MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), *energies)
-        return found if warm is None else replace(found, temperature=warm)
+        return MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), stored, dissipated, temperature=warm)
 
 
 def advanced(
@@ -185,8 +184,7 @@ def _read(answer: MaterialState, before: MaterialState) -> MaterialState:
     parts: dict[str, Any] = {name: shaped(getattr(answer, name), name, shape, NoStep) for name, shape in shapes.items()}
     if missing := [name for name in ("strain", "variables") if parts[name] is None]:
         raise NoStep(f"the routine returned no {missing[0]}")
-    solved = None if parts["solved"] is None else parts["solved"].astype(np.bool_)
-    return MaterialState(**(parts | {"solved": solved, "overwritten": answer.overwritten}))
+    return MaterialState(**parts, overwritten=answer.overwritten)
 
 
 def stateless(update: Update | Material, stiffness: Array, values: Mapping[str, float]) -> Material:
@@ -202,18 +200,18 @@ def stateless(update: Update | Material, stiffness: Array, values: Mapping[str, 
         step = called(routine, values, trial, pressure, stiffness, answered)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "tangent": (n, d, d), "solved": (n,)}
-        found = {name: shaped(getattr(step, name), name, shape) for name, shape in shapes.items()}
+        found: dict[str, Any] = {name: shaped(getattr(step, name), name, shape) for name, shape in shapes.items()}
         stress, slip = found["stress"], found["slip"]
-        assert stress is not None
         increment = (trial - before.stress) @ inverse.T
         with np.errstate(all="ignore"):
             stored = 0.5 * np.einsum("ni,ij,nj->n", stress, inverse, stress)
             amount = (trial - stress) @ inverse.T if slip is None else slip
             loss = np.einsum("ni,ni->n", stress, amount)
         lost = loss if before.dissipated is None else before.dissipated + loss
-        solved = None if found["solved"] is None else found["solved"].astype(np.bool_)
         spoilt = None if step.overwritten is None else np.asarray(step.overwritten, dtype=object)
-        return MaterialState(before.strain + increment, stress, before.variables, stored, lost, slip, found["tangent"], solved, spoilt)
+        return MaterialState(
+            before.strain + increment, stress, before.variables, stored, lost, slip, found["tangent"], found["solved"], spoilt
+        )
 
     def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
         return towards(before, before.stress + increment @ stiffness.T, pressure, duration)
@@ -221,8 +219,11 @@ def stateless(update: Update | Material, stiffness: Array, values: Mapping[str, 
     return Material(advance, stiffness, (), True, getattr(update, "__name__", "update"), getattr(update, "__duhem_import__", ""), towards)
 
 
-def shaped(given: Any, name: str, shape: tuple[int, ...], fault: type[Exception] = ValueError) -> Array | None:
-    """What a routine returned, as an array of the shape it must have and of its own; None for what is not returned.  Raises ``fault``."""
+def shaped(given: Any, name: str, shape: tuple[int, ...], fault: type[Exception] = ValueError) -> NDArray[Any] | None:
+    """What a routine returned, as an array of the shape it must have and of its own; None for what is not returned.  Raises ``fault``.
+
+    Of numbers, but for what is ``solved``, which is so or not.
+    """
     if given is None and name != "stress":
         return None
     if isinstance(given, np.ndarray) and given.dtype == np.float64 and given.shape == shape:
@@ -236,7 +237,7 @@ def shaped(given: Any, name: str, shape: tuple[int, ...], fault: type[Exception]
         raise fault(f"the {name} is complex ({whole.dtype}), not real")
     if array.shape != shape:
         raise fault(f"the {name} has the shape {array.shape}, not {shape}")
-    return array
+    return array.astype(np.bool_) if name == "solved" else array
 
 
 def from_material(made: Callable[..., Material]) -> Update:
