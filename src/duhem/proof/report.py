@@ -21,7 +21,10 @@ from duhem.show.printing import sheet, text
 from duhem.show.sheet import Sheet
 from duhem.version import __version__
 
-__all__ = ["as_sheet", "as_sheet_of_claim", "as_sheet_of_witness", "as_suite", "as_text", "certified", "decided", "left_aside", "stated"]
+__all__ = [
+    "as_sheet", "as_sheet_of_claim", "as_sheet_of_witness", "as_suite", "as_text", "certified", "decided", "left_aside", "sentences",
+    "stated",
+]  # fmt: skip
 
 _HEAD = ("claim", "verdict", "trust", "method", "scope", "time")
 _FIELD = len("parameters")
@@ -60,7 +63,7 @@ def _arguments(results: Sequence[ClaimResult], page: Page) -> Iterator[str]:
         yield from page.field(result.claim, result.detail, width)
         for sentence in _opening(result):
             yield from page.item(sentence, " " * (width + 4))
-        for sentence in _sentences(result.witness):
+        for sentence in sentences(result.witness):
             yield from page.item(sentence, " " * (width + 6))
 
 
@@ -74,7 +77,7 @@ def as_sheet(verification: Verification) -> Sheet:
         *((("Coupled", said),) if (said := _coupled(verification)) else ()),
         ("Arguments", tuple(f"{r.claim}: {r.detail}" for r in results)),
         *((f"Open: {r.claim}", _opening(r)) for r in results if r.unsettled is not None),
-        *((f"Counterexample: {r.claim}", _sentences(r.witness)) for r in results if r.witness is not None),
+        *((f"Counterexample: {r.claim}", sentences(r.witness)) for r in results if r.witness is not None),
         ("Omitted", tuple(map(str, verification.left_out))),
         ("Remarks", verification.remarks),
     )
@@ -95,7 +98,7 @@ def as_sheet_of_claim(result: ClaimResult) -> Sheet:
 @sheet.register(Witness)
 def as_sheet_of_witness(witness: Witness) -> Sheet:
     """What violates the claim, in sentences with every number exact."""
-    return Sheet("Counterexample", notes=(("Counterexample", _sentences(witness)),))
+    return Sheet("Counterexample", notes=(("Counterexample", sentences(witness)),))
 
 
 def as_suite(verification: Verification, *, strict: bool = False, expected: Mapping[str, str] = FrozenMapping()) -> JUnitSuite:
@@ -126,7 +129,7 @@ def _case(result: ClaimResult, strict: bool, due: str | None) -> JUnitCase:
         return JUnitCase(result.claim, output=said, seconds=result.seconds)
     failed = due is not None or result.verdict is Verdict.REFUTED or (strict and result.verdict is not Verdict.NOT_APPLICABLE)
     outcome = Outcome.FAILED if failed else Outcome.SKIPPED
-    lines = [line for sentence in (*_opening(result), *_sentences(result.witness)) for line in Page(None).hanging(sentence)]
+    lines = [line for sentence in (*_opening(result), *sentences(result.witness)) for line in Page(None).hanging(sentence)]
     return JUnitCase(result.claim, outcome, f"{_word(result.verdict)}: {result.detail}", "\n".join(lines), seconds=result.seconds)
 
 
@@ -149,7 +152,7 @@ def decided(verification: Verification) -> tuple[Chapter, ...]:
     table = Columns(_HEAD, tuple(map(_row, verification.results)), kinds, _HEAD.index("verdict"))
     why = []
     for result in verification.results:
-        against = tuple(Sentences(said) for said in (_opening(result), _sentences(result.witness)) if said)
+        against = tuple(Sentences(said) for said in (_opening(result), sentences(result.witness)) if said)
         argument: tuple[Block, ...] = (Paragraph(EVERY[result.claim].statement, "statement"), Paragraph(result.detail), *against)
         why.append(Chapter(result.claim, argument))
     trusts = tuple(map(Paragraph, _trusts(verification.results)))
@@ -195,7 +198,7 @@ def _row(result: ClaimResult) -> tuple[str, ...]:
     return result.claim, _word(result.verdict), result.trust or "", result.method, scope, f"{result.seconds:.2f} s"
 
 
-def _sentences(witness: Witness | None) -> tuple[str, ...]:
+def sentences(witness: Witness | None) -> tuple[str, ...]:
     """Parameters, points, enclosed values and measures of a witness, and last how to read them."""
     if witness is None:
         return ()

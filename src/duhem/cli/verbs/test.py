@@ -148,7 +148,8 @@ def test(
     for name, given in {"pressure": pressure, "accuracy": accuracy, "largest_strain": largest_strain}.items():
         options |= {} if given is None else {name: read_number(given, f"--{name.replace('_', '-')}")}
     places = {name: _places(at, f"--state {one}") for one in state for name, at in [read_pair(one, f"--state {one}", *_STATE)]}
-    material = _material(subject, own, props, nstatv, ntens, places, sizes)
+    of_umat = {"props": None if props is None else read_numbers(props, "--props"), "nstatv": nstatv, "ntens": ntens}
+    material = _material(subject, own, {name: given for name, given in of_umat.items() if given is not None}, places, sizes)
     options |= {"expected": expected, "stiffness": None if _is_umat(subject) else sizes}
     asked_for = _checks(None if own and law is None else subject, named, expected, material is not None and law is not None)
     routines, left_out = _routines(subject, own, material, law, settings, places, sizes is not None)
@@ -182,9 +183,8 @@ def _made(made: Routine, checks: Sequence[Check], **options: Any) -> Conformance
     try:
         return made(checks, **options)
     except InputError as fault:
-        if fault.where not in ("stiffness", "pressure", "accuracy"):
-            raise
-        raise InputError(fault.what, where=f"--{fault.where}", remedy=fault.remedy) from None
+        where = f"--{fault.where.replace('_', '-')}" if fault.where in options else fault.where
+        raise InputError(fault.what, where=where, remedy=fault.remedy) from None
 
 
 _STATE = ("NAME=PLACES", "--state X=7:13")
@@ -200,18 +200,16 @@ def _places(text: str, where: str) -> list[int]:
         raise InputError(f"{text!r} are no places", where=where, remedy="write a number, several as 1,3, or a range as 7:13") from None
 
 
-def _material(
-    subject: str, own: bool, props: str | None, nstatv: int | None, ntens: int | None, places: Mapping[str, list[int]], k: Any
-) -> Material | None:
+def _material(subject: str, own: bool, of_umat: Mapping[str, Any], places: Mapping[str, list[int]], k: Any) -> Material | None:
     """The material that is named, or made of a UMAT; None for anything else."""
     from duhem.testing.foreign import umat
     from duhem.testing.routines.material import Material
 
     if _is_umat(subject):
-        numbers = [] if props is None else read_numbers(props, "--props")
-        return umat(subject, numbers, k, nstatv=nstatv or 0, ntens=ntens)
-    if told := next((f"--{name}" for name, given in (("props", props), ("nstatv", nstatv), ("ntens", ntens)) if given is not None), None):
-        raise InputError("this option is for a UMAT", where=told, remedy="name its source or library, such as umat.f, or remove it")
+        return umat(subject, stiffness=k, **of_umat)
+    if of_umat:
+        remedy = "name its source or library, such as umat.f, or remove it"
+        raise InputError("this option is for a UMAT", where=f"--{next(iter(of_umat))}", remedy=remedy)
     found = read_attribute(subject) if own else None
     if isinstance(found, Material):
         return found
@@ -237,25 +235,19 @@ def _is_umat(subject: str) -> bool:
 
 def _is_routine(subject: str) -> bool:
     """Whether it is something else than a law."""
-    if _is_umat(subject):
-        return True
-    if ":" not in subject:
-        return False
     from duhem.law.curve_law import Law
 
-    return not isinstance(read_attribute(subject), Law)
+    return _is_umat(subject) or (":" in subject and not isinstance(read_attribute(subject), Law))
 
 
 def _most_flagged(given: str | None, own: bool) -> float:
     """The share of increments that may be flagged; InputError for what is none, or where duhem's own methods are tested."""
     from duhem.testing.drawn.options import check_share
 
-    if not own:
-        if given is not None:
-            remedy = "remove it: duhem's methods flag what they cannot solve"
-            raise InputError("this option applies only to your own routine", where=f"--most-flagged {given}", remedy=remedy)
-        return 1.0
-    share = 0.0 if given is None else read_number(given, "--most-flagged")
+    if given is not None and not own:
+        remedy = "remove it: duhem's methods flag what they cannot solve"
+        raise InputError("this option applies only to your own routine", where=f"--most-flagged {given}", remedy=remedy)
+    share = float(not own) if given is None else read_number(given, "--most-flagged")
     check_share(share, "--most-flagged")
     return share
 

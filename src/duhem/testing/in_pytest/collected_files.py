@@ -17,8 +17,10 @@ from duhem.path.batch_run import parts
 from duhem.path.scene import Scene
 from duhem.path.scene_file import MOST_BYTES, reads
 from duhem.proof.claims import CLAIMS, asked_of
+from duhem.proof.report import sentences
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import ClaimResult, Verification, verify
+from duhem.show.page import Page
 from duhem.testing.in_pytest.items import UnusableTest, group
 
 __all__ = ["TomlTests"]
@@ -91,12 +93,10 @@ class ClaimTest(pytest.Item):
         if result.verdict is Verdict.NOT_APPLICABLE:
             pytest.skip(result.detail)
         said = "\n".join(_said(self.parent.law.name, result))
-        if result.verdict is not Verdict.REFUTED and self._undecided() == "xfail":
+        undecided = self.config.getoption("--duhem-undecided") or self.config.getini("duhem_undecided")
+        if result.verdict is not Verdict.REFUTED and undecided == "xfail":
             pytest.xfail(said)
         pytest.fail(said, pytrace=False)
-
-    def _undecided(self) -> str:
-        return str(self.config.getoption("--duhem-undecided") or self.config.getini("duhem_undecided"))
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
         return self.path, None, f"{self.parent.law.name}: {self.name}"
@@ -114,18 +114,7 @@ def _properties(result: ClaimResult) -> Iterator[tuple[str, object]]:
 
 def _said(law: str, result: ClaimResult) -> Iterator[str]:
     yield f"{law}: {result.claim} is {result.verdict}: {result.detail}"
-    if (witness := result.witness) is None:
-        return
-    if witness.parameters:
-        yield f"  at {_listed(witness.parameters)}"
-    yield from (f"  {role}: {_listed(point)}" for role, point in witness.points.items())
-    yield from (f"  {name} in [{low}, {high}]" for name, (low, high) in witness.values.items())
-    yield from (f"  {name} = {value!r}" for name, value in witness.measures.items())
-    yield f"  {witness.statement}"
-
-
-def _listed(values: Any) -> str:
-    return ", ".join(f"{name} = {value}" for name, value in values.items())
+    yield from (f"  {line}" for sentence in sentences(result.witness) for line in Page(None).hanging(sentence))
 
 
 class SceneTest(pytest.Item):
