@@ -148,21 +148,19 @@ def differences(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: floa
     The stress or slip of an increment, and figures that measure a witness, may move by ``tolerance`` of their size; those of
     an increment that was not solved when it was kept may be any.
     """
-    law, claims = _changed(kept["law"], now["law"], 0.0), _claims(kept["claims"], now["claims"], tolerance)
-    return Differences((*law, *claims, *_increments(kept, now, tolerance)))
+    law = (said.lstrip(": ") for said in _changed(kept["law"], now["law"], 0.0))
+    return Differences((*law, *_claims(kept["claims"], now["claims"], tolerance), *_increments(kept, now, tolerance)))
 
 
-def _changed(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: float) -> Iterator[str]:
-    """Yield a line for each value that differs between two dictionaries; floats may differ by ``tolerance`` of their size."""
-    for key in sorted({*kept, *now}):
-        old, new = kept.get(key), now.get(key)
-        if isinstance(old, dict) and isinstance(new, dict):
-            yield from (f"{key} {line}" for line in _changed(old, new, tolerance))
-        elif isinstance(old, float) and isinstance(new, float):
-            if not abs(new - old) <= tolerance * max(abs(old), abs(new)):
-                yield f"{key}: {old!r} → {new!r}"
-        elif old != new:
-            yield f"{key}: {_said(old)} → {_said(new)}"
+def _changed(old: Any, new: Any, tolerance: float) -> Iterator[str]:
+    """Yield words for each value that differs between two, after its keys in dictionaries; floats may differ by ``tolerance``."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        yield from (f" {key}{said}" for key in sorted({*old, *new}) for said in _changed(old.get(key), new.get(key), tolerance))
+    elif isinstance(old, float) and isinstance(new, float):
+        if not abs(new - old) <= tolerance * max(abs(old), abs(new)):
+            yield f": {old!r} → {new!r}"
+    elif old != new:
+        yield f": {_said(old)} → {_said(new)}"
 
 
 def _said(value: Any) -> str:
@@ -183,7 +181,8 @@ def _claims(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: float) -
             yield f"{claim}: {old['verdict']} → {new['verdict']}{_where(new.get('witness'))}"
             continue
         yield from (f"{claim}: {name} {_said(old[name])} → {_said(new[name])}" for name in _CLAIM[1:] if old[name] != new[name])
-        yield from (f"{claim}: witness: {line}" for line in _witness(old.get("witness"), new.get("witness"), tolerance))
+        witnesses = _changed(old.get("witness"), new.get("witness"), tolerance)
+        yield from (f"{claim}: witness: {said.lstrip(': ')}" for said in witnesses)
 
 
 def _where(witness: Mapping[str, Any] | None) -> str:
@@ -191,14 +190,6 @@ def _where(witness: Mapping[str, Any] | None) -> str:
         return ""
     at = f" at {_said(witness['parameters'])}" if witness["parameters"] else ""
     return f"{at}: {witness['statement']}"
-
-
-def _witness(kept: Mapping[str, Any] | None, now: Mapping[str, Any] | None, tolerance: float) -> Iterator[str]:
-    if kept is None or now is None:
-        if kept is not now:
-            yield f"{_said(kept)} → {_said(now)}"
-    else:
-        yield from _changed(kept, now, tolerance)
 
 
 def _increments(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: float) -> Iterator[str]:
