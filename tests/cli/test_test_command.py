@@ -17,7 +17,7 @@ from duhem.errors import DuhemError
 ROUTINES = """
 import numpy as np
 from duhem.testing import Step
-from duhem.testing.routines.unfinished import Unfinished
+from duhem.testing.routines.routine import Unfinished
 
 def right(trial, pressure, stiffness, mu):
     size, limit = np.hypot(*trial.T), -mu * pressure

@@ -38,8 +38,7 @@ from duhem.testing.failures.shrinking import RAISED, least_case, shortened, simp
 from duhem.testing.failures.suggestions import needs_the_run
 from duhem.testing.routines.material import Material, stateless
 from duhem.testing.routines.origin import Origin, named, origin
-from duhem.testing.routines.routine import Update
-from duhem.testing.routines.unfinished import Unfinished
+from duhem.testing.routines.routine import Unfinished, Update
 
 __all__ = ["ConformanceRun"]
 

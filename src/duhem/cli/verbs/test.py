@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from duhem.testing.checks.registry import Check
     from duhem.testing.failures.report import Report
     from duhem.testing.routines.material import Material
-    from duhem.testing.routines.unfinished import Unfinished
+    from duhem.testing.routines.routine import Unfinished
     from duhem.testing.run import ConformanceRun
 
     Routine = Callable[..., ConformanceRun]  # what makes its run

@@ -23,8 +23,7 @@ from duhem.testing.checks.query import NEAR, Asked, NoReply, NothingToCheck, Que
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.material import ELASTIC, Material, MaterialState, advanced
-from duhem.testing.routines.routine import Step
-from duhem.testing.routines.unfinished import Unfinished
+from duhem.testing.routines.routine import Step, Unfinished
 
 __all__ = ["FINER", "HistoryQuery"]
 

@@ -27,7 +27,7 @@ from duhem.testing.drawn.options import stiffness_matrix
 from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.values import MANTISSAS, Strategy, admitted, decades, scaled, table
 from duhem.testing.routines.material import ELASTIC, Material
-from duhem.testing.routines.unfinished import Unfinished
+from duhem.testing.routines.routine import Unfinished
 
 __all__ = [
     "TURNS", "cases", "decades", "histories", "loadings", "parameters", "pressures", "stiffnesses", "trials", "turned", "ways",

@@ -24,7 +24,7 @@ from duhem.testing.checks.registry import Check
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.values import Strategy, scaled
 from duhem.testing.failures.failure import Failure
-from duhem.testing.routines.unfinished import Unfinished
+from duhem.testing.routines.routine import Unfinished
 
 __all__ = ["RAISED", "least_case", "shortened", "simplified"]
 

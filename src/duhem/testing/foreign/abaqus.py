@@ -109,13 +109,13 @@ def umat(
         n = len(increment)
 
         def rows(given: Any, kept: Any = np.double) -> NDArray[Any]:
-            flat = np.asarray(given, dtype=kept).ravel()
-            column = np.empty((n, flat.size), dtype=kept)
-            column[:] = flat
-            return column
+            return np.tile(np.asarray(given, dtype=kept).ravel(), (n, 1))
 
         def integer(value: int) -> NDArray[Any]:
             return rows([value], np.intc)
+
+        def column(given: Array | None) -> Array:
+            return np.zeros((n, 1)) if given is None else given[:, None].copy()
 
         def strain(x: Array) -> Array:
             return np.ascontiguousarray(x @ back)  # T^-T x
@@ -123,11 +123,8 @@ def umat(
         stress = np.ascontiguousarray(before.stress @ turn.T)
         statev = np.array(before.variables, dtype=np.double, order="C")
         slopes = np.zeros((n, size, size))
-        sse = np.zeros((n, 1)) if before.stored is None else before.stored[:, None].copy()
-        spd = np.zeros((n, 1)) if before.dissipated is None else before.dissipated[:, None].copy()
-        smaller, scd = rows([1.0]), rows([0.0])
-        scalar, ones = rows([0.0]), np.eye(3)
-        warm = scalar.copy() if before.temperature is None else np.array(before.temperature)[:, None]
+        sse, spd, warm = map(column, (before.stored, before.dissipated, before.temperature))
+        smaller, scd, scalar, ones = rows([1.0]), rows([0.0]), rows([0.0]), np.eye(3)
         columns = [
             stress, statev, slopes, sse, spd, scd, scalar.copy(), rows(np.zeros(size)), rows(np.zeros(size)), scalar.copy(),
             strain(before.strain), strain(increment), rows([0.0, 0.0]), rows([duration]), warm, scalar.copy(), scalar.copy(),
@@ -137,18 +134,10 @@ def umat(
             rows([1, 1, 0, 0], np.intc), integer(1), np.full(n, 80, dtype=np.uintp),
         ]  # fmt: skip
         _, spoilt = watched(native, columns, n, _NAMES, _KEPT, n)
-        found = np.swapaxes(slopes, 1, 2)  # Fortran keeps columns together
-        return MaterialState(
-            before.strain + increment,
-            stress @ back.T,
-            statev,
-            sse[:, 0] if energies else None,
-            spd[:, 0] + scd[:, 0] if energies else None,
-            None,
-            back @ found @ back.T if tangent else None,
-            ~(smaller[:, 0] < 1.0),
-            spoilt,
-        )
+        stored, dissipated = (sse[:, 0], spd[:, 0] + scd[:, 0]) if energies else (None, None)
+        found = back @ np.swapaxes(slopes, 1, 2) @ back.T if tangent else None  # Fortran keeps columns together
+        strain_after, solved = before.strain + increment, ~(smaller[:, 0] < 1.0)
+        return MaterialState(strain_after, stress @ back.T, statev, stored, dissipated, None, found, solved, spoilt)
 
     names = _ORDERS.get(order, ()) if isinstance(order, str) else tuple(order)
     if isinstance(order, str) and not names:

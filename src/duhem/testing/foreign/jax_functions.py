@@ -42,9 +42,8 @@ def jax_routine(step: Callable[..., Any], *, tangent: bool = True) -> Update:
         n = len(trial)
         rows = np.minimum(np.arange(max(_LEAST, 1 << (n - 1).bit_length())), n - 1)
         with jax.enable_x64(True) if hasattr(jax, "enable_x64") else jax.experimental.enable_x64():
-            stress, slope = (without if pressure is None else made)(
-                trial[rows], None if pressure is None else pressure[rows], stiffness, parameters
-            )
+            function, loads = (without, None) if pressure is None else (made, pressure[rows])
+            stress, slope = function(trial[rows], loads, stiffness, parameters)
             return Step(np.asarray(stress)[:n], tangent=np.asarray(slope)[:n] if tangent else None)
 
     update.__name__ = getattr(step, "__name__", "update")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from duhem.errors import InputError
+from duhem.errors import DuhemError, InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
 from duhem.law.state import check_stateless
@@ -24,8 +25,8 @@ from duhem.proof.certificate import admitted_values
 from duhem.testing.routines.origin import law_as_written, made_by
 
 __all__ = [
-    "PROMISED", "FormerAnswers", "NoStep", "Overwritten", "Step", "Update", "called", "changed", "from_displacements", "named_after",
-    "noticed", "overwritten", "own_solvers", "pointwise", "projection",
+    "PROMISED", "FormerAnswers", "NoStep", "Overwritten", "Step", "Unfinished", "Update", "called", "changed", "from_displacements",
+    "named_after", "noticed", "overwritten", "own_solvers", "pointwise", "projection",
 ]  # fmt: skip
 
 
@@ -52,6 +53,29 @@ class Step:
 
 # update(trial (N, d), pressure (N,) or None for a law without, stiffness (d, d), **parameters left open) -> stress, Step or its mapping
 Update: TypeAlias = Callable[..., ArrayLike | Step | Mapping[str, ArrayLike | None]]
+
+
+class Unfinished(DuhemError):
+    """A routine has had all the time that it may take, and has not answered; raised by what can end it.
+
+    ``row``: which of the increments it was asked together does so alone, None where that is not known, and ``case`` the case
+    of that increment, as the one that is tried.  ``failure``, of one met in a conformance run: what shows it again, as that of the
+    check which asked (:class:`duhem.testing.Failure`, with its ``replay()``).
+    """
+
+    row: int | None = None
+    case: Any = None
+    failure: Any = None
+
+    def locate(self, ask: Callable[[slice], object], rows: int) -> None:
+        """Note the row, of so many, asked one by one."""
+        for i in range(rows if self.row is None else 0):
+            with suppress(Exception, SystemExit):  # that an increment fails is told when it is asked alone
+                try:
+                    ask(slice(i, i + 1))
+                except Unfinished:
+                    self.row = i
+                    return
 
 
 class NoStep(Exception):
