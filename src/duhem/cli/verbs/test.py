@@ -137,6 +137,8 @@ def test(
     Exit codes: 0 every check passed; 1 a check failed; 2 usage or file error; 4 a routine gave no answer or exceeded its time; 130
     interrupted, after printing the results so far.
     """
+    from duhem.testing.conformance import check_expected, checks_asked
+
     seed = seed if seed is not None else 0 if profile == "ci" else Random().getrandbits(32)
     again = _again(click.get_current_context(), subject, seed)
     own = _is_routine(subject)
@@ -151,7 +153,9 @@ def test(
     of_umat = {"props": None if props is None else read_numbers(props, "--props"), "nstatv": nstatv, "ntens": ntens}
     material = _material(subject, own, {name: given for name, given in of_umat.items() if given is not None}, places, sizes)
     options |= {"expected": expected, "stiffness": None if _is_umat(subject) else sizes}
-    asked_for = _checks(None if own and law is None else subject, named, expected, material is not None and law is not None)
+    of, held = None if own and law is None else subject, material is not None and law is not None
+    check_expected(of, expected, held, "--expect")
+    asked_for = checks_asked(of, named, held, "--checks")
     routines, left_out = _routines(subject, own, material, law, settings, places, sizes is not None)
     tested, ended = _carry_out(routines, asked_for, most, options)
     say(_told(form, tested, left_out, again))
@@ -216,14 +220,6 @@ def _material(subject: str, own: bool, of_umat: Mapping[str, Any], places: Mappi
     if places:
         raise InputError("the routine keeps no state", where="--state", remedy="name a UMAT or a Material, or remove it")
     return None
-
-
-def _checks(law: str | None, named: Sequence[str] | None, expected: Mapping[str, str], held: bool) -> Sequence[Check]:
-    """Those that are asked for; InputError for one that there is not."""
-    from duhem.testing.conformance import check_expected, checks_asked
-
-    check_expected(law, expected, held, "--expect")
-    return checks_asked(law, named, held, "--checks")
 
 
 def _is_umat(subject: str) -> bool:

@@ -21,6 +21,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -77,18 +78,16 @@ class Raised:
     ) -> _Answer:
         """Return the answer to so many increments asked together.  Raises NoReply and Unfinished with the row that is to blame alone."""
 
-        def one_by_one() -> None:
-            """Ask for each increment; raise NoReply at the first one at which the routine raises alone."""
-            for row in range(count):
-                try:
-                    ask(slice(row, row + 1))
-                except Unfinished as fault:
-                    fault.row = row
-                    raise
-                except (Exception, SystemExit) as fault:
-                    self.times += 1
-                    self.said[key(row)] = say(fault)
-                    raise NoReply(self.said[key(row)], row) from fault
+        def alone(row: int) -> None:
+            try:
+                ask(slice(row, row + 1))
+            except Unfinished as fault:
+                fault.row = row
+                raise
+            except (Exception, SystemExit) as fault:
+                self.times += 1
+                self.said[key(row)] = say(fault)
+                raise NoReply(self.said[key(row)], row) from fault
 
         together = tuple(map(key, range(count))) if self.said else ()
         for row, each in enumerate(together):
@@ -96,12 +95,14 @@ class Raised:
                 raise NoReply(self.said[each], row)
         if together in self.said:
             raise NoReply(self.said[together], together=True)
-        if self.said and 1 < count <= _FEW:
-            one_by_one()
+        for row in range(count) if self.said and 1 < count <= _FEW else ():
+            alone(row)
         try:
             return ask(slice(None))
         except Unfinished as fault:
-            fault.locate(ask, count)
+            for row in range(count if fault.row is None else 0):
+                with suppress(NoReply):  # that an increment fails is told when it is asked alone
+                    alone(row)
             raise
         except (Exception, SystemExit) as fault:
             self.times += 1
@@ -109,7 +110,8 @@ class Raised:
             if count == 1:
                 self.said[key(0)] = said
                 raise NoReply(said, 0) from fault
-        one_by_one()
+        for row in range(count):
+            alone(row)
         self.said[tuple(map(key, range(count)))] = said
         raise NoReply(said, together=True)
 

@@ -134,9 +134,8 @@ def violated(asked: Check, query: Query) -> tuple[Finding, NDArray[np.bool_], ND
         stress = query.here.stress
         with np.errstate(all="ignore"):
             boundless &= np.isfinite(stress).all(axis=1) & ~np.isfinite(query.length(stress))
-        if boundless.any():
-            said = np.where(boundless, "the stress returned is so large that its square overflows", _said(finding))
-            finding = replace(finding, said=said)
+        said = np.where(boundless, "the stress returned is so large that its square overflows", _said(finding))
+        finding = replace(finding, said=said)
     return finding, (~(finding.measured <= finding.allowed) & counts) | boundless, counts
 
 

@@ -434,6 +434,7 @@ def histories(
     ``searched`` counts what is found (:class:`duhem.testing.checks.visited.Visited`).  The steps of a case of one shrink; those of a
     larger one are picked from the same tables by a seed.
     """
+    searched = Counter() if searched is None else searched
     numbers = {name: float(draw(_given(value, st.nothing()))) for name, value in values.items()}
     k = stiffness_matrix(draw(_given(stiffness, st.nothing())), None)
     d = len(k)
@@ -446,13 +447,12 @@ def histories(
     load = None if given is None else given[0]
     stretched = np.abs(np.linalg.solve(material.elastic, ways[:2].reshape(2 * rows, d).T)).max(axis=0).reshape(2, rows)
     if scale is None:
-        loads, told = None if load is None else np.tile(load, 2), Counter() if searched is None else searched
-        reach = _elastic_reach(material, ways[:2].reshape(2 * rows, d), loads, accuracy, largest_strain, told).reshape(2, rows)
+        loads = None if load is None else np.tile(load, 2)
+        reach = _elastic_reach(material, ways[:2].reshape(2 * rows, d), loads, accuracy, largest_strain, searched).reshape(2, rows)
     else:
         reach = scale / stretched
     known = np.isfinite(reach) & (reach > 0.0)
-    if searched is not None:
-        searched["range" if known.any() else "none"] += 1
+    searched["range" if known.any() else "none"] += 1
     typical = float(np.median(reach[known])) if known.any() else 1.0
     reach = np.where(known, reach, typical)
     if largest_strain is None:

@@ -35,8 +35,8 @@ from duhem.testing.failures.state_suggestions import beside_in_state, of_the_sta
 from duhem.testing.routines.origin import Origin
 
 __all__ = [
-    "CLEAR", "IN_REGION", "Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "registered_suggestions",
-    "suggested", "suggests",
+    "CLEAR", "IN_REGION", "Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "suggested",
+    "suggests",
 ]  # fmt: skip
 
 Part: TypeAlias = Literal["stress", "slip", "multiplier", "tangent"]
@@ -334,11 +334,6 @@ def constant(values: Array) -> float | None:
     if not known.size or np.ptp(known) > 1e-6 * np.abs(known).max():
         return None
     return float(np.median(known))
-
-
-def registered_suggestions() -> set[str]:
-    """Return the names of all suggestions."""
-    return {name for each in _suggestions.values() for name in each}
 
 
 def diagnosed(

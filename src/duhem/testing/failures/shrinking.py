@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import takewhile
-from math import floor, isfinite, log10
+from itertools import count, takewhile
+from math import floor, inf, isfinite, log10
 from random import Random
 from time import monotonic
 from typing import Any
@@ -54,26 +54,22 @@ def least_case(
 
     From the first failure on only its check counts; so many ``tries``, and ``seconds``, are left then to find a smaller case.
     """
-    least: Case | None = None
-    first: Failure | None = None
-    left, until, most = tries, float("inf"), 0
+    met: list[Failure] = []
+    tried, until, most = count(), inf, 0
 
     def fails(case: Case) -> bool:
-        nonlocal least, first, left, until, most
-        if first is not None:
-            if left == 0 or monotonic() > until or raised.times > most:
-                raise _Enough
-            left -= 1
+        nonlocal until, most
+        if met and (next(tried) == tries or monotonic() > until or raised.times > most):
+            raise _Enough
         try:
-            found = failing(case, checks if first is None else (first.check,))
+            found = failing(case, (met[0].check,) if met else checks)
         except Unfinished as fault:
             raise _Enough(fault) from None
         if found is None:
             return False
-        if first is None:
-            first, most = found, raised.times + RAISED
-            until = float("inf") if seconds is None else monotonic() + seconds
-        least = found.case
+        if not met:
+            until, most = inf if seconds is None else monotonic() + seconds, raised.times + RAISED
+        met.append(found)
         return True
 
     try:
@@ -82,7 +78,7 @@ def least_case(
     except _Enough as end:
         if end.args:
             raise end.args[0] from None
-    return None if least is None or first is None else (least, first)
+    return (met[-1].case, met[0]) if met else None
 
 
 def simplified(

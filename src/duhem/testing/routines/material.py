@@ -135,12 +135,10 @@ class Material:
             except (Exception, SystemExit):  # a check tells of it
                 break
             size = _MILLIONTH * np.abs(slope).max()
-            if not (size > 0.0 and apart <= size):
+            linear = size > 0.0 and apart <= size
+            if not (linear and runs[-1] and np.abs(slope - runs[-1][-1]).max() <= size):
                 runs.append([])
-            elif runs[-1] and not np.abs(slope - runs[-1][-1]).max() <= size:
-                runs.append([slope])
-            else:
-                runs[-1].append(slope)
+            runs[-1] += [slope] if linear else []
             if len(runs) > 1 and len(runs[-2]) >= _LINEAR:
                 break
         run = max(runs, key=len)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -66,16 +65,6 @@ class Unfinished(DuhemError):
     row: int | None = None
     case: Any = None
     failure: Any = None
-
-    def locate(self, ask: Callable[[slice], object], rows: int) -> None:
-        """Note the row, of so many, asked one by one."""
-        for i in range(rows if self.row is None else 0):
-            with suppress(Exception, SystemExit):  # that an increment fails is told when it is asked alone
-                try:
-                    ask(slice(i, i + 1))
-                except Unfinished:
-                    self.row = i
-                    return
 
 
 class NoStep(Exception):
