@@ -344,7 +344,7 @@ def _alone() -> Iterator[None]:
         yield
 
 
-def wanted_claims(claims: Iterable[str] | None, law: Law | None = None) -> tuple[str, ...]:
+def wanted_claims(claims: Iterable[str] | None, law: Law | None = None, where: str = "") -> tuple[str, ...]:
     """The claims named, for None all that are asked of a law; InputError for what is none."""
     every = f"the claims are: {', '.join(CLAIMS)}"
     if not isinstance(claims, Iterable | None):
@@ -353,7 +353,7 @@ def wanted_claims(claims: Iterable[str] | None, law: Law | None = None) -> tuple
     for name in names:
         if not isinstance(name, str) or name not in EVERY:
             near = get_close_matches(str(name), CLAIMS, n=1)
-            raise InputError(f"unknown claim {name!r}", remedy=f"did you mean {near[0]!r}? {every}" if near else every)
+            raise InputError(f"unknown claim {name!r}", where=where, remedy=f"did you mean {near[0]!r}? {every}" if near else every)
     return names
 
 

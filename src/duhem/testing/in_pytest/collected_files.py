@@ -16,10 +16,9 @@ from duhem.law.placed_toml import parsed, text_of
 from duhem.path.batch_run import parts
 from duhem.path.scene import Scene
 from duhem.path.scene_file import MOST_BYTES, reads
-from duhem.proof.claims import CLAIMS, asked_of
 from duhem.proof.report import sentences
 from duhem.proof.verdict import Verdict
-from duhem.proof.verification import ClaimResult, Verification, verify
+from duhem.proof.verification import ClaimResult, Verification, verify, wanted_claims
 from duhem.show.page import Page
 from duhem.testing.in_pytest.items import UnusableTest, group
 
@@ -55,13 +54,8 @@ class TomlTests(pytest.File):
 
     def _claims(self) -> tuple[str, ...]:
         asked = self.config.getoption("--duhem-claims")
-        if asked is None:
-            return asked_of(self.law)
-        names = tuple(dict.fromkeys(name.strip() for name in asked.split(",") if name.strip()))
-        for name in names:
-            if name not in CLAIMS:
-                raise InputError(f"unknown claim {name!r}", where="--duhem-claims", remedy=f"claims are: {', '.join(CLAIMS)}")
-        return names
+        named = None if asked is None else dict.fromkeys(name.strip() for name in asked.split(",") if name.strip())
+        return wanted_claims(named, self.law, "--duhem-claims")
 
     @cached_property
     def verification(self) -> Verification | DuhemError:

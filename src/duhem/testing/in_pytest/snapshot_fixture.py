@@ -40,21 +40,21 @@ def compared(request: pytest.FixtureRequest, project: Project) -> Callable[..., 
         named = (claims,) if isinstance(claims, str) else None if claims is None else tuple(claims)
         key = _key(load(law).name, parameters, named)
         shown = os.path.relpath(file, test.config.rootpath)
-        if update:
-            asked[key] = snapshot(law, project, parameters, claims=named)
-            file.parent.mkdir(parents=True, exist_ok=True)
-            SnapshotFile(asked, _tolerance(file)).write(file)
-            return asked[key]
-        lacking = ""
+        kept, lacking = SnapshotFile(), ""
         try:
             kept = SnapshotFile.read(file)
-            entry, tolerance = kept.entry(key, file), kept.tolerance
+            entry = {} if update else kept.entry(key, file)
         except DuhemError as fault:
             lacking = fault.what
+        if update:  # the tolerance is the owner's to change; that of a new file where it cannot be read
+            asked[key] = snapshot(law, project, parameters, claims=named)
+            file.parent.mkdir(parents=True, exist_ok=True)
+            SnapshotFile(asked, kept.tolerance).write(file)
+            return asked[key]
         if lacking:  # told outside: what was raised names an option of the command, and pytest would show both
             pytest.fail(f"{key}: {shown}: {lacking}; check the results and store them with --duhem-update", pytrace=False)
         now = snapshot(law, project, parameters, claims=named, increments=entry["increments"])
-        if lines := differences(entry, now, tolerance):
+        if lines := differences(entry, now, kept.tolerance):
             head = f"{key} is not as {shown} has it; if this is intended, store it with --duhem-update"
             pytest.fail("\n  ".join([head, *lines]), pytrace=False)
         return now
@@ -73,11 +73,3 @@ def _key(name: str, parameters: Mapping[str, Any] | None, claims: Iterable[str] 
     values = ((each, float(value) if isinstance(value, Real) else value) for each, value in (parameters or {}).items())
     asked = [] if claims is None else [" ".join(["claims", *sorted({*map(str, claims)})])]
     return ", ".join([name, *sorted(f"{each} = {value}" for each, value in values), *asked])
-
-
-def _tolerance(file: Path) -> float:
-    """What the file states, which is its owner's to change; of none, or of one that cannot be read, the tolerance of a new one."""
-    try:
-        return SnapshotFile.read(file).tolerance
-    except DuhemError:
-        return SnapshotFile().tolerance
