@@ -97,6 +97,9 @@ class ConformanceRun:
         self.seed = drawn.seed if drawn.seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
         self.every = drawn.every if drawn.every is not None else _EVERY_HISTORY if law is None else _EVERY
         self.law, self.update, self.parameters, self.on_case, self.drawn = law, update, parameters, on_case, drawn
+        self.timed = self.in_state is not None and self.in_state.own.timed
+        self.kind = ((), drawn.pressure is not None, self.timed) if law is None else (tuple(law.forces), law.pressure is not None)
+        self.sizes = {name: size for name in ("largest_strain", "scale") if (size := getattr(drawn, name)) is not None}
         self.stiffness = update.elastic if isinstance(update, Material) else drawn.stiffness
         domains = {} if law is None else law.fix(parameters).parameters
         self.passed = tuple(parameters or ()) if law is None else tuple(name for name, domain in domains.items() if domain.value is None)
@@ -105,7 +108,7 @@ class ConformanceRun:
         demanded = {check for check in registered(law is not None, self.held_to is not None).values() if check.demanded}
         chosen = {"checks": [c.name for c in asked]} if {*asked} != demanded else {}
         counts = {"max_examples": self.profile.max_examples, "rows": drawn.rows, "every": self.every, "seed": self.seed}
-        again = drawn_again(said, **chosen, **counts, **self._sizes)
+        again = drawn_again(said, **chosen, **counts, **self.sizes)
         self.again = ", ".join(filter(None, (self.held, again))) if again else ""
         self.ended: KeyboardInterrupt | Unfinished | None = None
         self.found: list[Failure] = []
@@ -119,21 +122,7 @@ class ConformanceRun:
         fixed = {"pressure": isinstance(drawn.pressure, Real), "stiffness": not isinstance(drawn.stiffness, SearchStrategy | None)}
         self.fixed = frozenset(name for name, always in fixed.items() if always)
         self.shortened: dict[str, Failure] = {}
-        self.visited, self.examples = self._nothing_visited(), 0
-
-    def _nothing_visited(self) -> Visited:
-        if self.law is None:
-            return Visited((), self.drawn.pressure is not None, self._timed)
-        return Visited(tuple(self.law.forces), self.law.pressure is not None)
-
-    @property
-    def _timed(self) -> bool:
-        return self.in_state is not None and self.in_state.own.timed
-
-    @property
-    def _sizes(self) -> dict[str, Any]:
-        sizes = {"largest_strain": self.drawn.largest_strain, "scale": self.drawn.scale}
-        return {name: size for name, size in sizes.items() if size is not None}
+        self.visited, self.examples = Visited(*self.kind), 0
 
     @property
     def _title(self) -> str:
@@ -161,7 +150,7 @@ class ConformanceRun:
     def _to_the_end(self) -> None:
         """Draw cases until every check has failed or has seen them all."""
         while self.pending:
-            self.visited, self.examples = self._nothing_visited(), 0
+            self.visited, self.examples = Visited(*self.kind), 0
             drawn = self._cases(self.parameters, self.stiffness, self.drawn.rows)
             found = self._least(self.pending, drawn, settings(self.profile, phases=(Phase.generate,)), self._drawn)
             if found is None:
@@ -175,7 +164,7 @@ class ConformanceRun:
             return cases(self.law, parameters, stiffness=stiffness, pressure=self.drawn.pressure, rows=rows)
         assert stiffness is not None
         given = parameters or {}, stiffness, self.drawn.pressure, rows
-        told = {"accuracy": self.drawn.accuracy, "searched": self.visited.searched, "timed": self._timed, **self._sizes}
+        told = {"accuracy": self.drawn.accuracy, "searched": self.visited.searched, "timed": self.timed, **self.sizes}
         return histories(self._material, *given, **told)
 
     def _material(self, values: Mapping[str, float], stiffness: Any) -> Material:

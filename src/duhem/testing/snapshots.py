@@ -85,7 +85,9 @@ def _trials(law: Law) -> Iterator[dict[str, Any]]:
     d = len(law.forces)
     low, high = (-np.inf, 0.0) if (own := law.domain.get(law.pressure or "")) is None else own.ends
     load = None if law.pressure is None else float(np.clip(-1.0, low, high))  # -1, or the pressure next to it within the declared range
-    ways = np.array([*_mixed(d), *np.eye(d)[:2], *-np.eye(d)[:2]])
+    size = 1.0 / np.arange(1.0, d + 1.0)
+    mixed = size, size[::-1] * (-1.0) ** np.arange(d)  # off the axes, which no symmetry of the law makes alike
+    ways = np.array([*mixed, *np.eye(d)[:2], *-np.eye(d)[:2]])
     reach = Region(law, values).reach(ways, np.full(len(ways), load or 0.0))
     ends = np.where(np.isfinite(reach) & (reach > 0.0), reach, 1.0)[:, None] * ways
     open_ = {name: exact[name] for name, domain in law.parameters.items() if domain.value is None}
@@ -93,12 +95,6 @@ def _trials(law: Law) -> Iterator[dict[str, Any]]:
         trial = {name: float(f"{x:.{_DIGITS}g}") for name, x in zip(law.forces, (share * end).tolist(), strict=True)}
         stiffness = {name: float(i + 1) for i, name in enumerate(law.forces)}
         yield {"parameters": open_, "pressure": load, "stiffness": stiffness, "trial": trial}
-
-
-def _mixed(d: int) -> Array:
-    """Return two directions (2, d) off the axes, which no symmetry of the law makes alike."""
-    size = 1.0 / np.arange(1.0, d + 1.0)
-    return np.array([size, size[::-1] * (-1.0) ** np.arange(d)])
 
 
 def _answered(law: Law, asked: Mapping[str, Any], project: Project) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from duhem.expression.rays import Rays
 from duhem.projection.result import Array
 from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.registry import Finding, register
+from duhem.testing.drawn.case import vector
 
 __all__ = ["Dents"]
 
@@ -183,14 +184,12 @@ def convexity(q: Query) -> Finding:
         p, other = p.copy(), other.copy()
         p[rows], other[rows] = (np.array(each) for each in zip(*pairs.values(), strict=True))
         found[rows] = True
-    told = np.array([_told(*pair) if bad else "" for bad, *pair in zip(found, p, other, strict=True)], dtype=object)
+    said = [
+        f"{vector(a)} and {vector(b)} lie in K, and their midpoint {vector(0.5 * (a + b))} does not" for a, b in zip(p, other, strict=True)
+    ]
+    told = np.where(found, np.array(said, dtype=object), "")
     shown = replace(q.case, inside=p, beside=other) if pairs else None
     return Finding(found * q.length(p - other), np.zeros(len(p)), told, tried=tried, case=shown)
-
-
-def _told(first: Array, last: Array) -> str:
-    one, other, middle = (f"[{', '.join(f'{x:.6g}' for x in each)}]" for each in (first, last, 0.5 * (first + last)))
-    return f"{one} and {other} lie in K, and their midpoint {middle} does not"
 
 
 @register(

@@ -17,6 +17,7 @@ from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.law_in_state import LawStep
 from duhem.testing.checks.query import NothingToCheck
 from duhem.testing.checks.registry import Finding, register
+from duhem.testing.drawn.case import vector
 
 __all__: list[str] = []
 
@@ -51,12 +52,8 @@ def _worst(h: HistoryQuery, off: Array, allowed: Array, say: Callable[[int, int]
         row, own, o = leg * n + i, step.of.own, step.of.own.observables
         state = [f"{own.names[o + v]} = {step.ended[row, o + v]:.6g}" for v in step.of.known[:4]]
         which = f"in step {leg + 1} of {many // n}, " if many > n else ""
-        said[i] = f"{which}{say(row, j)}, at {', '.join([f'sigma = {_vector(step.after.stress[row])}', *state])}"
+        said[i] = f"{which}{say(row, j)}, at {', '.join([f'sigma = {vector(step.after.stress[row])}', *state])}"
     return Finding(most, np.ones(n), said)
-
-
-def _vector(values: Array) -> str:
-    return f"[{', '.join(f'{x:.6g}' for x in values)}]"
 
 
 @_condition(
@@ -80,7 +77,7 @@ def _(step: LawStep, h: HistoryQuery) -> Condition:
         raise NothingToCheck("the slip is read from the stress")
     force = step.of.own.free_energy.first(step.ended, step.others)[1][:, np.argsort(step.of.columns)]
     off = h.length(step.after.stress - force)[:, None]
-    return off, 4.0 * step.slip_error[:, None], lambda i, j: f"the stress of the energy is {_vector(force[i])}"
+    return off, 4.0 * step.slip_error[:, None], lambda i, j: f"the stress of the energy is {vector(force[i])}"
 
 
 def _of_a_criterion(step: LawStep) -> None:

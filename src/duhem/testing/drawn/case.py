@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 
-__all__ = ["Case"]
+__all__ = ["Case", "vector"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,3 +87,8 @@ class Case:
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
         """As Hypothesis and IPython print: by the representation above, not field by field."""
         printer.text(repr(self))
+
+
+def vector(values: Iterable[float]) -> str:
+    """Numbers in six digits."""
+    return f"[{', '.join(f'{x:.6g}' for x in values)}]"

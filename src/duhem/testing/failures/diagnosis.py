@@ -73,14 +73,10 @@ def departure(query: Query) -> Departure | None:
             best = _closest(query.region.law, query.region.parameters, reply.trial, load, stiffness)
             known = bool(np.isfinite(best).all())
             off = query.length(reply.stress - best)[0]
-            here = Departure(
-                trial=tuple(reply.trial[0].tolist()),
-                pressure=None if load is None else float(load[0]),
-                stiffness=tuple(tuple(row) for row in stiffness.tolist()),
-                returned=tuple(reply.stress[0].tolist()),
-                closest=tuple(best[0].tolist()) if known else None,
-                apart=known and not off <= CLEAR * query.unit(reply)[0],
-            )
+            trial, returned, closest = (tuple(stresses[0].tolist()) for stresses in (reply.trial, reply.stress, best))
+            apart = known and not off <= CLEAR * query.unit(reply)[0]
+            told = trial, None if load is None else float(load[0]), tuple(map(tuple, stiffness.tolist())), returned
+            here = Departure(*told, closest if known else None, apart)
             if here.apart:
                 return here
             shown = shown or here

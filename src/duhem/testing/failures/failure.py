@@ -18,7 +18,7 @@ from hypothesis.strategies import SearchStrategy
 from duhem.law.formula_law import Criterion
 from duhem.show.place import write
 from duhem.testing.checks.registry import Check
-from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.case import Case, vector
 from duhem.testing.routines.origin import Origin
 
 __all__ = ["Departure", "Failure", "drawn_again", "write_replays"]
@@ -119,14 +119,14 @@ class Failure:
         if found is None or self.check.law_only:
             return
         if self.law is None and case.path[0].any():
-            yield "after", " -> ".join(map(_vector, case.path[0].tolist())) + ", a path of k u"
+            yield "after", " -> ".join(map(vector, case.path[0].tolist())) + ", a path of k u"
         if (at := (found.trial, found.pressure, found.stiffness)) != asked:
             yield "at", f"{_increment(*at, of_tensors)}, which the check also uses"
-        yield "returned", _vector(found.returned)
+        yield "returned", vector(found.returned)
         if found.closest is not None:
             within = "" if found.apart else ", within what is allowed"
-            yield "closest", _vector(found.closest)
-            yield "difference", _vector(np.subtract(found.returned, found.closest).tolist()) + within
+            yield "closest", vector(found.closest)
+            yield "difference", vector(np.subtract(found.returned, found.closest).tolist()) + within
 
     # -- Python that shows it again ------------------------------------------------------------------------------------
 
@@ -202,20 +202,16 @@ def _increment(
     trial: Sequence[float], pressure: float | None, stiffness: Sequence[Sequence[float]], of_tensors: Sequence[float] | None
 ) -> str:
     load = "" if pressure is None else f", pressure {pressure:.6g}"
-    return f"trial {_vector(trial)}{load}, stiffness {_matrix(stiffness, of_tensors or (1.0,) * len(trial))}"
-
-
-def _vector(values: Sequence[float]) -> str:
-    return f"[{', '.join(f'{x:.6g}' for x in values)}]"
+    return f"trial {vector(trial)}{load}, stiffness {_matrix(stiffness, of_tensors or (1.0,) * len(trial))}"
 
 
 def _matrix(rows: Sequence[Sequence[float]], one: Sequence[float]) -> str:
     """Write a matrix: a multiple of ``one``, which is what a single number means, as that number, and a diagonal one as its diagonal."""
     diagonal = [row[i] for i, row in enumerate(rows)]
     if any(x for i, row in enumerate(rows) for j, x in enumerate(row) if i != j):
-        return f"[{', '.join(map(_vector, rows))}]"
+        return f"[{', '.join(map(vector, rows))}]"
     shares = {x / unit for x, unit in zip(diagonal, one, strict=True)}
-    return f"{shares.pop():.6g}" if len(shares) == 1 else f"diag {_vector(diagonal)}"
+    return f"{shares.pop():.6g}" if len(shares) == 1 else f"diag {vector(diagonal)}"
 
 
 def write_replays(failures: Iterable[Failure], folder: str | Path) -> tuple[Path, ...]:

@@ -177,12 +177,11 @@ text.register(Report, lambda report, page=PAGE: str(report))  # lines of code to
 @sheet.register(Report)
 def as_sheet(report: Report) -> Sheet:
     """Return a sheet with a row a check; then what is likely wrong, and why checks were left out or expected to fail."""
-    outcomes = report.outcomes()
     reasons = {**report.left_out, **report.expected, **report.unexpected}
     return Sheet(
         report.counted(),
         head=("check", "outcome"),
-        rows=tuple((name, how) for name, (how, _) in outcomes.items()),
+        rows=tuple((name, how) for name, (how, _) in report.outcomes().items()),
         notes=(
             ("Ended before its end", (report.ended,) if report.ended else ()),
             ("Failures", tuple(f"{f.check.name}: {f.diagnosis or f.message}" for f in report.failures)),

@@ -238,8 +238,7 @@ def _levels(p: Probe, i: int, parameter: str | None = None) -> Levels:
 
     def level(values: Array) -> Array:
         region = Region(law, known if parameter is None else {**known, parameter: values})  # type: ignore[dict-item]
-        load = values if parameter is None else np.full(values.shape, p.pressure[i])
-        return region.level(np.tile(stress, (len(values), 1)), load)
+        return region.level(np.tile(stress, (len(values), 1)), values if parameter is None else p.pressure[i])
 
     return level
 

@@ -88,9 +88,8 @@ def law_as_written(law: Criterion, given: Any = None) -> str:
         if shipped(law.name) and installed(law.name) and _same(known := load_named(law.name), law):
             return _fixed(law.name, known, law)
     with suppress(InputError):
-        again = Criterion(
-            name=law.name, g=law.written or formula(law.g), forces=law.forces, pressure=law.pressure, parameters=law.parameters
-        )
+        said = law.written or formula(law.g)
+        again = Criterion(name=law.name, g=said, forces=law.forces, pressure=law.pressure, parameters=law.parameters)
         if _same(again, law) and law.closed_form is None:
             domains = ", ".join(f"{name!r}: {_domain(domain)}" for name, domain in law.parameters.items())
             return f"Criterion({law.name!r}, {again.written!r}, {{{domains}}}, {law.forces!r}, {law.pressure!r})"
