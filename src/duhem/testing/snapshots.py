@@ -23,7 +23,7 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.placed_toml import text_of
 from duhem.projection.increment import check_associated
-from duhem.projection.result import Array, Projection, Status
+from duhem.projection.result import Projection, Status
 from duhem.proof.certificate import admitted_values, law_as_text
 from duhem.proof.verification import ClaimResult, verify
 from duhem.show.place import write

@@ -184,10 +184,9 @@ def convexity(q: Query) -> Finding:
         p, other = p.copy(), other.copy()
         p[rows], other[rows] = (np.array(each) for each in zip(*pairs.values(), strict=True))
         found[rows] = True
-    said = [
-        f"{vector(a)} and {vector(b)} lie in K, and their midpoint {vector(0.5 * (a + b))} does not" for a, b in zip(p, other, strict=True)
-    ]
-    told = np.where(found, np.array(said, dtype=object), "")
+    told, middle = np.full(len(p), "", dtype=object), 0.5 * (p + other)
+    for i in np.flatnonzero(found):
+        told[i] = f"{vector(p[i])} and {vector(other[i])} lie in K, and their midpoint {vector(middle[i])} does not"
     shown = replace(q.case, inside=p, beside=other) if pairs else None
     return Finding(found * q.length(p - other), np.zeros(len(p)), told, tried=tried, case=shown)
 
