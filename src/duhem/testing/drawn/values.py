@@ -118,14 +118,7 @@ class Admitted:
         ends = [x for x in self.law.parameters[name].ends if np.isfinite(x)]
         own = {*base, *ends, *others.values(), *(s * x for x in _FAR for s in (1.0, -1.0))}
         grid = np.array(sorted(x for x in own if x in self.law.parameters[name]))
-
-        def margin(x: np.ndarray) -> np.ndarray:
-            """Return the least margin by which the constraints are satisfied; it is negative outside."""
-            with np.errstate(all="ignore"):
-                each = [np.broadcast_to(gap(others | {name: x}), x.shape) for gap in gaps]
-            return np.asarray(np.nan_to_num(np.min(each, axis=0), nan=-np.inf))
-
-        found = [x for x, left in zip(base, margin(np.array(base)) > 0.0, strict=True) if left]
+        found = [x for x, left in zip(base, _hold(gaps, others, name, np.array(base)), strict=True) if left]
         found += [x for low, high in _left(gaps, others, name, grid) for x in _between(low, high) if x in self.law.parameters[name]]
         return [*dict.fromkeys(found)]
 
@@ -192,6 +185,12 @@ def _gap(law: Criterion, i: int) -> Callable[[Mapping[str, object]], np.ndarray]
     return lambda values: program(*(values[str(s)] for s in symbols))  # type: ignore[arg-type]
 
 
+def _hold(gaps: list[Callable[..., np.ndarray]], others: Mapping[str, float], name: str, values: np.ndarray) -> np.ndarray:
+    """Whether all constraints hold at ``values`` of a parameter."""
+    with np.errstate(all="ignore"):
+        return np.all([np.broadcast_to(gap({**others, name: values}), values.shape) > 0.0 for gap in gaps], axis=0)
+
+
 def _left(gaps: list[Callable[..., np.ndarray]], others: Mapping[str, float], name: str, grid: np.ndarray) -> Iterator[tuple[float, float]]:
     """Intervals on which every constraint holds, to the last digit; found by the signs on a grid of each constraint alone."""
     breaks = {float(grid[0]), float(grid[-1])}
@@ -209,9 +208,7 @@ def _left(gaps: list[Callable[..., np.ndarray]], others: Mapping[str, float], na
         last, beyond = rays.narrowed(np.zeros(len(at)), np.ones(len(at)))
         breaks |= {float(x) for t in (last, beyond) for x in rays.at(t)[:, 0]}
     ordered = np.array(sorted(breaks))
-    middle = 0.5 * ordered[:-1] + 0.5 * ordered[1:]
-    with np.errstate(all="ignore"):
-        holds = np.all([np.broadcast_to(gap({**others, name: middle}), middle.shape) > 0.0 for gap in gaps], axis=0)
+    holds = _hold(gaps, others, name, 0.5 * ordered[:-1] + 0.5 * ordered[1:])
     yield from ((float(a), float(b)) for a, b, good in zip(ordered[:-1], ordered[1:], holds, strict=True) if good and b > a)
 
 

@@ -217,10 +217,13 @@ def check_items(
     items: list[pytest.Item] = []
     for place, mark in enumerate(reversed(marks)):  # from the top down, as they are written
         try:
-            trial = _trial_of(collector, name, function, mark)
-        except pytest.Collector.CollectError as fault:
+            trial = Trial(f"{collector.nodeid}::{name}", mark, collector.config)
+            if fault := _needs_pytest(function, collector, trial):
+                remedy = "use the fixture duhem_check in a test that makes the routine: def test_it(duhem_check): duhem_check(update)"
+                raise _unusable(trial.node, fault, remedy)
+        except pytest.Collector.CollectError as unusable:
             which, line = f"{name}[{place}]" if place else name, function.__code__.co_firstlineno - 1
-            items.append(UnusableTest.from_parent(collector, name=which, said=str(fault), line=line))
+            items.append(UnusableTest.from_parent(collector, name=which, said=str(unusable), line=line))
             items[-1].own_markers += [each for each in function.pytestmark if each.name in ("skip", "skipif")]  # type: ignore[attr-defined]
             continue
         law = f"{getattr(trial.law, 'name', trial.law)}-" if len(marks) > 1 else ""
@@ -230,15 +233,6 @@ def check_items(
             named = {"name": whole, "nodeid": f"{collector.nodeid}::{whole}"}  # as pytest names parameters, so that --lf knows it again
             items.append(CheckTest.from_parent(collector, **named, trial=trial, check=node, update=update, function=function))
     return items
-
-
-def _trial_of(collector: pytest.Module | pytest.Class, name: str, function: FunctionType, mark: pytest.Mark) -> Trial:
-    """Return what a marker asks of the function under it.  Raises CollectError."""
-    trial = Trial(f"{collector.nodeid}::{name}", mark, collector.config)
-    if fault := _needs_pytest(function, collector, trial):
-        remedy = "use the fixture duhem_check in a test that makes the routine: def test_it(duhem_check): duhem_check(update)"
-        raise _unusable(trial.node, fault, remedy)
-    return trial
 
 
 def _needs_pytest(function: FunctionType, collector: pytest.Module | pytest.Class, trial: Trial) -> str:
