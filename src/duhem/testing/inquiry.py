@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from dis import opmap
 from functools import wraps
-from inspect import Parameter, signature
+from inspect import Parameter, signature, unwrap
 from pathlib import Path
 from time import monotonic
 from typing import Any, TypeAlias
@@ -75,8 +75,6 @@ class RoutineChecks:
     expect: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
-        if isinstance(self.routine, Material) or not (callable(self.routine) or isinstance(self.routine, str)):
-            raise InputError(f"{type(self.routine).__name__} is no routine for a law", where="routine", remedy=_ROUTINE)
         self._found()
         for name, given, least in (("examples", self.examples, 1), ("seed", self.seed, 0), ("shrink", self.shrink, 0)):
             if not isinstance(given, int) or isinstance(given, bool) or given < least:
@@ -113,11 +111,10 @@ class RoutineChecks:
         return self.routine if isinstance(self.routine, str) else ":".join(named(self.routine).rsplit(".", 1))
 
     def _found(self) -> Update:
-        if not isinstance(self.routine, str):
-            return self.routine
-        found = attribute(self.routine, self.routine)
+        found = attribute(self.routine, self.routine) if isinstance(self.routine, str) else self.routine
         if isinstance(found, Material) or not callable(found):
-            raise InputError(f"{self.routine[:60]} is a {type(found).__name__}, no routine for a law", remedy=_ROUTINE)
+            what = f"{str(self.routine)[:60]} is a {type(found).__name__}, no routine for a law"
+            raise InputError(what, where="routine", remedy=_ROUTINE)
         return found
 
     def answers(self, law: Law) -> Iterator[_Line]:
@@ -204,9 +201,7 @@ def _own_constants_left_out() -> Iterator[None]:
 
 
 def _digest(routine: Any) -> str:
-    while hasattr(routine, "__wrapped__"):
-        routine = routine.__wrapped__
-    module = sys.modules.get(getattr(routine, "__module__", None) or "")
+    module = sys.modules.get(getattr(unwrap(routine), "__module__", None) or "")
     try:
         with open(module.__file__ or "", "rb") as stream:  # type: ignore[union-attr]
             return hashlib.file_digest(stream, "sha256").hexdigest()

@@ -25,7 +25,7 @@ from duhem.testing.checks.query import NoReply, NothingToCheck, Query, Raised, n
 from duhem.testing.checks.registry import Check, judged, registered
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.case import Case
-from duhem.testing.drawn.options import RunOptions
+from duhem.testing.drawn.options import RunOptions, numbers
 from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.strategies import cases, histories, pressures
 from duhem.testing.drawn.values import Strategy, admitted
@@ -81,7 +81,8 @@ class ConformanceRun:
         said = {"parameters": parameters or None, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
         if isinstance(update, Material) and law is not None:
             self.warm, values = law.temperature, dict(parameters or {})
-            first = None if self.warm is None else _temperatures(values.get(self.warm), self.warm)
+            remedy = f'give one or several, for example parameters={{"{self.warm}": [293.0, 400.0]}}'
+            first = None if self.warm is None else np.ravel(numbers(values.get(self.warm), f"temperature {self.warm}", remedy)).tolist()
             update = replace(update, temperature=first[0] if first else None, pressed=pressed)
             self.in_state = LawInState.of(law, update, values, state)
             parameters = {} if first is None else {str(self.warm): sampled_from(first)}
@@ -457,18 +458,6 @@ class ConformanceRun:
 def _said_of(failure: Failure) -> set[str]:
     """What tells the diagnoses of a failure from others: their names, or, of what is so in one region alone, the words."""
     return {said.partition(IN_REGION)[0] if IN_REGION in said else name for name, said in failure.diagnoses.items()}
-
-
-def _temperatures(given: Any, name: str) -> list[float]:
-    """The temperatures of a run: one, or several from which one is drawn for each case."""
-    try:
-        found = np.atleast_1d(np.asarray(given, dtype=np.float64)).tolist()
-    except (TypeError, ValueError):
-        found = []
-    if not found or not np.isfinite(found).all():
-        remedy = f'give one or several, for example parameters={{"{name}": [293.0, 400.0]}}'
-        raise InputError(f"the temperature {name} has no value", where="parameters", remedy=remedy)
-    return found
 
 
 def _check_without_law(update: Update | Material, given: Mapping[str, Any]) -> None:

@@ -12,7 +12,6 @@ from contextlib import suppress
 import numpy as np
 
 from duhem.errors import InputError
-from duhem.projection.result import Array
 from duhem.testing.checks.query import NEAR, UNMEASURED, NoReply, Query, Reply
 
 __all__ = ["Visited"]
@@ -82,8 +81,12 @@ class Visited:
         strain = None if self.forces else np.linalg.solve(case.stiffness, case.trial.T)
         spread = {"stress": case.trial, "strain": strain, "pressure": case.pressure, "stiffness": np.diag(case.stiffness)}
         for name, values in spread.items():
-            if values is not None:
-                self._spread(name, np.abs(values))
+            sizes = np.abs([] if values is None else values)
+            sizes = sizes[(sizes > 0.0) & np.isfinite(sizes)]
+            if sizes.size:
+                low, high = (int(np.floor(np.log10(x))) for x in (sizes.min(), sizes.max()))
+                before = self.decades.get(name, (low, high))
+                self.decades[name] = min(low, before[0]), max(high, before[1])
 
     def _trials(self, query: Query, reply: Reply) -> None:
         solved, trial = reply.solved, reply.trial
@@ -117,10 +120,3 @@ class Visited:
         normal = (gradient / np.linalg.norm(gradient, axis=1, keepdims=True)).reshape(2 * d, len(at), d)
         turned = np.linalg.norm(normal - normal[0], axis=2).max(axis=0)
         self._counts.update(seam=int(seam.sum()), corner=int((seam & (turned > _TURNED)).sum()))
-
-    def _spread(self, name: str, sizes: Array) -> None:
-        sizes = sizes[(sizes > 0.0) & np.isfinite(sizes)]
-        if sizes.size:
-            low, high = (int(np.floor(np.log10(x))) for x in (sizes.min(), sizes.max()))
-            before = self.decades.get(name, (low, high))
-            self.decades[name] = min(low, before[0]), max(high, before[1])

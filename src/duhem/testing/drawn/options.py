@@ -18,7 +18,7 @@ from duhem.projection.metric import factors
 from duhem.projection.result import Array
 from duhem.testing.drawn.values import Strategy
 
-__all__ = ["ACCURACY", "TRIES", "RunOptions", "check_share", "stiffness_matrix"]
+__all__ = ["ACCURACY", "TRIES", "RunOptions", "check_share", "numbers", "stiffness_matrix"]
 
 ACCURACY = 1e-9  # relative error in stress a routine is held to, unless it promises another
 TRIES = 200  # to make a failing case smaller, counted, so that what is told does not depend on the load of the machine
@@ -86,9 +86,9 @@ def stiffness_matrix(given: ArrayLike, law: Criterion | None) -> Array:
     """
     d = 0 if law is None else len(law.forces)
     remedy = f"give one number, ({d},) or ({d}, {d})" if d else "without a law give (d,) or (d, d)"
-    k = _numbers(given, "stiffness", remedy)
+    k = numbers(given, "stiffness", remedy)
     n = d or len(np.atleast_1d(k))
-    if k.size == 0 or k.shape not in ([(), (n,), (n, n)] if d else [(n,), (n, n)]):
+    if k.shape not in ([(), (n,), (n, n)] if d else [(n,), (n, n)]):
         raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)
     if k.ndim == 0 and law is not None and law.stress is not None:
         k = k * law.stress.unit_stiffness
@@ -112,7 +112,7 @@ def _check_pressure(given: float | Strategy | None, law: Criterion | None) -> No
     """Raise InputError unless it is one number <= 0, in Pa, that the law admits; a strategy is not looked into."""
     if given is None or isinstance(given, SearchStrategy):
         return
-    value = _numbers(given, "pressure", "give one number, for example -1e6")
+    value = numbers(given, "pressure", "give one number, for example -1e6")
     name = "sigma_n" if law is None or law.pressure is None else law.pressure
     if value.ndim:
         raise InputError(f"pressure has the shape {value.shape}", where="pressure", remedy="give one number, for example -1e6")
@@ -127,11 +127,12 @@ def _is_number(given: Any) -> bool:
     return isinstance(given, Real) and not isinstance(given, bool | np.bool_) and isfinite(given)
 
 
-def _numbers(given: Any, where: str, remedy: str) -> Array:
+def numbers(given: Any, where: str, remedy: str) -> Array:
+    """Finite numbers, one at least, as an array.  Raises InputError for anything else."""
     try:
         raw = np.asarray(given)
     except ValueError:
         raw = np.asarray(None)
-    if raw.dtype.kind not in "iuf" or not np.isfinite(raw).all():
+    if raw.dtype.kind not in "iuf" or not np.isfinite(raw).all() or not raw.size:
         raise InputError(f"{str(given)[:60]!r} is not made of finite numbers", where=where, remedy=remedy)
     return raw.astype(np.float64)

@@ -219,13 +219,8 @@ def _placed(
     kind = np.array([name for name, _ in places])
     amount = np.array([x for _, x in places])[:, None]
     edge = size[:, None] * way
-    trial = np.where(kind[:, None] == "ray", amount * edge, edge)
-    for n in np.unique(amount[kind == "ulps"]):
-        shifted = size.copy()
-        for _ in range(int(abs(n))):
-            shifted = np.nextafter(shifted, np.inf if n > 0 else 0.0)
-        at = (kind == "ulps") & (amount[:, 0] == n)
-        trial[at] = shifted[at, None] * way[at]
+    beyond = size[:, None] + amount * np.spacing(size)[:, None]
+    trial = np.select([kind[:, None] == "ray", kind[:, None] == "ulps"], [amount * edge, beyond * way], edge)
     _, inverse = factors(stiffness)
     with np.errstate(all="ignore"):
         normal = region.slope(edge, pressure)[0] @ stiffness

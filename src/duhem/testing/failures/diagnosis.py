@@ -52,12 +52,11 @@ CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers a
 
 def _closest(law: Criterion | None, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> Array:
     """Return duhem's own closest points (N, d); nan where it flags one, where law, values or stiffness have none, or without a law."""
-    if law is None:
-        return np.full_like(trial, np.nan)
-    free = {name: value for name, value in values.items() if law.parameters[name].value is None}
-    with suppress(InputError), np.errstate(all="ignore"):
-        found = Projector.of(law, stiffness, free)(trial, pressure)
-        return np.where((found.status <= Status.SLIP)[:, None], found.stress, np.nan)
+    if law is not None:
+        free = {name: value for name, value in values.items() if law.parameters[name].value is None}
+        with suppress(InputError), np.errstate(all="ignore"):
+            found = Projector.of(law, stiffness, free)(trial, pressure)
+            return np.where((found.status <= Status.SLIP)[:, None], found.stress, np.nan)
     return np.full_like(trial, np.nan)
 
 
