@@ -61,16 +61,13 @@ class RunOptions:
                 raise InputError(f"{strain!r} is not a strain", where=name, remedy="give a number > 0, for example 1e-2")
         for name, least in (("rows", 1), ("every", 1), ("tries", 0), ("max_examples", 1), ("seed", None)):
             given = getattr(self, name)
-            if given is not None or name in ("rows", "tries"):  # the others may be left out
-                _check_count(given, name, least)
-
-
-def _check_count(given: Any, where: str, least: int | None) -> None:
-    """Raise InputError unless it is a whole number, and not below ``least``."""
-    if isinstance(given, bool) or not isinstance(given, Integral):
-        raise InputError(f"{given!r} is not a whole number", where=where, remedy=f"give one, for example {max(least or 0, 1) * 10}")
-    if least is not None and given < least:
-        raise InputError(f"{given} is too small", where=where, remedy=f"give {least} or more")
+            if given is None and name not in ("rows", "tries"):  # which may not be left out
+                continue
+            if isinstance(given, bool) or not isinstance(given, Integral):
+                remedy = f"give one, for example {max(least or 0, 1) * 10}"
+                raise InputError(f"{given!r} is not a whole number", where=name, remedy=remedy)
+            if least is not None and given < least:
+                raise InputError(f"{given} is too small", where=name, remedy=f"give {least} or more")
 
 
 def check_share(given: Any, where: str) -> None:

@@ -1,8 +1,7 @@
 """Routines of other languages, as the conformance suite calls them: shared libraries of C and Fortran, UMAT, JAX, MFront."""
 
 from duhem.testing.foreign.abaqus import umat
-from duhem.testing.foreign.jax_functions import jax_routine
-from duhem.testing.foreign.mgis_behaviour import mgis_material
+from duhem.testing.foreign.packages import jax_routine, mgis_material
 from duhem.testing.foreign.shared import shared_library, shared_material
 from duhem.testing.routines.material import Material, MaterialState, from_material
 

@@ -1,8 +1,12 @@
-"""A behaviour that MFront has compiled, through MGIS, as a material: written after MGIS' documentation, and never run."""
+"""Routines that packages of Python bring: a function written in JAX, and a behaviour that MFront has compiled, through MGIS.
+
+The function is mapped over the increments, its tangent by forward differentiation.  The behaviour is a material, written after MGIS'
+documentation, and never run.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -13,8 +17,49 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.projection.result import Array
 from duhem.testing.routines.material import Material, MaterialState
+from duhem.testing.routines.routine import Step, Update
 
-__all__ = ["mgis_material"]
+__all__ = ["jax_routine", "mgis_material"]
+
+_LEAST = 16  # increments of a call
+
+
+def _demand(package: str, where: str, remedy: str) -> None:
+    """Raise InputError unless the package is installed."""
+    if find_spec(package) is None:
+        raise InputError(f"{package} is not installed", where=where, remedy=remedy)
+
+
+def jax_routine(step: Callable[..., Any], *, tangent: bool = True) -> Update:
+    """A JAX function for one increment, ``step(trial (d,), pressure, stiffness (d, d), **parameters) -> stress (d,)``.
+
+    It is vmapped and jitted in double precision, for a power of two of increments, the last one repeated: JAX compiles anew for each
+    number of them; the tangent d sigma/d u = (d sigma/d sigma_tr) k is taken by ``jax.jacfwd`` and
+    judged with the rest, unless ``tangent`` is False.  Raises InputError without JAX.
+    """
+    _demand("jax", "jax_routine", "install it with: pip install jax")
+    import jax
+
+    def one(trial: Any, pressure: Any, stiffness: Any, values: dict[str, Any]) -> Any:
+        stress = step(trial, pressure, stiffness, **values)
+        return stress, stress
+
+    def both(*given: Any) -> Any:
+        slope, stress = jax.jacfwd(one, has_aux=True)(*given)
+        return stress, slope @ given[2]
+
+    made, without = (jax.jit(jax.vmap(both if tangent else one, in_axes=(0, axis, None, None))) for axis in (0, None))  # or no pressure
+
+    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
+        n = len(trial)
+        rows = np.minimum(np.arange(max(_LEAST, 1 << (n - 1).bit_length())), n - 1)
+        with jax.enable_x64(True) if hasattr(jax, "enable_x64") else jax.experimental.enable_x64():
+            function, loads = (without, None) if pressure is None else (made, pressure[rows])
+            stress, slope = function(trial[rows], loads, stiffness, parameters)
+            return Step(np.asarray(stress)[:n], tangent=np.asarray(slope)[:n] if tangent else None)
+
+    update.__name__ = getattr(step, "__name__", "update")
+    return update
 
 
 def mgis_material(
@@ -36,9 +81,8 @@ def mgis_material(
     MGIS' modelling hypothesis.  Energies are those that the behaviour computes.  Raises InputError without MGIS, and where the
     library or behaviour is not there.
     """
-    if find_spec("mgis") is None:
-        remedy = "install MGIS (conda install -c conda-forge mgis, or built with -Denable-python-bindings=ON)"
-        raise InputError("mgis is not installed", where="mgis_material", remedy=remedy)
+    remedy = "install MGIS (conda install -c conda-forge mgis, or built with -Denable-python-bindings=ON)"
+    _demand("mgis", "mgis_material", remedy)
     import mgis.behaviour as mgis
 
     if not Path(path).is_file():
