@@ -104,13 +104,9 @@ def _answered(law: Law, asked: Mapping[str, Any], project: Project) -> dict[str,
     trial, stiffness = ([asked[part][name] for name in law.forces] for part in ("trial", "stiffness"))
     done = project(law, trial, asked["pressure"], stiffness, dict(asked["parameters"]))
     parts = {"stress": done.stress[0], "slip": done.slip[0]}
-    named = {part: dict(zip(law.forces, map(_number, values.tolist()), strict=True)) for part, values in parts.items()}
+    told = {part: [x if np.isfinite(x) else str(x) for x in values.tolist()] for part, values in parts.items()}  # as JSON has them
+    named = {part: dict(zip(law.forces, values, strict=True)) for part, values in told.items()}
     return {name: asked[name] for name in _ASKED} | {"status": Status(done.status[0]).name.lower(), **named}
-
-
-def _number(value: float) -> float | str:
-    """JSON has no number for what is not finite."""
-    return value if np.isfinite(value) else str(value)
 
 
 TOLERANCE = 1e-9  # by how much of their size stresses and slips may move

@@ -182,15 +182,6 @@ def _matrix(numbers: list[float], free: bool) -> Any:
     return [numbers[i : i + d] for i in range(0, d * d, d)] if d * d == len(numbers) and d > 1 else numbers
 
 
-def _made(made: Routine, checks: Sequence[Check], **options: Any) -> ConformanceRun:
-    """A run; what cannot be used is told by the name of its option."""
-    try:
-        return made(checks, **options)
-    except InputError as fault:
-        where = f"--{fault.where.replace('_', '-')}" if fault.where in options else fault.where
-        raise InputError(fault.what, where=where, remedy=fault.remedy) from None
-
-
 _STATE = ("NAME=PLACES", "--state X=7:13")
 _LIBRARIES = (".so", ".dylib", ".dll")
 
@@ -303,7 +294,11 @@ def _carry_out(
                 slip = f", slip {shares['slip']:.0%}" if shares else ""
                 progress.show(f"{name}: {run.examples} of {options['max_examples']}, {rate:.0f}/s{slip}, {len(run.found)} failed")
 
-            run = _made(made, checks, on_case=seen, **options)
+            try:
+                run = made(checks, on_case=seen, **options)
+            except InputError as fault:  # what cannot be used is told by the name of its option
+                where = f"--{fault.where.replace('_', '-')}" if fault.where in options else fault.where
+                raise InputError(fault.what, where=where, remedy=fault.remedy) from None
             report, seconds = replace(run.outcome(), most_flagged=most_flagged), monotonic() - begun
             asked = f"{report.examples} examples in {seconds:.1f} s, {report.examples / max(seconds, 1e-9):.0f} a second"
             if run.every > 1 and any(each.again for each in run.asked):

@@ -45,10 +45,9 @@ class Dents:
         self.query = query
         pressed = query.case.pressure is None or query.pressure != 0.0
         likely = np.flatnonzero(np.broadcast_to(pressed, len(query.case)))[:_PLANES]
-        self.size, self.middle = self._measured(likely)
-        self.rows = likely[np.isfinite(self.size).all(axis=1)] if query.case.trial.shape[1] > 1 else likely[:0]
-        known = np.isin(likely, self.rows)
-        self.size, self.middle, self.pairs = self.size[known], self.middle[known], len(self.rows) * len(_LEFT)
+        size, middle = self._measured(likely)
+        known = np.isfinite(size).all(axis=1) & (query.case.trial.shape[1] > 1)
+        self.rows, self.size, self.middle, self.pairs = likely[known], size[known], middle[known], int(known.sum()) * len(_LEFT)
 
     def _measured(self, rows: NDArray[np.intp]) -> tuple[Array, Array]:
         """How far K reaches along each axis (M, d), nan where no point surely inside is known, and such a point (M, d)."""

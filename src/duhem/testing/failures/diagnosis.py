@@ -323,10 +323,10 @@ def _probe(query: Query, found: Departure) -> Probe:
     return Probe(beside_it, beside_it.ask(stacked)[0])
 
 
-def constant(values: Array) -> float | None:
-    """Return the value that all finite ones have, but for 1e-6 of it; None where they differ."""
+def constant(values: Array, near: float = 1e-6) -> float | None:
+    """Return the value that all finite ones have, but for the share ``near`` of it; None where they differ."""
     known = values[np.isfinite(values)]
-    if not known.size or np.ptp(known) > 1e-6 * np.abs(known).max():
+    if not known.size or np.ptp(known) > near * np.abs(known).max():
         return None
     return float(np.median(known))
 

@@ -41,7 +41,9 @@ class TomlTests(pytest.File):
             document = parsed(text, str(self.path)).document
             if "criterion" in document:
                 self.law = load(self.path)
-                for claim in self._claims():
+                asked = self.config.getoption("--duhem-claims")
+                named = None if asked is None else dict.fromkeys(name.strip() for name in asked.split(",") if name.strip())
+                for claim in wanted_claims(named, self.law, "--duhem-claims"):
                     yield ClaimTest.from_parent(self, name=claim)
             elif "path" in document:
                 scene = reads(text, str(self.path), self.path.parent)
@@ -51,11 +53,6 @@ class TomlTests(pytest.File):
                 raise InputError("this is neither a criterion file nor a scene", where=f"{self.path}", remedy=remedy)
         except DuhemError as fault:
             yield UnusableTest.from_parent(self, name="read", said=str(fault))
-
-    def _claims(self) -> tuple[str, ...]:
-        asked = self.config.getoption("--duhem-claims")
-        named = None if asked is None else dict.fromkeys(name.strip() for name in asked.split(",") if name.strip())
-        return wanted_claims(named, self.law, "--duhem-claims")
 
     @cached_property
     def verification(self) -> Verification | DuhemError:
