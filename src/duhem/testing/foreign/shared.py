@@ -290,9 +290,8 @@ def shared_material(
 
     def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
         by_row = {"increment": increment, "strain": before.strain, "stress": before.stress, "variables": before.variables}
-        zero = np.zeros(len(increment))
-        by_row |= {"stored": zero if before.stored is None else before.stored}
-        by_row |= {"dissipated": zero if before.dissipated is None else before.dissipated}
+        kept = {"stored": before.stored, "dissipated": before.dissipated}
+        by_row |= {name: np.zeros(len(increment)) if energy is None else energy for name, energy in kept.items()}
         back, good, spoilt = call(by_row, pressure, k, fixed, duration=duration)
         stored, dissipated = (back["stored"], back["dissipated"]) if energies else (None, None)
         after = before.strain + increment, back["stress"], back.get("variables", before.variables), stored, dissipated

@@ -78,7 +78,10 @@ class ClaimTest(pytest.Item):
         if isinstance(found, DuhemError):
             pytest.fail(str(found), pytrace=False)
         result = found[self.name]
-        self.user_properties += _properties(result)
+        told = result.to_dict()
+        told |= {"witness": told["witness"] and json.dumps(told["witness"], sort_keys=True)}
+        parts = ("verdict", "method", "scope", "trust", "witness")
+        self.user_properties += [(f"duhem_{part}", told[part]) for part in parts if told[part] is not None]
         if result.verdict is Verdict.PROVED:
             return
         if result.verdict is Verdict.NOT_APPLICABLE:
@@ -91,16 +94,6 @@ class ClaimTest(pytest.Item):
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
         return self.path, None, f"{self.parent.law.name}: {self.name}"
-
-
-def _properties(result: ClaimResult) -> Iterator[tuple[str, object]]:
-    yield "duhem_verdict", result.verdict.value
-    yield "duhem_method", result.method
-    yield "duhem_scope", result.scope
-    if result.trust is not None:
-        yield "duhem_trust", result.trust.value
-    if result.witness is not None:
-        yield "duhem_witness", json.dumps(result.witness.to_dict(), sort_keys=True)
 
 
 def _said(law: str, result: ClaimResult) -> Iterator[str]:
