@@ -12,7 +12,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from duhem.errors import DuhemError
+from duhem.cli.verbs import test as command
+from duhem.errors import DuhemError, InputError
 
 ROUTINES = """
 import numpy as np
@@ -240,6 +241,14 @@ def test_a_routine_that_does_not_come_back_is_an_error_and_written_as_a_test(run
 def test_what_cannot_be_asked_is_said(arguments: list[str], said: str, run: Command) -> None:
     code, out, err = run(*arguments)
     assert (code, out) == (2, "") and said in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(("text", "places"), [("0", [0]), ("7:10", [7, 8, 9]), ("1,3", [1, 3]), ("0,2:4", [0, 2, 3])])
+def test_places_of_a_state_are_numbers_lists_and_ranges(text: str, places: list[int]) -> None:
+    assert command._places(text, "--state") == places
+    for wrong in ("", "a", "1:2:3:4", "1;2"):
+        with pytest.raises(InputError, match="are no places"):
+            command._places(wrong, "--state")
 
 
 def test_one_number_is_a_stiffness(run: Command) -> None:

@@ -189,9 +189,9 @@ _LIBRARIES = (".so", ".dylib", ".dll")
 def _places(text: str, where: str) -> list[int]:
     """Places such as 0, 1,3 or 7:13."""
     try:
-        ends = [int(part) for part in text.split(":")]
-        return [*range(*ends)] if len(ends) == 2 else [int(part) for part in text.split(",")]
-    except ValueError:
+        parts = [[*map(int, part.split(":"))] for part in text.split(",")]
+        return [place for ends in parts for place in (ends if len(ends) == 1 else range(*ends))]
+    except (TypeError, ValueError):
         raise InputError(f"{text!r} are no places", where=where, remedy="write a number, several as 1,3, or a range as 7:13") from None
 
 

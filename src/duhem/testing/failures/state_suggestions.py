@@ -22,7 +22,9 @@ from duhem.testing.checks.law_in_state import LawStep
 from duhem.testing.checks.query import NoReply, NothingToCheck
 from duhem.testing.drawn.case import Case
 
-__all__ = ["beside_in_state", "of_the_state"]
+__all__ = ["IMPRECISE", "beside_in_state", "of_the_state", "roots"]
+
+IMPRECISE = "single precision, a loose tolerance, or too high a promised accuracy"
 
 _ROWS, _KNOTS, _LEAST, _ALIKE = 14, 3, 3, 1e-6
 _FACTORS = np.geomspace(0.04, 30.0, 14)  # of parameters, between which it is looked for the one that explains
@@ -88,8 +90,7 @@ class _Probe:
             flow, rate, multiplier, moved = *step.flows(ref.chi), ref.multiplier, (ref.chi - step.begun)[:, self.inner]
         elif (apart <= 1e-3 * size)[chosen].all():
             least = float((apart / size)[wrong].max())
-            why = "single precision, a loose tolerance, or too high a promised accuracy"
-            yield "imprecise", f"the stress is right to {least:.1g} of its size only: {why}"
+            yield "imprecise", f"the stress is right to {least:.1g} of its size only: {IMPRECISE}"
             return
         else:
             flow, rate, multiplier, moved = step.flow, step.rate, step.multiplier, step.moved

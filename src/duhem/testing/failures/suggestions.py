@@ -14,7 +14,7 @@ from duhem.projection.result import Array
 from duhem.testing.checks.query import NoReply
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.diagnosis import CLEAR, Probe, constant, suggested, suggests
-from duhem.testing.failures.state_suggestions import roots
+from duhem.testing.failures.state_suggestions import IMPRECISE, roots
 
 __all__ = ["needs_the_run"]
 
@@ -197,10 +197,7 @@ def imprecise(p: Probe) -> Iterator[tuple[str, Array]]:
     q, wrong = p.query, _wrong(p)
     off = (q.length(p.returned - p.closest) / q.length(p.closest))[wrong].max(initial=0.0)
     if 0.0 < off <= 1e-4:
-        yield (
-            f"the answer is right to {off:.1g} of the stress only: single precision, a loose tolerance, or too high a promised accuracy",
-            p.returned,
-        )
+        yield f"the answer is right to {off:.1g} of the stress only: {IMPRECISE}", p.returned
 
 
 @suggests("stress")
@@ -331,10 +328,8 @@ def continuum_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
     way = p.gradient @ p.stiffness
     along = way[:, :, None] * way[:, None, :] / np.einsum("ij,ij->i", p.gradient, way)[:, None, None]
     slips = (p.returned != p.trial).any(axis=1)[:, None, None]
-    yield (
-        "the tangent is the continuum tangent (k minus its part along the normal), not the consistent tangent of the finite step",
-        np.where(slips, p.stiffness - along, p.stiffness),
-    )
+    said = "the tangent is the continuum tangent (k minus its part along the normal), not the consistent tangent of the finite step"
+    yield said, np.where(slips, p.stiffness - along, p.stiffness)
 
 
 suggested(
