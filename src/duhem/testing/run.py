@@ -81,8 +81,10 @@ class ConformanceRun:
         said = {"parameters": parameters or None, "stiffness": drawn.stiffness, "pressure": drawn.pressure}
         if isinstance(update, Material) and law is not None:
             self.warm, values = law.temperature, dict(parameters or {})
-            remedy = f'give one or several, for example parameters={{"{self.warm}": [293.0, 400.0]}}'
-            first = None if self.warm is None else np.ravel(numbers(values.get(self.warm), f"temperature {self.warm}", remedy)).tolist()
+            warm, remedy = values.get(str(self.warm)), f'give one or several, for example parameters={{"{self.warm}": [293.0, 400.0]}}'
+            if self.warm is not None and (warm is None or not np.size(warm)):
+                raise InputError(f"the temperature {self.warm} has no value", where="parameters", remedy=remedy)
+            first = None if self.warm is None else np.ravel(numbers(warm, f"temperature {self.warm}", remedy)).tolist()
             update = replace(update, temperature=first[0] if first else None, pressed=pressed)
             self.in_state = LawInState.of(law, update, values, state)
             parameters = {} if first is None else {str(self.warm): sampled_from(first)}

@@ -85,7 +85,7 @@ def stiffness_matrix(given: ArrayLike, law: Criterion | None) -> Array:
     remedy = f"give one number, ({d},) or ({d}, {d})" if d else "without a law give (d,) or (d, d)"
     k = numbers(given, "stiffness", remedy)
     n = d or len(np.atleast_1d(k))
-    if k.shape not in ([(), (n,), (n, n)] if d else [(n,), (n, n)]):
+    if k.size == 0 or k.shape not in ([(), (n,), (n, n)] if d else [(n,), (n, n)]):
         raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)
     if k.ndim == 0 and law is not None and law.stress is not None:
         k = k * law.stress.unit_stiffness
@@ -125,11 +125,11 @@ def _is_number(given: Any) -> bool:
 
 
 def numbers(given: Any, where: str, remedy: str) -> Array:
-    """Finite numbers, one at least, as an array.  Raises InputError for anything else."""
+    """Finite numbers as an array.  Raises InputError for anything else."""
     try:
         raw = np.asarray(given)
     except ValueError:
         raw = np.asarray(None)
-    if raw.dtype.kind not in "iuf" or not np.isfinite(raw).all() or not raw.size:
+    if raw.dtype.kind not in "iuf" or not np.isfinite(raw).all():
         raise InputError(f"{str(given)[:60]!r} is not made of finite numbers", where=where, remedy=remedy)
     return raw.astype(np.float64)
