@@ -145,7 +145,7 @@ _SECTIONS = (
 )  # fmt: skip
 _PARAMETER = ("positive", "min", "max", "value")
 _VARIABLE = ("force", "observable", "temperature")
-_ATLAS = ("equation", "claims", "verdicts", "note")  # what is said of the law: nothing of it is part of the law
+_ATLAS = ("equation", "claims", "verdicts", "regions", "note")  # what is said of the law: nothing of it is part of the law
 
 
 def read(path: str | PathLike[str]) -> Law:

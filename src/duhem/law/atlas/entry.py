@@ -32,7 +32,8 @@ class AtlasEntry(Shown):
 
     ``equation``: the criterion in the symbols of its source, with its number where it has one.  ``claims``: what the
     literature says, claim by claim.  ``verdicts``: the word of :class:`duhem.Verdict` that verifying the law gives, for each
-    claim of ``ASKED``, over the whole domain of its file.  ``note``: where the print or what is said of it does not hold.
+    claim of ``ASKED``, over the whole domain of its file.  ``regions``: for options of ``duhem region``, which give parameters
+    other ranges than the file, for which of their values a claim holds.  ``note``: where the print or what is said of it does not hold.
     """
 
     name: str
@@ -42,6 +43,7 @@ class AtlasEntry(Shown):
     equation: str
     claims: Mapping[str, str]
     verdicts: Mapping[str, str]
+    regions: Mapping[str, str]
     note: str
 
     def __repr__(self) -> str:
@@ -49,7 +51,7 @@ class AtlasEntry(Shown):
 
     def to_dict(self) -> dict[str, Any]:
         """All of it as plain values."""
-        return vars(self) | {"claims": dict(self.claims), "verdicts": dict(self.verdicts)}
+        return vars(self) | {key: dict(getattr(self, key)) for key in ("claims", "verdicts", "regions")}
 
 
 class Atlas(Shown, FrozenMapping[str, AtlasEntry]):
@@ -97,7 +99,7 @@ def _read(file: Path) -> AtlasEntry:
     document = parsed(file.read_text("utf-8"), f"{file}").document
     head, said = document["criterion"], document["atlas"]
     stated: dict[str, Any] = {key: head[key] for key in ("summary", "source")}
-    stated |= {key: FrozenMapping(said[key]) for key in ("claims", "verdicts")}
+    stated |= {key: FrozenMapping(said.get(key, {})) for key in ("claims", "verdicts", "regions")}
     return AtlasEntry(name=file.stem, group=file.parent.name, equation=said["equation"], note=said.get("note", ""), **stated)
 
 
@@ -130,5 +132,6 @@ def as_sheet_of_one(law: AtlasEntry) -> Sheet:
         (claim, law.verdicts.get(claim, "").replace("_", " "), law.claims.get(claim, "")) for claim in {**law.verdicts, **law.claims}
     )
     fields = (("group", law.group), ("source", law.source), ("equation", law.equation))
-    notes = (("Note", (law.note,)),) if law.note else ()
-    return Sheet(f"{law.name}: {law.summary}", fields, ("claim", "verdict", "what the literature says"), rows, notes)
+    found = tuple(f"{sentence} (duhem region {law.name} {options})" for options, sentence in law.regions.items())
+    notes = ((title, texts) for title, texts in (("Regions", found), ("Note", (law.note,) if law.note else ())) if texts)
+    return Sheet(f"{law.name}: {law.summary}", fields, ("claim", "verdict", "what the literature says"), rows, tuple(notes))

@@ -25,17 +25,17 @@ from duhem.expression import balls
 from duhem.expression.numpy_ import evaluate
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
-from duhem.regions.mending.formulas import decimal, linear, times, total
+from duhem.regions.mending.formulas import decimal, greatest, linear, times, total
 from duhem.regions.mending.limit_load import ScaledLaw, around, limit_loads
 
-__all__ = ["by_hull"]
+__all__ = ["by_hull", "polygon"]
 
 Array = NDArray[np.float64]
 _DEEP, _SEAM = 1e-7, 1e-6  # of the load, where a dent begins; of a cone, what is its border
 _WINDOW = 0.02  # rad around the place where a line touches
 _ALIKE, _MOST_DENOMINATOR = 1e-11, 10_000
 _SHORT = [(np.array([a, b]) / np.hypot(a, b), (a, b)) for a, b in product(range(-3, 4), repeat=2) if gcd(a, b) == 1]
-_MOST_SIDES, _OUTWARD = 32, (5e-4, 2e-3)  # the latter where a corner of K lies between two directions
+_MOST_SIDES, _OUTWARD = 128, (2e-3,)  # the latter where a corner of K lies between two directions
 _HALVINGS, _NOTHING = 20, 1e-7  # the last of the greater component of a side
 
 
@@ -55,7 +55,8 @@ def by_hull(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
         forms = [form for dent in dents if (form := _form(dent, scaled.law.forces, squares))]
         if split is not None and 0 < len(forms) == len(dents):
             yield _text(scaled, *split, forms, squares), "the convex hull: lines bridge the dents"
-    yield _polygon(scaled, [dent.line for dent in dents])
+    sides, told = polygon(scaled, [dent.line for dent in dents])
+    yield f"{greatest(linear(side, scaled.law.forces) for side in sides)} - {scaled.text}", told
 
 
 def _dents(scaled: ScaledLaw) -> Iterator[Bridge]:
@@ -144,8 +145,11 @@ def _text(scaled: ScaledLaw, over: sp.Expr, under: sp.Expr, degree: int, forms: 
 # -- a polygon ---------------------------------------------------------------------------------------------------------
 
 
-def _polygon(scaled: ScaledLaw, lines: Sequence[Array]) -> tuple[str, str]:
-    """Lines all around K and those of its dents, each a little outside, and whether they are shown to enclose K."""
+def polygon(scaled: ScaledLaw, lines: Sequence[Array] = (), far: float = 5e-3) -> tuple[Array, str]:
+    """Lines (m, 2) all around K and those of its dents, each a little outside, and whether they are shown to enclose K.
+
+    No corner lies farther off the hull than ``far`` of the mean load, as far as so many sides are enough.
+    """
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(scaled.ways * scaled.loads[:, None])
@@ -154,22 +158,21 @@ def _polygon(scaled: ScaledLaw, lines: Sequence[Array]) -> tuple[str, str]:
     while True:
         normals = around(angles)
         reach = (normals @ outer.T).max(axis=1)
-        if len(angles) >= _MOST_SIDES:
-            break
         rows, after = normals / reach[:, None], np.append(angles[1:], angles[0] + 2.0 * np.pi)
         corners = np.linalg.solve(np.stack([rows, np.roll(rows, -1, axis=0)], axis=1), np.ones((len(rows), 2, 1)))[..., 0]
         beyond = np.linalg.norm(corners, axis=1) * (1.0 - 1.0 / (corners @ faces.T).max(axis=1))
         farthest = beyond.argmax()  # of the corners off the hull: one side more, below it
+        if beyond[farthest] < far * scaled.loads.mean() or len(angles) >= _MOST_SIDES:
+            break
         angles = np.unique([*angles, (angles[farthest] + after[farthest]) / 2.0])
     rows = normals / reach[:, None]
     rows = rows[ConvexHull(rows).vertices]
     rows = np.where(np.abs(rows) > _NOTHING * np.abs(rows).max(axis=1, keepdims=True), rows, 0.0)
-    for outward in _OUTWARD:
+    for outward in (far / 10.0, *_OUTWARD):
         sides = (1.0 - outward) * rows
         if closed := _encloses(scaled, [(Fraction(decimal(x)), Fraction(decimal(y))) for x, y in sides.tolist()]):
             break
-    told = f"a polygon of {len(rows)} sides{' around K, as enclosures of g on it show' if closed else ', which may cut off some of K'}"
-    return f"max({', '.join(linear(side, scaled.law.forces) for side in sides)}) - {scaled.text}", told
+    return sides, f"a polygon of {len(rows)} sides{' around K, as enclosures of g on it show' if closed else ', which may cut off some of K'}"
 
 
 def _encloses(scaled: ScaledLaw, faces: Sequence[tuple[Fraction, Fraction]]) -> bool:

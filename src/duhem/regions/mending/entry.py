@@ -20,6 +20,7 @@ from duhem.regions.mending.by_coefficients import by_coefficients
 from duhem.regions.mending.by_harmonics import by_harmonics
 from duhem.regions.mending.by_hull import by_hull
 from duhem.regions.mending.by_parameters import by_parameters
+from duhem.regions.mending.by_sections import by_sections
 from duhem.regions.mending.limit_load import NO_DISTANCE, ScaledLaw, distance, scale_of
 from duhem.regions.mending.result import Mended, Tried
 
@@ -90,15 +91,17 @@ def _candidates(way: str, scaled: ScaledLaw, base: Criterion, harmonics: int) ->
     if way == "parameters":
         yield from by_parameters(scaled, base)
         return
+    by_section = way == "hull" and len(law.forces) > 2
     needs = {
-        "laws of two forces": len(law.forces) == 2,
+        "laws of two forces": len(law.forces) == 2 or by_section,
         "forces without ranges": not law.domain,
         "a K that grows in proportion to a power of the pressure": law.pressure is None or law.pressure in scaled.powers,
-        "a K that ends in all directions": bool(np.isfinite(scaled.loads).all()),
+        "a K that ends in all directions": bool(np.isfinite(scaled.loads).all()) or by_section,
     }
     if way != "coefficients" and (unmet := [need for need, is_met in needs.items() if not is_met]):
         raise InputError(f"this is for {unmet[0]}", where=law.name, remedy="mend it by parameters or coefficients")
     free = {name: own for name, own in law.parameters.items() if own.value is None}
-    formulas = {"hull": by_hull(scaled), "harmonics": by_harmonics(scaled, harmonics), "coefficients": by_coefficients(scaled)}
+    hull = iter([by_sections(scaled)]) if by_section else by_hull(scaled)
+    formulas = {"hull": hull, "harmonics": by_harmonics(scaled, harmonics), "coefficients": by_coefficients(scaled)}
     for g, told in formulas[way]:
         yield Criterion(law.name, g, free, law.forces, law.pressure, stress=law.stress, domain=law.domain, source=law.source), told

@@ -6,7 +6,9 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-__all__ = ["decimal", "linear", "times", "total"]
+from duhem.expression.build import MOST_ARGUMENTS
+
+__all__ = ["decimal", "greatest", "linear", "times", "total"]
 
 
 def decimal(x: float, digits: int = 6) -> str:
@@ -23,6 +25,14 @@ def times(*factors: str | tuple[str, int]) -> str:
     """The product of factors, words with their arguments or in brackets; of a pair the power, which is left out where it is 0."""
     pairs = [(factor, 1) if isinstance(factor, str) else factor for factor in factors]
     return "*".join(base if n == 1 else f"{base}**{n}" for base, n in pairs if n)
+
+
+def greatest(terms: Iterable[str]) -> str:
+    """The greatest of terms, of so many at once as a word may have."""
+    found = list(terms)
+    while len(found) > 1:
+        found = [f"max({', '.join(found[i : i + MOST_ARGUMENTS])})" for i in range(0, len(found), MOST_ARGUMENTS)]
+    return found[0]
 
 
 def linear(row: Sequence[float], forces: Sequence[str]) -> str:
