@@ -54,7 +54,8 @@ def atlas() -> str:
 
 def _published(law: AtlasEntry) -> str:
     said = "; ".join(f"{claim}: {text}" for claim, text in law.claims.items())
-    parts = (f"{law.summary}.", f"{law.source}.", law.equation and f"{law.equation}.", said and f"Said of it: {said}.", law.note)
+    heard, found = said and f"Said of it: {said}.", law.found and f"Found: {'; '.join(law.found)}."
+    parts = (f"{law.summary}.", f"{law.source}.", law.equation and f"{law.equation}.", heard, found, law.note)
     return f"- `{law.name}`: " + " ".join(plain(part) for part in parts if part)
 
 

@@ -18,9 +18,8 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from duhem import Criterion, InputError
+from duhem import InputError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import entries, file_of
 from duhem.law.catalogue import load_formula
@@ -28,7 +27,7 @@ from duhem.regions import FoundRegion, region, shape_parameters
 
 __all__ = ["Answer", "answered", "kept", "questions"]
 
-STEPS, SECONDS, NARROW = 20_000_000, 60, 0.02
+STEPS, SECONDS, NARROW = 12_000_000, 60, 0.02
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,8 @@ def main(arguments: Sequence[str]) -> int:
         kind = f"at most {NARROW:.0%} open" if answer.found is not None and 0 < answer.found.open_share <= NARROW else kind
         counted[kind] += 1
         changed = bool(options) and answer.told != before
-        print(f"{name} {options}".strip(), kind, f"{answer.seconds:.1f} s", answer.told, f"published: {published or '-'}", sep=" | ", flush=True)
+        row = f"{name} {options}".strip(), kind, f"{answer.seconds:.1f} s", answer.told, f"published: {published or '-'}"
+        print(*row, sep=" | ", flush=True)
         if changed and given.write and answer.found is not None and (file := file_of(name)) is not None:
             file.write_text(kept(file.read_text("utf-8"), {options: answer.told}), "utf-8")
         elif changed:

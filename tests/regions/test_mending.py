@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from duhem.regions.mending import entry
 from duhem.regions.mending.by_coefficients import by_coefficients
 from duhem.regions.mending.by_harmonics import by_harmonics
 from duhem.regions.mending.by_hull import by_hull
+from duhem.regions.mending.by_sections import by_sections
 from duhem.regions.mending.formulas import decimal, linear
 from duhem.regions.mending.limit_load import distance, limit_loads, plain_values, scale_of, ways_of
 from duhem.show.printing import text
@@ -206,11 +208,16 @@ def test_more_forces_no_end_and_zero_outside_are_errors() -> None:
         duhem.mend(away, "hull")
 
 
-def test_ranges_of_forces_are_left_out_of_the_distance() -> None:
+def test_the_distance_is_that_in_the_ranges_of_the_forces() -> None:
     law = Criterion("dented", "(x**2 + y**2)**2 - 4*x**2 - y**2 - 1/50", {}, ("x", "y"), None)
     ranged = replace(law, domain={"x": duhem.Domain.between(-1, 1)})
     other = made(law, "x**2 + y**2 - 4")
-    assert distance(scale_of(ranged), other) == distance(scale_of(law), other) and distance(scale_of(law), other).mean > 0.1
+    ways = ways_of(law)
+    most = 1 / np.maximum(np.abs(ways[:, 0]), 1e-300)
+    own, new = (np.minimum(limit_loads(one, {}, ways), most) for one in (law, other))
+    assert distance(scale_of(ranged), other) == pytest.approx((np.abs(new - own).mean() / own.mean(), np.abs(new - own).max() / own.mean()))
+    half = replace(law, domain={"x": duhem.Domain.between(0, None), "y": duhem.Domain.between(-2, 3)})
+    assert 0 < distance(scale_of(half), other).mean < np.inf
     with pytest.raises(duhem.InputError, match="forces without ranges"):
         duhem.mend(ranged, "hull")
 
@@ -231,6 +238,51 @@ def test_a_corner_between_two_directions_is_not_cut_off() -> None:
     assert told == "a polygon of 5 sides around K, as enclosures of g on it show"
     corners = np.array([(2.0, 1.0), (1.0, 2.0), (-2.0, 2.0), (2.0, -2.0), (-2.0, -2.0)])
     assert (limit_loads(made(law, g), {}, corners) > 1.0).all()
+
+
+def sums_of_squares(points: Any) -> Any:
+    """K of Tsai and Hill by the sign of the stress, through its support function: h^2 = h(s1, s2)^2 + (S t)^2."""
+    law = duhem.load("tsai-hill-signed")
+    plane = Criterion("plane", law.g.xreplace({**law.settled(), law.force_symbols()[2]: sp.S.Zero}), {}, ("s1", "s2"), None)
+    angles = np.linspace(0.0, 2.0 * np.pi, 20_000, endpoint=False)
+    ways = np.column_stack([2280.0 * np.cos(angles), 100.0 * np.sin(angles)])
+    faces = ConvexHull(ways * limit_loads(plane, {}, ways)[:, None] / [2280.0, 100.0]).equations
+    gauge = (points[:, :2] / [2280.0, 100.0] @ (faces[:, :2] / -faces[:, 2:]).T).max(axis=1)
+    return 1.0 / np.hypot(gauge, points[:, 2] / 71.0)
+
+
+def cones(points: Any) -> Any:
+    """K of Mogi and Coulomb: in each section across the axis all it has is in proportion to 1 + I1/6, and so is the hull."""
+    plane = np.linalg.qr(np.column_stack([np.ones(3), [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))[0][:, 1:]
+    angles = np.linspace(0.0, 2.0 * np.pi, 20_000, endpoint=False)
+    deviators = np.column_stack([np.cos(angles), np.sin(angles)]) @ plane.T
+    gauge = np.linalg.norm(deviators, axis=1) / np.sqrt(3.0) + np.median(deviators, axis=1) / 4.0
+    faces = ConvexHull(np.column_stack([np.cos(angles), np.sin(angles)]) / gauge[:, None]).equations
+    slope = (points @ plane @ (faces[:, :2] / -faces[:, 2:]).T).max(axis=1) - points.sum(axis=1) / 6.0
+    return np.where(slope > 0.0, 1.0 / np.where(slope > 0.0, slope, 1.0), np.inf)
+
+
+HULLS: dict[str, Callable[[Any], Any]] = {"tsai-hill-signed": sums_of_squares, "mogi-coulomb": cones}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", mostly_long(HULLS, "mogi-coulomb"))
+def test_hulls_that_follow_from_a_section(name: str) -> None:
+    law = duhem.load(name)
+    scaled = scale_of(law)
+    g, told = by_sections(scaled)
+    other = Criterion("made", g, {}, law.forces, None, stress=law.stress)
+    own, reached, exact = scaled.loads, limit_loads(other, {}, scaled.ways), HULLS[name](scaled.ways)
+    near = exact < 3.0 * np.median(own)  # where a cone has an end far away, a small change of its opening moves that much
+    assert "as enclosures of g on it show" in told and (reached >= np.minimum(own, exact) * (1 - 1e-9)).all()
+    assert np.abs(reached[near] - exact[near]).max() < 0.01 * own[np.isfinite(own)].mean()
+    assert verdict_within(other, "convexity", 4_000_000) is Verdict.PROVED
+
+
+@pytest.mark.parametrize("name", ["hill90", "zhang-zhu", "lade-duncan"])
+def test_other_hulls_of_more_forces_are_an_error(name: str) -> None:
+    with pytest.raises(duhem.InputError, match="of more than two forces, the hull is known of"):
+        by_sections(scale_of(duhem.load(name)))
 
 
 def test_scales_stay_free() -> None:

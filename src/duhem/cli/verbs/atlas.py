@@ -56,9 +56,9 @@ def word(verdict: str) -> str:
 
 
 def _said(law: AtlasEntry) -> str:
-    """The claims of the literature, and where they do not hold."""
+    """The claims of the literature, for which parameters they hold, and where they do not."""
     claims = "; ".join(f"{claim}: {text}" for claim, text in law.claims.items())
-    return ". ".join(filter(None, (claims, law.note)))
+    return ". ".join(filter(None, (claims, *law.found, law.note)))
 
 
 def _markdown(laws: Sequence[AtlasEntry]) -> str:

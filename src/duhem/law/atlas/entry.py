@@ -49,6 +49,11 @@ class AtlasEntry(Shown):
     def __repr__(self) -> str:
         return f"<AtlasEntry {self.name}: {', '.join(f'{claim} {verdict}' for claim, verdict in self.verdicts.items())}>"
 
+    @property
+    def found(self) -> tuple[str, ...]:
+        """For which parameters a claim holds, each with the command that says so."""
+        return tuple(f"{sentence} (duhem region {self.name} {options})" for options, sentence in self.regions.items())
+
     def to_dict(self) -> dict[str, Any]:
         """All of it as plain values."""
         return vars(self) | {key: dict(getattr(self, key)) for key in ("claims", "verdicts", "regions")}
@@ -132,6 +137,5 @@ def as_sheet_of_one(law: AtlasEntry) -> Sheet:
         (claim, law.verdicts.get(claim, "").replace("_", " "), law.claims.get(claim, "")) for claim in {**law.verdicts, **law.claims}
     )
     fields = (("group", law.group), ("source", law.source), ("equation", law.equation))
-    found = tuple(f"{sentence} (duhem region {law.name} {options})" for options, sentence in law.regions.items())
-    notes = ((title, texts) for title, texts in (("Regions", found), ("Note", (law.note,) if law.note else ())) if texts)
+    notes = ((title, texts) for title, texts in (("Regions", law.found), ("Note", (law.note,) if law.note else ())) if texts)
     return Sheet(f"{law.name}: {law.summary}", fields, ("claim", "verdict", "what the literature says"), rows, tuple(notes))

@@ -172,7 +172,8 @@ def polygon(scaled: ScaledLaw, lines: Sequence[Array] = (), far: float = 5e-3) -
         sides = (1.0 - outward) * rows
         if closed := _encloses(scaled, [(Fraction(decimal(x)), Fraction(decimal(y))) for x, y in sides.tolist()]):
             break
-    return sides, f"a polygon of {len(rows)} sides{' around K, as enclosures of g on it show' if closed else ', which may cut off some of K'}"
+    told = " around K, as enclosures of g on it show" if closed else ", which may cut off some of K"
+    return sides, f"a polygon of {len(rows)} sides{told}"
 
 
 def _encloses(scaled: ScaledLaw, faces: Sequence[tuple[Fraction, Fraction]]) -> bool:

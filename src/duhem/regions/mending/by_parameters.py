@@ -34,6 +34,9 @@ def by_parameters(scaled: ScaledLaw, base: Criterion) -> Iterator[tuple[Criterio
     ranges = {n: signs[n] if base.parameters[n].value is not None else base.parameters[n] for n in fixed}
     plain = law.fix(scaled.values)
     names = [n for n in shape_parameters(law.within(ranges)) if n in fixed]
+    if not names:
+        raise InputError("it has no fixed parameter on which the shape of K depends", where=law.name, remedy="mend it in another way")
+    moved: Criterion | None = None
     for name in names:
         value = Fraction(fixed[name].p, fixed[name].q)
         with suppress(InputError):
@@ -44,6 +47,8 @@ def by_parameters(scaled: ScaledLaw, base: Criterion) -> Iterator[tuple[Criterio
                 x = min(near, key=lambda x: abs(x - value))
                 moved = law.within({name: Domain.fixed(sp.Rational(x.numerator, x.denominator))})
                 yield moved, f"{name} from {value} to {x}; {found.sentence}"
+    if moved is None:
+        raise InputError(f"convexity is proved for no other value of {', '.join(names)}", where=law.name, remedy="mend it in another way")
 
 
 def _decimals(cell: ParameterCell, value: Fraction) -> list[Fraction]:

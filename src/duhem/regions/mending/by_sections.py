@@ -1,9 +1,9 @@
 """The convex hull of K of more than two forces, where it follows from that of a section by the plane of two.
 
-If the square of the gauge is gamma(x, y)^2 + (z/Z)^2 + ..., that of the hull is so too, with the hull's gauge of the section in the place
-of gamma: the squares of the support functions add up.  If g is gamma(s) + h(p) with a symmetric gauge of the deviator s and the mean stress p, all
-sections across the hydrostatic axis are alike, and so are their hulls.  Both are looked for in floating point; what is proved is proved of
-the text.
+If the square of the gauge is gamma(x, y)^2 + (z/Z)^2 + ..., that of the hull is so too, with the gauge of the section's hull in place
+of gamma: the squares of the support functions add up.  If g is gamma(s) + h(p), gamma a symmetric gauge of the deviator s and p the mean
+stress, all sections across the hydrostatic axis are alike, and so are their hulls.  Both are looked for in floating point; what is proved
+is proved of the text.
 """
 
 from __future__ import annotations
@@ -67,21 +67,17 @@ def _of_a_deviator(scaled: ScaledLaw) -> tuple[str, str] | None:
     gauge = g.xreplace({z: -x - y}) - g.xreplace(dict.fromkeys(symbols, sp.S.Zero))
     axis = g.xreplace(dict.fromkeys(symbols, mean))
     points = scaled.ways * np.abs(evaluate(g, dict.fromkeys(symbols, 0.0)))
-    middle = points.mean(axis=1)
 
     def level(points: Array) -> Array:
         return evaluate(gauge, dict(zip((x, y), (points - points.mean(axis=1, keepdims=True)).T, strict=False)))
 
-    alike = [level(points[:, list(turn)]) for turn in permutations(range(3))]
-    sums = level(points) + evaluate(axis, {mean: middle})
-    if not all(np.allclose(one, other, atol=_ALIKE) for one, other in
-               [(sums, evaluate(g, dict(zip(symbols, points.T, strict=True)))), (level(2.0 * points), 2.0 * alike[0]),
-                *((alike[0], other) for other in alike)]):  # fmt: skip
+    own, whole = level(points), evaluate(g, dict(zip(symbols, points.T, strict=True)))
+    alike = [level(2.0 * points) / 2.0, whole - evaluate(axis, {mean: points.mean(axis=1)})]
+    if not all(np.allclose(own, other, atol=_ALIKE) for other in (*alike, *(level(points[:, list(p)]) for p in permutations(range(3))))):
         return None
     sides, told = polygon(scale_of(Criterion(law.name, f"{formula(gauge)} - 1", {}, law.forces[:2], None)))
     weights = np.column_stack([sides, np.zeros(len(sides))])
-    weights = -np.sort(-(weights - weights.mean(axis=1, keepdims=True)), axis=1)  # the greatest of all permutations, by the rearrangement
-    weights = np.unique(np.round(weights / np.abs(weights).max(), 6), axis=0) * np.abs(weights).max()
+    weights = -np.sort(weights.mean(axis=1, keepdims=True) - weights, axis=1)  # of stresses in order: the greatest of all permutations
     stresses = [f"principal({law.stress.name}, {k})" for k in (1, 2, 3)]
-    level_text = formula(axis.xreplace({mean: sp.Symbol("MEAN")})).replace("MEAN", f"I1({law.stress.name})/3")
-    return f"{greatest(linear(row, stresses) for row in weights)} + {level_text}", f"{told}, across the hydrostatic axis"
+    rest = formula(axis.xreplace({mean: sp.Add(*symbols) / 3}))
+    return f"{greatest(linear(row, stresses) for row in weights)} + {rest}", f"{told}, across the hydrostatic axis"

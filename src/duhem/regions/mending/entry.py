@@ -36,8 +36,8 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
     ``by`` is ``parameters`` (the nearest point of the region of one parameter), ``hull`` (the convex hull of K), ``harmonics`` (the nearest
     gauge of so many ``harmonics``) or ``coefficients`` (the nearest sos-convex polynomial); ``auto`` takes the admissible law of which the
     largest change is least.  ``parameters`` fixes some values: all on which the shape of K depends need one.  Hull and harmonics are for
-    laws of two forces without ranges.  The distance leaves ranges of the forces out.  Raises InputError for an unknown law or way,
-    and where the law cannot be mended by it.
+    laws of two forces without ranges, the hull also for sums of squares and cones about the hydrostatic axis.  The distance is that in the
+    ranges of the forces.  Raises InputError for an unknown law or way, and where the law cannot be mended by it.
     """
     if by not in ("auto", *WAYS):
         near = get_close_matches(str(by), WAYS, n=1)

@@ -1,6 +1,6 @@
 """The limit load of a law along directions of force, and by how much that of another law differs from it.
 
-The limit load is how far g <= 0 reaches along a ray from zero force; ranges of the forces are left out.  A change is
+The limit load is how far g <= 0 reaches along a ray from zero force.  A change is that of its part in the ranges of the forces,
 measured by the mean limit load of the law, so that directions in which it carries next to nothing do not outweigh all others.
 """
 
@@ -103,11 +103,25 @@ def limit_loads(law: Criterion, values: Numbers, ways: Array, load: float = 1.0)
 
 
 def distance(scaled: ScaledLaw, other: Criterion) -> Distance:
-    """By how much the limit load of another law with the same forces differs, the free parameters at plain values."""
-    own, new = scaled.loads, limit_loads(other, scaled.values, scaled.ways) / scaled.size
+    """By how much the limit load of another law with the same forces differs, the free parameters at plain values.
+
+    It is compared as far as the forces lie in their ranges.
+    """
+    most = _in_ranges(scaled.law, scaled.ways) / scaled.size
+    own, new = np.minimum(scaled.loads, most), np.minimum(limit_loads(other, scaled.values, scaled.ways) / scaled.size, most)
     with np.errstate(invalid="ignore"):
         change = np.where(own == new, 0.0, np.abs(new - own)) / own[np.isfinite(own)].mean()
     return Distance(float(change.mean()), float(change.max()))
+
+
+def _in_ranges(law: Criterion, ways: Array) -> Array:
+    """How far the forces stay in their ranges (m,), which contain 0; infinitely far where there are none."""
+    found = np.full(len(ways), np.inf)
+    for way, own in ((way, law.domain[name]) for name, way in zip(law.forces, ways.T, strict=True) if name in law.domain):
+        for end, along in ((own.low, -way), (own.high, way)):
+            if end is not None:
+                found = np.minimum(found, np.divide(abs(float(end)), along, out=np.full(len(ways), np.inf), where=along > 0.0))
+    return found
 
 
 def scale_of(law: Criterion) -> ScaledLaw:

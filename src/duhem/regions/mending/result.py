@@ -32,8 +32,8 @@ class Mended(Shown):
     """``law`` is the nearest law of ``criterion`` that was found, by the way ``by``; ``criterion`` itself, and ``by`` "", if K is convex.
 
     ``before`` is what is known of the convexity of K of ``criterion``: it may be open.
-    ``distance`` has the mean and the largest change of the limit load over directions of force, over the mean limit load; ranges of the
-    forces are left out.
+    ``distance`` has the mean and the largest change of the limit load over directions of force, over the mean limit load, as far as
+    the forces lie in their ranges.
     ``verification`` says what is proved of ``law``; ``tried`` are all ways that were asked, with what each gives.
     """
 
