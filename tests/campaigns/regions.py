@@ -27,7 +27,7 @@ from duhem.regions import FoundRegion, region, shape_parameters
 
 __all__ = ["Answer", "answered", "kept", "questions"]
 
-STEPS, SECONDS, NARROW = 12_000_000, 60, 0.02
+STEPS, SECONDS, NARROW = 30_000_000, 90, 0.02
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -23,13 +23,24 @@ __all__ = ["Asked", "Decided"]
 
 _IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
 _MOST_ASKED = 30  # of these, for proofs
-_MOST_CHORDS = 6  # counterexamples at one value that are looked for, each as dear as a verification
+_MOST_CHORDS = 16  # counterexamples at one value that are looked for, each as dear as a verification
 
 
 def _ways(cell: ParameterCell) -> tuple[str, ...]:
     """How a law may be put over a cell."""
     inexact = any(end is not None and not end.exact for end in (cell.low, cell.high))
     return tuple(way for way in AS if (way == "range") is not inexact)
+
+
+def _around(cell: ParameterCell, inside: Fraction) -> Iterator[ParameterCell]:
+    """A cell, and parts of it around a value, the larger ones first."""
+    yield cell
+    if not cell.single:
+        at = RealRoot.of(inside)
+        yield from (cell._replace(low=at, open=False), cell._replace(high=at, open_high=False))
+        low = Fraction(1) if cell.low is None else inside - cell.low.high
+        high = Fraction(1) if cell.high is None else cell.high.low - inside
+        yield from (ParameterCell(RealRoot.of(inside - low / n), RealRoot.of(inside + high / n)) for n in (2, 4, 16))
 
 
 @dataclass(frozen=True)
@@ -136,7 +147,7 @@ class Asked(AsksTheKernel):
         return None
 
     def chord(self, cell: ParameterCell, inside: Fraction) -> Decided | None:
-        """The counterexample that refutes the claim at a value in a cell, if it does so for the whole cell."""
+        """The counterexample that refutes the claim at a value in a cell, over the cell or over what it is one of around the value."""
         if self.spent or self.claim != "convexity" or self.chords == _MOST_CHORDS or self.most < _IN_DEPTH:
             return None
         self.chords += 1
@@ -154,7 +165,8 @@ class Asked(AsksTheKernel):
             return None
         values = {name: x for name, x in found.witness.parameters.items() if name in self.values}
         evidence = {"p": p, "q": q, "values": {**self.values, **values}, **pressure}
-        return next(filter(None, (self._confirmed(cell, way, "chord", evidence) for way in _ways(cell))), None)
+        parts = ((part, way) for part in _around(cell, inside) for way in _ways(part))
+        return next(filter(None, (self._confirmed(part, way, "chord", evidence) for part, way in parts)), None)
 
     def _suggested(self, cell: ParameterCell, way: str) -> list[Suggestion]:
         """The first families that floating point suggests over a cell; none where nothing is told in so many steps."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from itertools import islice
+from itertools import groupby, islice
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_cells import ParameterCell
@@ -212,22 +212,32 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
 
 
 def _refuted(asked: Asked, gap: ParameterCell, halvings: int) -> Iterator[Decided]:
-    """What lies between two cells, refuted as a whole or in parts, or open."""
-    middle = _middle(gap)
-    if (found := asked.refuted(gap) or (None if middle is None else asked.chord(gap, middle))) is not None:
-        yield found
-        return
-    in_vain = halvings < _MOST_HALVINGS - 2 and gap not in asked.hopeful
-    if halvings == 0 or middle is None or asked.spent or in_vain:
-        yield Decided(gap, "open")
-        return
-    at = RealRoot.of(middle)
-    left, right = ParameterCell(gap.low, at, gap.open, False), ParameterCell(at, gap.high, True, gap.open_high)
-    parts = [list(_refuted(asked, part, halvings - 1)) for part in (left, right)]
-    if all(done.verdict == "open" for part in parts for done in part):
-        yield Decided(gap, "open")
-    else:
-        yield from (done for part in parts for done in part)
+    """What lies between two cells, refuted as a whole or in parts, the widest first; what is left is open."""
+    parts, done = [(gap, halvings)], list[Decided]()
+    while parts:
+        part, left = parts.pop(max(range(len(parts)), key=lambda i: _width(parts[i][0])))
+        middle = _middle(part)
+        inside = part.low.low if part.single and part.low is not None and part.low.exact else middle
+        if (found := asked.refuted(part) or (None if inside is None else asked.chord(part, inside))) is not None:
+            low, high, out, out_high = found.cell
+            done.append(found)
+        elif left <= 0 or middle is None or asked.spent or (left < _MOST_HALVINGS - 2 and part not in asked.hopeful):
+            done.append(Decided(part, "open"))
+            continue
+        else:
+            low, high, out, out_high = (at := RealRoot.of(middle)), at, True, False
+        before = None if low is None else _cell(part.low, low, part.open, not out)
+        after = None if high is None else _cell(high, part.high, not out_high, part.open_high)
+        parts += [(rest, left - 1) for rest in (before, after) if rest is not None]
+    done.sort(key=lambda one: (one.cell.low is not None, one.cell.low and one.cell.low.low, one.cell.open))
+    for verdict, same in groupby(done, key=lambda one: one.verdict):
+        cells = list(same)
+        whole = cells[0].cell._replace(high=cells[-1].cell.high, open_high=cells[-1].cell.open_high)
+        yield from [Decided(whole, "open")] if verdict == "open" else cells
+
+
+def _width(cell: ParameterCell) -> Fraction:
+    return (cell.high.low - cell.low.high) if cell.low is not None and cell.high is not None else Fraction(_FARTHEST)
 
 
 def _middle(cell: ParameterCell) -> Fraction | None:
