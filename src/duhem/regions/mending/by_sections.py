@@ -46,7 +46,7 @@ def _of_squares(scaled: ScaledLaw) -> tuple[str, str] | None:
         loads = limit_loads(law, scaled.values, flat / lengths[:, None]) / scaled.size
         squares = (lengths / loads) ** 2 + np.sum((ways[:, rest] / ends[rest]) ** 2, axis=1)
         if np.allclose(squares * scaled.loads**2, 1.0, rtol=_ALIKE):
-            forces, symbols = [law.forces[k] for k in pair], law.force_symbols()
+            forces, symbols = tuple(law.forces[k] for k in pair), law.force_symbols()
             free = {name: own for name, own in law.parameters.items() if own.value is None}
             round_ = {symbols[k]: sp.Rational(decimal(ends[k])) * symbols[k] for k in pair}  # that long sets are seen as well as others
             g = law.g.xreplace({**law.settled(), **round_, **{symbols[k]: sp.S.Zero for k in rest}})
