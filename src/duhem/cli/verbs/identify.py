@@ -26,6 +26,7 @@ __all__ = ["identify"]
 @settings_option
 @click.option("--robust", is_flag=True, help="Minimise Huber's loss instead of the sum of squares. Outliers hardly change this fit.")
 @convex_option("ask: reject a fit whose K is not convex; require: also reject a fit whose K is not proved convex; assume: reject none.")
+@click.option("--inside", is_flag=True, help="Keep the parameter that shapes K in the region in which K is proved convex (see duhem region).")
 @click.option(
     "--bootstrap",
     type=click.IntRange(0),
@@ -43,6 +44,7 @@ def identify(
     settings: Sequence[str],
     robust: bool,
     convex: str,
+    inside: bool,
     bootstrap: int,
     seed: int,
     out: str | None,
@@ -66,6 +68,11 @@ def identify(
 
         figure.check(plot)
         identification.printing.check(family)
+    if inside:
+        from duhem.regions.mending.by_parameters import within_region
+
+        with Progress("looking for the region"):
+            family = within_region(family)
     with Progress("identifying"):
         done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed, convex=convex)
     if out is not None:

@@ -17,7 +17,7 @@ from duhem.regions.entry import region, shape_parameters
 from duhem.regions.mending.limit_load import ScaledLaw
 from duhem.regions.result import ParameterRegion
 
-__all__ = ["by_parameters"]
+__all__ = ["by_parameters", "within_region"]
 
 _STEPS = 12_000_000  # for the regions of all parameters
 _FINEST = Fraction(1, 10**6)  # values are decimals, which a criterion file can state
@@ -51,10 +51,33 @@ def by_parameters(scaled: ScaledLaw, base: Criterion) -> Iterator[tuple[Criterio
         raise InputError(f"convexity is proved for no other value of {', '.join(names)}", where=law.name, remedy="mend it in another way")
 
 
-def _decimals(cell: ParameterCell, value: Fraction) -> list[Fraction]:
-    """The value and the decimals next to both ends of a stretch, of these what lies in it."""
+def within_region(law: Criterion) -> Criterion:
+    """A law over the widest stretch of its one shape parameter on which K is proved to be convex, all of its domain if K is so there.
+
+    Raises InputError where no such stretch is found.
+    """
+    found = region(law)
+    if found.short == "true":
+        return law
+    stretches = [_ends(cell) for cell in found.stretches("proved")] if isinstance(found, ParameterRegion) else []
+    wide = [(low, high) for low, high in stretches if low is None or high is None or low < high]
+    if not wide:
+        what = "no range of one shape parameter was found in which K is convex"
+        raise InputError(what, where=law.name, remedy=f"see duhem region {law.name}, and fix others with --set")
+    low, high = max(wide, key=lambda ends: float("inf") if ends[0] is None or ends[1] is None else float(ends[1] - ends[0]))
+    return law.within({found.parameters[0]: Domain.between(*(None if end is None else str(end) for end in (low, high)))})
+
+
+def _ends(cell: ParameterCell) -> tuple[Fraction | None, Fraction | None]:
+    """The first and the last decimal of a stretch, None where it has no end."""
     low, high, fine = cell.low, cell.high, _FINEST
     least = None if low is None else fine * (floor(low.high / fine) + 1 if cell.open else ceil(low.high / fine))
     most = None if high is None else fine * (ceil(high.low / fine) - 1 if cell.open_high else floor(high.low / fine))
+    return least, most
+
+
+def _decimals(cell: ParameterCell, value: Fraction) -> list[Fraction]:
+    """The value and the decimals next to both ends of a stretch, of these what lies in it."""
+    least, most = _ends(cell)
     ends = [x for x in (least, most, value) if x is not None]
     return [x for x in ends if (least is None or least <= x) and (most is None or x <= most)]
