@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import gcd, isqrt
 
+import sympy as sp
+
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import sign_at
 from duhem.proof.kernel.term import NotWritten
@@ -83,14 +85,6 @@ def written_root(root: RealRoot) -> str:
     if root.exact:
         return str(root.low)
     c, b, a = root.poly
-    square, out = b * b - 4 * a * c, 1
-    for p in range(2, isqrt(square) + 1):
-        while square % (p * p) == 0:
-            square, out = square // (p * p), out * p
     sign = 1 if 2 * a * root.low + b > 0 else -1
-    scale, shift = Fraction(sign * out, 2 * a), Fraction(-b, 2 * a)
-    top = f"sqrt({square})" if abs(scale.numerator) == 1 else f"{abs(scale.numerator)}*sqrt({square})"
-    part = top if scale.denominator == 1 else f"{top}/{scale.denominator}"
-    if not shift:
-        return part if scale > 0 else f"-{part}"
-    return f"{shift} {'+' if scale > 0 else '-'} {part}"
+    part, shift = str(sign * sp.sqrt(b * b - 4 * a * c) / (2 * a)), Fraction(-b, 2 * a)
+    return f"{shift} {'-' if part[0] == '-' else '+'} {part.removeprefix('-')}" if shift else part

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import suppress
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -181,16 +182,23 @@ def _paint_plane(axes: Axes, region: PavedRegion) -> None:
 
 def _shown_range(region: PavedRegion, name: str) -> tuple[float, float]:
     """The range of a parameter, of an endless one what is around the ends of the places."""
-    own = region.whole[name]
-    marks = [float(end) for place, _ in region.places for end in place.box[name][:2] if end is not None] or [0.0]
-    wide = 0.0 if None not in own[:2] else max(max(marks) - min(marks), 1.0) / 4
-    return min(marks) - wide * (own.low is None), max(marks) + wide * (own.high is None)
+    marks = [float(end) for place, _ in region.places for end in place.box[name][:2] if end is not None]
+    return _around(region.whole[name].low, region.whole[name].high, marks, 1 / 4)
+
+
+def _around(first: Fraction | None, last: Fraction | None, marks: list[float], share: float) -> tuple[float, float]:
+    """A range, and a share of what is between the ``marks`` in the place of each end that it has not."""
+    low, high = (None if end is None else float(end) for end in (first, last))
+    marks = [*marks, *(end for end in (low, high) if end is not None)] or [0.0]
+    wide = share * max(max(marks) - min(marks), 1.0)
+    return min(marks) - wide if low is None else low, max(marks) + wide if high is None else high
 
 
 def _paint(axes: Axes, region: ParameterRegion) -> None:
     from matplotlib.patches import Rectangle
 
-    low, high = _window(region)
+    first, last = (None if end is None else end.low for end in region.domain[:2])
+    low, high = _around(first, last, [float(sp.Rational(end.enclosure[0])) for end in region.ends], 1 / 2)
     for verdict, colour, lines in _LOOKS:
         for i, cell in enumerate(region.stretches(verdict)):
             start, stop = (low if cell.low is None else float(cell.low.low)), (high if cell.high is None else float(cell.high.high))
@@ -214,15 +222,3 @@ def _paint(axes: Axes, region: ParameterRegion) -> None:
     published = f"\npublished: {said}" if (said := _published(region)) else ""
     axes.set_xlabel(f"${latex_name(region.parameters[0])}${published}")
     figure.legend(axes)
-
-
-def _window(region: ParameterRegion) -> tuple[float, float]:
-    """The domain, of an infinite one what is around its ends."""
-    own = region.domain
-    marks = [float(sp.Rational(end.enclosure[0])) for end in region.ends] + [
-        float(e.low) for e in (own.low, own.high) if e is not None
-    ] or [0.0]
-    wide = max(max(marks) - min(marks), 1.0)
-    low = min(marks) - 0.5 * wide if own.low is None else float(own.low.low)
-    high = max(marks) + 0.5 * wide if own.high is None else float(own.high.low)
-    return low, high

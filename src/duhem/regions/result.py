@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from abc import abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, ClassVar
+
+import sympy as sp
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
@@ -303,17 +305,5 @@ def _inside(cell: ParameterCell) -> Any:
 
 
 def _end(name: str, end: RealRoot, closed: bool) -> RegionEnd:
-    poly = end.poly if end.poly[-1] > 0 else tuple(-c for c in end.poly)
-    return RegionEnd(name, written_root(end), " ".join(_terms(name, poly)), (str(end.low), str(end.high)), closed)
-
-
-def _terms(name: str, poly: Iterable[int]) -> Iterator[str]:
-    """A polynomial from its highest power on: ``2*e - 1``."""
-    first = True
-    for i, c in sorted(enumerate(poly), reverse=True):
-        if not c:
-            continue
-        power = "" if i == 0 else name if i == 1 else f"{name}**{i}"
-        size = power if abs(c) == 1 and power else f"{abs(c)}*{power}" if power else str(abs(c))
-        yield (f"-{size}" if c < 0 else size) if first else f"{'-' if c < 0 else '+'} {size}"
-        first = False
+    poly = sp.Poly(end.poly[::-1], sp.Symbol(name)).as_expr() * (1 if end.poly[-1] > 0 else -1)
+    return RegionEnd(name, written_root(end), str(sp.expand(poly)), (str(end.low), str(end.high)), closed)
