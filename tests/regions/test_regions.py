@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import mpmath
@@ -149,6 +150,23 @@ def test_two_harmonics(seed: int) -> None:
 
 
 # -- what is asked -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_chord_refutes_what_it_serves_for_around_its_value() -> None:
+    """Of a law that is no polynomial no family is known: chords of single values serve for parts, and what is between stays open."""
+    law = duhem.Criterion("bow", "sqrt(x**2 + y**2 + 1) - 2 - c*x**2", {"c": duhem.Domain.between(-1, 1)}, ("x", "y"), None)
+    done = duhem.region(law, steps=12_000_000)
+    assert done.short == "c <= 0" and 0 < done.open_share < 0.5 and duhem.recheck(done.certificate()).ok
+    chords = [(one.cell, one.row["evidence"]) for one in done.decided if one.verdict == "refuted"]
+    assert chords
+    for cell, chord in chords:
+        p, q = (np.array([float(Fraction(chord[end].get(force, "0"))) for force in ("x", "y")]) for end in ("p", "q"))
+        for c in (float(cell.low.low), float(cell.high.low)):
+            level = [float(np.sqrt(x * x + y * y + 1) - 2 - c * x * x) for x, y in (p, q, (p + q) / 2)]
+            assert level[0] <= 0 and level[1] <= 0 < level[2]
+    opens = [one.verdict == "open" for one in done.decided]
+    assert not any(one and two for one, two in pairwise(opens))  # what stays open is one cell
 
 
 def test_what_is_not_shown_is_open() -> None:
