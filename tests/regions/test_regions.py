@@ -157,6 +157,7 @@ def test_a_chord_refutes_what_it_serves_for_around_its_value() -> None:
     """Of a law that is no polynomial no family is known: chords of single values serve for parts, and what is between stays open."""
     law = duhem.Criterion("bow", "sqrt(x**2 + y**2 + 1) - 2 - c*x**2", {"c": duhem.Domain.between(-1, 1)}, ("x", "y"), None)
     done = duhem.region(law, steps=12_000_000)
+    assert isinstance(done, duhem.ParameterRegion)
     assert done.short == "c <= 0" and 0 < done.open_share < 0.5 and duhem.recheck(done.certificate()).ok
     chords = [(one.cell, one.row["evidence"]) for one in done.decided if one.verdict == "refuted"]
     assert chords
