@@ -62,7 +62,7 @@ def answered(name: str, options: str, steps: int = STEPS, seconds: float = SECON
         if not over and len(shape_parameters(law)) not in (1, 2):
             return None
         with_alarm(seconds)
-        found = region(law, None if over else shape_parameters(law), claim, over, steps=steps)
+        found = region(law, None, claim, over, steps=steps)
         told = found.sentence
     except (InputError, ValueError, ArithmeticError) as fault:  # the last two are defects, which do not end the campaign
         found, told = None, f"{'' if isinstance(fault, InputError) else 'CRASH '}{fault}"

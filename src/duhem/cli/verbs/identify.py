@@ -26,7 +26,7 @@ __all__ = ["identify"]
 @settings_option
 @click.option("--robust", is_flag=True, help="Minimise Huber's loss instead of the sum of squares. Outliers hardly change this fit.")
 @convex_option("ask: reject a fit whose K is not convex; require: also reject a fit whose K is not proved convex; assume: reject none.")
-@click.option("--inside", is_flag=True, help="Keep the parameter that shapes K in the region in which K is proved convex (see duhem region).")
+@click.option("--inside", is_flag=True, help="Keep the parameter that shapes K where K is proved convex (see duhem region).")
 @click.option(
     "--bootstrap",
     type=click.IntRange(0),
