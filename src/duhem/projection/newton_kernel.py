@@ -125,7 +125,7 @@ def solved(
 
 def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> bool:
     """True where a stress is found that is optimal, with its normals and multipliers (0 for pieces that do not press)."""
-    count, near, meet, most = 0, False, 0, SHORT if PAIRS > 0 else LONG
+    count, near, meet, most, rough = 0, False, 0, SHORT if PAIRS > 0 else LONG, False
     times(inverse, v, T, S)
     for i in range(D):
         v[X, i] = v[FIRST, i]
@@ -156,9 +156,11 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
         if count == 0:
             for i in range(D):
                 v[FIRST, i] = v[X, i]
-        meet = meet if meet > 1 else 0
+        rough, meet = meet < 0, abs(meet) if abs(meet) > 1 else 0
         for i in range(D):
             v[X, i] = v[FIRST, i]
+    if count == 0 and rough and apex(v, m, a, q, held, root, inverse) <= 0:
+        count = D
     if count == 0:
         return False
     for j in range(count, D):
@@ -408,14 +410,16 @@ def spread(v: Any, m: Any) -> bool:
 CUTS, ASIDES, EVEN, REACHED = 80, 12, 4e-16, 3e-15  # so far beyond K, relative to 1 + |u|, is in K
 SHARES, CLOSER, RAISE = 5, 0.07, 1e-6  # places each way, each at this share of the one before; so much of that over the plane
 FLAT, SHARP = 1e-10, 1e-10  # of a normal beside the span of others; how far off an apex may lie, relative to 1 + |u|
+EXACT = 1e-12  # the same of the components of a stress: farther off it may be a bend, which Newton's method finds
 
 
 def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> int:
     """0 where the closest point is an apex, which is then in v and m with the D normals that press.
 
-    Else a point close to it is, and how many pieces hold where the half-spaces that press touch K, which are the first of those held.
+    Else a point close to it is, and how many pieces hold where the half-spaces that press touch K, which are the first of those held;
+    less than 0 where it is an apex as far as is known, but may be a bend of a smooth K that is thin in the metric.
     """
-    count, deep = 0, aside(v, q)
+    count, told, deep = 0, 1, aside(v, q)
     times(inverse, v, T, S)
     for i in range(D):
         v[STEP, i] = v[S, i]
@@ -429,8 +433,10 @@ def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> 
             far = max(far, abs(v[BEST, i] - v[X, i]))
         if far <= REACHED * (1.0 + length(v, BEST)):
             far = max(far, EVEN * (1.0 + length(v, BEST)))
-            if count == D and cornered(v, m, a, far, inverse) and not overtopped(v, q, root, inverse):
-                return 0
+            if count == D and (off := cornered(v, m, a, far, inverse)) <= SHARP and not overtopped(v, q, root, inverse):
+                if off * stretch(root, inverse) <= EXACT:
+                    return 0
+                told = -1
             break
         high = piece(v, X, q, NATURAL, held, D, RAW, m, RAWBEND)
         slope = whitened(v, root)
@@ -452,7 +458,7 @@ def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> 
             copied(held, j, D)
             if added(held, pieces):
                 pieces += 1
-    return pieces if pieces > 0 else 1
+    return told * max(pieces, 1)
 
 
 def added(held: Any, count: int) -> bool:
@@ -587,8 +593,18 @@ def settled(v: Any, m: Any, a: Any, count: int) -> bool:
     return True
 
 
-def cornered(v: Any, m: Any, a: Any, far: float, inverse: Any) -> bool:
-    """Whether the D planes meet sharply, ``far`` from K at most, and all press; then the point is the stress, without bends.
+def stretch(root: Any, inverse: Any) -> float:
+    """What a length in the metric may be as a share of the components of a stress, at most."""
+    out, back = 0.0, 0.0
+    for i in range(D):
+        for k in range(D):
+            out += root[i, k] * root[i, k]
+            back += inverse[i, k] * inverse[i, k]
+    return float(sqrt(out * back))
+
+
+def cornered(v: Any, m: Any, a: Any, far: float, inverse: Any) -> float:
+    """How far off the point may be where the D planes meet, ``far`` from K, relative to 1 + |u|; it is the stress then, without bends.
 
     With s - u = sum lambda n the closest point of K is behind each plane by |s - u| far/lambda at most.
     """
@@ -614,4 +630,5 @@ def cornered(v: Any, m: Any, a: Any, far: float, inverse: Any) -> bool:
                 along += a[j, i] * a[k, i] / size
             for i in range(D):
                 a[k, i] -= along * a[j, i]
-    return sqrt(square) * far <= SHARP * (1.0 + length(v, U)) * least * volume
+    pressed = (1.0 + length(v, U)) * least * volume
+    return sqrt(square) * far / pressed if pressed > 0.0 else np.inf
