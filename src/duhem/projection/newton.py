@@ -44,6 +44,7 @@ __all__ = ["NEWTON", "NewtonOptions", "applies", "search", "solve", "tangent"]
 # end of it is the projection is for the caller to check: multipliers, feasibility, and the pieces being those of K there.
 
 _HALVINGS = 6
+_FINISH, _FINISHING = 10, 1e-8  # steps more where the error is as little: it is soon rounding
 _PROGRESS = 0.9  # a step that leaves more of the error is the last: there is a kink in the way
 
 
@@ -51,7 +52,8 @@ _PROGRESS = 0.9  # a step that leaves more of the error is the last: there is a 
 class _Stationary(Pointwise):
     """How far the points ``x`` (M, d) are from stationary, with the best multipliers (M, J) for the normals there.
 
-    ``away`` (M,) = |s - u|; ``turn`` (M,) = |s - u - sum lambda n| / (1 + |s - u|); ``level`` (M, J) distances to the pieces.
+    ``away`` (M,) = |s - u|; ``turn`` (M,) = |s - u - sum lambda n| / (1 + |s - u|); ``level`` (M, J) distances to the pieces;
+    ``reach`` (M,) = 1 + |u|, of which their rounding is a share.
     """
 
     x: Array
@@ -62,6 +64,7 @@ class _Stationary(Pointwise):
     level: Array
     rest: Array
     away: Array
+    reach: Array
     choices: Any
 
     @property
@@ -71,7 +74,8 @@ class _Stationary(Pointwise):
     @property
     def error(self) -> Array:
         """One number to bring down; never nan."""
-        found = np.hypot(self.turn, np.max(np.abs(self.level), axis=1))
+        deep = np.max(np.abs(self.level), axis=1)
+        found = np.hypot(self.turn, np.where(deep <= _EVEN * self.reach, 0.0, deep))  # rounding hides no turn that is to be taken away
         return np.where(np.isnan(found), np.inf, found)
 
 
@@ -80,7 +84,8 @@ def _stationary(body: Body, trial: Array, x: Array, at: Index, choices: Choices 
     count = 1 if choices is None else choices.shape[1]
     pieces = [body.piece(x, at, None if choices is None else choices[:, j]) for j in range(count)]
     normal = np.stack([p.normal for p in pieces], axis=1)
-    away = trial - body.whitened(x)
+    u = body.whitened(x)
+    away = trial - u
     with np.errstate(all="ignore"):
         multiplier = np.einsum("nd,njd->nj", away, normal)
         if count > 1:
@@ -96,16 +101,17 @@ def _stationary(body: Body, trial: Array, x: Array, at: Index, choices: Choices 
         np.stack([p.level for p in pieces], axis=1),
         rest,
         np.linalg.norm(away, axis=1),
+        1.0 + np.asarray(np.linalg.norm(u, axis=1)),
         np.stack([p.choices for p in pieces], axis=1),
     )
 
 
 def _refine(body: Body, trial: Array, x: Array, at: Index, choices: Choices | None = None, steps: int = 15) -> _Stationary:
-    """Damped Newton from ``x`` until nothing improves, at most ``steps`` times; the best state of each point."""
+    """Damped Newton from ``x`` until nothing improves, at most ``steps`` times and a few more at the end; the best state of each point."""
     best = _stationary(body, trial, x, at, choices)
     who = np.flatnonzero(np.isfinite(best.error))
-    for _ in range(steps):
-        who = who[best.error[who] > 1e-17]
+    for step_ in range(steps + _FINISH):
+        who = who[(best.error[who] > 1e-17) & ((step_ < steps) | (best.error[who] < _FINISHING))]
         if not who.size:
             break
         step = times(_newton_step(best.of(who)), body.root.T)
@@ -170,6 +176,7 @@ _NUDGE = 1e-8  # of the numbers at hand: how far beside a point without a normal
 _STRAIGHT = 1e-5  # over shorter ways a bend could hide in rounding
 _BESIDE = 1e-10  # how far the normals at a settled, sharp edge may be taken from beside it
 _AROUND = 3e-8  # the same where the point itself has no normal that a formula could tell
+_EVEN = 2e-16  # a distance to the boundary that is rounding, relative to the numbers at hand
 _DEPTH = 1e-14  # distances to the boundary, relative to the numbers at hand
 _TIP = 1e-14  # a component this small is rounding of the others
 _ORIGIN = 1e-12  # a stress this small is none, if none is in K: corners are met less closely than sides
@@ -421,6 +428,9 @@ def _accept(found: _Found, k: Body, state: _Stationary, at: Index, outer: HalfSp
     rounding = 1e-15 * reach * np.max(np.abs(state.curvature), axis=(1, 2, 3), initial=0.0)
     good = (state.turn <= np.clip(rounding, _ANGLE, _LOOSE)) & (np.max(np.abs(state.level), axis=1) <= depth)
     good &= np.all(state.multiplier >= -_ANGLE * scale[:, None], axis=1)
+    apart = np.linalg.norm(state.normal[:, :, None] - state.normal[:, None], axis=3)  # the smaller, the closer their levels must be
+    levels = np.abs(state.level[:, :, None] - state.level[:, None])
+    good &= np.all(levels <= depth[:, None, None] * np.minimum(apart, 1.0), axis=(1, 2))
     who = np.flatnonzero(good)
     if not who.size:
         return

@@ -75,6 +75,7 @@ STICK, SLIP, LEFT = 0, 1, 2
 ANGLE, LOOSE, DEPTH, TIP, ORIGIN = 1e-12, 1e-10, 1e-14, 1e-14, 1e-12  # as in the search
 STEPS, HALVINGS, ROUNDS = 40, 7, 8
 SHORT, LONG = 12, 400  # states that are looked at: beside an edge of equal eigenvalues a way that leads nowhere is long
+TOUCHING = 1e-4  # an angle of two pieces that have no corner between them
 PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
 PINCHED = 1e8  # bends of a hundred-millionth of the way may be a tip's
 SETTLED, ROUNDED = 1e-15, 2e-16  # what is between them a step takes away that is not looked at again
@@ -174,7 +175,7 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, first: int, most: int, ro
 
     Begun with the ``first`` pieces of those held, with 0 on the one that holds.
     """
-    count = first if first > 0 else 1
+    count, switched = first if first > 0 else 1, False
     if KINKS > 0 and first == 0 and not isfinite(piece(v, U, q, NATURAL, held, 0, RAW, m, RAWBEND)):
         piece(v, X, q, NATURAL, held, 0, RAW, m, RAWBEND)  # inside, where scales say which is the greatest
     for _ in range(ROUNDS):
@@ -190,7 +191,11 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, first: int, most: int, ro
             count -= 1
             copied(held, count, least)
         elif optimal(v, m, q, held, count, root, inverse):
-            return count
+            beside = neighbour(v, m, held, count) if KINKS > 0 and not switched else -1
+            if beside < 0:
+                return count
+            copied(held, D, beside)
+            switched = True
         elif KINKS == 0:  # of a smooth law there is no other piece
             return 0
         elif count == D:
@@ -215,6 +220,24 @@ def paired(v: Any, m: Any, a: Any, q: Any, held: Any, most: int, root: Any, inve
         ):
             return 3
     return 0
+
+
+def neighbour(v: Any, m: Any, held: Any, count: int) -> int:
+    """Which of the pieces goes over into the one that holds without a corner, a little before the stress; -1 for none.
+
+    Where two pieces touch each other their levels are alike to rounding long before their normals are.
+    """
+    slope = length(v, WHITE)
+    for j in range(count):
+        apart, other = 0.0, False
+        for k in range(KINKS):
+            other = other or held[j, k] != held[D, k]
+        for i in range(D):
+            off = v[WHITE, i] / slope - m[NORMALS, j, i]
+            apart += off * off
+        if other and ANGLE * ANGLE < apart < TOUCHING * TOUCHING:
+            return j
+    return -1
 
 
 def exchanged(v: Any, m: Any, a: Any, held: Any) -> bool:
@@ -359,6 +382,7 @@ def state_of(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: int
         if v[LENGTHS, j] > 0.0:
             bent(m, RAWBEND + j, root, v[LENGTHS, j] / v[SLOPES, j])
     turned = turn(v, m, count) / (1.0 + length(v, REST))
+    deep = deep if deep > ROUNDED * (1.0 + length(v, U)) else 0.0  # what is rounding hides no turn that is still to be taken away
     error = sqrt(turned * turned + deep * deep)
     return error if isfinite(error) else np.inf
 
