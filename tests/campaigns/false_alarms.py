@@ -20,7 +20,7 @@ from duhem.testing.conformance import conformance
 from tests.campaigns.routines import first_cause
 from tests.testing.atlas_materials import material
 from tests.testing.hardening import KINDS, hardening
-from tests.testing.test_properties import ALWAYS, without_reason
+from tests.testing.test_properties import ACCURACY, ALWAYS, of, without_reason
 
 _ROUND = 100  # cases
 _STATES = ("armstrong-frederick-recall", "at1-damage", "chaboche", "perzyna")
@@ -32,9 +32,8 @@ def _of_kind(kind: str) -> dict[str, Any]:
 
 
 def _without_state(name: str, values: dict[str, str], method: str) -> dict[str, Any]:
-    """At the accuracy that is asked of any routine: of stiffnesses of ratio 1000 Newton's method answers some to 1e-9 of the stress."""
     law = duhem.load(name).fix(values)
-    return {"law": law, "update": projection(law, method)}
+    return {"law": law, "update": projection(law, method), "accuracy": of(ACCURACY, method)}
 
 
 _METHODS = [(name, values, method) for method in ("closed-form", "newton") for name, values in ALWAYS]
