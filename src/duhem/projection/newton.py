@@ -539,7 +539,10 @@ def _try_meets(found: _Found, k: Body, s: Array, at: Index, outer: HalfSpaces, c
     for members in groups.values():
         who = np.array([p for p, _ in members])
         choices = np.stack([cuts.choices[p, slots] for p, slots in members])
-        _accept(found, k, _refine(k, s[who], times(outer.point[who], k.root.T), who, choices), who, outer, cuts)
+        state = _refine(k, s[who], times(outer.point[who], k.root.T), who, choices)
+        _accept(found, k, state, who, outer, cuts)
+        seam = np.flatnonzero(found.failed[who] & (state.error < _FINISHING))  # pieces that touch: it is round there
+        _accept(found, k, _refine(k, s[who[seam]], state.x[seam], who[seam]), who[seam], outer, cuts)
 
 
 def plain(increment: Increment, compiled: bool = False) -> ClosestPoint | None:

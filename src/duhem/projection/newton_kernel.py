@@ -457,7 +457,8 @@ def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> 
             far = max(far, abs(v[BEST, i] - v[X, i]))
         if far <= REACHED * (1.0 + length(v, BEST)):
             far = max(far, EVEN * (1.0 + length(v, BEST)))
-            if count == D and (off := cornered(v, m, a, far, inverse)) <= SHARP and not overtopped(v, q, root, inverse):
+            off = cornered(v, m, a, far, inverse) if count == D else np.inf
+            if off <= SHARP and not overtopped(v, q, root, inverse):
                 if off * stretch(root, inverse) <= EXACT:
                     return 0
                 told = -1
@@ -482,7 +483,7 @@ def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> 
             copied(held, j, D)
             if added(held, pieces):
                 pieces += 1
-    return told * max(pieces, 1)
+    return told * (pieces if pieces > 0 else 1)
 
 
 def added(held: Any, count: int) -> bool:
@@ -654,5 +655,5 @@ def cornered(v: Any, m: Any, a: Any, far: float, inverse: Any) -> float:
                 along += a[j, i] * a[k, i] / size
             for i in range(D):
                 a[k, i] -= along * a[j, i]
-    pressed = (1.0 + length(v, U)) * least * volume
-    return sqrt(square) * far / pressed if pressed > 0.0 else np.inf
+    sharp = (1.0 + length(v, U)) * least * volume
+    return sqrt(square) * far / sharp if sharp > 0.0 else np.inf
