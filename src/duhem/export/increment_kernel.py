@@ -113,7 +113,7 @@ def increment(trial: Any, pressure: float, stiffness: Any, parameters: Any, stre
         for j in range(D):
             tangent[i * D + j] = 0.0 if pointed else k[i, j]
     if state == SLIP and not pointed:
-        told = known(v, m, q, held, root) or apex(v, m, a, q, held, root, inverse) == 0  # a tip on an axis of K seems smooth from there
+        told = known(v, m, q, held, root) or apex(v, m, a, q, held, root, inverse) <= 0  # a tip on an axis of K seems smooth from there
         if not (told and slipping(v, m, a, root, mean, tangent)):
             state = UNKNOWN
             for i in range(D * D):

@@ -151,7 +151,7 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
             for i in range(D):
                 v[FIRST, i] = v[X, i]
         meet, near = apex(v, m, a, q, held, root, inverse), True
-        if meet == 0:
+        if meet == 0 or (meet < 0 and count > 0):
             count = D
             break
         if count == 0:
@@ -160,7 +160,7 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
         rough, meet = meet < 0, abs(meet) if abs(meet) > 1 else 0
         for i in range(D):
             v[X, i] = v[FIRST, i]
-    if count == 0 and rough and apex(v, m, a, q, held, root, inverse) <= 0:
+    if rough and (count == 0 or pinched(v, m)) and apex(v, m, a, q, held, root, inverse) <= 0:
         count = D
     if count == 0:
         return False
@@ -175,10 +175,10 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, first: int, most: int, ro
 
     Begun with the ``first`` pieces of those held, with 0 on the one that holds.
     """
-    count, switched = first if first > 0 else 1, False
+    count = first if first > 0 else 1
     if KINKS > 0 and first == 0 and not isfinite(piece(v, U, q, NATURAL, held, 0, RAW, m, RAWBEND)):
         piece(v, X, q, NATURAL, held, 0, RAW, m, RAWBEND)  # inside, where scales say which is the greatest
-    for _ in range(ROUNDS):
+    for turns in range(ROUNDS):
         if not isfinite(newton(v, m, a, q, held, count, NAMED, most, root, inverse)):
             return 0
         least = 0
@@ -191,11 +191,10 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, first: int, most: int, ro
             count -= 1
             copied(held, count, least)
         elif optimal(v, m, q, held, count, root, inverse):
-            beside = neighbour(v, m, held, count) if KINKS > 0 and not switched else -1
+            beside = neighbour(v, m, held, count) if KINKS > 0 and turns < ROUNDS - 1 else -1
             if beside < 0:
                 return count
             copied(held, D, beside)
-            switched = True
         elif KINKS == 0:  # of a smooth law there is no other piece
             return 0
         elif count == D:
