@@ -8,20 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from fractions import Fraction
 from itertools import combinations
 
 import sympy as sp
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import Dent
-from duhem.proof.kernel.forms import determinant, quadratic
+from duhem.proof.kernel.forms import principal_minors, quadratic
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, replaced
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import UNREADABLE, NotWritten, number, product_of
+from duhem.proof.kernel.term import UNREADABLE, NotWritten
 
-__all__ = ["boundaries", "falling_directions"]
+__all__ = ["boundaries"]
 
 _MOST_MINORS, _MOST_DEGREE, _MOST_TERMS, _MOST_FOUND = 4, 6, 40, 24
 
@@ -46,11 +45,9 @@ def _minors(law: StatedLaw) -> Iterator[sp.Expr]:
     with suppress(*UNREADABLE):
         domain = over(law)
         matrix = quadratic(law.g, law.forces, domain)[0]
-        for size in range(1, min(_MOST_MINORS, len(matrix)) + 1):
-            for rows in combinations(range(len(matrix)), size):
-                minor = domain.polynomial(determinant([[matrix[i][j] for j in rows] for i in rows]))
-                with suppress(NotWritten):
-                    yield sp.fraction(sp.together(_expression(minor)))[0]
+        for _, minor in principal_minors(matrix, _MOST_MINORS):
+            with suppress(NotWritten):
+                yield sp.fraction(sp.together(_expression(domain.polynomial(minor))))[0]
 
 
 def _of_dent(dent: Dent) -> Iterator[sp.Expr]:
@@ -74,20 +71,3 @@ def _expression(poly: Polynomial) -> sp.Expr:
         powers = (sp.Symbol(_RAY if x == RAY else x.name) ** n for x, n in m)
         parts.append(sp.Rational(c.numerator, c.denominator) * sp.Mul(*powers))
     return sp.Add(*parts)
-
-
-def falling_directions(law: StatedLaw) -> Iterator[dict[str, str]]:
-    """Directions along which a quadratic form is a product of two principal minors, one of which may be < 0: columns of cofactors."""
-    domain = over(law)
-    matrix = quadratic(law.g, law.forces, domain)[0]
-    for size in range(2, min(_MOST_MINORS, len(matrix)) + 1):
-        for rows in combinations(range(len(matrix)), size):
-            for last in range(size):
-                column = dict[str, str]()
-                for j, row in enumerate(rows):
-                    rest = [[matrix[a][b] for b in rows if b != row] for a in rows if a != rows[last]]
-                    cofactor = domain.polynomial(product_of(number(Fraction((-1) ** (j + last))), determinant(rest)))
-                    if cofactor:
-                        column[law.forces[row]] = str(_expression(cofactor))
-                if column:
-                    yield column

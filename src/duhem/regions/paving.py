@@ -25,6 +25,7 @@ from duhem.expression.parse import parse_relation
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.definedness import AGAINST
 from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain
 from duhem.proof.kernel.parameter_tree import law_where, not_outside, opposite, read_comparison, recheck_tree
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -38,8 +39,10 @@ __all__ = ["Known", "Paving", "Place", "Tree", "between", "is_end", "share_of"]
 
 _BESIDE = Fraction(1, 64)  # of each range, the box in which the rule that proves the claim is looked for
 _SEEDS = 4  # of these boxes
+_MANY = 1000  # places of a leaf at which it is looked, where that takes no rays
 _LARGE = Fraction(1, 4)  # of the whole, a leaf of which whole verifications are asked
 _HOLDS, _FAILS = "0", "1"
+Held = NDArray[np.bool_] | None
 
 
 @lru_cache(maxsize=4096)
@@ -273,33 +276,40 @@ class Paving(AsksTheKernel):
     def decided(self, place: Place) -> Known | Divided | None:
         """A leaf, or a comparison that divides it with what is known of the two parts; None where the budget ends before that is known."""
         law = law_at(self.stated, place.where, self.names)
-        places = looked_at(law, self.names)
         known = self.seen or self._holding(law)
+        places = looked_at(law, self.names, *(() if known is None or known.along_rays else (_MANY,)))
         holds = None if known is None else known.margins(places) >= 0
         found = self._confirmed(law, place, None if holds is None else bool(holds.all()), None if holds is None else not holds.any())
         if found is not None:
             return found
-        for text in self.boundaries:
-            if self.spent:
-                return None
-            used = any(before.startswith(f"{text} ") for before in place.where)
-            if not used and (parts := self._divided_by(text, law, place, places, holds)) is not None:
-                return parts
+        unused = [text for text in self.boundaries if not {f"{text} {op} 0" for op in AGAINST} & {*place.where}]
+        sides = {text: np.sign(value_of(parse(text), places)) for text in unused}
+        for way in (self._told_apart_by, self._divided_by):
+            for text in unused:
+                if self.spent:
+                    return None
+                if (parts := way(text, law, place, sides[text], holds)) is not None:
+                    return parts
         longest = max(self.names, key=lambda name: _length(place.box[name], self.whole[name]))
         return Divided(f"{longest} <= {between(place.box[longest], self.whole[longest])}")
 
-    def _divided_by(
-        self, text: str, law: StatedLaw, place: Place, places: Mapping[str, Array], holds: NDArray[np.bool_] | None
-    ) -> Divided | None:
-        """A leaf divided by a polynomial, if the kernel confirms a verdict of both sides, or of one on which all is seen to be alike."""
-        values, share = value_of(parse(text), places), share_of(place.box, self.whole)
-        if not (np.any(values > 0) and np.any(values < 0)):
+    def _told_apart_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Held) -> Divided | None:
+        """A leaf divided by a polynomial that is seen to tell the two apart, if the kernel confirms a verdict of both sides."""
+        if holds is None or holds.all() or not holds.any():
             return None
-        above, large = values > 0, share >= _LARGE / 4
+        op = next((op for op, side in ((">=", sides >= 0), ("<=", sides <= 0)) if np.array_equal(side, holds)), None)
+        return None if op is None else self._parts(f"{text} {op} 0", law, place, 2)
+
+    def _divided_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Held) -> Divided | None:
+        """A leaf divided by a polynomial, if the kernel confirms a verdict of both sides, or of one on which all is seen to be alike."""
+        if not (np.any(sides > 0) and np.any(sides < 0)):
+            return None
+        share = share_of(place.box, self.whole)
+        large = share >= _LARGE / 4
         if holds is None:
             ops = ("<=", ">=") if large else ()
             return next(filter(None, (self._parts(f"{text} {op} 0", law, place, 1 if share == 1 else 2) for op in ops)), None)
-        for side, op in ((above, ">="), (~above, "<=")):
+        for side, op in ((sides >= 0, ">="), (sides <= 0, "<=")):
             if np.any(holds[side]) and not np.any(holds[~side]):
                 return self._parts(f"{text} {op} 0", law, place, 1 if large else 2)
         return None
@@ -323,7 +333,7 @@ class Paving(AsksTheKernel):
 
     def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, fails: bool | None) -> Known | None:
         """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail."""
-        if self.stated.constraints and self.confirmed(partial(not_outside, law)):
+        if law.constraints and (self.stated.constraints or (holds and fails)) and self.confirmed(partial(not_outside, law)):
             return Known("outside")
         if holds is not False and (row := self.proof(law) or self._proof_by_all(law, place)) is not None:
             return Known("proved", row)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from itertools import pairwise, product
 from typing import NamedTuple
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.dents import Dent, dents
+from duhem.proof.kernel.dents import FAMILIES, Dent, dents
 from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.forms import quadratic
 from duhem.proof.kernel.polynomial import Polynomial
@@ -20,12 +20,12 @@ from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, Term, number
 
-__all__ = ["RAYS", "Array", "Holding", "changes", "count", "forms_at", "held", "looked_at", "polynomial_at", "value_of"]
+__all__ = ["RAYS", "Array", "Holding", "changes", "count", "held", "looked_at", "polynomial_at", "value_of"]
 
 Array = NDArray[np.float64]
 RAYS = 721  # between the ends of a dent
 _PLACES, _SAMPLES, _ZERO = 9, 97, 1e-11
-_MOST_PLACES = 30  # of several parameters
+_MOST_PLACES, _FEW_PLACES, _FINER = 30, 12, 12  # of several parameters, of which constraints may leave few
 _COMPARED = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal}
 _JOINED = {"and": np.logical_and.reduce, "or": np.logical_or.reduce}
 _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
@@ -54,6 +54,11 @@ class Holding(NamedTuple):
         found = _told_dents(law)
         return cls(tuple(found), ()) if found else None
 
+    @property
+    def along_rays(self) -> bool:
+        """Whether it is looked for along rays, at each place."""
+        return any(dent.between[0] < dent.between[1] for dent in self.dents)
+
     def margins(self, places: Mapping[str, Array]) -> Array:
         """By how much it seems to hold at some places, as a share of what is added up; < 0 where it seems to fail."""
         if self.at_zero is not None:
@@ -64,7 +69,7 @@ class Holding(NamedTuple):
         for dent in self.dents:
             rays = np.linspace(float(dent.between[0]), float(dent.between[1]), RAYS // 4 if dent.between[1] > dent.between[0] else 1)
             at = {name: np.repeat(x, len(rays)) for name, x in places.items()} | {RAY.name: np.tile(rays, len(least))}
-            least = np.minimum(least, _relative(dent.poly, at).reshape(len(least), -1).min(axis=1))
+            least = np.minimum(least, _relative(dent.poly, at).reshape(-1, len(rays)).min(axis=1))
         return np.where(np.abs(least) <= _ZERO, 0.0, least)
 
 
@@ -83,7 +88,7 @@ def forms_at(matrix: Sequence[Sequence[Term]], places: Mapping[str, Array]) -> A
 
 
 def _told_dents(law: StatedLaw) -> list[Dent]:
-    for family in ("sector", "gauge"):
+    for family in FAMILIES:
         with suppress(*UNREADABLE):
             if found := list(dents(law, family)):
                 return found
@@ -128,12 +133,12 @@ def _least(dent: Dent, name: str, x: float) -> float:
     return float(np.min(seen))
 
 
-def looked_at(law: StatedLaw, names: Iterable[str] | None = None) -> dict[str, Array]:
+def looked_at(law: StatedLaw, names: Collection[str] | None = None, most: int = _MOST_PLACES) -> dict[str, Array]:
     """Values of the parameters that are free, near their ends and between them, as far as the constraints on these alone allow them."""
     free = [n for n, own in law.parameters.items() if not own.single and (names is None or n in names)]
     shares = [_AT_END, 2.0**-10, *np.linspace(0.05, 0.95, _PLACES), 1 - 2.0**-10]
     if len(free) > 1:
-        shares = [_AT_END, *np.linspace(0, 1, max(3, int(_MOST_PLACES ** (1 / len(free)))))[1:-1]]
+        shares = [_AT_END, *np.linspace(0, 1, max(4, int(most ** (1 / len(free)))))[1:-1]]
     each = [_in(own, [*shares, *([] if None in own[:2] else [1 - _AT_END])]) for own in map(law.parameters.__getitem__, free)]
     grid = np.array(list(product(*each))).reshape(-1, len(free))
     places = dict(zip(free, grid.T, strict=True)) if free else {}
@@ -142,7 +147,8 @@ def looked_at(law: StatedLaw, names: Iterable[str] | None = None) -> dict[str, A
             if c.names() <= {*free}:
                 held = value_of(gap(c), places) > (-_ZERO if len(c.op) == 2 else _ZERO)
                 places = {n: x[held] for n, x in places.items()}
-    return places
+    few = len(free) > 1 and count(places) < _FEW_PLACES and most < _MOST_PLACES * _FINER**2
+    return looked_at(law, names, most * _FINER) if few else places
 
 
 def count(places: Mapping[str, Array]) -> int:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
-from itertools import chain, islice, product
+from itertools import combinations, islice, product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,21 +13,21 @@ import sympy as sp
 
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.dents import Dent, dents
-from duhem.proof.kernel.forms import by_forces, quadratic
+from duhem.proof.kernel.dents import FAMILIES, Dent, dents
+from duhem.proof.kernel.forms import by_forces
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, number_in, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, factors, number, parse
-from duhem.regions.boundaries import falling_directions
+from duhem.proof.kernel.term import UNREADABLE, Term, factors, number, parse
 from duhem.regions.numbers import closest_fractions, narrowed
-from duhem.regions.seen import RAYS, Array, count, forms_at, looked_at, polynomial_at, value_of
+from duhem.regions.seen import RAYS, Array, count, looked_at, polynomial_at, value_of
 
 __all__ = ["Suggestion", "suggestions"]
 
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
 _PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "2")))  # components of the points that are tried
+_GRID = 8  # parts of a range
 _FEW_POINTS = 3  # outside of K, through which lines are tried
 _STEPS = tuple(tuple(Fraction(k, n) for k in range(-n, n + 1)) for n in (8, 2))  # of components of two and of three forces
 
@@ -55,12 +55,13 @@ def suggestions(
         with suppress(*UNREADABLE):
             yield from _of_points(whole, names, away)
     if claim == "convexity":
-        with suppress(*UNREADABLE):
-            yield from _of_lines(law, places)
-    if claim in ("convexity", "normality"):
-        for family in ("sector", "gauge"):
+        for told in (_of_chords, _of_lines):
             with suppress(*UNREADABLE):
-                yield from _of_dents(list(dents(law, family)), places, ends)
+                yield from told(law, places)
+    if claim in ("convexity", "normality"):
+        for family in FAMILIES:
+            with suppress(*UNREADABLE):
+                yield from _of_dents(dents(law, family), places, ends)
 
 
 def _of_points(law: StatedLaw, names: Sequence[str], away: Sequence[str]) -> Iterator[Suggestion]:
@@ -113,16 +114,33 @@ def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestio
     points = list(_plain_ways(law.forces))
     outside = (_scaled(way, scale) for scale in (4, 64, 4096) for way in points if np.all(along(law.g, way, scale) > 0))
     throughs = list(islice(outside, _FEW_POINTS)) if degree % 2 == 0 else []
-    axes, exact = len(law.forces), falling_directions(law) if degree == 2 else ()
-    tried = list[dict[str, str]]()
-    for way in chain(points[:axes], exact, _of_eigenvectors(law, here), points[axes:]) if throughs else ():
-        if way not in tried and np.all(along(top, way) < 0):
-            tried.append(way)
+    for way in points if throughs else ():
+        if np.all(along(top, way) < 0):
             yield from (Suggestion("line", {"through": through, "along": way}) for through in throughs)
 
 
 def _scaled(way: Mapping[str, str], scale: int) -> dict[str, str]:
     return {f: str(scale * Fraction(x)) for f, x in way.items()}
+
+
+def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
+    """Chords between points of a grid over the ranges of two forces, at all of the values in K, with a midpoint that is at none."""
+    ends = [own[:2] for f in law.forces for name, own in law.ranges if name == f]
+    each = [[low + (high - low) * k / _GRID for k in range(_GRID + 1)] for low, high in ends if low is not None and high is not None]
+    if len(each) != len(law.forces) or len(each) > 2:
+        return
+    points, size = dict(zip(product(range(_GRID + 1), repeat=len(each)), product(*each), strict=True)), count(places)
+
+    def forces_at(place: tuple[int, ...]) -> dict[str, Fraction]:
+        return dict(zip(law.forces, points[place], strict=True))
+
+    values = {at: value_of(law.g, {**places, **{f: np.full(size, float(x)) for f, x in forces_at(at).items()}}) for at in points}
+    inside, outside = [at for at, g in values.items() if np.all(g <= 0)], {at for at, g in values.items() if np.all(g > 0)}
+    pairs = ((p, q, [a + b for a, b in zip(p, q, strict=True)]) for p, q in combinations(inside, 2))
+    left = ((p, q) for p, q, twice in pairs if not any(a % 2 for a in twice) and tuple(a // 2 for a in twice) in outside)
+    for chord in islice(left, _FEW_POINTS):
+        told = {key: {f: str(x) for f, x in forces_at(end).items()} for key, end in zip("pq", chord, strict=True)}
+        yield Suggestion("chord", {**told, **({} if law.pressure is None else {"pressure": "-1"})})
 
 
 def _plain_ways(forces: Sequence[str]) -> Iterator[dict[str, str]]:
@@ -134,17 +152,7 @@ def _plain_ways(forces: Sequence[str]) -> Iterator[dict[str, str]]:
                 yield {f: str(x) for f, x in zip(forces, one, strict=True) if x}
 
 
-def _of_eigenvectors(law: StatedLaw, here: Mapping[str, Array]) -> Iterator[dict[str, str]]:
-    """Along which a quadratic g falls most at some of the values."""
-    with suppress(NotWritten):
-        many = forms_at(quadratic(law.g, law.forces, over(law))[0], here)
-        for form in (many[0], many[-1], many[len(many) // 2]):
-            way = np.linalg.eigh(form)[1][:, 0]
-            short = (Fraction(float(x)).limit_denominator(8) for x in way / np.max(np.abs(way)))
-            yield {f: str(x) for f, x in zip(law.forces, short, strict=True) if x}
-
-
-def _of_dents(found: list[Dent], places: Mapping[str, Array], ends: Sequence[RealRoot]) -> Iterator[Suggestion]:
+def _of_dents(found: Iterable[Dent], places: Mapping[str, Array], ends: Sequence[RealRoot]) -> Iterator[Suggestion]:
     """The rays where a dent is < 0 at all of the values that are looked at."""
     for dent in found:
         with suppress(*UNREADABLE):

@@ -109,7 +109,7 @@ def _left(x: Term, parts: list[Polynomial], sharp: bool, bounds: Mapping[str, Bo
     known = bounds[x.name]
     if len(parts) == 2:
         (_, most), (least, greatest) = (_span(part, bounds) for part in parts)
-        if most is None or least is None or greatest is None or not (least > 0 or greatest < 0):
+        if most is None or least is None or greatest is None or not (0 < least <= greatest or least <= greatest < 0):
             return known
         ends = [-most / f for f in (least, greatest)]
         return known.above(min(ends), sharp) if least > 0 else known.below(max(ends), sharp)

@@ -10,28 +10,25 @@ not fall (left >= 0), of a concave one where it does not rise (right <= 0).  phi
 
 c max(x, ...) - c min(x, ...) is >= 0 for c >= 0, as x lies between; so is the greatest less the least eigenvalue of a matrix.
 
-A quadratic formula is convex where its matrix is positive semidefinite, >= 0 where it is so with 1 as a force more.  A symmetric matrix is
-positive semidefinite exactly where no principal minor is < 0 (Horn, Johnson 2013, Theorem 7.2.5).  It is so block by block, forces that
-meet in no product being in different ones.  A large block is positive definite where its leading minors are > 0 (Sylvester's criterion,
-the same theorem), and semidefinite where no entry of the diagonal is less than the sizes of the others in its row (Gershgorin 1931).
+A quadratic formula is convex where its matrix is positive semidefinite, >= 0 where it is so with 1 as a force more; a form of higher even
+degree is convex where its matrix is (:mod:`semidefinite`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from itertools import combinations
 
 from duhem.proof.kernel.bounds import Facts, of_sum, signs_of_product
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.forms import Matrix, apart, degree_at_most, determinant, leading_minors, multiple, quadratic, sign_within
+from duhem.proof.kernel.forms import apart, degree_at_most, multiple, quadratic, sign_within
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Monomial, written
 from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled, shape_of_two
+from duhem.proof.kernel.semidefinite import semidefinite, sum_of_even_powers
 from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spans import RISING, below_right
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
@@ -46,7 +43,6 @@ _SIGN_KEPT = (  # words that rise, and have the sign of what they are of; a new 
     "tanh", "atan",
 )  # fmt: skip
 _PRICE = 100  # steps for a part of a formula, beside what its polynomials cost
-_SMALL, _LARGEST_BLOCK = 3, 6
 _Bend = tuple[Term, Term, Term]  # x, right, left
 
 
@@ -461,7 +457,7 @@ def _bends(term: Term, domain: StatedDomain) -> tuple[list[_Bend], list[Term]]:
 
 
 def by_its_matrix(term: Term, known: Facts, domain: StatedDomain) -> Facts:
-    """What is ``known`` of a sum, and what the matrix of its quadratic part shows if what is added to that is convex, or >= 0, too."""
+    """What is ``known`` of a sum, and what the matrix of its quadratic part, or of each of its forms, shows if the rest is so."""
     parts = [product_of(scale, part) for part, scales in _summed(term, domain).items() for scale in scales]
     degrees = [degree_at_most(part, domain) for part in parts]
     square = sum_of(*(part for part, k in zip(parts, degrees, strict=True) if k in (0, 1, 2)))
@@ -470,48 +466,16 @@ def by_its_matrix(term: Term, known: Facts, domain: StatedDomain) -> Facts:
     with suppress(NotWritten):
         if 2 in degrees:
             matrix, row, constant = quadratic(square, names, domain)
-            if all(part.convex for part in others) and _semidefinite(matrix, domain):
+            if all(part.convex for part in others) and semidefinite(matrix, domain):
                 known = replace(known, convex=True, quasiconvex=True)
             halves = [product_of(_HALF, b) for b in row]
             wider = [*([*line, b] for line, b in zip(matrix, halves, strict=True)), [*halves, constant]]
-            if all(part.nonnegative for part in others) and _semidefinite(wider, domain):
+            if all(part.nonnegative for part in others) and semidefinite(wider, domain):
                 above = domain.facts(constant).sign == POSITIVE and all(domain.facts(b).sign == ZERO for b in row)
                 known = replace(known, sign=known.sign & (POSITIVE if above else ZERO | POSITIVE))
+        if not known.convex and max(k or 0 for k in degrees) > 2:
+            forms = sum_of(*(part for part, k in zip(parts, degrees, strict=True) if k is not None))
+            rest = (domain.facts(part) for part, k in zip(parts, degrees, strict=True) if k is None)
+            if all(part.convex for part in rest) and sum_of_even_powers(forms, domain):
+                known = replace(known, convex=True, quasiconvex=True)
     return known
-
-
-def _semidefinite(matrix: Matrix, domain: StatedDomain) -> bool:
-    """Whether each block of the symmetric matrix is positive semidefinite."""
-    blocks = ([[matrix[i][j] for j in block] for i in block] for block in _blocks(matrix, domain))
-    return all(_minors(b, domain) if len(b) <= _SMALL else _dominant(b, domain) or _leading_above_0(b, domain) for b in blocks)
-
-
-def _minors(matrix: Matrix, domain: StatedDomain) -> bool:
-    """Whether no principal minor is < 0."""
-    every = (some for size in range(1, len(matrix) + 1) for some in combinations(range(len(matrix)), size))
-    return all(not domain.facts(determinant([[matrix[i][j] for j in some] for i in some])).sign & NEGATIVE for some in every)
-
-
-def _leading_above_0(matrix: Matrix, domain: StatedDomain) -> bool:
-    return all(domain.facts(written(minor)).sign == POSITIVE for minor in leading_minors(matrix, domain))
-
-
-def _dominant(matrix: Matrix, domain: StatedDomain) -> bool:
-    """Whether no entry of the diagonal is less than the sizes of the others in its row."""
-    rows = (sum_of(row[i], *(minus(Term("abs", (x,))) for j, x in enumerate(row) if j != i)) for i, row in enumerate(matrix))
-    return all(domain.facts(row).nonnegative for row in rows)
-
-
-def _blocks(matrix: Matrix, domain: StatedDomain) -> list[Sequence[int]]:
-    """Rows that no entry but 0 joins to those of another block; NotWritten where one is too large."""
-    left, found = list(range(len(matrix))), list[Sequence[int]]()
-    while left:
-        block = [left.pop(0)]
-        for i in block:
-            joined = [j for j in left if domain.facts(matrix[i][j]).sign != ZERO]
-            left = [j for j in left if j not in joined]
-            block += joined
-        if len(block) > _LARGEST_BLOCK:
-            raise NotWritten("a matrix is too large")
-        found.append(block)
-    return found

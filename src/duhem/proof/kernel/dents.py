@@ -2,9 +2,10 @@
 
 A dent is a polynomial of the parameters, or of them and a ray, that is < 0 somewhere exactly where K is not convex there.  In the plane it
 is gamma'' + gamma on an arc of the gauge, or the rise of gamma' at a seam (:mod:`plane_gauge`); of a function of the deviator the same in
-the sector of ordered principal values (:mod:`deviatoric`), whose walls are seams.  K is asked in a section: what K has in common with a
-subspace, or what of a space is mapped into K by a linear map, is convex if K is.  Along a straight line on which g falls without
-bound both ways, and is > 0 between, K has two points and not all between them.
+the sector of ordered principal values (:mod:`deviatoric`), whose walls are seams; of quadratic and of quartic forms a principal
+minor (:mod:`semidefinite`).  K is asked in a section: what K has in common with a subspace, or what of a space is mapped into K by a
+linear map, is convex if K is.  Along a straight line on which g falls without bound both ways, and is > 0 between, K has two points and
+not all between them.
 """
 
 from __future__ import annotations
@@ -13,25 +14,29 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from itertools import product
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.bounds import POSITIVE, Facts
 from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.deviatoric import DeviatoricReader, deviatoric_readers, invariants
 from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
-from duhem.proof.kernel.forms import affine
+from duhem.proof.kernel.forms import affine, at, principal_minors
 from duhem.proof.kernel.plane_function import PlaneFunction, Signs, derivatives, inner, roots_in
-from duhem.proof.kernel.plane_gauge import StarGauge
+from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replaced, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.semidefinite import catalecticant, homogeneous_parts, in_coordinates
 from duhem.proof.kernel.signs import RAY, Interval, nonnegative
 from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw, as_object
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
-__all__ = ["Dent", "dents", "falls_both_ways", "section"]
+__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "section"]
 
 _ZERO, _ONE = Fraction(0), Fraction(1)
+_MOST_ROWS, _MOST_WAYS = 4, 20  # of a minor; along which a form may be > 0
 _STEP = Term("name", name="along the line")  # no name of a law has blanks
 
 
@@ -58,8 +63,10 @@ class Dent(NamedTuple):
             return place.exact and self.signs.above(self.signs.at(turned, place.low), True)
         if self.seam:
             return nonnegative(turned, self.between, self.domain, True)
-        if place.exact and self.domain.nonnegative(written(replaced(turned, RAY, {(): place.low} if place.low else {})), strict=True):
-            return True
+        if place.exact:
+            here = written(replaced(turned, RAY, {(): place.low} if place.low else {}))
+            if self.domain.nonnegative(here, strict=True) or self.domain.sign(here) == POSITIVE:
+                return True
         return nonnegative(place.reduced(turned), (place.low, place.high), self.domain, True)
 
 
@@ -74,9 +81,11 @@ def dents(law: StatedLaw, family: str = "") -> Iterator[Dent]:
         if form is None or form in forms:
             continue
         forms.append(form)
-        for own, told in _FAMILIES.items():
+        for own, told in FAMILIES.items():
             with suppress(NotWritten):
                 yield from told(form) if family in ("", own) else ()
+                if own == family == "form":
+                    return  # these are all that there are
 
 
 def _of_the_gauge(law: StatedLaw) -> Iterator[Dent]:
@@ -140,7 +149,34 @@ def _at_no_trace(constants: list[Term], domain: StatedDomain) -> Facts:
     return known if whole else replace(known, defined=False)
 
 
-_FAMILIES: Mapping[str, Callable[[StatedLaw], Iterator[Dent]]] = {"sector": _of_the_deviator, "gauge": _of_the_gauge}
+def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
+    """Of a quadratic g, or a quartic form in the plane less a constant > 0: the principal minors of the matrix of its highest form f.
+
+    If f(v) < 0, a line along v has all but a part in K.  So a convex K is a cylinder along v, on whose boundary g = 0, though g falls along
+    it: K is everything, and f <= 0.  Where f > 0 somewhere, K is therefore convex only if f >= 0.  Of a quadratic f this is the sign of the
+    minors.  A quartic f >= 0 is then the fourth power of the gauge of K, and convex.  It has a positive semidefinite matrix (Reznick 2011):
+    f(v) = 0 leaves it c x^4 alone; else it is k (x^4 + 6 l x^2 y^2 + y^4), l >= 1/3, in coordinates in which its two pairs of roots are
+    imaginary and reciprocal, its Hessian at (1, 1) has the sign of 1 - l, and l, 1 and 1 - l^2 are the minors of its matrix.
+    """
+    domain, (g, forces) = over(law), (law.g, law.forces)
+    forms = homogeneous_parts(domain.polynomial(g), domain)
+    if (degree := max(forms, default=0)) != 2:
+        g, forces = in_the_plane(law, domain)
+        forms = homogeneous_parts(domain.polynomial(g), domain)
+        if set(forms) != {0, 4} or domain.facts(written(forms[0][()])).sign != NEGATIVE:
+            raise NotWritten("g is no quartic form less a constant")
+    form = written(total(*(times({m: _ONE}, c) for m, c in forms[degree].items())))
+    ways = sorted(product((0, 1, -1), repeat=len(forces)), key=lambda way: sum(map(abs, way)))[1:_MOST_WAYS]
+    values = (domain.facts(at(form, forces, tuple(map(number, way)))) for way in ways)
+    if Reader(domain).undecided(g) is not None or not any(value.sign == POSITIVE for value in values):
+        raise NotWritten("a form is not shown to be > 0 somewhere")
+    for i, spelled in enumerate(in_coordinates(form, forces)):
+        matrix = catalecticant(homogeneous_parts(domain.polynomial(spelled), domain)[degree], degree)
+        for rows, minor in principal_minors(matrix, _MOST_ROWS):
+            yield Dent("form", f"minor {rows} in coordinates {i}", domain.polynomial(minor), (_ZERO, _ZERO), domain)
+
+
+FAMILIES: Mapping[str, Callable[[StatedLaw], Iterator[Dent]]] = {"form": _of_the_form, "sector": _of_the_deviator, "gauge": _of_the_gauge}
 
 
 # -- by lines ----------------------------------------------------------------------------------------------------------

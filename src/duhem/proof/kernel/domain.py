@@ -20,6 +20,7 @@ from duhem.proof.kernel.polynomial import (
     divided,
     joined,
     number_in,
+    quotient,
     replaced,
     root_of_square,
     shared,
@@ -156,8 +157,16 @@ class StatedDomain:
             kept[constant] = span(constant, self.of, self.bounds)
         return kept[constant]
 
+    def sign_of_multiple(self, term: Term) -> Sign:
+        """Of a constraint times something: the product of their signs."""
+        poly = self.polynomial(term) if self._gaps else {}
+        for known, sharp in self._gaps if len(poly) > 1 else ():
+            if 1 < len(known) < len(poly) and (rest := quotient(poly, known)) is not None:
+                return signs_of_product(POSITIVE if sharp else ZERO | POSITIVE, self.sign(written(rest)))
+        return ANY
+
     def _nonnegative(self, poly: Polynomial, strict: bool, constraints: int, gaps: _Gaps) -> bool:
-        if any(self._by_terms(moved, strict) for moved in self._measured(poly)):
+        if any(self._by_terms(moved, strict) for moved in self._measured(poly)) or self._between_ends(poly, strict):
             return True
         for m, c in poly.items() if constraints else ():
             for known, sharp in gaps:
@@ -169,6 +178,17 @@ class StatedDomain:
                     if self._nonnegative(rest, strict and not (sharp and sign == POSITIVE), constraints - 1, gaps):
                         return True
         return False
+
+    def _between_ends(self, poly: Polynomial, strict: bool) -> bool:
+        """Whether what is quadratic in one parameter with two ends has no Bernstein coefficient < 0; at the ends these are its values."""
+        x = next((x for m in poly for x, n in m if n == 2), None)
+        if x is None or x.name not in self.bounds or set(poly) - {(), ((x, 1),), ((x, 2),)}:
+            return False
+        (low, high, *_), (c, b, a) = self.bounds[x.name], (poly.get(((x, k),) if k else (), Fraction(0)) for k in range(3))
+        if low is None or high is None or 2 * a * low * high + b * (low + high) + 2 * c < 0:
+            return False
+        ends = [(a * end + b) * end + c for end in (low, high)]
+        return all(end > 0 or (end == 0 and not strict) for end in ends)
 
     def _by_terms(self, poly: Polynomial, strict: bool) -> bool:
         pay(20 * len(poly))

@@ -13,7 +13,7 @@ from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_o
 
 __all__ = [
     "Matrix", "Row", "affine", "apart", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "leading_minors", "multiple",
-    "of_load", "quadratic", "share_and_rest", "sign_within",
+    "of_load", "principal_minors", "quadratic", "share_and_rest", "sign_within",
 ]  # fmt: skip
 
 Row = Sequence[Term]
@@ -80,6 +80,13 @@ def determinant(matrix: Matrix) -> Term:
         return number(1)
     minors = ([[*row[:j], *row[j + 1 :]] for row in matrix[1:]] for j in range(len(matrix)))
     return sum_of(*(product_of(number((-1) ** j), matrix[0][j], determinant(minor)) for j, minor in enumerate(minors)))
+
+
+def principal_minors(matrix: Matrix, most: int | None = None) -> Iterator[tuple[tuple[int, ...], Term]]:
+    """The determinants of what the same rows and columns have in common, of so many rows at most, the smaller first."""
+    for size in range(1, min(most or len(matrix), len(matrix)) + 1):
+        for rows in combinations(range(len(matrix)), size):
+            yield rows, determinant([[matrix[i][j] for j in rows] for i in rows])
 
 
 def leading_minors(matrix: Matrix, domain: StatedDomain) -> Iterator[Polynomial]:

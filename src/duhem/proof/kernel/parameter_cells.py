@@ -22,6 +22,7 @@ from duhem.proof.kernel.certificate import check_version, law_of
 from duhem.proof.kernel.claims import at_point, objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import dents, falls_both_ways, section
+from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import roots_between, sign_at
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more
@@ -196,15 +197,19 @@ def _at_terms(law: StatedLaw, terms: Mapping[str, Term], alone: tuple[Term, ...]
     for name, term in terms.items():
         if name not in law.parameters or not term.names() <= set(left):
             raise NotWritten("a value is of no parameter, or of names that are not left")
-        own, known = law.parameters[name], domain.facts(term)
-        sides = [(sum_of(term, number(-own.low)), own.open)] if own.low is not None else []
-        sides += [(sum_of(number(own.high), minus(term)), own.open_high)] if own.high is not None else []
-        if not known.defined or any(domain.facts(x).sign & (NEGATIVE | (ZERO if sharp else 0)) for x, sharp in sides):
+        if not _lies_in(law.parameters[name], term, domain):
             raise NotWritten(f"the value of {name} is not shown to lie in its range")
         found = _put(found, name, term)[0]
     if not all(domain.decided(c) for c in found.constraints if c not in alone):
         raise NotWritten("the values are not shown to meet the constraints")
     return found._replace(constraints=alone)
+
+
+def _lies_in(own: Bounds, term: Term, domain: StatedDomain) -> bool:
+    """Whether a constant has a value and is shown to lie in a range."""
+    sides = [(sum_of(term, number(-own.low)), own.open)] if own.low is not None else []
+    sides += [(sum_of(number(own.high), minus(term)), own.open_high)] if own.high is not None else []
+    return domain.facts(term).defined and not any(domain.facts(x).sign & (NEGATIVE | (ZERO if sharp else 0)) for x, sharp in sides)
 
 
 def _dented(law: StatedLaw, evidence: Evidence) -> bool:
@@ -224,8 +229,8 @@ def _on_a_line(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def _left_by_a_chord(law: StatedLaw, evidence: Evidence) -> bool:
-    """K is not convex: two points lie in it, and the midpoint between them does not; at one pressure, where there is one."""
-    if law.ranges or law.viscous or law.of_rates:
+    """K is not convex: two points lie in it and in the ranges, and the midpoint is not in K; at one pressure, where there is one."""
+    if law.viscous or law.of_rates:
         return False
     ends = [{f: parse(as_object(evidence[key]).get(f, "0")) for f in law.forces} for key in ("p", "q")]
     middle = {f: product_of(number(Fraction(1, 2)), sum_of(*(end[f] for end in ends))) for f in law.forces}
@@ -236,9 +241,12 @@ def _left_by_a_chord(law: StatedLaw, evidence: Evidence) -> bool:
             return False
     if not all(domain.constant(x) and domain.facts(x).defined for end in ends for x in end.values()):
         return False
-    places = [law.g.put(held).put({Term("name", name=f): x.put(held) for f, x in place.items()}) for place in (*ends, middle)]
+    here = [{Term("name", name=f): x.put(held) for f, x in place.items()} | held for place in (*ends, middle)]
+    if not all(_lies_in(own, place[Term("name", name=name)], domain) for place in here for name, own in law.ranges):
+        return False
+    places = [law.g.put(held).put(place) for place in here]
     one, two, between = map(domain.facts, places)
-    inside = all(here.defined and not here.sign & POSITIVE for here in (one, two))
+    inside = all(end.defined and not end.sign & POSITIVE for end in (one, two))
     return inside and between.defined and between.sign == POSITIVE
 
 

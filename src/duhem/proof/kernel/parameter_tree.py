@@ -10,6 +10,7 @@ values meet its ranges and constraints.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.bounds import Bounds, EmptyError
@@ -17,6 +18,7 @@ from duhem.proof.kernel.certificate import check_version, law_of
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import AGAINST, Reader
+from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.obligations import constraints, numbers
 from duhem.proof.kernel.parameter_cells import family_fails, proof_fails
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more
@@ -49,14 +51,22 @@ class TreeLeaf(NamedTuple):
 
 
 def read_comparison(text: str, names: Collection[str]) -> Term:
-    """A comparison of formulas of ``names``; NotWritten for anything else, or what has not a value for all real values of these."""
+    """A comparison of formulas of ``names``, solved for one that it is affine in and has alone; NotWritten for anything else, or for what
+    has not a value for all real values of these.
+    """
     found = parse(text)
     if refused := numbers(text):
         raise NotWritten(refused)
     reader = Reader(over(StatedLaw(("",), None, number(0), None, dict.fromkeys(names, Bounds(None, None)), ())))
     if found.op not in COMPARISONS or not found.names() <= {*names, "pi"} or reader.undecided(found) is not None:
         raise NotWritten("a tree is divided by what is no comparison of its parameters, or has not always a value")
-    return found._replace(args=tuple(side if side.names() else number(exact_value(side)) for side in found.args))
+    found = found._replace(args=tuple(side if side.names() else number(exact_value(side)) for side in found.args))
+    poly = reader.domain.polynomial(gap(found))
+    slopes = [(m[0][0], c) for m, c in poly.items() if [n for _, n in m] == [1] and m[0][0].names() <= {*names}]
+    if len(slopes) != 1 or len(poly) > 1 + (() in poly) or slopes[0][0].op != "name":
+        return found
+    ((x, c),) = slopes
+    return Term((">" if c > 0 else "<") + "=" * found.op.endswith("="), (x, number(-poly.get((), Fraction(0)) / c)))
 
 
 def opposite(comparison: str) -> str:

@@ -40,7 +40,7 @@ from duhem.proof.kernel.signs import (
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, number
 
-__all__ = ["DirectionArc", "StarGauge", "arcs"]
+__all__ = ["DirectionArc", "StarGauge", "arcs", "in_the_plane"]
 
 End = tuple[Fraction, Fraction]  # a t between two numbers, known exactly where they are one
 Graded = Mapping[Fraction, PlaneFunction]  # the parts of each degree in the forces that are not 0
@@ -205,7 +205,7 @@ class StarGauge:
 
     def __init__(self, law: StatedLaw) -> None:
         self._domain = over(law)
-        g, forces = _in_the_plane(law, self._domain)
+        g, forces = in_the_plane(law, self._domain)
         sides = [[_Piece(arc, read) for arc, read in side] for side in arcs(g, forces, self._domain)]
         if not all(one.meets(two) for side in sides for one, two in pairwise(side)):
             raise NotWritten("the gauge may jump")
@@ -285,7 +285,7 @@ class _Piece:
         return ray.sign(ray.difference(self._psi, after._psi), strict=True) == 0
 
 
-def _in_the_plane(law: StatedLaw, domain: StatedDomain) -> tuple[Term, tuple[str, str]]:
+def in_the_plane(law: StatedLaw, domain: StatedDomain) -> tuple[Term, tuple[str, str]]:
     """g in two forces; in three, where adding the same to all changes nothing, those two that remain when the third is 0."""
     if len(law.forces) == 2:
         return law.g, (law.forces[0], law.forces[1])

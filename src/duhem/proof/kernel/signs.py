@@ -13,8 +13,9 @@ first; all but the first are for sums, products and names:
 1. a number that no parameter enters, and a wave over the ranges of its parameters, is enclosed (:mod:`constant_value`);
 2. a sum with |x| or with a root is compared with the rest of the sum by squares;
 3. the polynomial that the constant is has terms of one sign, measured from ends of ranges and with multiples of constraints taken away
-   (``StatedDomain.nonnegative``), or no Bernstein coefficient of the other sign, or its enclosures over boxes of the parameters have
-   one sign; so it is asked of the constant as written, and of what is left of it without what it divides by and what divides all of it;
+   (``StatedDomain.nonnegative``), is a constraint times something, has no Bernstein coefficient of the other sign, or its enclosures over
+   boxes of the parameters have one sign; so it is asked of the constant as written, and of what is left of it without what it divides by
+   and what divides all of it;
 4. a number made by roots is 0 where it is closer to 0 than such a number can be otherwise.
 """
 
@@ -61,6 +62,8 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain) -> Sign:
         return known
     if (sign := _of_sum_with_a_size(term, domain)) != ANY:
         return known & sign
+    if (known := known & domain.sign_of_multiple(term)) in _ONE_SIGN:
+        return known
     left = ANY
     if (square := root_of_square(domain.polynomial(term))) is not None and len(square[1]) > 1:
         left = POSITIVE | (domain.facts(written(square[1])).sign & ZERO)

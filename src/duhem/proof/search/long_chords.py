@@ -23,6 +23,7 @@ from duhem.expression import Norm
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, first_exit
+from duhem.law.domain import REAL
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Point, Values
 from duhem.proof.search.boundary_points import Chord, lowest
@@ -65,8 +66,13 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int]) -> 
     forces = subject.simple.forces
     run = compiled(subject.formula_at(parameters), forces)
 
+    ranges = [subject.law.domain.get(x.name, REAL) for x in forces]
+    low = np.array([-np.inf if own.low is None else float(own.low) for own in ranges])
+    high = np.array([np.inf if own.high is None else float(own.high) for own in ranges])
+
     def value(points: Array) -> Array:
-        return run(*np.moveaxis(points, -1, 0))
+        g = run(*np.moveaxis(points, -1, 0))
+        return np.maximum(g, np.max(np.maximum(low - points, points - high), axis=-1)) if subject.law.domain else g
 
     centre = _centre(value, len(forces))
     if centre is None:
