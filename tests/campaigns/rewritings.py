@@ -59,10 +59,10 @@ _WORDS: dict[str, Any] = {
 
 
 def _value(text: str, point: Mapping[str, float]) -> float | None:
-    """None where the formula has no value, or one that rounding may have spoilt."""
+    """None where the formula has no value, or one that rounding may have spoilt, or is kept as a graph, with names for its parts."""
     try:
         found = eval(compile(text.replace("\n", " "), "formula", "eval"), {"__builtins__": {}}, {**_WORDS, **point})
-    except (ValueError, ZeroDivisionError, OverflowError, IndexError):
+    except (NameError, ValueError, ZeroDivisionError, OverflowError, IndexError):
         return None
     return float(found) if isinstance(found, int | float) and math.isfinite(found) else None
 
