@@ -15,7 +15,6 @@ from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.heat import heat_flows_downhill
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.pieces import chooses
@@ -29,6 +28,7 @@ from duhem.proof.kernel.state import (
     epigraph,
     forces_of_rates_have_a_value,
     has_default_energy,
+    heat_flows_downhill,
     in_state,
     potential_least_at_zero,
     rate_epigraph,

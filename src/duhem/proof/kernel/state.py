@@ -5,11 +5,16 @@ its epigraph.  The forces are Y = -d psi/d alpha, and sigma = d psi/d u where an
 
 The dissipation sum Y . rate has these derivatives in the place of the forces that are functions of internal variables alone.  A force that
 depends on an observable stays free: what holds for all values of it holds for those that a state gives.
+
+With heat between bodies and the interface D_th = sum of (q_k . n_k/T_k) (T_k - T) (Antoni et al. 2007, Eq. 22), which with
+q_k . n_k = h_k (T_k - T) is the sum of h_k (T_k - T)^2/T_k.  What the interface takes up, T ds/dt = D_intr + sum of q_k . n_k, gives the
+rate of its temperature, so that there is nothing to show of it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.curvature import over
@@ -28,6 +33,7 @@ __all__ = [
     "epigraph",
     "forces_of_rates_have_a_value",
     "has_default_energy",
+    "heat_flows_downhill",
     "in_state",
     "potential_least_at_zero",
     "rate_epigraph",
@@ -190,3 +196,12 @@ def _slopes(law: StatedLaw) -> dict[str, Term]:
     """d psi by each variable."""
     names = tuple(name for name, _ in law.variables)
     return dict(zip(names, gradient(law.energy or Term("number"), names), strict=True))
+
+
+def heat_flows_downhill(law: StatedLaw) -> bool:
+    """Whether each conductance has a value and is >= 0 in all states with T > 0; that each T_k > 0 is in its range."""
+    warm = {name: law.parameters[name].above(Fraction(0), True) for name, own in law.variables if own.kind == "temperature"}
+    domain = over(law._replace(parameters={**law.parameters, **warm}))
+    reader = Reader(domain)
+    shown = (reader.undecided(h) is None and domain.never_negative(h) for _, h in law.heat)
+    return bool(law.heat) and all(shown)
