@@ -75,7 +75,8 @@ class _Stationary(Pointwise):
     def error(self) -> Array:
         """One number to bring down; never nan."""
         deep = np.max(np.abs(self.level), axis=1)
-        found = np.hypot(self.turn, np.where(deep <= _EVEN * self.reach, 0.0, deep))  # rounding hides no turn that is to be taken away
+        hides = (deep <= _EVEN * self.reach) & (deep < self.turn)  # rounding hides no turn that is to be taken away
+        found = np.hypot(self.turn, np.where(hides, 0.0, deep))
         return np.where(np.isnan(found), np.inf, found)
 
 

@@ -381,7 +381,8 @@ def state_of(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: int
         if v[LENGTHS, j] > 0.0:
             bent(m, RAWBEND + j, root, v[LENGTHS, j] / v[SLOPES, j])
     turned = turn(v, m, count) / (1.0 + length(v, REST))
-    deep = deep if deep > ROUNDED * (1.0 + length(v, U)) else 0.0  # what is rounding hides no turn that is still to be taken away
+    if deep <= ROUNDED * (1.0 + length(v, U)) and deep < turned:  # what is rounding hides no turn that is still to be taken away
+        deep = 0.0
     error = sqrt(turned * turned + deep * deep)
     return error if isfinite(error) else np.inf
 
