@@ -357,7 +357,7 @@ class ConformanceRun:
         )
 
     def _told(self, failures: Iterable[Failure], known: Collection[str] = ()) -> list[Failure]:
-        return diagnosed(failures, self.query, self._origin(), self._accused, known)
+        return diagnosed(failures, self.query, self._origin(), any(map(of_stress, self.found)), known)
 
     def _elsewhere(self, causes: list[Failure], explained: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
         """The causes, with the regions in which each fails, and what they explain: not what has another cause in another region."""
@@ -397,10 +397,6 @@ class ConformanceRun:
             replace(f, where=f.where or where.get(f.check.name, ""), explains=tuple(n for n in f.explains if n not in new)) for f in found
         )
         return tuple(told), tuple(f for f in explained if f.check.name not in new)
-
-    @property
-    def _accused(self) -> bool:
-        return any(map(of_stress, self.found))
 
     def _passing(self, failure: Failure) -> float | None:
         """The least power of ten as an accuracy at which the check passes at the increment, up to 1e-2."""
@@ -447,7 +443,7 @@ class ConformanceRun:
             if (found := again(case)) is None:
                 return failure
             found = replace(found, origin=failure.origin, departure=failure.departure and departure(self.query(case)))
-            told = instead(found, self.query, self._accused) if failure.diagnoses else {}
+            told = instead(found, self.query, any(map(of_stress, self.found))) if failure.diagnoses else {}
             return replace(found, diagnoses={name: told[name] for name in failure.diagnoses if name in told})
 
         short = on(shorter(failure.case, fails))

@@ -39,6 +39,7 @@ Project: TypeAlias = Callable[..., Projection]
 
 _DIGITS = 6  # of a trial stress, so that a person can read it
 _ASKED = ("parameters", "pressure", "stiffness", "trial")  # of an increment; the rest is the answer
+_CLAIM = ("verdict", "method", "trust", "scope")
 
 
 def snapshot(
@@ -68,7 +69,7 @@ def snapshot(
 def _claim(result: ClaimResult) -> dict[str, Any]:
     found = result.to_dict()
     witness = found["witness"]
-    kept = {name: found[name] for name in ("verdict", "method", "trust", "scope")}
+    kept = {name: found[name] for name in _CLAIM}
     if witness is not None:  # what its values are follows from the points
         kept["witness"] = {name: value for name, value in witness.items() if name != "values"}
     return kept
@@ -112,7 +113,6 @@ def _answered(law: Law, asked: Mapping[str, Any], project: Project) -> dict[str,
 TOLERANCE = 1e-9  # by how much of their size stresses and slips may move
 
 _NO_ANSWER = ("inaccurate", "failed")  # their stresses and slips are not compared
-_CLAIM = ("verdict", "method", "trust", "scope")
 
 
 class Differences(Shown, tuple[str, ...]):
@@ -165,16 +165,15 @@ def _said(value: Any) -> str:
 
 def _claims(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: float) -> Iterator[str]:
     for claim in {**kept, **now}:
-        if claim not in kept or claim not in now:
-            yield f"{claim}: {'not stored, now ' + now[claim]['verdict'] if claim in now else 'stored, but not examined now'}"
-            continue
-        old, new = kept[claim], now[claim]
-        if old["verdict"] != new["verdict"]:
+        old, new = kept.get(claim), now.get(claim)
+        if old is None or new is None:
+            yield f"{claim}: {'stored, but not examined now' if new is None else 'not stored, now ' + new['verdict']}"
+        elif old["verdict"] != new["verdict"]:
             yield f"{claim}: {old['verdict']} → {new['verdict']}{_where(new.get('witness'))}"
-            continue
-        yield from (f"{claim}: {name} {_said(old[name])} → {_said(new[name])}" for name in _CLAIM[1:] if old[name] != new[name])
-        witnesses = _changed(old.get("witness"), new.get("witness"), tolerance)
-        yield from (f"{claim}: witness: {said.lstrip(': ')}" for said in witnesses)
+        else:
+            yield from (f"{claim}: {name} {_said(old[name])} → {_said(new[name])}" for name in _CLAIM[1:] if old[name] != new[name])
+            witnesses = _changed(old.get("witness"), new.get("witness"), tolerance)
+            yield from (f"{claim}: witness: {said.lstrip(': ')}" for said in witnesses)
 
 
 def _where(witness: Mapping[str, Any] | None) -> str:
@@ -240,11 +239,10 @@ class SnapshotFile:
                 if not all(isinstance(each[part], dict) for each in entry["increments"] for part in ("parameters", *_NUMBERS)):
                     raise TypeError
                 _ = [each["pressure"] for each in entry["increments"]]
-            usable = isinstance(tolerance, float) and 0.0 <= tolerance < 1.0
+            if not isinstance(tolerance, float) or not 0.0 <= tolerance < 1.0:
+                raise TypeError
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-            usable = False
-        if not usable:
-            raise InputError("this is no snapshot", where=f"{file}", remedy=_REMEDY)
+            raise InputError("this is no snapshot", where=f"{file}", remedy=_REMEDY) from None
         return cls(laws, tolerance)
 
     def entry(self, name: str, file: str | os.PathLike[str]) -> Entry:

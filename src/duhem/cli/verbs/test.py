@@ -159,9 +159,8 @@ def test(
     routines, left_out = _routines(subject, own, material, law, settings, places, sizes is not None)
     tested, ended = _carry_out(routines, asked_for, most, options)
     say(_told(form, tested, left_out, again))
-    unfinished = None if isinstance(ended, KeyboardInterrupt) else ended
-    if unfinished is not None:
-        click.echo(f"duhem: {unfinished}", err=True)
+    if ended is not None and not isinstance(ended, KeyboardInterrupt):
+        click.echo(f"duhem: {ended}", err=True)
     reports = [report for report, _ in tested.values()]
     if replay is not None:  # a test file for each cause, and for the increment that a routine does not come back from
         for file in (file for report in reports for file in report.write_replays(replay)):
@@ -169,9 +168,9 @@ def test(
     if isinstance(ended, KeyboardInterrupt):
         return INTERRUPTED
     silent = [report for report in reports if report.points and report.flagged == report.points]
-    if unfinished is None and any(not report.ok for report in reports if report not in silent):
+    if ended is None and any(not report.ok for report in reports if report not in silent):
         return REFUTED
-    return FAILED if unfinished is not None or silent or not reports else HELD
+    return FAILED if ended is not None or silent or not reports else HELD
 
 
 def _matrix(numbers: list[float], free: bool) -> Any:

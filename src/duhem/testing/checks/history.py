@@ -206,10 +206,8 @@ class HistoryQuery(Query):
         for i in range(1, case.path.shape[1]):
             elastic = (case.path[:, i] - case.path[:, i - 1]) / parts
             for j in range(parts):
-                load = None
-                if case.loads is not None:
-                    share = (j + 1) / parts
-                    load = (1.0 - share) * case.loads[:, i - 1] + share * case.loads[:, i]
+                share = (j + 1) / parts
+                load = None if case.loads is None else (1.0 - share) * case.loads[:, i - 1] + share * case.loads[:, i]
                 trial = found[-1].stress + elastic
                 try:
                     found.append(self.counted(found[-1], trial, load, duration / parts))

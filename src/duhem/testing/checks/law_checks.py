@@ -130,10 +130,8 @@ class Dents:
     def _shown(self, i: int, first: Array, last: Array) -> tuple[Array, Array] | None:
         """The pair in few digits, or as it was found, or None where many digits don't confirm it."""
         inner, load = self.middle[i], float(self.query.pressure[self.rows[i]])
-        for pair in (*self._rounder(inner, first, last, load), (first, last)):
-            if self.query.region.dented(*pair, inner, load):
-                return pair
-        return None
+        pairs = (*self._rounder(inner, first, last, load), (first, last))
+        return next((pair for pair in pairs if self.query.region.dented(*pair, inner, load)), None)
 
     def _rounder(self, inner: Array, first: Array, last: Array, load: float) -> Sequence[tuple[Array, Array]]:
         """The same pair drawn in a little and in few digits, where doubles say that it shows the dent still."""

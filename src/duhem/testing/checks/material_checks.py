@@ -35,19 +35,16 @@ def _as_of_a_law(name: str, /, **other: object) -> None:
     enter(replace(registered()[name], of_a_law=False, **other))  # type: ignore[arg-type]
 
 
-@_of_any(
-    statement="the routine answers every increment with finite stresses, state and energies",
-    formula="sigma in R^d",
-    source="an unnoticed nan makes all later results wrong",
-    tolerance="none",
-)
-def answers(h: HistoryQuery) -> Finding:
+def _answers(h: HistoryQuery) -> Finding:
     bad = np.zeros(len(h.case), dtype=np.bool_)
     for state in (*h.course, h.beyond):
         for part in (state.stress, state.variables, state.stored, state.dissipated):
             if part is not None:
                 bad |= ~np.isfinite(part.reshape(len(bad), -1)).all(axis=1)
     return Finding(bad.astype(np.float64), np.zeros(len(bad)))
+
+
+_as_of_a_law("answers", statement="the routine answers every increment with finite stresses, state and energies", measure=_answers)
 
 
 @_of_any(

@@ -211,9 +211,7 @@ class Query:
     def some(self) -> Query:
         """The rows of which more is asked than the trial; this query itself where these are all."""
         rows = _some(len(self.case), self.every)
-        if len(rows) == len(self.case):
-            return self
-        return self.of(self.case.rows(rows), self)
+        return self if len(rows) == len(self.case) else self.of(self.case.rows(rows), self)
 
     def of(self, case: Case, whole: Query | None = None) -> Query:
         """A query of another case, or of some of the rows of the ``whole``, which has them among its own."""

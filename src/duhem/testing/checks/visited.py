@@ -37,8 +37,7 @@ class Visited:
     def __init__(self, forces: tuple[str, ...], pressed: bool, creeps: bool = False) -> None:
         self.forces, self.creeps = forces, creeps
         names = ["stick", "slip", "boundary", *(["tip"] if pressed else []), *(["seam", "corner"] if forces else [])]
-        self._counts = Counter(dict.fromkeys(names, 0))
-        self._counts.update({f"{name}{sign}": 0 for name in forces for sign in "+-"})
+        self._counts = Counter(dict.fromkeys([*names, *(f"{name}{sign}" for name in forces for sign in "+-")], 0))
         self.unmeasured = self._drawn = 0
         self.increments = self._looked = self._slipping = self._given_up = 0
         self.decades: dict[str, tuple[int, int]] = {}

@@ -44,8 +44,7 @@ def pressures(low: int = -6, high: int = 6) -> Strategy:
 
 
 def _pressures(low: int, high: int) -> list[float]:
-    tips = 4
-    return [*(-scaled(m, k) for m in MANTISSAS for k in sorted(range(low, high + 1), key=abs)), *[0.0] * tips]
+    return [*(-scaled(m, k) for m in MANTISSAS for k in sorted(range(low, high + 1), key=abs)), *[0.0] * 4]  # often at the tip
 
 
 def _admitted(law: Criterion) -> list[float]:

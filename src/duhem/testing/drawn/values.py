@@ -95,8 +95,7 @@ class Admitted:
         """One value a parameter; ``draw(n)`` picks a place of a table of n."""
         taken: dict[str, float] = {}
         for name in self.free:
-            found = self._one(name, taken, draw)
-            if found is None:
+            if (found := self._one(name, taken, draw)) is None:
                 return self._changed(draw)
             taken[name] = found
         return taken

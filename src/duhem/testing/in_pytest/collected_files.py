@@ -18,7 +18,7 @@ from duhem.path.scene import Scene
 from duhem.path.scene_file import MOST_BYTES, reads
 from duhem.proof.report import sentences
 from duhem.proof.verdict import Verdict
-from duhem.proof.verification import ClaimResult, Verification, verify, wanted_claims
+from duhem.proof.verification import Verification, verify, wanted_claims
 from duhem.show.page import Page
 from duhem.testing.in_pytest.items import UnusableTest, group
 
@@ -86,7 +86,8 @@ class ClaimTest(pytest.Item):
             return
         if result.verdict is Verdict.NOT_APPLICABLE:
             pytest.skip(result.detail)
-        said = "\n".join(_said(self.parent.law.name, result))
+        said = f"{self.parent.law.name}: {result.claim} is {result.verdict}: {result.detail}"
+        said += "".join(f"\n  {line}" for sentence in sentences(result.witness) for line in Page(None).hanging(sentence))
         undecided = self.config.getoption("--duhem-undecided") or self.config.getini("duhem_undecided")
         if result.verdict is not Verdict.REFUTED and undecided == "xfail":
             pytest.xfail(said)
@@ -94,11 +95,6 @@ class ClaimTest(pytest.Item):
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
         return self.path, None, f"{self.parent.law.name}: {self.name}"
-
-
-def _said(law: str, result: ClaimResult) -> Iterator[str]:
-    yield f"{law}: {result.claim} is {result.verdict}: {result.detail}"
-    yield from (f"  {line}" for sentence in sentences(result.witness) for line in Page(None).hanging(sentence))
 
 
 class SceneTest(pytest.Item):
@@ -115,8 +111,7 @@ class SceneTest(pytest.Item):
         try:
             scene = self.parent.looked_into(self.scene)
             if scene.many:
-                ended = sum(part.ended_early() for part in parts(scene.batch(), scene.method, scene.threads))
-                if ended:
+                if ended := sum(part.ended_early() for part in parts(scene.batch(), scene.method, scene.threads)):
                     pytest.fail(f"{ended} points end early, at a step without a reliable answer or outside a declared range", pytrace=False)
                 return
             history = scene.run()

@@ -59,9 +59,8 @@ class Trial:
             check_expected(known, self.expected, of_states)
             if known is not None:
                 known.fix(self.parameters)
-            RunOptions(**{each.name: given[each.name] for each in fields(RunOptions) if each.name in given}).check(
-                None if of_states else known
-            )
+            drawn = {each.name: given[each.name] for each in fields(RunOptions) if each.name in given}
+            RunOptions(**drawn).check(None if of_states else known)
         except DuhemError as fault:
             raise _unusable(node, f"{fault}", "") from None
         if besides := {*(self.expected or ())} - {each.name for each in asked}:

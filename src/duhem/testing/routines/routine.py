@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -197,15 +197,14 @@ def own_solvers(law: Criterion) -> Iterator[tuple[str, Update | str]]:
 def _answering(routine: Update) -> Update:
     """The routine, which says of parameters at which its method does not apply that they are not solved."""
 
-    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> object:
+    @wraps(routine)
+    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Any:
         try:
             return routine(trial, pressure, stiffness, **parameters)
         except InputError:
             return Step(np.full_like(trial, np.nan), solved=np.zeros(len(trial), dtype=np.bool_))
 
-    update.__wrapped__ = routine  # type: ignore[attr-defined]
-    update.__duhem_import__ = getattr(routine, "__duhem_import__", "")  # type: ignore[attr-defined]
-    return update  # type: ignore[return-value]
+    return update
 
 
 # -- what a routine must not spoil --------------------------------------------------------------------------------------
