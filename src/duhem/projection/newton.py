@@ -44,7 +44,8 @@ __all__ = ["NEWTON", "NewtonOptions", "applies", "search", "solve", "tangent"]
 # end of it is the projection is for the caller to check: multipliers, feasibility, and the pieces being those of K there.
 
 _HALVINGS = 6
-_FINISH, _FINISHING = 10, 1e-8  # steps more where the error is as little: it is soon rounding
+_FINISH, _FINISHING = 10, 1e-8  # so many more steps may follow where the error is below the second: it soon is rounding
+_ROUNDED = 2e-16  # a distance to the boundary that is rounding, relative to the numbers at hand
 _PROGRESS = 0.9  # a step that leaves more of the error is the last: there is a kink in the way
 
 
@@ -75,7 +76,7 @@ class _Stationary(Pointwise):
     def error(self) -> Array:
         """One number to bring down; never nan."""
         deep = np.max(np.abs(self.level), axis=1)
-        hides = (deep <= _EVEN * self.reach) & (deep < self.turn)  # rounding hides no turn that is to be taken away
+        hides = (deep <= _ROUNDED * self.reach) & (deep < self.turn)  # rounding hides no turn that is to be taken away
         found = np.hypot(self.turn, np.where(hides, 0.0, deep))
         return np.where(np.isnan(found), np.inf, found)
 
@@ -85,8 +86,7 @@ def _stationary(body: Body, trial: Array, x: Array, at: Index, choices: Choices 
     count = 1 if choices is None else choices.shape[1]
     pieces = [body.piece(x, at, None if choices is None else choices[:, j]) for j in range(count)]
     normal = np.stack([p.normal for p in pieces], axis=1)
-    u = body.whitened(x)
-    away = trial - u
+    away = trial - body.whitened(x)
     with np.errstate(all="ignore"):
         multiplier = np.einsum("nd,njd->nj", away, normal)
         if count > 1:
@@ -102,7 +102,7 @@ def _stationary(body: Body, trial: Array, x: Array, at: Index, choices: Choices 
         np.stack([p.level for p in pieces], axis=1),
         rest,
         np.linalg.norm(away, axis=1),
-        1.0 + np.asarray(np.linalg.norm(u, axis=1)),
+        _reach(body, x),
         np.stack([p.choices for p in pieces], axis=1),
     )
 
@@ -177,7 +177,6 @@ _NUDGE = 1e-8  # of the numbers at hand: how far beside a point without a normal
 _STRAIGHT = 1e-5  # over shorter ways a bend could hide in rounding
 _BESIDE = 1e-10  # how far the normals at a settled, sharp edge may be taken from beside it
 _AROUND = 3e-8  # the same where the point itself has no normal that a formula could tell
-_EVEN = 2e-16  # a distance to the boundary that is rounding, relative to the numbers at hand
 _DEPTH = 1e-14  # distances to the boundary, relative to the numbers at hand
 _TIP = 1e-14  # a component this small is rounding of the others
 _ORIGIN = 1e-12  # a stress this small is none, if none is in K: corners are met less closely than sides
@@ -424,9 +423,8 @@ def _pulled(k: Body, y: Array, centre: Array, at: Index) -> Array:
 
 def _accept(found: _Found, k: Body, state: _Stationary, at: Index, outer: HalfSpaces, cuts: _Cuts) -> None:
     """Take the points that satisfy the optimality conditions of a convex K."""
-    reach = _reach(k, state.x)
-    scale, depth = 1.0 + state.away, _DEPTH * reach
-    rounding = 1e-15 * reach * np.max(np.abs(state.curvature), axis=(1, 2, 3), initial=0.0)
+    scale, depth = 1.0 + state.away, _DEPTH * state.reach
+    rounding = 1e-15 * state.reach * np.max(np.abs(state.curvature), axis=(1, 2, 3), initial=0.0)
     good = (state.turn <= np.clip(rounding, _ANGLE, _LOOSE)) & (np.max(np.abs(state.level), axis=1) <= depth)
     good &= np.all(state.multiplier >= -_ANGLE * scale[:, None], axis=1)
     apart = np.linalg.norm(state.normal[:, :, None] - state.normal[:, None], axis=3)  # the smaller, the closer their levels must be

@@ -78,7 +78,7 @@ SHORT, LONG = 12, 400  # states that are looked at: beside an edge of equal eige
 TOUCHING = 1e-4  # an angle of two pieces that have no corner between them
 PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
 PINCHED = 1e8  # bends of a hundred-millionth of the way may be a tip's
-SETTLED, ROUNDED = 1e-15, 2e-16  # what is between them a step takes away that is not looked at again
+SETTLED, ROUNDED = 1e-15, 2e-16  # what is between them a step takes away that is not looked at again; a level of the second is rounding
 
 
 def solve(
@@ -267,7 +267,7 @@ def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, inverse: A
         deep = max(deep, abs(v[LEVELS, j]))
         if not v[LENGTHS, j] >= -ANGLE * (1.0 + away):
             return False
-        for b in range(j if D > 1 else 0):  # the smaller the angle at which they meet, the closer their levels must be
+        for b in range(j if D > 1 else 0):  # the smaller the angle at which two meet, the closer their levels; one force has one piece
             apart = 0.0
             for i in range(D):
                 off = m[NORMALS, j, i] - m[NORMALS, b, i]
@@ -619,7 +619,7 @@ def settled(v: Any, m: Any, a: Any, count: int) -> bool:
 
 
 def stretch(root: Any, inverse: Any) -> float:
-    """What a length in the metric may be as a share of the components of a stress, at most."""
+    """A bound on the condition number of ``root``: relative errors of lengths in the metric are so much larger in components at most."""
     out, back = 0.0, 0.0
     for i in range(D):
         for k in range(D):
