@@ -193,6 +193,9 @@ def test_a_source_that_is_none_is_told(source, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.delenv("FC", raising=False)
     with pytest.raises(InputError, match="there is no compiler: none of gfortran"):
         umat(fortran)
+    monkeypatch.setenv("FC", "no-such-compiler")
+    with pytest.raises(InputError, match="there is no compiler: none of no-such-compiler is on the path"):
+        umat(fortran)
     with pytest.raises(InputError, match="unknown order 'ansys'; give abaqus or voigt"):
         monkeypatch.undo()
         umat(source(""), order="ansys")

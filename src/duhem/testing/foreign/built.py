@@ -37,8 +37,8 @@ def built(path: str | Path) -> Path:
 @cache
 def _library(file: Path, _: int) -> Path:
     kind = "FC" if file.suffix.lower() in _FORTRAN else "CC" if file.suffix == ".c" else "CXX"
-    names = _COMPILERS[kind]
-    found = next(filter(None, map(shutil.which, filter(None, (os.environ.get(kind), *names)))), None)
+    names = (named,) if (named := os.environ.get(kind)) else _COMPILERS[kind]
+    found = next(filter(None, map(shutil.which, names)), None)
     if found is None:
         what = f"there is no compiler: none of {', '.join(names)} is on the path"
         raise InputError(what, where=str(file), remedy=f"install one, name it in {kind}, or give the compiled library (.so)")
