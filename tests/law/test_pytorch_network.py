@@ -186,6 +186,23 @@ SPOILED: dict[str, tuple[Callable[[dict[str, bytes]], Any], str]] = {
 }  # fmt: skip
 
 
+def test_weights_may_be_made_of_a_single_number(tmp_path: Path) -> None:
+    def of_one(parts: dict[str, bytes]) -> None:
+        at(WEIGHTS, "config", "mean", "tensor_meta", "sizes")([])(parts)
+        at(WEIGHTS, "config", "mean", "tensor_meta", "strides")([])(parts)
+        nodes = json.loads(parts[f"convex/{MODEL}"])["graph_module"]["graph"]["nodes"]
+        mean = next(each for each in nodes[0]["inputs"] if each["name"] == "other")
+        made = {"name": "other", "arg": {"as_tensor": {"name": "made"}}}
+        first = {"target": "torch.ops.aten.exp.default", "inputs": [mean | {"name": "self"}], "outputs": [{"as_tensor": {"name": "made"}}]}
+        rest = [{**nodes[0], "inputs": [made if each is mean else each for each in nodes[0]["inputs"]]}, *nodes[1:]]
+        at(*NODES)([first, *rest])(parts)
+
+    with zipfile.ZipFile(KEPT / "convex.pt2") as kept:
+        mean = np.frombuffer(kept.read("convex/data/weights/" + json.loads(kept.read(f"convex/{WEIGHTS}"))["config"]["mean"]["path_name"]), "f4")
+    moved = VALUES["at"] - mean + np.exp(mean[0])
+    agrees(imported(changed(tmp_path, of_one), tmp_path), moved, VALUES["convex"])
+
+
 @pytest.mark.parametrize("name", SPOILED)
 def test_what_is_not_read_is_told(tmp_path: Path, name: str) -> None:
     change, said = SPOILED[name]

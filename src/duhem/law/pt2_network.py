@@ -87,7 +87,7 @@ class _Archive:
         kind = np.dtype(_ORDERS[self.bytes("byteorder", 10)] + _TYPES[meta["dtype"]])
         flat = np.frombuffer(self.bytes(f"data/{folder}/{told['path_name']}", 8 * MOST_NUMBERS), kind)
         steps = (np.arange(n).reshape([-1] + [1] * (len(sizes) - k - 1)) * by for k, (n, by) in enumerate(zip(sizes, strides, strict=True)))
-        return flat[sum(steps, np.asarray(offset[0]))].astype(kind.newbyteorder("="))
+        return np.asarray(flat[sum(steps, np.asarray(offset[0]))], kind.newbyteorder("="))  # an array too where it has no axis
 
 
 def _network(archive: _Archive) -> Network:
