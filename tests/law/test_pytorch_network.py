@@ -198,7 +198,8 @@ def test_weights_may_be_made_of_a_single_number(tmp_path: Path) -> None:
         at(*NODES)([first, *rest])(parts)
 
     with zipfile.ZipFile(KEPT / "convex.pt2") as kept:
-        mean = np.frombuffer(kept.read("convex/data/weights/" + json.loads(kept.read(f"convex/{WEIGHTS}"))["config"]["mean"]["path_name"]), "f4")
+        path = json.loads(kept.read(f"convex/{WEIGHTS}"))["config"]["mean"]["path_name"]
+        mean = np.frombuffer(kept.read(f"convex/data/weights/{path}"), "f4")
     moved = VALUES["at"] - mean + np.exp(mean[0])
     agrees(imported(changed(tmp_path, of_one), tmp_path), moved, VALUES["convex"])
 

@@ -205,7 +205,9 @@ class _Reader:
                 return self.linear(x, w.T, node.inputs[1])
             case "MatMul", [np.ndarray() as w, _Vector(rank=1) as x] if w.ndim == 2:
                 return self.linear(x, w, node.inputs[0])
-            case "Gemm", [_Vector(rank=2) as x, np.ndarray() as w, *bias] if w.ndim == 2 and all(given.get(key, y) == y for key, y in _PLAIN):
+            case "Gemm", [_Vector(rank=2) as x, np.ndarray() as w, *bias] if w.ndim == 2 and all(
+                given.get(key, y) == y for key, y in _PLAIN
+            ):
                 made = self.linear(x, w if given.get("transB") else w.T, node.inputs[1])
                 return self.joined(_PAIRS["Add"], made, self.vector(bias[0], 2, node), node) if bias and bias[0] is not None else made
             case _, [_Vector() as x] if operator in _WORDS:

@@ -147,7 +147,7 @@ class Asked(AsksTheKernel):
         return None
 
     def chord(self, cell: ParameterCell, inside: Fraction) -> Decided | None:
-        """The counterexample that refutes the claim at a value in a cell, over the cell or over what it is one of around the value."""
+        """The counterexample that refutes the claim at a value in a cell, over the cell or a part around the value."""
         if self.spent or self.claim != "convexity" or self.chords == _MOST_CHORDS or self.most < _IN_DEPTH:
             return None
         self.chords += 1

@@ -333,7 +333,8 @@ class Paving(AsksTheKernel):
 
     def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, fails: bool | None) -> Known | None:
         """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail."""
-        if law.constraints and (self.stated.constraints or (holds and fails)) and self.confirmed(partial(not_outside, law)):
+        unseen = holds and fails  # there is no place in it at which to look
+        if law.constraints and (self.stated.constraints or unseen) and self.confirmed(partial(not_outside, law)):
             return Known("outside")
         if holds is not False and (row := self.proof(law) or self._proof_by_all(law, place)) is not None:
             return Known("proved", row)

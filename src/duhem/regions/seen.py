@@ -75,16 +75,12 @@ class Holding(NamedTuple):
 
 def _least_eigenvalues(matrix: Sequence[Sequence[Term]], places: Mapping[str, Array]) -> Array:
     """Of a form in forces that are measured so that no square in it has another factor than 1, 0 or -1."""
-    many = forms_at(matrix, places)
+    many = np.moveaxis(np.array([[value_of(a, places) for a in line] for line in matrix]), 2, 0)
     told = np.isfinite(many).all(axis=(1, 2))  # the law has a value there
     many[~told] = 0.0
     sizes = np.sqrt(np.abs(np.diagonal(many, axis1=1, axis2=2)))
     sizes[sizes == 0] = 1.0
     return np.where(told, np.linalg.eigvalsh(many / sizes[:, :, None] / sizes[:, None, :])[:, 0], -np.inf)
-
-
-def forms_at(matrix: Sequence[Sequence[Term]], places: Mapping[str, Array]) -> Array:
-    return np.moveaxis(np.array([[value_of(a, places) for a in line] for line in matrix]), 2, 0)
 
 
 def _told_dents(law: StatedLaw) -> list[Dent]:

@@ -124,7 +124,7 @@ def _scaled(way: Mapping[str, str], scale: int) -> dict[str, str]:
 
 
 def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
-    """Chords between points of a grid over the ranges of two forces, at all of the values in K, with a midpoint that is at none."""
+    """Chords of a grid over the ranges of one or two forces: their ends lie in K at all of the values, their midpoints at none."""
     ends = [own[:2] for f in law.forces for name, own in law.ranges if name == f]
     each = [[low + (high - low) * k / _GRID for k in range(_GRID + 1)] for low, high in ends if low is not None and high is not None]
     if len(each) != len(law.forces) or len(each) > 2:

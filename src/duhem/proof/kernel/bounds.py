@@ -108,7 +108,7 @@ def _left(x: Term, parts: list[Polynomial], sharp: bool, bounds: Mapping[str, Bo
     """What a constraint, by powers of the parameter, leaves of where it lies."""
     known = bounds[x.name]
     if len(parts) == 2:
-        (_, most), (least, greatest) = (_span(part, bounds) for part in parts)
+        (_, most), (least, greatest) = (_span(part, bounds) for part in parts)  # least > greatest where no values are left
         if most is None or least is None or greatest is None or not (0 < least <= greatest or least <= greatest < 0):
             return known
         ends = [-most / f for f in (least, greatest)]

@@ -76,8 +76,9 @@ def _halves(side: Enclosure) -> tuple[Enclosure, Enclosure]:
 
 
 def _is_shown(law: StatedLaw, c: _Box, box: _Box, of: Mapping[tuple[int, int], Fraction] | None) -> bool:
-    """Whether g, which may be a polynomial ``of`` two forces, keeps a sign in a part of the box, which is < 0 at c, or the boundary rises
-    from c and curves towards it.
+    """Whether g keeps a sign in a part of the box, which is < 0 at c, or the boundary rises from c and curves towards it.
+
+    ``of`` are the coefficients of g where it is a polynomial of the two forces alone.
     """
     try:
         found = _Derivatives(law.forces, box) if of is None else TaylorForm(of, [box[x] for x in law.forces])

@@ -457,7 +457,7 @@ def _bends(term: Term, domain: StatedDomain) -> tuple[list[_Bend], list[Term]]:
 
 
 def by_its_matrix(term: Term, known: Facts, domain: StatedDomain) -> Facts:
-    """What is ``known`` of a sum, and what the matrix of its quadratic part, or of each of its forms, shows if the rest is so."""
+    """What is ``known`` of a sum, and what matrices show: of its quadratic part where the rest is convex, or >= 0, too; of its forms."""
     parts = [product_of(scale, part) for part, scales in _summed(term, domain).items() for scale in scales]
     degrees = [degree_at_most(part, domain) for part in parts]
     square = sum_of(*(part for part, k in zip(parts, degrees, strict=True) if k in (0, 1, 2)))

@@ -85,7 +85,7 @@ def dents(law: StatedLaw, family: str = "") -> Iterator[Dent]:
             with suppress(NotWritten):
                 yield from told(form) if family in ("", own) else ()
                 if own == family == "form":
-                    return  # these are all that there are
+                    return  # what these do not tell, those of a simpler form do not either
 
 
 def _of_the_gauge(law: StatedLaw) -> Iterator[Dent]:

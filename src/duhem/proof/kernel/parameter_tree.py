@@ -51,8 +51,9 @@ class TreeLeaf(NamedTuple):
 
 
 def read_comparison(text: str, names: Collection[str]) -> Term:
-    """A comparison of formulas of ``names``, solved for one that it is affine in and has alone; NotWritten for anything else, or for what
-    has not a value for all real values of these.
+    """A comparison of formulas of ``names``, solved for its name where it has only one and is affine in it.
+
+    NotWritten for anything else, and for what has not a value for all real values of these.
     """
     found = parse(text)
     if refused := numbers(text):
