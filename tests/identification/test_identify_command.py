@@ -52,7 +52,9 @@ def test_command_stays_inside_the_region(tmp_path):
     angles = np.linspace(0, 2 * np.pi, 40, endpoint=False)
     reach = 0.3 * (1 + 0.8 * np.cos(angles))
     points = write(tmp_path / "points.csv", np.column_stack([reach * np.cos(angles), reach * np.sin(angles), -np.ones(40)]))
-    report = json.loads(run("identify", points, "--law", "limacon", "--inside", "--format", "json").output)
+    done = run("identify", points, "--law", "limacon", "--inside", "--format", "json")
+    report = json.loads(done.stdout)
+    assert "only e in [0, 1/2] is tried, where K is proved convex" in done.stderr
     assert report["parameters"]["e"]["value"] == 0.5 and report["generalized_standard"] is True
     dented = run("identify", points, "--law", "limacon", "--set", "e=0.8", "--inside")
     assert "no range of one shape parameter" in str(dented.exception)

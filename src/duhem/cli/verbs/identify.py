@@ -72,7 +72,10 @@ def identify(
         from duhem.regions.mending.by_parameters import within_region
 
         with Progress("looking for the region"):
-            family = within_region(family)
+            whole, family = family, within_region(family)
+        for name, own in family.parameters.items():
+            if own != whole.parameters[name]:
+                click.echo(f"duhem: only {own.stated(name)} is tried, where K is proved convex", err=True)
     with Progress("identifying"):
         done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed, convex=convex)
     if out is not None:
