@@ -148,6 +148,15 @@ def test_enclosures_hold_the_derivatives(word: str) -> None:
             assert all(x.high - x.low < 2**BITS // 10 for x in found)
 
 
+def has_a_boundary_and_no_chord_leaves_k(g: str, places: np.random.Generator) -> bool:
+    """Whether g has both signs at places in the box; no middle between two of them in K lies outside."""
+    program = numpy_.compiled(parse_as_written(g, {name: symbol(name) for name in "xy"}), (symbol("x"), symbol("y")))
+    p, q = 4.0 * places.random(size=(2, 4000, 2)) - 2.0
+    here, there, between = (program(*at.T) + np.zeros(4000) for at in (p, q, 0.5 * (p + q)))
+    assert not ((here < -1e-9) & (there < -1e-9) & (between > 1e-9)).any(), g
+    return bool((here > 0.0).any() and (here < 0.0).any())
+
+
 def test_no_drawn_law_that_is_proved_has_a_chord_that_leaves_k() -> None:
     """Sums of smooth words with weights of either sign, as of small networks."""
     rng, places, proved = Random(2), np.random.default_rng(2), 0
@@ -160,11 +169,7 @@ def test_no_drawn_law_that_is_proved_has_a_chord_that_leaves_k() -> None:
         g = " + ".join([*parts, f"{rng.randint(0, 2)}*(x**2 + y**2)/3", f"-{rng.randint(1, 4)}"])
         if not is_proved(stated(g), 30_000):
             continue
-        program = numpy_.compiled(parse_as_written(g, {name: symbol(name) for name in "xy"}), (symbol("x"), symbol("y")))
-        p, q = 4.0 * places.random(size=(2, 4000, 2)) - 2.0
-        here, there, between = (program(*at.T) + np.zeros(4000) for at in (p, q, 0.5 * (p + q)))
-        assert not ((here < -1e-9) & (there < -1e-9) & (between > 1e-9)).any(), g
-        proved += bool((here > 0.0).any() and (here < 0.0).any())
+        proved += has_a_boundary_and_no_chord_leaves_k(g, places)
     assert proved > 1
 
 
@@ -224,11 +229,7 @@ def test_no_drawn_polynomial_that_is_proved_has_a_chord_that_leaves_k() -> None:
         g = f"({k}/2)*(x**2 + y**2 + x*y/3)**{n} + ({drawn_polynomial(rng, 4)})/{share} - 2"
         if not is_proved(stated(g), 600_000):
             continue
-        program = numpy_.compiled(parse_as_written(g, {name: symbol(name) for name in "xy"}), (symbol("x"), symbol("y")))
-        p, q = 4.0 * places.random(size=(2, 4000, 2)) - 2.0
-        here, there, between = (program(*at.T) + np.zeros(4000) for at in (p, q, 0.5 * (p + q)))
-        assert not ((here < -1e-9) & (there < -1e-9) & (between > 1e-9)).any(), g
-        proved += bool((here > 0.0).any() and (here < 0.0).any())
+        proved += has_a_boundary_and_no_chord_leaves_k(g, places)
     assert proved > 1
 
 

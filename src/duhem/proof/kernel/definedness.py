@@ -188,9 +188,10 @@ def in_quotients(term: Term, domain: StatedDomain) -> Term:
     """
     parts = list[Term]()
     for divisors, values in _quotients(term, domain).items():
-        whole = added(settled := [value for value in values if Reader(domain).undecided(value) is None])
-        if settled and (domain.polynomial(whole) or not divisors):
-            values = [normal(whole, domain, collects=True), *(value for value in values if value not in settled)]
+        asked = [(value, Reader(domain).undecided(value) is None) for value in values]
+        whole = added([value for value, has_one in asked if has_one])
+        if domain.polynomial(whole):
+            values = [normal(whole, domain, collects=True), *(value for value, has_one in asked if not has_one)]
         parts += [scaled(value, tuple((x, 1) for x in divisors)) for value in values]
     return added(parts)
 
@@ -207,7 +208,7 @@ def _quotients(term: Term, domain: StatedDomain) -> dict[tuple[Term, ...], list[
     elif term.op == "*":
         found[()] = [number(1)]
         for a in term.args:
-            pairs = list(product(found.items(), _quotients(a, domain).items()))
+            pairs = product(found.items(), _quotients(a, domain).items())
             found = {}
             for (below_one, ones), (below_two, twos) in pairs:
                 key = tuple(sorted((*below_one, *below_two)))
