@@ -8,6 +8,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import duhem
 from duhem.benchmark.reference import Closest, NoReference
@@ -111,3 +112,27 @@ def test_a_face_that_is_missing_is_noticed(monkeypatch: pytest.MonkeyPatch) -> N
     assert told.any()
     monkeypatch.setattr(newton, "faces", right)
     assert done.stress[~told] == pytest.approx(newton.search(question).stress[~told], rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [1e2, 1e5, 1e8])
+@pytest.mark.parametrize(("d", "pressing"), [(2, 2), (3, 2), (3, 3), (6, 4), (6, 6)])
+def test_slips_of_an_edge_have_their_digits_in_every_ratio_of_stiffnesses(d: int, pressing: int, ratio: float) -> None:
+    """k slip = sigma_tr - sigma in fractions: half the digits of a slip were lost where faces met, such as the tip of a polygon."""
+    rng = np.random.default_rng(d + pressing)
+    for _ in range(20):
+        turned = np.linalg.qr(rng.normal(size=(d, d)))[0]
+        k = (turned * np.geomspace(1.0, ratio, d)) @ turned.T
+        normals = np.eye(d)[:pressing] + np.triu(rng.integers(-1, 2, size=(pressing, d)), 1)
+        k = 0.5 * (k + k.T)
+        exact = sp.Matrix(k.tolist()).applyfunc(sp.Rational)
+        faces = sp.Matrix(normals.astype(int).tolist())
+        weights = sp.Matrix([sp.Rational(x) for x in rng.uniform(0.1, 1.0, size=pressing) * 10.0 ** rng.uniform(-3.0, 0.0, size=pressing)])
+        offsets = sp.ones(pressing, 1)
+        edge = faces.T * (faces * faces.T).LUsolve(offsets)
+        trial = np.array((edge + exact * faces.T * weights).T.tolist(), dtype=np.float64)
+        beyond = faces * sp.Matrix([sp.Rational(x) for x in trial[0].tolist()]) - offsets
+        _, slip, _, found = Faces(normals, ()).closest(trial, np.ones((1, pressing)), k)
+        right = faces.T * (faces * exact * faces.T).LUsolve(beyond)
+        off = sp.Matrix([sp.Rational(x) for x in slip[0].tolist()]) - right
+        assert found.all()
+        assert sp.sqrt((off.T * exact * off)[0] / (right.T * exact * right)[0]) <= 32 * 2.0**-52 * np.sqrt(ratio)

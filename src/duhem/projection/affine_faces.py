@@ -45,11 +45,11 @@ class Faces:
     def closest(self, trial: Array, offsets: Array, stiffness: Array) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
         """Stress (N, d), slip (N, d), multiplier (N,) and where they were ``found``, of ``trial`` stresses (N, d) outside K."""
         stress, slip, multiplier, left = trial.copy(), np.zeros_like(trial), np.zeros(len(trial)), np.arange(len(trial))
-        for chosen, share, pushed, along in _sets(self.normals.tobytes(), stiffness.tobytes(), trial.shape[1]):
+        for chosen, root, pushed, along in _sets(self.normals.tobytes(), stiffness.tobytes(), trial.shape[1]):
             if not left.size:
                 break
             normals, t, o = self.normals[chosen], trial[left], offsets[left]
-            weights = times(products(t, normals) - o[:, chosen], share)
+            weights = products(times(products(t, normals) - o[:, chosen], root), root)
             s = times(t, along) + times(o[:, chosen], pushed)
             s -= times(products(s, normals) - o[:, chosen], pushed)  # what rounding left of the way to the faces
             beyond, sizes = products(s, self.normals) - o, products(np.abs(s), np.abs(self.normals)) + np.abs(o)
@@ -65,11 +65,14 @@ class Faces:
 
 @lru_cache(maxsize=64)
 def _sets(normals: bytes, stiffness: bytes, d: int) -> tuple[tuple[list[int], Array, Array, Array], ...]:
-    """The sets S of independent faces, each with ``share``, ``pushed`` and ``along``.
+    """The sets S of independent faces, each with ``root``, ``pushed`` and ``along``.
 
-    G = (N_S k N_S^T)^-1 makes weights of distances, G N_S k stresses of offsets, and 1 - N_S^T G N_S k takes a trial along the faces.
+    G = (N_S k N_S^T)^-1 = root root^T makes weights of distances, G N_S k stresses of offsets, and 1 - N_S^T G N_S k takes a trial along
+    the faces.  With k = L L^T and L^T N_S^T = Q R, root = R^-1: of an inverse of N_S k N_S^T, whose condition is that of R squared,
+    half the digits would be left.
     """
     n, k = np.frombuffer(normals).reshape(-1, d), np.frombuffer(stiffness).reshape(d, d)
+    lower = np.linalg.cholesky(k)
 
     def each() -> Iterator[tuple[list[int], Array, Array, Array]]:
         for count in range(1, d + 1):
@@ -77,9 +80,10 @@ def _sets(normals: bytes, stiffness: bytes, d: int) -> tuple[tuple[list[int], Ar
                 gram = n[chosen] @ k @ n[chosen].T
                 size = np.sqrt(np.diagonal(gram))
                 if (size > 0.0).all() and np.linalg.eigvalsh(gram / np.outer(size, size))[0] > _INDEPENDENT:
-                    share = np.asarray(np.linalg.inv(gram), dtype=np.float64)
-                    pushed = np.asarray(share @ n[chosen] @ k if count < d else np.linalg.inv(n[chosen]).T, dtype=np.float64)
-                    yield chosen, share, pushed, np.eye(d) - n[chosen].T @ pushed if count < d else np.zeros((d, d))
+                    across, upper = np.linalg.qr(lower.T @ n[chosen].T)
+                    root = np.linalg.inv(upper)
+                    pushed = np.asarray(root @ across.T @ lower.T if count < d else np.linalg.inv(n[chosen]).T, dtype=np.float64)
+                    yield chosen, root, pushed, np.eye(d) - n[chosen].T @ pushed if count < d else np.zeros((d, d))
 
     return tuple(each())
 
