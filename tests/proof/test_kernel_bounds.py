@@ -8,10 +8,11 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds
+from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.stated_law import StatedLaw, inhabited
-from duhem.proof.kernel.term import NotWritten
+from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from tests.long import mostly_long
 
 F = Fraction
@@ -44,6 +45,10 @@ def law(*constraints: str, **parameters: Any) -> StatedLaw:
         (["1/x > 1"], {"x": WIDE}, (-5, 5, False, False)),
         (["x*x*x > 1"], {"x": WIDE}, (-5, 5, False, False)),
         (["sqrt(x) > 1"], {"x": WIDE}, (-5, 5, False, False)),
+        (["abs(x) < 3/2"], {"x": WIDE}, (F(-3, 2), F(3, 2), True, True)),
+        (["abs(x - 1) + y <= 2"], {"x": WIDE, "y": UNIT}, (-1, 3, False, False)),
+        (["abs(x) > 3/2"], {"x": WIDE}, (-5, 5, False, False)),
+        (["y*abs(x) - abs(x) < 1"], {"x": WIDE, "y": UNIT}, (-5, 5, False, False)),  # |x| stands twice
     ],
     ids=str,
 )
@@ -62,6 +67,55 @@ def test_an_inexact_root_is_enclosed() -> None:
 def test_an_empty_domain_proves_nothing(constraints: tuple[str, ...]) -> None:
     with pytest.raises(NotWritten):
         over(law(*constraints, x=WIDE, y=WIDE))
+
+
+FREE = {"x": {}, "y": {"positive": True}, "z": {}}
+SQUARE = "y**2 - x**2"
+
+
+@pytest.mark.parametrize(
+    ("constraints", "constant", "sign"),
+    [
+        (["x <= y", "-y <= x"], SQUARE, ZERO | POSITIVE),
+        (["x < y", "-y < x"], SQUARE, POSITIVE),
+        (["x < y", "-y <= x"], SQUARE, ZERO | POSITIVE),
+        (["abs(x) < y"], SQUARE, POSITIVE),
+        (["abs(x/y) <= 1"], SQUARE, ZERO | POSITIVE),
+        (["abs(x) < y"], "1 - x**2/y**2", POSITIVE),
+        (["abs(x - z) <= y"], "y**2 - x**2 + 2*x*z - z**2", ZERO | POSITIVE),
+        (["x**3 <= y**3", "-y**3 <= x**3"], "y**6 - x**6", ZERO | POSITIVE),
+        (["x < y"], SQUARE, ANY),
+        (["x < y", "x < 2*y"], SQUARE, ANY),
+        (["x <= y", "-2*y <= x"], SQUARE, ANY),
+        (["abs(x) > y"], SQUARE, ANY),
+        (["y <= abs(x)", "abs(x) <= 2*y"], SQUARE, ANY),
+        (["abs(x) <= z"], "z**2 - 2*x**2", ANY),
+    ],
+    ids=str,
+)
+def test_what_two_constraints_say_of_a_square(constraints: list[str], constant: str, sign: int) -> None:
+    """A bound from either side, or one of a size: neither alone says it.  The last ones are false somewhere."""
+    known = law(*constraints, **FREE)
+    assert over(known).sign(parse(constant)) == sign
+
+
+def test_signs_that_follow_of_two_constraints_hold_wherever_they_do() -> None:
+    rng, seen, told = Random(5), 0, 0
+    for _ in range(60):
+        p, q, c, d = *rng.sample("xz", 2), rng.randint(1, 3), rng.randint(0, 2)
+        one, two = (f"{rng.randint(1, 3)}*{rng.choice(('y', q))} + {rng.randint(0, 2)}" for _ in range(2))
+        both = [f"{p} - {d}*{q} <= {one}", f"-({two}) < {p} - {d}*{q}"]
+        stated = law(*rng.choice((both, [f"abs({p} - {d}*{q}) <= {one}"])), **FREE)
+        for other in rng.sample((one, two), 2):
+            constant = f"({one})*({other}) - {p}**2 + 2*{d}*{p}*{q} - {d * d}*{q}**2 + {c - 2}*({one} - ({other}))*({p} - {d}*{q})"
+            sign = over(stated).sign(parse(constant))
+            told += sign != ANY
+            for point in ({n: F(rng.randint(-12, 12), 4) for n in "xyz"} for _ in range(30)):
+                if inhabited(stated.parameters, stated.constraints, point):
+                    seen += 1
+                    value = exact_value(parse(constant).put({Term("name", name=n): number(x) for n, x in point.items()}))
+                    assert sign & (POSITIVE if value > 0 else NEGATIVE if value < 0 else ZERO), (stated.constraints, constant, point)
+    assert seen > 500 and told > 30
 
 
 @pytest.mark.slow

@@ -188,6 +188,7 @@ around 0, or proves T x T' > 0, or proves T . d > 0, so that T turns as often as
             WITHOUT_K,
             ProofMethod(FormulaSubject, refuters.origin_at_parameters, again=True),
             DEAR,
+            ProofMethod(FormulaSubject, evidence.origin_by_signs),
             ProofMethod(FormulaSubject, refuters.origin_undefined),
             OF_GRAPH,
             ProofMethod(GraphSubject, graphs.origin_refuted),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
-from itertools import islice, product
+from itertools import combinations, islice, product
 from typing import Any
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Facts, Sign, exact, sharpened, signs_of_product
@@ -19,6 +19,7 @@ from duhem.proof.kernel.polynomial import (
     Polynomial,
     divided,
     joined,
+    negated,
     number_in,
     quotient,
     replaced,
@@ -44,6 +45,7 @@ __all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomai
 
 _MOST_POWER, _MOST_POWER_OF_ONE, _MOST_STEPS, _MOST_CHOICES = 12, 64, 400_000, 64  # of a sum; of a single term
 _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two constraints to be tried together
+_MOST_OF_PRODUCT = 16  # pairs of terms of two constraints
 _FEW, _SHORT = 4, 12  # words that are no names, and terms, of which ends of spans are tried
 _HALF = number(Fraction(1, 2))
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
@@ -67,14 +69,33 @@ class StatedDomain:
         self.kept: dict[str, Any] = {}  # what a rule looks up once a law
         self.sides: dict[Term, bool] = {}  # loads that are >= 0 where it is asked, or > 0
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
-        self._gaps, self._tied = list[tuple[Polynomial, bool]](), frozenset[Term]()
+        self._gaps, self._following, self._tied = list[tuple[Polynomial, bool]](), list[tuple[Polynomial, bool]](), frozenset[Term]()
         self._gaps = [(self.polynomial(gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
         self._tied = frozenset(x for known, _ in self._gaps for m in known for x, _ in m)
         self._compared: dict[Term, Sign] = {}
-        self.bounds = sharpened(self.bounds, self._gaps)
+        sides = [*self._gaps, *self._sides_of_sizes()]
+        self.bounds = sharpened(self.bounds, sides)
+        self._following = [*sides[len(self._gaps) :], *self._products(sides)]
         self.known.clear()
         self.kept.clear()
         self._polynomials.clear()
+
+    def _sides_of_sizes(self) -> Iterator[tuple[Polynomial, bool]]:
+        """Of |x| <= y both x <= y and -x <= y, where names alone make up x."""
+        for known, sharp in self._gaps:
+            for m, c in known.items():
+                x, n = m[0] if len(m) == 1 else (number(1), 0)
+                if x.op == "abs" and n == 1 and c < 0 and sum(x in dict(other) for other in known) == 1:
+                    inner = self.polynomial(x.args[0])
+                    if all(y.op == "name" for own in inner for y, _ in own):
+                        yield from ((replaced(known, x, side), sharp) for side in (inner, negated(inner)))
+
+    def _products(self, gaps: _Gaps) -> Iterator[tuple[Polynomial, bool]]:
+        """Of -y <= x <= y the product of both, x^2 <= y^2: no multiple of one of the two by what has a sign says it."""
+        for (one, sharp), (two, sharp_too) in combinations(gaps, 2):
+            between = (m for m, c in one.items() if c * two.get(m, 0) < 0 and all(x.op == "name" for x, _ in m))
+            if len(one) * len(two) <= _MOST_OF_PRODUCT and any(self._of_term(m, Fraction(1)) == ANY for m in between):
+                yield self._times(one, two), sharp and sharp_too
 
     def over(self, law: StatedLaw) -> StatedDomain:
         """The domain of another law, by the same rules."""
@@ -128,7 +149,7 @@ class StatedDomain:
         gaps = [*self._gaps, *(ordered(words, self.sign) if len(words) > 1 else ())]
         most = 2 if len(poly) * sum(len(known) for known, _ in gaps) <= _MOST_PAIRS else 1
         forms = enumerate(self._in_ranges(poly, words, gaps))
-        return any(self._nonnegative(form, strict, 1 if i else most, known) for i, (form, known) in forms)
+        return any(self._nonnegative(form, strict, 1 if i else most, known, self._following) for i, (form, known) in forms)
 
     def _in_ranges(self, poly: Polynomial, words: frozenset[Term], gaps: _Gaps) -> Iterator[tuple[Polynomial, _Gaps]]:
         """The polynomial, and what is >= 0, with names for exponentials; then for all words of which more is known than a sign."""
@@ -165,11 +186,12 @@ class StatedDomain:
                 return signs_of_product(POSITIVE if sharp else ZERO | POSITIVE, self.sign(written(rest)))
         return ANY
 
-    def _nonnegative(self, poly: Polynomial, strict: bool, constraints: int, gaps: _Gaps) -> bool:
+    def _nonnegative(self, poly: Polynomial, strict: bool, constraints: int, gaps: _Gaps, first: _Gaps = ()) -> bool:
+        """Once multiples of ``constraints`` of the gaps at most are taken away, one of which may be of the gaps that are taken ``first``."""
         if any(self._by_terms(moved, strict) for moved in self._measured(poly)) or self._between_ends(poly, strict):
             return True
         for m, c in poly.items() if constraints else ():
-            for known, sharp in gaps:
+            for known, sharp in [*gaps, *first]:
                 for n, d in known.items():
                     share = joined(m, tuple((x, -k) for x, k in n))
                     if (sign := self._of_term(share, c / d)) & NEGATIVE or not sign:

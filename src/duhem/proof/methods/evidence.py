@@ -30,7 +30,7 @@ from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = [
     "convexity_by_branches", "convexity_by_sums", "convexity_in_a_box", "convexity_on_boundary", "dissipation_by_identities",
-    "dissipation_by_shares", "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel",
+    "dissipation_by_shares", "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "origin_by_signs",
     "smoothness_by_identities", "smoothness_by_sums", "smoothness_on_boundary", "state_laws_not_stated", "without_heat",
 ]  # fmt: skip
 
@@ -119,6 +119,12 @@ def smoothness_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
         if identities := found(subject):
             proof = Proof("regular-value", {name: list(identities)})
             yield Evidence(Verdict.PROVED, "regular-value", "grad g != 0 wherever g = 0", proof=proof)
+
+
+def origin_by_signs(subject: FormulaSubject) -> Evidence | None:
+    """g(0) <= 0, by the deciders."""
+    at = subject.at_origin
+    return None if at is None else _by_signs(subject, [(-at, Sense.NONNEGATIVE, ())], "evaluation", "g(0) <= 0 for every pressure")
 
 
 def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
