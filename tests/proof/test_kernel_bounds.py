@@ -101,7 +101,7 @@ def test_what_two_constraints_say_of_a_square(constraints: list[str], constant: 
 
 def test_signs_that_follow_of_two_constraints_hold_wherever_they_do() -> None:
     rng, seen, told = Random(5), 0, 0
-    for _ in range(60):
+    for _ in range(40):
         p, q, c, d = *rng.sample("xz", 2), rng.randint(1, 3), rng.randint(0, 2)
         one, two = (f"{rng.randint(1, 3)}*{rng.choice(('y', q))} + {rng.randint(0, 2)}" for _ in range(2))
         both = [f"{p} - {d}*{q} <= {one}", f"-({two}) < {p} - {d}*{q}"]
@@ -115,7 +115,7 @@ def test_signs_that_follow_of_two_constraints_hold_wherever_they_do() -> None:
                     seen += 1
                     value = exact_value(parse(constant).put({Term("name", name=n): number(x) for n, x in point.items()}))
                     assert sign & (POSITIVE if value > 0 else NEGATIVE if value < 0 else ZERO), (stated.constraints, constant, point)
-    assert seen > 500 and told > 30
+    assert seen > 500 and told > 20
 
 
 @pytest.mark.slow
