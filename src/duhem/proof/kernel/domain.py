@@ -187,7 +187,7 @@ class StatedDomain:
         return ANY
 
     def _nonnegative(self, poly: Polynomial, strict: bool, constraints: int, gaps: _Gaps, first: _Gaps = ()) -> bool:
-        """Once multiples of ``constraints`` of the gaps at most are taken away, one of which may be of the gaps that are taken ``first``."""
+        """Also once multiples of so many ``constraints`` are taken away: of gaps, the first one perhaps of those that come ``first``."""
         if any(self._by_terms(moved, strict) for moved in self._measured(poly)) or self._between_ends(poly, strict):
             return True
         for m, c in poly.items() if constraints else ():

@@ -48,6 +48,7 @@ __all__ = ["normal"]
 _HALF, _ZERO = number(Fraction(1, 2)), number(0)
 _ENDS = {"abs": (1, -1), "pos": (1, 0), "neg": (-1, 0)}  # what d is multiplied by, the greater of which is the kink of d
 _KINKS = (*_ENDS, "max", "min", "where")
+_LOAD = Term("name", name="the load")  # no name of a law has blanks
 _PRICE = 20  # steps for a part, beside what its polynomials cost
 _MOST_TERMS = 300  # of what is multiplied out
 _HIGHEST, _KEPT = 3, "power of a sum"  # whole powers that are multiplied out; the word of the others while polynomials are made
@@ -97,15 +98,34 @@ class _Form(NamedTuple):
     # -- kinks ---------------------------------------------------------------------------------------------------------
 
     def _choice(self, term: Term) -> Term:
-        """b + c pos(d), where a is b + c d, and both have a value on either side."""
+        """b + c pos(d), where a is b + c d, and both have a value on either side; so of powers of d."""
         condition, one, two = term.args
         if condition.op not in COMPARISONS or not all(self.domain.facts(x).defined for x in (*condition.args, one, two)):
             return term
         d = gap(condition)
-        c = multiple(self._poly(sum_of(one, minus(two))), self._poly(d), self.domain)
-        if c is None:
+        gained = self._poly(sum_of(one, minus(two)))
+        if (c := multiple(gained, self._poly(d), self.domain)) is not None:
+            return self._collected(sum_of(two, product_of(plainly(c), self._kink("pos", d))))
+        gains, own = (self._by_powers(poly, self._poly(d)) for poly in (gained, self._poly(two)))
+        if not gains or gains[0] or not all(self.domain.constant(x) for c in gains for m in c for x, _ in m):
             return term
-        return self._collected(sum_of(two, product_of(plainly(c), self._kink("pos", d))))
+        parts = [two]
+        for k, c in enumerate(gains):
+            before = own[k] if 1 < k < len(own) and all(self.domain.constant(x) for m in own[k] for x, _ in m) else {}
+            for word, share in (("pos", total(before, c)), ("neg", before if k % 2 == 0 else negated(before))):
+                parts.append(product_of(plainly(share), self._power(self._kink(word, d), number(k))))
+            parts.append(minus(product_of(plainly(before), self._power(d, number(k)))))
+        return self._collected(sum_of(*parts))
+
+    def _by_powers(self, poly: Polynomial, d: Polynomial) -> list[Polynomial]:
+        """The coefficients of a polynomial by powers of ``d``, which holds a force times a number and stands for it; else none."""
+        forces = (m[0][0] for m in d if len(m) == 1 and m[0][1] == 1 and self._in_forces(m))
+        f = next((x for x in forces if sum(x in dict(m) for m in d) == 1), None)
+        if f is None or any(x == f and n < 0 for m in poly for x, n in m):
+            return []
+        rest = {m: c for m, c in d.items() if m != ((f, 1),)}
+        share: Polynomial = {(): 1 / d[((f, 1),)]}
+        return in_powers(replaced(poly, f, times(share, total({((_LOAD, 1),): Fraction(1)}, negated(rest)))), _LOAD)
 
     def _extreme(self, term: Term) -> Term:
         """Of x alone x, of x and 0 pos(x), of x and k x, k <= 0, pos(x) - k neg(x); a minimum is the maximum of the negatives, turned,
