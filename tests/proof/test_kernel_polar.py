@@ -133,6 +133,42 @@ def test_an_open_end_may_be_a_zero_and_a_closed_one_not() -> None:
     assert not nonnegative_over(t_free, at, over(law("a", "f < 1", e=span(0, 2), f=span(0, 2))))
 
 
+@pytest.mark.parametrize(
+    ("constraints", "expected"),
+    [
+        (["5*abs(m) <= k"], (True, True)),
+        (["-k <= 5*m", "5*m <= k"], (True, True)),
+        (["5*abs(m) <= k", "0 < n"], (True, True)),
+        (["4*abs(m) <= k"], (False, True)),
+        (["-k <= 4*m", "5*m <= k"], (False, True)),
+        (["abs(m) < k"], (False, True)),
+        (["abs(m) <= k"], None),  # the coefficient of friction may be 0
+        (["5*m <= k"], None),
+    ],
+    ids=str,
+)
+def test_a_wave_of_friction_that_a_constraint_bounds(constraints: list[str], expected: tuple[bool, bool] | None) -> None:
+    """k + m cos 2 theta is convex exactly for 5 |m| <= k."""
+    assert judged(law("norm(a, b) + s*(k + m*cos(2*atan2(b, a)))", *constraints, k=POSITIVE, m={}, n={})) == expected
+
+
+@pytest.mark.parametrize("constraint", ["2*abs(m) <= k", "abs(m) < k"])
+def test_signs_over_what_a_constraint_bounds(constraint: str) -> None:
+    domain, rng, shown = over(law("a - k", constraint, k=POSITIVE, m={})), Random(3), [0, 0]
+    k, m = (Term("name", name=n) for n in "km")
+    ways = [F(i, 2 if constraint[0] == "2" else 1) for i in (-1, 0, 1)]  # m, for k = 1: the signs at k are those at 1
+    for _ in range(60):
+        drawn = {(i, j): F(rng.randint(-2, 3) + 6 * (i == j == 0)) for i in range(3) for j in range(3)}
+        poly = {tuple(sorted((x, n) for x, n in ((RAY, i), (m, j), (k, 2 - j)) if n)): c for (i, j), c in drawn.items() if c}
+        values = [sum(c * t**i * x**j for (i, j), c in drawn.items()) for t in (F(-1), F(-1, 2), F(0), F(1, 3), F(1)) for x in ways]
+        weak, strict = (nonnegative_over(poly, (F(-1), F(1)), domain, s) for s in (False, True))
+        assert not weak or min(values) >= 0
+        assert not strict or min(values) > 0 or (constraint[0] != "2" and min(values) == 0)
+        assert weak or not strict
+        shown[0], shown[1] = shown[0] + weak, shown[1] + strict
+    assert shown[1] > 3
+
+
 def test_a_constraint_may_leave_one_value() -> None:
     here, e = over(law("a - e", "e >= 1", e=span(0, 1))), Term("name", name="e")
     for shift, factor, weak, strict in (

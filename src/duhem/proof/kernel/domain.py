@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
-from itertools import combinations, islice, product
+from itertools import combinations_with_replacement, islice, product
 from typing import Any
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Facts, Sign, exact, sharpened, signs_of_product
@@ -45,7 +45,7 @@ __all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomai
 
 _MOST_POWER, _MOST_POWER_OF_ONE, _MOST_STEPS, _MOST_CHOICES = 12, 64, 400_000, 64  # of a sum; of a single term
 _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two constraints to be tried together
-_MOST_OF_PRODUCT = 16  # pairs of terms of two constraints
+_MOST_OF_PRODUCT, _MOST_SIZES = 16, 2  # pairs of terms of two constraints; sizes in one
 _FEW, _SHORT = 4, 12  # words that are no names, and terms, of which ends of spans are tried
 _HALF = number(Fraction(1, 2))
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
@@ -69,32 +69,36 @@ class StatedDomain:
         self.kept: dict[str, Any] = {}  # what a rule looks up once a law
         self.sides: dict[Term, bool] = {}  # loads that are >= 0 where it is asked, or > 0
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
-        self._gaps, self._following, self._tied = list[tuple[Polynomial, bool]](), list[tuple[Polynomial, bool]](), frozenset[Term]()
-        self._gaps = [(self.polynomial(gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
-        self._tied = frozenset(x for known, _ in self._gaps for m in known for x, _ in m)
+        self._stated = self._gaps = self._products = list[tuple[Polynomial, bool]]()
+        self._tied = frozenset[Term]()
+        self._stated = [(self.polynomial(gap(c)), len(c.op) == 1) for c in law.constraints]  # each is >= 0, or > 0
+        self._tied = frozenset(x for known, _ in self._stated for m in known for x, _ in m)
         self._compared: dict[Term, Sign] = {}
-        sides = [*self._gaps, *self._sides_of_sizes()]
-        self.bounds = sharpened(self.bounds, sides)
-        self._following = [*sides[len(self._gaps) :], *self._products(sides)]
+        self._gaps = [*self._stated, *self._sides_of_sizes()]
+        self.bounds = sharpened(self.bounds, self._gaps)
+        self._products = [*self._products_of_sides()]
         self.known.clear()
         self.kept.clear()
         self._polynomials.clear()
 
     def _sides_of_sizes(self) -> Iterator[tuple[Polynomial, bool]]:
-        """Of |x| <= y both x <= y and -x <= y, where names alone make up x."""
-        for known, sharp in self._gaps:
-            for m, c in known.items():
-                x, n = m[0] if len(m) == 1 else (number(1), 0)
-                if x.op == "abs" and n == 1 and c < 0 and sum(x in dict(other) for other in known) == 1:
-                    inner = self.polynomial(x.args[0])
-                    if all(y.op == "name" for own in inner for y, _ in own):
-                        yield from ((replaced(known, x, side), sharp) for side in (inner, negated(inner)))
+        """Of |x| <= y all of x <= y, -x <= y and 0 <= y, where names alone make up x; of a sum of sizes each in turn."""
+        for known, sharp in self._stated:
+            sizes = [m[0][0] for m, c in known.items() if len(m) == 1 and m[0][1] == 1 and m[0][0].op == "abs" and c < 0]
+            inner = [self.polynomial(x.args[0]) for x in sizes if sum(x in dict(m) for m in known) == 1]
+            if 0 < len(inner) == len(sizes) <= _MOST_SIZES and all(y.op == "name" for own in inner for m in own for y, _ in m):
+                for ends in product((1, -1, 0), repeat=len(sizes)):
+                    side = known
+                    for x, own, end in zip(sizes, inner, ends, strict=True):
+                        side = replaced(side, x, times(own, {(): Fraction(end)}))
+                    yield side, sharp
 
-    def _products(self, gaps: _Gaps) -> Iterator[tuple[Polynomial, bool]]:
-        """Of -y <= x <= y the product of both, x^2 <= y^2: no multiple of one of the two by what has a sign says it."""
-        for (one, sharp), (two, sharp_too) in combinations(gaps, 2):
-            between = (m for m, c in one.items() if c * two.get(m, 0) < 0 and all(x.op == "name" for x, _ in m))
-            if len(one) * len(two) <= _MOST_OF_PRODUCT and any(self._of_term(m, Fraction(1)) == ANY for m in between):
+    def _products_of_sides(self) -> Iterator[tuple[Polynomial, bool]]:
+        """Of -y <= x <= y the products x^2 <= y^2 and (y - x)^2 >= 0: no multiple of one of the two by what has a sign says them."""
+        for (one, sharp), (two, sharp_too) in combinations_with_replacement(self._gaps, 2):
+            both = (m for m, c in one.items() if (sum(n for _, n in m) == 1 if one is two else c * two.get(m, 0) < 0))
+            free = any(all(x.op == "name" for x, _ in m) and self._of_term(m, Fraction(1)) == ANY for m in both)
+            if free and len(one) * len(two) <= _MOST_OF_PRODUCT:
                 yield self._times(one, two), sharp and sharp_too
 
     def over(self, law: StatedLaw) -> StatedDomain:
@@ -133,7 +137,7 @@ class StatedDomain:
         """The sign of what constraints are written in, as the other constraints show it: else each would be asked before itself."""
         if atom not in self._compared:
             others = (
-                c for c, (known, _) in zip(self.law.constraints, self._gaps, strict=True) if all(x != atom for m in known for x, _ in m)
+                c for c, (known, _) in zip(self.law.constraints, self._stated, strict=True) if all(x != atom for m in known for x, _ in m)
             )
             self._compared[atom] = self.over(self.law._replace(constraints=tuple(others))).sign(atom)
         return self._compared[atom]
@@ -147,9 +151,9 @@ class StatedDomain:
         poly = self.polynomial(term)
         words = frozenset(x for m in poly for x, _ in m if x.op not in ("name", "abs", "norm") and self.constant(x))
         gaps = [*self._gaps, *(ordered(words, self.sign) if len(words) > 1 else ())]
-        most = 2 if len(poly) * sum(len(known) for known, _ in gaps) <= _MOST_PAIRS else 1
+        most = 2 if len(poly) * sum(len(known) for known, _ in self._stated) <= _MOST_PAIRS else 1
         forms = enumerate(self._in_ranges(poly, words, gaps))
-        return any(self._nonnegative(form, strict, 1 if i else most, known, self._following) for i, (form, known) in forms)
+        return any(self._nonnegative(form, strict, 1 if i else most, known, self._products) for i, (form, known) in forms)
 
     def _in_ranges(self, poly: Polynomial, words: frozenset[Term], gaps: _Gaps) -> Iterator[tuple[Polynomial, _Gaps]]:
         """The polynomial, and what is >= 0, with names for exponentials; then for all words of which more is known than a sign."""

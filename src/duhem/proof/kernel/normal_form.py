@@ -183,10 +183,12 @@ class _Form(NamedTuple):
     # -- powers --------------------------------------------------------------------------------------------------------
 
     def _norm(self, args: Sequence[Term]) -> Term:
-        """Without parts that are 0, sizes and norms inside, in order; of one part it is its size."""
+        """Without parts that are 0, multiples of sizes and norms inside, in order; of one part it is its size."""
         parts = list[Term]()
         for a in args:
-            parts += a.args if a.op in ("abs", "norm") else [a] if self._poly(a) else []
+            c, moving = apart(a, self.domain)
+            inside = len(moving) == 1 and moving[0].op in ("abs", "norm")
+            parts += [self._collected(product_of(c, x)) for x in moving[0].args] if inside else [a] if self._poly(a) else []
         if len(parts) < 2:
             return self._kink("abs", parts[0]) if parts else _ZERO
         found = Term("norm", tuple(sorted(min(a, self._collected(minus(a))) if self.collects else a for a in parts)))

@@ -150,18 +150,19 @@ def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, stric
     if _nonnegative_in_ranges(poly, between, domain, strict):
         return True
     moving = any(x == RAY for m in poly for x, _ in m)  # of a constant the constraints are asked by who asks for its sign
-    return bool(moving and domain.law.constraints) and not strict and _nonnegative_with_constraints(poly, between, domain, _MOST_HALVINGS)
+    return bool(moving and domain.law.constraints) and _nonnegative_with_constraints(poly, between, domain, strict, _MOST_HALVINGS)
 
 
-def _nonnegative_with_constraints(poly: Polynomial, between: Interval, domain: StatedDomain, halvings: int) -> bool:
+def _nonnegative_with_constraints(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool, halvings: int) -> bool:
     """Whether the shares of a P in the powers of its variable are >= 0 by ranges and constraints together, perhaps in parts of the way."""
     low, high = between
     shares = _shares(in_powers(without_content(poly, domain), RAY), Bounds(low, high))
-    if all(domain.nonnegative(written(share)) for share in shares):
+    somewhere = (shares[0], shares[-1], total(*shares)) if strict else ()
+    if all(domain.nonnegative(written(share)) for share in shares) and all(domain.nonnegative(written(p), True) for p in somewhere):
         return True
     middle = (low + high) / 2
     parts = ((low, middle), (middle, high)) if halvings and low < high else ()
-    return bool(parts) and all(_nonnegative_with_constraints(poly, part, domain, halvings - 1) for part in parts)
+    return bool(parts) and all(_nonnegative_with_constraints(poly, part, domain, strict, halvings - 1) for part in parts)
 
 
 def _nonnegative_in_ranges(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool) -> bool:
