@@ -265,7 +265,7 @@ def _terms(rng: Random, depth: int) -> str:
 @pytest.mark.parametrize("seed", mostly_long(range(8), 0, 1))
 def test_a_normal_form_has_the_value_of_what_was_written(seed: int) -> None:
     """So do the signs that are shown of it hold."""
-    rng, changed = Random(seed), 0
+    rng, changed, unknown = Random(seed), 0, 0
     for _ in range(50):
         text = _terms(rng, rng.choice((1, 2, 2, 3)))
         if len(text) > 700:
@@ -282,11 +282,15 @@ def test_a_normal_form_has_the_value_of_what_was_written(seed: int) -> None:
                 point = {n: Fraction(rng.randint(-6, 6), rng.choice((1, 2, 3))) for n in ("x", "y")}
                 point |= {"k": Fraction(rng.randint(1, 5), 2), "e": Fraction(rng.randint(0, 3), 3)}
                 box = {n: Enclosure.between(value, value) for n, value in point.items()}
-                gap = enclosed(sum_of(term, minus(form)), box)
+                try:
+                    gap = enclosed(sum_of(term, minus(form)), box)
+                except ValueError:  # an enclosure of 0 under a root may reach below it
+                    unknown += 1
+                    continue
                 assert gap.sign & ZERO and gap.high - gap.low < 1 << 60, (text, point)
                 sign = enclosed(term, box).sign
                 assert sign & domain.sign(term) & domain.sign(form), (text, point)
-    assert changed > 30
+    assert changed > 30 and unknown < 5
 
 
 SIGNS = [

@@ -19,7 +19,6 @@ from duhem.proof.kernel.polynomial import (
     Polynomial,
     divided,
     joined,
-    negated,
     number_in,
     quotient,
     replaced,
