@@ -24,7 +24,7 @@ from duhem.errors import InputError
 from duhem.expression.parse import parse_relation
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
-from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.bounds import ANY, Bounds
 from duhem.proof.kernel.definedness import AGAINST
 from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain
 from duhem.proof.kernel.parameter_tree import law_where, not_outside, opposite, read_comparison, recheck_tree
@@ -207,10 +207,14 @@ class Paving(AsksTheKernel):
             with suppress(*UNREADABLE):
                 self.away.append(f"({difference(text)})")
         known, self.seen = self.steps, self._holding(self.stated)
-        with suppress(NotWritten):
-            plain = at_values(self.stated, self.values, {}, self.names)
-            self.boundaries = boundaries(plain, self.names, self.seen.dents if self.seen is not None else ())
+        self.boundaries = [] if self.seen is None else self._boundaries(self.stated, self.seen)
         self.steps = known
+
+    def _boundaries(self, law: StatedLaw, seen: Holding | None) -> list[str]:
+        """What may tell apart where the claim holds of a law over a leaf and where it fails."""
+        with suppress(NotWritten):
+            return boundaries(at_values(law, self.values, {}, self.names), self.names, () if seen is None else seen.dents)
+        return []
 
     @classmethod
     def resumed(cls, law: Criterion, claim: str, names: tuple[str, ...], most: int, document: Mapping[str, Any]) -> Paving:
@@ -282,7 +286,8 @@ class Paving(AsksTheKernel):
         found = self._confirmed(law, place, None if holds is None else bool(holds.all()), None if holds is None else not holds.any())
         if found is not None:
             return found
-        unused = [text for text in self.boundaries if not {f"{text} {op} 0" for op in AGAINST} & {*place.where}]
+        mixed = holds is not None and bool(holds.any()) and not holds.all()
+        unused = [text for text in self.boundaries or self._boundaries(law, known) if not {f"{text} {op} 0" for op in AGAINST} & {*place.where}]
         sides = {text: np.sign(value_of(parse(text), places)) for text in unused}
         for way in (self._told_apart_by, self._divided_by):
             for text in unused:
@@ -290,6 +295,19 @@ class Paving(AsksTheKernel):
                     return None
                 if (parts := way(text, law, place, sides[text], holds)) is not None:
                     return parts
+        return (None if mixed else self._without_zero(law, place)) or self._halved(place)
+
+    def _without_zero(self, law: StatedLaw, place: Place) -> Divided | None:
+        """A leaf at whose edge a parameter is 0 divided into that edge and the rest, if the kernel confirms a verdict of one."""
+        edges = [(name, own) for name, own in place.box.items() if own.holds(Fraction(0)) and 0 in own[:2] and not own.single]
+        parts = (self._parts(f"{name} {'<=' if own.low == 0 else '>='} 0", law, place, 1) for name, own in edges)
+        return next(filter(None, parts), None)
+
+    def _halved(self, place: Place) -> Divided:
+        """A leaf divided where a parameter changes its sign, on which much depends, else in the middle of its longest edge."""
+        for name, own in place.box.items():
+            if own.sign() == ANY:
+                return Divided(f"{name} <= 0")
         longest = max(self.names, key=lambda name: _length(place.box[name], self.whole[name]))
         return Divided(f"{longest} <= {between(place.box[longest], self.whole[longest])}")
 

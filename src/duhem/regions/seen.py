@@ -20,9 +20,10 @@ from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, Term, number
 
-__all__ = ["RAYS", "Array", "Holding", "changes", "count", "held", "looked_at", "polynomial_at", "value_of"]
+__all__ = ["RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "looked_at", "polynomial_at", "value_of"]
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 RAYS = 721  # between the ends of a dent
 _PLACES, _SAMPLES, _ZERO = 9, 97, 1e-11
 _MOST_PLACES, _FEW_PLACES, _FINER = 30, 12, 12  # of several parameters, of which constraints may leave few
@@ -181,7 +182,7 @@ def polynomial_at(poly: Polynomial, at: Mapping[str, Array], size: bool = False)
     return np.where(np.isnan(total), np.inf, total)
 
 
-def held(condition: Term, at: Mapping[str, Array]) -> NDArray[np.bool_]:
+def held(condition: Term, at: Mapping[str, Array]) -> Flags:
     """Where a comparison holds, or several that ``and`` and ``or`` join; not where a side has no value."""
     if condition.op in _JOINED:
         return np.asarray(_JOINED[condition.op]([held(part, at) for part in condition.args]))
