@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from fractions import Fraction
 from functools import partial
 from typing import Any
 
-from duhem.errors import InputError
 from duhem.law.domain import Domain
-from duhem.proof import verification
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_cells import AS, ParameterCell, at_values, law_over, own_domain, refutation_fails
 from duhem.proof.kernel.real_root import RealRoot
@@ -23,24 +20,12 @@ __all__ = ["Asked", "Decided"]
 
 _IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
 _MOST_ASKED = 30  # of these, for proofs
-_MOST_CHORDS = 16  # counterexamples at one value that are looked for, each as dear as a verification
 
 
 def _ways(cell: ParameterCell) -> tuple[str, ...]:
     """How a law may be put over a cell."""
     inexact = any(end is not None and not end.exact for end in (cell.low, cell.high))
     return tuple(way for way in AS if (way == "range") is not inexact)
-
-
-def _around(cell: ParameterCell, inside: Fraction) -> Iterator[ParameterCell]:
-    """A cell, and parts of it around a value, the larger ones first."""
-    yield cell
-    if not cell.single:
-        at = RealRoot.of(inside)
-        yield from (cell._replace(low=at, open=False), cell._replace(high=at, open_high=False))
-        low = Fraction(1) if cell.low is None else inside - cell.low.high
-        high = Fraction(1) if cell.high is None else cell.high.low - inside
-        yield from (ParameterCell(RealRoot.of(inside - low / n), RealRoot.of(inside + high / n)) for n in (2, 4, 16))
 
 
 @dataclass(frozen=True)
@@ -62,9 +47,7 @@ class Asked(AsksTheKernel):
 
     name: str = field(init=False)
     by_all: bool = False
-    chords: int = 0
     verifications: int = 0
-    hopeful: set[ParameterCell] = field(default_factory=set)  # cells over which a family of witnesses was suggested
     domain: Bounds = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
     _refuted: dict[ParameterCell, Decided | None] = field(default_factory=dict)
@@ -146,28 +129,6 @@ class Asked(AsksTheKernel):
                     return done
         return None
 
-    def chord(self, cell: ParameterCell, inside: Fraction) -> Decided | None:
-        """The counterexample that refutes the claim at a value in a cell, over the cell or a part around the value."""
-        if self.spent or self.claim != "convexity" or self.chords == _MOST_CHORDS or self.most < _IN_DEPTH:
-            return None
-        self.chords += 1
-        try:
-            (found,) = verification.verify(self.law.fix({self.name: inside}), claims=[self.claim], effort="quick")
-        except InputError:
-            return None
-        self.steps += found.steps
-        if found.witness is None or not {"p", "q"} <= set(found.witness.points):
-            return None
-        self.hopeful.add(cell)
-        p, q = (dict(found.witness.points[key]) for key in ("p", "q"))
-        pressure = {} if self.law.pressure is None else {"pressure": p.pop(self.law.pressure)}
-        if self.law.pressure is not None and q.pop(self.law.pressure) != pressure["pressure"]:
-            return None
-        values = {name: x for name, x in found.witness.parameters.items() if name in self.values}
-        evidence = {"p": p, "q": q, "values": {**self.values, **values}, **pressure}
-        parts = ((part, way) for part in _around(cell, inside) for way in _ways(part))
-        return next(filter(None, (self._confirmed(part, way, "chord", evidence) for part, way in parts)), None)
-
     def _suggested(self, cell: ParameterCell, way: str) -> list[Suggestion]:
         """The first families that floating point suggests over a cell; none where nothing is told in so many steps."""
         try:
@@ -177,10 +138,7 @@ class Asked(AsksTheKernel):
         ends = [end for end in (cell.high, cell.low) if end is not None and end.exact]
         away = [f"({self.name} - ({end.low}))" if end is cell.low else f"({end.low} - {self.name})" for end in ends]
         away, at_ends = [*away, self.name], () if swap else ends[::-1]
-        found = self.families(law, swap, lambda at: suggestions(at, law, self.claim, self.names, away, at_ends))
-        if found:
-            self.hopeful.add(cell)
-        return found
+        return self.families(law, swap, lambda at: suggestions(at, law, self.claim, self.names, away, at_ends))
 
     def _confirmed(self, cell: ParameterCell, way: str, rule: str, evidence: Mapping[str, Any]) -> Decided | None:
         """A family of witnesses, if the kernel confirms it."""

@@ -287,7 +287,9 @@ class Paving(AsksTheKernel):
         if found is not None:
             return found
         mixed = holds is not None and bool(holds.any()) and not holds.all()
-        unused = [text for text in self.boundaries or self._boundaries(law, known) if not {f"{text} {op} 0" for op in AGAINST} & {*place.where}]
+        unused = [
+            text for text in self.boundaries or self._boundaries(law, known) if not {f"{text} {op} 0" for op in AGAINST} & {*place.where}
+        ]
         sides = {text: np.sign(value_of(parse(text), places)) for text in unused}
         for way in (self._told_apart_by, self._divided_by):
             for text in unused:

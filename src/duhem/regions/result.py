@@ -58,10 +58,10 @@ class RegionEnd:
 class FoundRegion(Shown):
     """For which values of the ``parameters`` the ``claim`` holds of ``criterion``, all its other parameters being what they may be.
 
-    ``condition`` is a text of comparisons joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim is proved, and is
-    ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an infinite one after
-    x/(1 + |x|).  ``scales`` are parameters that a change of units made 1 here.  ``joined`` are constraints that may leave no values to the
-    others where the claim is proved: there is no law there.
+    ``condition`` is a text of comparisons, ``==`` among them, joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim
+    is proved, and is ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an
+    infinite one after x/(1 + |x|).  ``scales`` are parameters that a change of units made 1 here.  ``joined`` are constraints that may
+    leave no values to the others where the claim is proved: there is no law there.
     """
 
     printed_by: ClassVar[str] = "duhem.regions.printing"
@@ -244,8 +244,7 @@ class ParameterRegion(FoundRegion):
         if cell == own:
             return ""
         if cell.single and cell.low is not None:
-            at = written_root(cell.low)
-            return f"{name} >= {at} and {name} <= {at}" if with_domain else f"{name} = {at}"  # a condition has no sign for equal
+            return f"{name} {'==' if with_domain else '='} {written_root(cell.low)}"
         said = list[str]()
         if cell.low is not None and (with_domain or (cell.low, cell.open) != (own.low, own.open)):
             said.append(f"{written_root(cell.low)} {'<' if cell.open else '<='} {name}" if cell.high is not None and with_domain

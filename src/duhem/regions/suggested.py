@@ -28,12 +28,15 @@ __all__ = ["Suggestion", "suggestions"]
 
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
 _PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "2")))  # components of the points that are tried
-_GRID = 8  # parts of a range
-_ZOOMS, _MOST_BOXES = 4, 24  # of grids within cells of grids, and at once
+_GRIDS = (32, 8, 8)  # parts of a range, and of cells of grids within cells of grids
+_MOST_BOXES = 12  # at once
 _FAR = (Fraction(2), Fraction(32), Fraction(512))  # where a force that has no end ends
-_ROUNDING, _PRICE_OF_A_GRID = 1e-13, 2000
+_ROUNDING, _PRICE_OF_A_GRID = 1e-13, 2500
 _FEW_LINES = 4
 _STEPS = tuple(tuple(Fraction(k, n) for k in range(-n, n + 1)) for n in (8, 2))  # of components of two and of three forces
+
+
+_Box = tuple[tuple[str, ...], tuple[tuple[Fraction, Fraction], ...]]  # forces and their ranges
 
 
 class Suggestion(NamedTuple):
@@ -58,7 +61,7 @@ def suggestions(
     if claim == "dissipation" and law.flow is not None and {*names} <= {*whole.parameters}:
         with suppress(*UNREADABLE):
             yield from _of_points(whole, names, away)
-    if claim == "convexity":
+    if claim == "convexity" and not law.ranges:
         with suppress(*UNREADABLE):
             yield from islice(_of_lines(law, places), _FEW_LINES)
     if claim in ("convexity", "normality"):
@@ -130,28 +133,32 @@ def _scaled(way: Mapping[str, str], scale: int) -> dict[str, str]:
 def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
     """Chords of grids over the ranges of two forces or of one: their ends lie in K at all of the values, their midpoints at none.
 
-    A cell of a grid that K does not fill has a grid of its own.  A force without ends has several ranges about 0; others are 0.
+    A cell of a grid that K does not fill has a grid of its own, those at corners first.  A force without ends has several ranges about 0;
+    others are 0.
     """
     ends, more = dict[str, tuple[Any, ...]](law.ranges), {} if law.pressure is None else {"pressure": "-1"}
     pairs = list(combinations(law.forces, 2)) or [law.forces]
     boxes = [(names, tuple(_about_zero(ends.get(f), far) for f in names)) for names in pairs for far in _FAR]
-    for _ in range(_ZOOMS):
-        boxes, asked = [], [*dict.fromkeys(boxes)][:_MOST_BOXES]
+    for parts in _GRIDS:
+        asked, nearer = [*dict.fromkeys(boxes)][:_MOST_BOXES], list[tuple[int, _Box]]()
         for names, box in asked:
             pay(_PRICE_OF_A_GRID)
-            grid = [[low + (high - low) * k / _GRID for k in range(_GRID + 1)] for low, high in box]
-            at = {name: np.tile(x, (_GRID + 1) ** len(grid)) for name, x in places.items()}
-            at |= dict.fromkeys(law.forces, np.zeros(count(places) * (_GRID + 1) ** len(grid)))
-            at |= {f: np.repeat(x, count(places)) for f, x in zip(names, np.array(list(product(*grid)), dtype=float).T, strict=True)}
+            grid = [[low + (high - low) * k / parts for k in range(parts + 1)] for low, high in box]
+            points = np.array(list(product(*grid)), dtype=float).T
+            at = {name: np.tile(x, points.shape[1]) for name, x in places.items()}
+            at |= dict.fromkeys(law.forces, np.zeros(count(places) * points.shape[1]))
+            at |= {f: np.repeat(x, count(places)) for f, x in zip(names, points, strict=True)}
             values = value_of(law.g, at).reshape(*map(len, grid), count(places))
             inside, outside = (values <= 0).all(axis=-1), (values > _ROUNDING * np.abs(values).max()).all(axis=-1)
             for middle, step in _midpoints(inside, outside):
                 p, q = ({f: str(x[m + way * k]) for f, x, m, k in zip(names, grid, middle, step, strict=True)} for way in (-1, 1))
                 yield Suggestion("chord", {"p": p, "q": q, **more})
-            for corner in product(range(_GRID), repeat=len(grid)):
+            for corner in product(range(parts), repeat=len(grid)):
                 near = inside[tuple(slice(k, k + 2) for k in corner)]
                 if near.any() and not near.all():
-                    boxes.append((names, tuple((x[k], x[k + 1]) for x, k in zip(grid, corner, strict=True))))
+                    cell = tuple((x[k], x[k + 1]) for x, k in zip(grid, corner, strict=True))
+                    nearer.append((sum(k in (0, parts - 1) for k in corner), (names, cell)))
+        boxes = [box for _, box in sorted(nearer, key=lambda one: -one[0])]
 
 
 def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
@@ -163,9 +170,10 @@ def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fra
 
 def _midpoints(inside: Flags, outside: Flags) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
     """Points of a grid outside, and the steps of the grid that lead from each to points inside both ways, the longest first."""
-    for step in sorted(product(range(-_GRID // 2, _GRID // 2 + 1), repeat=inside.ndim), key=lambda step: -sum(map(abs, step))):
+    size, half = len(inside), len(inside) // 2
+    for step in sorted(product(range(-half, half + 1), repeat=inside.ndim), key=lambda step: -sum(map(abs, step))):
         if step > tuple(-k for k in step):
-            one, middle, two = (tuple(slice(abs(k) + way * k, _GRID + 1 - abs(k) + way * k) for k in step) for way in (-1, 0, 1))
+            one, middle, two = (tuple(slice(abs(k) + way * k, size - abs(k) + way * k) for k in step) for way in (-1, 0, 1))
             for at in np.argwhere(inside[one] & outside[middle] & inside[two]):
                 yield tuple(int(i) + abs(k) for i, k in zip(at, step, strict=True)), step
 
