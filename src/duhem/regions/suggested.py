@@ -28,7 +28,7 @@ __all__ = ["Suggestion", "suggestions"]
 
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
 _PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "2")))  # components of the points that are tried
-_GRIDS = (32, 8, 8)  # parts of a range, and of cells of grids within cells of grids
+_GRIDS = (32, 8, 8, 8)  # parts of a range, and of cells of grids within cells of grids
 _MOST_BOXES = 12  # at once
 _FAR = (Fraction(2), Fraction(32), Fraction(512))  # where a force that has no end ends
 _ROUNDING, _PRICE_OF_A_GRID = 1e-13, 2500
@@ -133,8 +133,8 @@ def _scaled(way: Mapping[str, str], scale: int) -> dict[str, str]:
 def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
     """Chords of grids over the ranges of two forces or of one: their ends lie in K at all of the values, their midpoints at none.
 
-    A cell of a grid that K does not fill has a grid of its own, those at corners first.  A force without ends has several ranges about 0;
-    others are 0.
+    A cell of a grid that K does not fill has a grid of its own, with those around it, cells at corners first.  A force without ends has
+    several ranges about 0; others are 0.
     """
     ends, more = dict[str, tuple[Any, ...]](law.ranges), {} if law.pressure is None else {"pressure": "-1"}
     pairs = list(combinations(law.forces, 2)) or [law.forces]
@@ -156,7 +156,7 @@ def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggesti
             for corner in product(range(parts), repeat=len(grid)):
                 near = inside[tuple(slice(k, k + 2) for k in corner)]
                 if near.any() and not near.all():
-                    cell = tuple((x[k], x[k + 1]) for x, k in zip(grid, corner, strict=True))
+                    cell = tuple((x[max(k - 1, 0)], x[min(k + 2, parts)]) for x, k in zip(grid, corner, strict=True))
                     nearer.append((sum(k in (0, parts - 1) for k in corner), (names, cell)))
         boxes = [box for _, box in sorted(nearer, key=lambda one: -one[0])]
 
