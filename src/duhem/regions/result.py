@@ -239,10 +239,10 @@ class ParameterRegion(FoundRegion):
 
     def between(self, cell: ParameterCell, with_domain: bool) -> str:
         """A cell in words; "" for the whole domain."""
-        (name,) = self.parameters
-        own = self.domain
-        if cell == own:
-            return ""
+        return "" if cell == self.domain else self._comparisons(cell, with_domain)
+
+    def _comparisons(self, cell: ParameterCell, with_domain: bool) -> str:
+        (name,), own = self.parameters, self.domain
         if cell.single and cell.low is not None:
             return f"{name} {'==' if with_domain else '='} {written_root(cell.low)}"
         said = list[str]()
@@ -275,10 +275,7 @@ class ParameterRegion(FoundRegion):
     @property
     def over(self) -> str:
         """The domain asked for, as comparisons."""
-        (name,), own = self.parameters, self.domain
-        said = [] if own.low is None else [f"{written_root(own.low)} {'<' if own.open else '<='} {name}"]
-        said += [] if own.high is None else [f"{name} {'<' if own.open_high else '<='} {written_root(own.high)}"]
-        return " and ".join(said) or "true"
+        return self._comparisons(self.domain, True) or "true"
 
 
 def _as_plain(x: Any) -> Any:
