@@ -364,6 +364,8 @@ class Paving(AsksTheKernel):
             for rule, evidence in told:
                 if self.confirmed(partial(family_fails, self.claim, rule, law, self.names, evidence)):
                     return Known("refuted", {"rule": rule, "evidence": dict(evidence)})
+        if holds is False and (row := self.proof(law)) is not None:
+            return Known("proved", row)  # K may be everything or empty there, which no dent tells
         return None
 
     def _proof_by_all(self, law: StatedLaw, place: Place) -> dict[str, Any] | None:

@@ -20,7 +20,7 @@ __all__ = ["cells_of"]
 
 _NARROW = Fraction(1, 2**30)
 _ROUNDING, _SHORT, _BESIDE = 3e-8, 1000, (1e-6, 1e-4)
-_MOST_IN_VAIN, _MOST_TRIES, _FARTHEST, _FEW_SEEDS = 24, 60, 2**16, 3  # the first: gaps one after the other that are halved
+_MOST_IN_VAIN, _MOST_TRIES, _FARTHEST, _FEW_SEEDS = 12, 60, 2**16, 3  # the first: gaps one after the other that are halved
 
 
 def cells_of(asked: Asked) -> list[Decided]:
