@@ -327,7 +327,7 @@ class Paving(AsksTheKernel):
             elif clearly:
                 asked, least = holds.any() != holds.all() and np.array_equal(side, holds), 2
             else:
-                asked, least = holds[side].any() and not holds[~side].any(), 1 if large else 2
+                asked, least = bool(holds[side].any() and not holds[~side].any()), 1 if large else 2
             if asked and (parts := self._parts(f"{text} {op} 0", law, place, least)) is not None:
                 return parts
         return None

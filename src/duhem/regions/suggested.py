@@ -137,7 +137,7 @@ def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggesti
     several ranges about 0; others are 0.
     """
     ends, more = dict[str, tuple[Any, ...]](law.ranges), {} if law.pressure is None else {"pressure": "-1"}
-    pairs = list(combinations(law.forces, 2)) or [law.forces]
+    pairs: list[tuple[str, ...]] = [*combinations(law.forces, 2)] or [law.forces]
     boxes = [(names, tuple(_about_zero(ends.get(f), far) for f in names)) for names in pairs for far in _FAR]
     for parts in _GRIDS:
         asked, nearer = [*dict.fromkeys(boxes)][:_MOST_BOXES], list[tuple[int, _Box]]()
@@ -149,7 +149,7 @@ def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggesti
             at |= dict.fromkeys(law.forces, np.zeros(count(places) * points.shape[1]))
             at |= {f: np.repeat(x, count(places)) for f, x in zip(names, points, strict=True)}
             values = value_of(law.g, at).reshape(*map(len, grid), count(places))
-            inside, outside = (values <= 0).all(axis=-1), (values > _ROUNDING * np.abs(values).max()).all(axis=-1)
+            inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
             for middle, step in _midpoints(inside, outside):
                 p, q = ({f: str(x[m + way * k]) for f, x, m, k in zip(names, grid, middle, step, strict=True)} for way in (-1, 1))
                 yield Suggestion("chord", {"p": p, "q": q, **more})

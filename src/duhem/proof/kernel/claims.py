@@ -19,8 +19,8 @@ from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
-from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
+from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
 from duhem.proof.kernel.simpler_laws import cases, in_principal_stresses, normal_forms, without_outer_map
