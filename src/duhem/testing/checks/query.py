@@ -341,7 +341,7 @@ class Query:
         ends = np.cumsum([0, *(len(trial) for trial, _ in asked)]).tolist()
         rows = np.concatenate([np.arange(len(self.case)) if len(trial) == len(self.case) else self.some.rows for trial, _ in asked])
         trials = np.concatenate([trial for trial, _ in asked])
-        order = _shuffled(trials)
+        order = _shuffled(trials, crc32((self.whole or self).case.trial.tobytes()) % 4)
         mixed = self._reply(trials[order], None if loads is None else loads[order], stiffness, rows[order])
         whole = mixed.part(np.unique(order, return_index=True)[1])
         self.points += len(whole.trial)
@@ -534,10 +534,10 @@ class Query:
         return known[name] if name in known else self.together([asked], self.case.stiffness)[0]
 
 
-def _shuffled(trials: Array) -> NDArray[np.intp]:
-    """Return all rows in an order of chance, up to three of them twice: a loop over several at a time leaves every rest."""
-    chance, n = np.random.default_rng(crc32(trials.tobytes())), len(trials)
-    return chance.permutation(np.append(np.arange(n), np.arange(chance.integers(4) if n > 3 else 0)))
+def _shuffled(trials: Array, more: int) -> NDArray[np.intp]:
+    """Return all rows in an order of chance, some of more than three twice: a loop over several at a time leaves every rest."""
+    n = len(trials)
+    return np.random.default_rng(crc32(trials.tobytes())).permutation(np.append(np.arange(n), np.arange(more if n > 3 else 0)))
 
 
 def _some(rows: int, every: int) -> NDArray[np.intp]:
