@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import reduce
+from functools import cache, reduce
 from math import isqrt
 from operator import or_
 from typing import Any, NamedTuple
@@ -185,15 +185,9 @@ def of_sum(moving: Sequence[Facts], constants: Sequence[Facts] = ()) -> Facts:
     return Facts(all(known.defined for known in parts), together, convex, concave, quasi)
 
 
+@cache
 def signs_of_product(a: Sign, b: Sign) -> Sign:
     """The signs that a product of one of ``a`` and one of ``b`` may have."""
-    return _PRODUCTS[a][b]
-
-
-def _sign_of_products(a: Sign, b: Sign) -> Sign:
     parts = {NEGATIVE: -1, ZERO: 0, POSITIVE: 1}
     found = {s * t for i, s in parts.items() for j, t in parts.items() if a & i and b & j}
     return sum(i for i, s in parts.items() if s in found)
-
-
-_PRODUCTS = [[_sign_of_products(a, b) for b in range(ANY + 1)] for a in range(ANY + 1)]  # of every two sets of signs
