@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from itertools import combinations
 from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.forms import degree_at_most, determinant, quadratic
+from duhem.proof.kernel.forms import degree_at_most, principal_minors, quadratic
 from duhem.proof.kernel.identity import multiplied_out, multiplied_through
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.region import where_loads_allow
@@ -207,10 +206,8 @@ def _minors(term: Term, domain: StatedDomain) -> tuple[Term, ...]:
     if degree_at_most(term, domain) != 2:
         return ()
     with suppress(NotWritten):
-        names = sorted(term.names() & set(domain.law.forces))
-        matrix = quadratic(term, names, domain)[0]
-        sizes = range(1, min(len(names), _LARGEST) + 1)
-        every = (determinant([[matrix[i][j] for j in some] for i in some]) for k in sizes for some in combinations(range(len(names)), k))
+        matrix = quadratic(term, sorted(term.names() & set(domain.law.forces)), domain)[0]
+        every = (minor for _, minor in principal_minors(matrix, _LARGEST))
         return tuple(dict.fromkeys(_plain(minor, domain) for minor in every if domain.facts(minor).sign & NEGATIVE))
     return ()
 
