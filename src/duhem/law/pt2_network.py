@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.abbreviations import Stress
-from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile
-from duhem.law.network import SWITCH, GraphNode, Network, criterion_file, not_read, read_from
+from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile, read_from
+from duhem.law.network import SWITCH, GraphNode, Network, criterion_file, not_read
 
 __all__ = ["pt2_network"]
 
@@ -39,7 +39,8 @@ _OVER_ALL = {
 _SIMPLE: Mapping[str, tuple[str, ...]] = {  # the operator of ONNX and the arguments that it takes, where it is the same
     "relu": ("Relu", "self"), "tanh": ("Tanh", "self"), "sigmoid": ("Sigmoid", "self"), "exp": ("Exp", "self"), "log": ("Log", "self"),
     "sqrt": ("Sqrt", "self"), "abs": ("Abs", "self"), "neg": ("Neg", "self"), "add": ("Add", "self", "other"),
-    "sub": ("Sub", "self", "other"), "mul": ("Mul", "self", "other"), "div": ("Div", "self", "other"), "pow": ("Pow", "self", "exponent"),
+    "sub": ("Sub", "self", "other"), "rsub": ("Sub", "other", "self"), "square": ("Mul", "self", "self"),
+    "mul": ("Mul", "self", "other"), "div": ("Div", "self", "other"), "pow": ("Pow", "self", "exponent"),
     "maximum": ("Max", "self", "other"), "minimum": ("Min", "self", "other"), "matmul": ("MatMul", "self", "other"),
     "mm": ("MatMul", "self", "mat2"), "clamp": ("Clip", "self", "min", "max"), "clamp_min": ("Clip", "self", "min"),
     **{word: ("Identity", "self") for word in ("detach", "detach_", "alias", "clone", "contiguous", "lift_fresh_copy")},
@@ -130,13 +131,9 @@ def _nodes(told: Mapping[str, Any]) -> Iterator[GraphNode]:
             operator, *names = _SIMPLE[word]
             yield node(operator, *(float(x) if isinstance(x, int) else x for x in map(asked, names)))
         case "linear":
-            yield node("Transpose", given["weight"], into=f"{out}.t")
-            yield node("MatMul", x, f"{out}.t", into=f"{out}.m" if asked("bias") else out)
-            if asked("bias"):
-                yield node("Add", f"{out}.m", given["bias"])
+            yield node("MatMul", x, given["weight"], asked("bias"), transB=1)
         case "addmm" if asked("alpha", 1) == asked("beta", 1) == 1:
-            yield node("MatMul", given["mat1"], given["mat2"], into=f"{out}.m")
-            yield node("Add", f"{out}.m", x)
+            yield node("Gemm", given["mat1"], given["mat2"], x)
         case "softplus" if asked("threshold", 20.0) >= SWITCH and (beta := float(asked("beta", 1.0))) > 0.0:
             yield node("Mul", x, beta, into=f"{out}.x")
             yield node("Softplus", x if beta == 1.0 else f"{out}.x", into=out if beta == 1.0 else f"{out}.y")
@@ -145,18 +142,12 @@ def _nodes(told: Mapping[str, Any]) -> Iterator[GraphNode]:
         case "silu":
             yield node("Sigmoid", x, into=f"{out}.x")
             yield node("Mul", x, f"{out}.x")
-        case "elu" if asked("scale", 1) == asked("input_scale", 1) == 1:
-            yield node("Elu", x, alpha=asked("alpha", 1.0))
-        case "celu":
-            yield node("Celu", x, alpha=asked("alpha", 1.0))
+        case "elu" | "celu" if asked("scale", 1) == asked("input_scale", 1) == 1:
+            yield node(word.capitalize(), x, alpha=asked("alpha", 1.0))
         case "leaky_relu":
             yield node("LeakyRelu", x, alpha=asked("negative_slope", 0.01))
         case "hardtanh":
             yield node("Clip", x, min=asked("min_val", -1.0), max=asked("max_val", 1.0))
-        case "square":
-            yield node("Mul", x, x)
-        case "rsub" if asked("alpha", 1) == 1:
-            yield node("Sub", given["other"], x)
         case "cat":
             yield node("Concat", *given["tensors"], axis=asked("dim", 0))
         case "stack":
