@@ -94,7 +94,8 @@ def learned(
     else:
         inner, first = ("W", "W0") if kind == "mlp" else ("Wz", "Wx0")
         rows, g = _network(book, _ACTIVATIONS[activation], inner, first, kind == "icnn")
-    book.check_used()
+    if book.left:
+        raise InputError(f"the array {next(iter(book.left))} is not used", remedy="leave it out, or choose another --kind")
     return book.criterion_file(name, rows, g, level)
 
 
@@ -123,10 +124,6 @@ class Book:
         self.files[name] = file = f"{self.stem}_{name}.csv"
         self.texts[file] = "".join(",".join(map(exact, row)) + "\n" for row in array)
         return int(array.shape[0])
-
-    def check_used(self) -> None:
-        if self.left:
-            raise InputError(f"the array {next(iter(self.left))} is not used", remedy="leave it out, or choose another --kind")
 
     def criterion_file(self, name: str, rows: Sequence[str], g: str, level: str) -> LearnedFile:
         """The law g <= level, with ``rows`` of definitions over the vector x of the forces."""

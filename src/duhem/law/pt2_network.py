@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import prod
 from typing import Any
 
@@ -37,13 +37,17 @@ _OVER_ALL = {
     "linalg_norm": "ReduceL2",
 }  # fmt: skip
 _SIMPLE: Mapping[str, tuple[str, ...]] = {  # the operator of ONNX and the arguments that it takes, where it is the same
-    "relu": ("Relu", "self"), "tanh": ("Tanh", "self"), "sigmoid": ("Sigmoid", "self"), "exp": ("Exp", "self"), "log": ("Log", "self"),
-    "sqrt": ("Sqrt", "self"), "abs": ("Abs", "self"), "neg": ("Neg", "self"), "add": ("Add", "self", "other"),
-    "sub": ("Sub", "self", "other"), "rsub": ("Sub", "other", "self"), "square": ("Mul", "self", "self"),
-    "mul": ("Mul", "self", "other"), "div": ("Div", "self", "other"), "pow": ("Pow", "self", "exponent"),
+    **{word: (word.capitalize(), "self") for word in ("relu", "tanh", "sigmoid", "exp", "log", "sqrt", "abs", "neg")},
+    **{word: (word.capitalize(), "self", "other") for word in ("add", "sub", "mul", "div")},
+    "rsub": ("Sub", "other", "self"), "square": ("Mul", "self", "self"), "pow": ("Pow", "self", "exponent"),
     "maximum": ("Max", "self", "other"), "minimum": ("Min", "self", "other"), "matmul": ("MatMul", "self", "other"),
     "mm": ("MatMul", "self", "mat2"), "clamp": ("Clip", "self", "min", "max"), "clamp_min": ("Clip", "self", "min"),
     **{word: ("Identity", "self") for word in ("detach", "detach_", "alias", "clone", "contiguous", "lift_fresh_copy")},
+}  # fmt: skip
+_ARGUMENTS: Mapping[str, Callable[[Any], Any]] = {
+    "as_tensor": lambda x: str(x["name"]), "as_tensors": lambda x: [str(each["name"]) for each in x], "as_float": float,
+    **dict.fromkeys(("as_int", "as_bool", "as_ints", "as_scalar_type"), lambda x: x),
+    **dict.fromkeys(("as_none", "as_device", "as_layout", "as_memory_format"), lambda _: None),
 }  # fmt: skip
 
 
@@ -181,15 +185,6 @@ def _nodes(told: Mapping[str, Any]) -> Iterator[GraphNode]:
 def _argument(arg: Mapping[str, Any]) -> Any:
     """A number, a list of them, or the name of a value; None for what says where a value is kept."""
     ((kind, value),) = arg.items()
-    match kind:
-        case "as_tensor":
-            return str(value["name"])
-        case "as_tensors":
-            return [str(each["name"]) for each in value]
-        case "as_float":
-            return float(value)
-        case "as_int" | "as_bool" | "as_ints" | "as_scalar_type":
-            return value
-        case "as_none" | "as_device" | "as_layout" | "as_memory_format":
-            return None
-    raise InputError(f"an operator takes {kind.removeprefix('as_')}", remedy="export the layers alone")
+    if kind not in _ARGUMENTS:
+        raise InputError(f"an operator takes {kind.removeprefix('as_')}", remedy="export the layers alone")
+    return _ARGUMENTS[kind](value)

@@ -62,19 +62,17 @@ class Bounds(NamedTuple):
 
     def covers(self, other: Bounds) -> bool:
         """Whether all of another lies in it."""
-        return other == (other if self.low is None else other.above(self.low, self.open)) and other == (
-            other if self.high is None else other.below(self.high, self.open_high)
-        )
+        return other == other.above(self.low, self.open).below(self.high, self.open_high)
 
-    def above(self, end: Fraction, left_out: bool) -> Bounds:
-        """What of it is >= ``end``, or > it."""
-        return self if self.low is not None and (self.low, self.open) >= (end, left_out) else self._replace(low=end, open=left_out)
+    def above(self, end: Fraction | None, left_out: bool) -> Bounds:
+        """What of it is >= ``end``, or > it; all of it where that is none."""
+        known = end is None or (self.low is not None and (self.low, self.open) >= (end, left_out))
+        return self if known else self._replace(low=end, open=left_out)
 
-    def below(self, end: Fraction, left_out: bool) -> Bounds:
-        """What of it is <= ``end``, or < it."""
-        if self.high is not None and (-self.high, self.open_high) >= (-end, left_out):
-            return self
-        return self._replace(high=end, open_high=left_out)
+    def below(self, end: Fraction | None, left_out: bool) -> Bounds:
+        """What of it is <= ``end``, or < it; all of it where that is none."""
+        known = end is None or (self.high is not None and (-self.high, self.open_high) >= (-end, left_out))
+        return self if known else self._replace(high=end, open_high=left_out)
 
 
 def exact(text: object) -> Fraction:

@@ -29,7 +29,7 @@ BITS = 96
 _ONE = 1 << BITS
 _FARTHEST, _MOST_BOXES = 1000 * _ONE, 64
 _TERMS = 32  # of a series in which each term is a ninth of the one before, or less: the rest is below one unit
-_OF_ROOTS = ("number", "+", "*", "**", "abs")
+_OF_ROOTS = ("number", "+", "*", "**", "abs", "norm")
 _FEW, _MOST_BITS, _SPARE, _LARGEST = 128, 1 << 15, 64, 200  # binary digits; the largest index and exponent of a root
 _MOST_BITS_OF_FRACTION = 4096
 
@@ -398,7 +398,7 @@ _WORDS: Mapping[str, Callable[..., Enclosure]] = {
 def sign_of_radicals(term: Term) -> Sign:
     """The sign; all three for what is no such number, may be undefined or would take too many digits."""
     try:
-        term, roots = _without_norms(term), dict[Term, int]()
+        roots = dict[Term, int]()
         u, below = _sizes(term, roots)
         if max(u, below) > _MOST_BITS:
             return ANY
@@ -417,12 +417,6 @@ def sign_of_radicals(term: Term) -> Sign:
     return ZERO if max(-low, high) < 1 << (bits - apart) else ANY
 
 
-def _without_norms(term: Term) -> Term:
-    """The term with every Euclidean norm written as a root."""
-    term = term._replace(args=tuple(map(_without_norms, term.args)))
-    return Term("**", (sum_of(*(product_of(a, a) for a in term.args)), number(Fraction(1, 2)))) if term.op == "norm" else term
-
-
 def _exponent(power: Term) -> Fraction | None:
     """That of a power, if it is a small fraction; not 0 unless it is written so."""
     with suppress(NotWritten):
@@ -435,6 +429,8 @@ def _sizes(term: Term, roots: dict[Term, int]) -> tuple[int, int]:
     """The logarithms to base 2 of u and l, rounded up; ``roots`` takes up what roots are taken of, and of which index."""
     if term.op == "number":
         return max(0, abs(term.value.numerator) - 1).bit_length(), (term.value.denominator - 1).bit_length()
+    if term.op == "norm":
+        return _sizes(Term("**", (sum_of(*(product_of(a, a) for a in term.args)), number(Fraction(1, 2)))), roots)
     if term.op == "**":
         if (n := _exponent(term)) is None:
             raise NotWritten("an exponent is no small fraction")
