@@ -115,7 +115,7 @@ SPELLED = [
     ("pos(x - y)**3 + abs(z)", "where(x > y, (x - y)**3 + abs(z), abs(z))", "where(y > x, 0, x**3 - y**3 - 3*x*y*(x - y)) + abs(z)"),
     (
         "max(norm(x - y, y - z) - sqrt(pos((F - pos(F)**2)*(F + 2))), -F, F - 1)",
-        "max(sqrt((x - y)**2 + (y - z)**2) - sqrt(where((F - pos(F)**2)*(F + 2) > 0, (F - pos(F)**2)*(F + 2), 0)), -x - y - z, x + y + z - 1)",
+        "max(norm(x - y, y - z) - sqrt(where((F - pos(F)**2)*(F + 2) > 0, (F - pos(F)**2)*(F + 2), 0)), -F, F - 1)",
         "max(norm(x - y, y - z) - sqrt(pos(x + y + z - pos(F)**2)*(x + y + z + 2)), -F, F - 1)",
         "max(norm(x - y, y - z) - sqrt(pos(F**2 + 2*x + 2*y + 2*z - F*pos(F)**2 - 2*pos(F)**2)), -F, F - 1)",
         "max(norm(x - y, y - z) - pos((x + y + z + 2)*(2*x/k + 2*y/k + 2*z/k - 2*pos(F/k)**2*k)*k/2)**(1/2), -F, F - 1)",

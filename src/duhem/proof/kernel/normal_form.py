@@ -210,29 +210,24 @@ class _Form(NamedTuple):
             return self._power(self._collected(square), number(p / 2 if base.op == "norm" else p))
         if p == Fraction(1, 2) and (norm := self._root(base)) is not None:
             return norm
-        if self.collects and 0 < p < 1:
-            base = self._factored(base)
         if p.denominator == 1 and p < 0 and base.op == "*":
             return self._collected(Term("*", tuple(self._power(a, number(p)) for a in base.args)))
         if self.collects and p.denominator == 1 and p < 0 and base.op == "+":
             return self._presented(self._times_power(ONE, self._reduced(self._poly(base)), int(p)))
-        return self._power_of_power(base, number(p))
+        return self._power_of_power(self._factored(base) if self.collects and 0 < p < 1 else base, number(p))
 
     def _factored(self, base: Term) -> Term:
         """N (w + q) for N w + N q, w a word: of a root the factors tell more than the terms; N begins with a coefficient > 0."""
         if base.op == "pos":
             return base._replace(args=(self._factored(base.args[0]),))
-        groups: dict[Monomial, Polynomial] = {}
-        for m, c in self._poly(base).items() if base.op == "+" else ():
-            words = self._in_words(m)
-            groups.setdefault(words, {})[tuple(y for y in m if y not in words)] = c
-        for own in sorted(groups.values(), key=len):
-            if len(groups) > 1 and any(map(self._in_forces, own)):
-                factor = self._content(own)[1]
-                shares = {words: quotient(part, factor) for words, part in groups.items()}
-                if all(shares.values()):
-                    rest = total(*(times(q, {words: Fraction(1)}) for words, q in shares.items() if q))
-                    return Term("*", (self._presented(factor), self._presented(rest)))
+        parts = self._by_words(self._poly(base), graded=False) if base.op == "+" else {}
+        groups = {words: divided(part, words) for (words, _), part in parts.items()}
+        for own in sorted(groups.values(), key=len) if len(groups) > 1 else ():
+            factor = self._content(own)[1]
+            shares = [(words, quotient(part, factor)) for words, part in groups.items()]
+            if any(map(self._in_forces, own)) and all(q for _, q in shares):
+                rest = total(*(times(q, {words: Fraction(1)}) for words, q in shares if q))
+                return Term("*", (self._presented(factor), self._presented(rest)))
         return base
 
     def _power_of_power(self, base: Term, p: Term) -> Term:
@@ -399,20 +394,22 @@ class _Form(NamedTuple):
     def _in_forces(self, m: Monomial) -> Monomial:
         return tuple((x, n) for x, n in m if x.op == "name" and not self.domain.constant(x))
 
-    def _in_words(self, m: Monomial) -> Monomial:
-        return tuple((x, n) for x, n in m if x.op != "name" and not self.domain.constant(x))
+    def _by_words(self, poly: Polynomial, graded: bool) -> dict[tuple[Monomial, int], Polynomial]:
+        """Its terms by the words beside the forces, and by their degree in these if that is asked for."""
+        found: dict[tuple[Monomial, int], Polynomial] = {}
+        for m, c in poly.items():
+            words = tuple((x, n) for x, n in m if x.op != "name" and not self.domain.constant(x))
+            found.setdefault((words, sum(n for _, n in self._in_forces(m)) if graded else 0), {})[m] = c
+        return found
 
     def _divided_out(self, poly: Polynomial) -> Polynomial:
         """With q for (q P)/P, among the terms that have the same words beside the forces, and the same degree in these if P has one."""
         for x in sorted({x for m in poly for x, n in m if n > 0 and x.op == "**" and x.args[1] == number(-1)}):
             if not (by := self._poly(x.args[0])):
                 continue
-            groups = dict[tuple[Monomial, int], Polynomial]()
             alike = len({sum(n for _, n in self._in_forces(m)) for m in by}) == 1
-            for m, c in poly.items():
-                groups.setdefault((self._in_words(m), sum(n for _, n in self._in_forces(m)) if alike else 0), {})[m] = c
             parts = list[Polynomial]()
-            for part in groups.values():
+            for part in self._by_words(poly, alike).values():
                 while any(x in dict(m) for m in part) and (q := quotient(divided(part, ((x, 1),)), by)) is not None:
                     part = q
                 parts += self._apart(part, x, by) if any(x in dict(m) for m in part) else [part]
