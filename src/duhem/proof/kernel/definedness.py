@@ -13,8 +13,9 @@ is 0, on a set without an inside: J2 of a tensor that the forces may be, which i
 tip is not 0, every obligation being decided there, and let each part of g that has none on the axis stand in a function rho^k f, k > 0,
 rho = sqrt(J2), f bounded: it tends to 0 there.  Then g, with 0 for these functions, which must have a value on the axis too, is what g
 extends to, continuously.  Nothing else that divides 0 by 0 is given a value.  K is the set where g, so extended, is <= 0.  The same is
-read of g with what is divided by the same added up over it, N/P for the terms of N each over P: that is g wherever g has a value.  A
-quotient with N = 0 is left as it was.
+read of g with what is divided by the same added up over it, N/P for the terms of N each over P: that is g wherever g has a value.  For
+N = q P + R, R not 0, it is q + R/P there: where g has a value wherever the tip is not 0, it has the limits of that at the tip.  A quotient
+with N = 0 or R = 0 is left as it was.
 
 At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no value: A tends to 0 there and B is of less degree.  K holds 0 then.
 The slip of a law's own, having no value where a tip of g is 0, is there any mean of its limits from around (Koiter 1953): it is asked

@@ -6,6 +6,7 @@ Every step is an identity wherever the formula as written has a value.  What has
 Kinks, of constants too, come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0, powers of powers to one, and what is
 multiplied and added up between words is multiplied out and collected.  ``where(d >= 0, a, b)`` with a - b = c d is b + c pos(d);
 r + c pos(d) is max(r, r + c d) for c >= 0; of a sum of squares under a root those that are no polynomials become parts of a norm.
+Under a root N w + N q with a word w is N (w + q).
 
 A quotient N/P has a value only where P is not 0.  Factors of all terms of P are divided by on their own; N/P is q + R/P for N = q P + R.
 Several powers of one P are written as whole powers of one of them: P is >= 0 where they have values, or they are all whole.
