@@ -130,7 +130,13 @@ def test_a_load_that_may_be_no_load_has_no_end(load: str) -> None:
 
 @pytest.mark.parametrize(
     ("load", "term", "end"),
-    [("a - m", "2*a + 3", "2*m + 3"), ("m*a + b", "m*a + b + p", "p"), ("k*b - 1", "b*k*2", "2"), ("a - b + 1", "abs(b - a)", "1")],
+    [
+        ("a - m", "2*a + 3", "2*m + 3"),
+        ("m*a + b", "exp(0) - b + pos(b + a*m) - m*a", "1"),
+        ("m*a + b", "m*a + b + p", "p"),
+        ("k*b - 1", "b*k*2", "2"),
+        ("a - b + 1", "abs(b - a)", "1"),
+    ],
 )
 def test_where_a_load_ends(load: str, term: str, end: str) -> None:
     here = domain()

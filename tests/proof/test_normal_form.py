@@ -113,13 +113,24 @@ SPELLED = [
     ("norm(x/k, y/k, z/m)", "norm(norm(x, y)/k, z/m)", "norm(-norm(y, x)/k, abs(z)/m)", "norm(norm(x/k, abs(y)*(1/k)), norm(z, 0)/m)"),
     ("norm(pos(x - 1), y)", "sqrt(where(x > 1, y**2 + (x - 1)**2, y**2))", "sqrt(y**2 + where(1 >= x, 0, x**2 - 2*x + 1))"),
     ("pos(x - y)**3 + abs(z)", "where(x > y, (x - y)**3 + abs(z), abs(z))", "where(y > x, 0, x**3 - y**3 - 3*x*y*(x - y)) + abs(z)"),
+    (
+        "max(norm(x - y, y - z) - sqrt(pos((F - pos(F)**2)*(F + 2))), -F, F - 1)",
+        "max(norm(x - y, y - z) - sqrt(where((F - pos(F)**2)*(F + 2) > 0, (F - pos(F)**2)*(F + 2), 0)), -F, F - 1)",
+        "max(norm(x - y, y - z) - sqrt(pos(x + y + z - pos(F)**2)*(x + y + z + 2)), -F, F - 1)",
+        "max(norm(x - y, y - z) - sqrt(pos(F**2 + 2*x + 2*y + 2*z - F*pos(F)**2 - 2*pos(F)**2)), -F, F - 1)",
+        "max(norm(x - y, y - z) - pos((x + y + z + 2)*(2*x/k + 2*y/k + 2*z/k - 2*pos(F/k)**2*k)*k/2)**(1/2), -F, F - 1)",
+    ),
     ("x**2 + k*y**2", "pos(x)**2 + k*(pos(y) + neg(y))**2 + neg(x)**2", "pos(x)**2 + 2*pos(x)*neg(x) + neg(x)**2 + max(k, -k)*y**2"),
 ]
 
 
+LOAD = "(x + y + z)"
+
+
 @pytest.mark.parametrize("text", [text for _, *others in SPELLED for text in others])
 def test_a_convex_law_is_proved_however_it_is_spelled(text: str) -> None:
-    assert convex(text.removesuffix(" + s") if text.endswith("s") else f"{text} - s", "m < k")
+    bounded, text = "F" in text, text.replace("F", LOAD)
+    assert convex(text.removesuffix(" + s") if text.endswith("s") else text if bounded else f"{text} - s", "m < k")
 
 
 @pytest.mark.parametrize(
@@ -172,12 +183,14 @@ WRONG = [
     "where(x > 1, x**2, x**3) + y**2 - s",
     "where(x > 1, x**2 + 1, x**2) + y**2 - s",  # it jumps
     "(v - pos(v - w))*abs(x) + y**2 - s",
+    "max(norm(x - y, y - z) - sqrt(pos((F + 3*pos(F)**2)*(F + 1))), -F, F - 1)",
+    "max(norm(x - y, y - z) - sqrt(pos((pos(F)**2 - F + 1)*(F + 2))), -F, F - 1)",
 ]
 
 
 @pytest.mark.parametrize("text", WRONG)
 def test_a_law_that_is_not_convex_is_refused_in_any_spelling(text: str) -> None:
-    assert not convex(text)
+    assert not convex(text.replace("F", LOAD))
 
 
 UNDEFINED = [
@@ -257,6 +270,9 @@ def _terms(rng: Random, depth: int) -> str:
             f"max(-({one}), -abs({two}), -x)",
             f"((x + y)*((x - y)**2 + 1) + (x - y)**2*({one}))/(x**2 + y**2 - 2*x*y + 1)",
             f"((x + y)*(x - y)**4 + ({one})*k)/((x - y)**4 + k) + (x**2 - x*y*3)/((x - y)**2 + 1)",
+            f"sqrt(pos(({one} - pos({two})**2)*(x - 2*y + k)))",
+            f"sqrt(abs(k*(x + 3)*({one})**2*norm({two}, 1) - e*(x*y + 3*y)*norm({two}, 1)))",
+            f"pos((x*y - x)*abs({two}) + (y**2 - 2*y + 1)*({one}))**(2/3)",
             f"norm(2*({one}), ({two}) - ({one}), k) - sqrt(5*({one})**2 - 2*({one})*({two}) + ({two})**2)",
         )
     )
@@ -313,6 +329,15 @@ SIGNS = [
     ("2 - tan(e)", POSITIVE),
     ("1 - sin(v)**2", ZERO | POSITIVE),
 ]
+DIVIDED = [  # by a constraint
+    ("u/(k + m) <= s/(1 + k)", "s*(k + m) - u*(1 + k)", ZERO | POSITIVE),
+    ("(1 + m)/(u + k)**2 < s", "s*(k + u)**2 - m - 1", POSITIVE),
+    ("v/(1 + exp(w)) > m/(1 + k)/(1 + exp(w))", "v*(1 + k) - m", POSITIVE),
+    ("u/(k + m) <= s/(1 + k)", "s*(k + m) - u*(2 + k)", ANY),
+    ("u/(k + m) <= s/(1 + k)", "s*(k + m) - u*(1 + m)", ANY),
+    ("u/(k - m) <= s", "s*(k - m) - u", ANY),
+    ("u/(v - w) <= s", "s*(v - w) - u", ANY),
+]
 OPEN = [
     "sin(turn) - sin(psi)",
     "cos(turn) - sin(phi)",
@@ -338,6 +363,11 @@ def test_the_sign_of_a_constant(text: str, sign: int) -> None:
     domain = over(law("abs(x) - s", ["m < k", "psi <= phi", "v <= w"]))
     assert domain.facts(parse(text)).sign == sign
     assert domain.facts(minus(parse(text))).sign == {POSITIVE: NEGATIVE, NEGATIVE: POSITIVE}.get(sign, NEGATIVE | ZERO)
+
+
+@pytest.mark.parametrize(("constraint", "text", "sign"), DIVIDED)
+def test_a_constraint_is_multiplied_by_what_it_divides_by_where_that_is_above_zero(constraint: str, text: str, sign: int) -> None:
+    assert over(law("abs(x) - s", [constraint])).facts(parse(text)).sign == sign
 
 
 @pytest.mark.parametrize("text", OPEN)
