@@ -535,9 +535,9 @@ class Query:
 
 
 def _shuffled(trials: Array, more: int) -> NDArray[np.intp]:
-    """Return all rows, after the first in an order of chance, some of more than three twice: a loop over several leaves every rest."""
+    """Return all rows, after the first in an order of chance, some of many twice: a loop over several leaves every rest."""
     n, chance = len(trials), np.random.default_rng(crc32(trials.tobytes()))
-    return np.append(0, chance.permutation(np.append(np.arange(1, n), np.arange(more if n > 3 else 0))))
+    return np.append(0, chance.permutation(np.append(np.arange(1, n), np.arange(more if n > _FEW else 0))))
 
 
 def _some(rows: int, every: int) -> NDArray[np.intp]:
