@@ -118,8 +118,8 @@ def rows_share() -> Callable[..., object]:
 @pytest.mark.parametrize("made", long_but([1], [remembers_slip, rows_share]))
 def test_a_routine_with_a_memory_is_told_to_have_one(made: Callable[[], Callable[..., object]]) -> None:
     asked = ["repeatability", "idempotence", "firmness", "variational-inequality"]
-    report = conformance("orthotropic", made(), ELLIPSE, checks=asked, max_examples=5, rows=8, every=1, tries=5, seed=1)
-    assert report.failures[0].check.name == "repeatability" and {"repeatability"} < report.failed
+    report = conformance("orthotropic", made(), ELLIPSE, checks=asked, max_examples=2, rows=8, every=1, tries=5, seed=1)
+    assert report.failures[0].check.name == "repeatability"  # what fails in one order of the rows alone is part of it
     assert {*report.failures[0].explains} == report.failed - {"repeatability"}
 
 
