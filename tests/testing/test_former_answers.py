@@ -220,7 +220,7 @@ def mistaken_in_a_crowd() -> Routine:
     return update
 
 
-OTHERWISE = [(remembers, 5, 14, "measured"), (mistaken_in_a_crowd, 6, 14, "in a call of 300 increments")]
+OTHERWISE = [(remembers, 5, 14, "in calls of one size, one after the other"), (mistaken_in_a_crowd, 6, 14, "in a call of 300 increments")]
 
 
 @pytest.mark.parametrize(("made", "cases", "rows", "said"), OTHERWISE, ids=["remembers", "crowd"])

@@ -113,10 +113,11 @@ class _Form(NamedTuple):
             return term
         parts = [two]
         for k, c in enumerate(gains):
-            before = own[k] if 1 < k < len(own) and all(self.domain.constant(x) for m in own[k] for x, _ in m) else {}
-            for word, share in (("pos", total(before, c)), ("neg", before if k % 2 == 0 else negated(before))):
-                parts.append(product_of(plainly(share), self._power(self._kink(word, d), number(k))))
-            parts.append(minus(product_of(plainly(before), self._power(d, number(k)))))
+            if c:
+                before = own[k] if 1 < k < len(own) and all(self.domain.constant(x) for m in own[k] for x, _ in m) else {}
+                for word, share in (("pos", total(before, c)), ("neg", before if k % 2 == 0 else negated(before))):
+                    parts.append(product_of(plainly(share), self._power(self._kink(word, d), number(k))))
+                parts.append(minus(product_of(plainly(before), self._power(d, number(k)))))
         return self._collected(sum_of(*parts))
 
     def _by_powers(self, poly: Polynomial, d: Polynomial) -> list[Polynomial]:
