@@ -201,7 +201,7 @@ class StatedDomain:
         return ANY
 
     def _nonnegative(self, poly: Polynomial, strict: bool, constraints: int, gaps: _Gaps, first: _Gaps = ()) -> bool:
-        """Whether it is >= 0, or > 0, perhaps once multiples of so many gaps are taken away, of ``first`` one at most, before the others."""
+        """Whether it is >= 0, or > 0, perhaps once multiples of so many gaps are taken away; one of ``first`` goes before the others."""
         if any(self._by_terms(moved, strict) for moved in self._measured(poly)) or self._between_ends(poly, strict):
             return True
         for m, c in poly.items() if constraints else ():
