@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from random import Random
 
@@ -67,6 +68,20 @@ def test_steps_of_series() -> None:
         )
     with pytest.raises(ValueError, match="too large"):
         _halved(Enclosure(0, 1001 * UNIT))
+
+
+def test_a_tangent_is_enclosed_by_those_of_its_ends() -> None:
+    random, tangent = Random(6), parse("tan(x)")
+    for _ in range(100):
+        low, high = sorted(F(random.randint(-900, 900), 100) for _ in range(2))
+        places = [float(low + (high - low) * F(k, 20)) for k in range(21)]
+        if any(low < (k + F(1, 2)) * F(math.pi) < high for k in range(-4, 4)):
+            with pytest.raises(ZeroDivisionError):
+                enclosed(tangent, {"x": Enclosure.between(low, high)})
+        elif min(abs(math.cos(x)) for x in places) > high - low:
+            found = enclosed(tangent, {"x": Enclosure.between(low, high)})
+            assert all(found.low / UNIT <= math.tan(x) + 1e-9 and math.tan(x) - 1e-9 <= found.high / UNIT for x in places)
+            assert found.high - found.low <= (math.tan(high) - math.tan(low) + 1e-9) * UNIT
 
 
 def test_waves_of_large_angles_lose_whole_turns() -> None:

@@ -277,6 +277,9 @@ def test_a_choice_of_constants_is_proved_on_either_side() -> None:
         (f"a**3/{J2} - 1", False), (f"a**3/{J2} - a**3/{J2} + {J2}", False), (f"a*{J2}/{J2} - a + {J2}", False),
         (f"0*a/{J2} + {J2} - 1", False),
         (f"a**3/{J2} + ({J2} - a**3)/{J2} - 2", False), (f"a/{J2} + ({J3} - a*b)/({J2}*b)", False), (f"{J2} + a/b - a/b", False),
+        (f"({J2}*(a + b + c) + 2*{J3} - m*{J2}**2)/(3*{J2}) - 1", True), (f"({J2} + 2*{J3}*b)/({J2}*b)", False),
+        (f"({J2}*abs(a)/a + {J3})/{J2}", False), (f"({J2}*a - {J2})/{J2}", False), (f"({J2}*log({J2}) + {J3})/{J2}", False),
+        (f"({J2}*m + {J3})/({J2}*e) - 1", False), (f"({J2} + {J3})/{J2} + b/b", False), (f"({J2} + a**3)/{J2}", False),
         (f"{J3}/{J2} + (a/{J2} - a/{J2})*log({J2})", False), (f"sqrt({J2})*acos({C}*a)/a - 1", False),
     ]),
 )  # fmt: skip

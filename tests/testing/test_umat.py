@@ -150,6 +150,18 @@ BAD = {
 }
 
 
+@pytest.mark.parametrize("first", ["*kinc == 1 && *jstep == 1", "time[1] == 0", "time[0] <= 0", "*kinc < 2"])
+def test_a_state_may_be_set_to_zero_at_the_beginning(source, first: str) -> None:  # type: ignore[no-untyped-def]
+    """Later increments say that they are later."""
+    umat_file = source(f"if ({first}) statev[0] = 0; statev[0] += 1;")
+    begun = umat(umat_file, nstatv=1, ntens=2)
+    none = MaterialState(np.zeros((1, 2)), np.zeros((1, 2)), np.zeros((1, 1)), np.zeros(1), np.zeros(1))
+    states = [none]
+    for _ in range(3):
+        states.append(begun.advance(states[-1], np.full((1, 2), 0.1), None, 0.5))
+    assert [float(state.variables[0, 0]) for state in states] == [0, 1, 2, 3]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("bad", mostly_long(BAD, "hang", "last words"))
 def test_a_bad_routine_is_answered_soon_and_quietly(source, bad: str, capfd: pytest.CaptureFixture[str]) -> None:  # type: ignore[no-untyped-def]

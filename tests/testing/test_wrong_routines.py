@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 import pytest
@@ -419,3 +420,20 @@ def test_slips_go_all_round() -> None:
     conformance("coulomb", kept, {"mu": 0.3}, stiffness=1e9, checks="answers", seed=1)
     angles = np.degrees(np.arctan2(*np.concatenate(asked).T))
     assert (np.histogram(angles, np.arange(-180, 181, 5))[0] == 0).sum() < 8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("width", "from_the_end"), mostly_long(product((2, 3, 4, 8), (True, False)), (2, True), (4, False)))
+def test_a_loop_over_several_rows_that_leaves_the_last_ones_alone_is_found(width: int, from_the_end: bool) -> None:
+    """Vectorised loops take so many rows at a time; the rest of the division is asked too, whatever rows stand there."""
+
+    def clipped(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        size, limit = np.linalg.norm(trial, axis=1), 0.3 * np.abs(pressure)
+        stress = trial * np.divide(limit, size, out=np.ones_like(size), where=size > limit)[:, None]
+        left = len(trial) % width if len(trial) > width else 0
+        rows = slice(len(trial) - left, None) if from_the_end else slice(0, left)
+        stress[rows] = trial[rows]
+        return stress
+
+    report = conformance("coulomb", clipped, {"mu": 0.3}, stiffness=1e9, seed=7)
+    assert not report.ok

@@ -19,6 +19,7 @@ class InertNumber(sp.NumberSymbol):
     """The rational ``value`` as a number that is never combined with others, as pi is; every interpreter reads the value."""
 
     is_real = True
+    is_zero = False
     is_rational = None
     is_irrational = None
     is_integer = False
@@ -36,12 +37,6 @@ class InertNumber(sp.NumberSymbol):
 
     def _eval_is_positive(self) -> bool:
         return bool(self.value > 0)
-
-    def _eval_is_negative(self) -> bool:
-        return bool(self.value < 0)
-
-    def _eval_is_zero(self) -> bool:
-        return False
 
     def _hashable_content(self) -> tuple[Any, ...]:
         return (self.value,)

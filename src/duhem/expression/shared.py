@@ -8,7 +8,6 @@ symbols refuses it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
 from typing import Any
@@ -20,17 +19,27 @@ from duhem.errors import InputError
 __all__ = ["Graph", "Shared", "graph_of"]
 
 
-@dataclass(frozen=True)
-class Graph:
+class Graph(sp.Atom):
     """``nodes`` are names with formulas, in order; ``last`` is the formula of the whole, over the law's ``names``.
 
-    ``read`` makes of it an expression.
+    ``read`` makes of it an expression.  SymPy carries it about as something without parts.
     """
 
     nodes: tuple[tuple[str, str], ...]
     last: str
     names: tuple[sp.Symbol, ...]
-    read: Callable[[Graph], sp.Expr] = field(repr=False, compare=False)
+    read: Callable[[Graph], sp.Expr]
+
+    def __new__(cls, *given: Any) -> Graph:
+        made: Graph = super().__new__(cls)
+        made.nodes, made.last, made.names, made.read = given
+        return made
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        return self.nodes, self.last, self.names, self.read
+
+    def _hashable_content(self) -> tuple[str, ...]:
+        return (self.digest,)
 
     @cached_property
     def digest(self) -> str:
@@ -42,29 +51,8 @@ class Graph:
         """The expression as it is written, whose shared parts are the same objects; made when it is first asked for."""
         return self.read(self)
 
-    def __str__(self) -> str:
-        return f"{self.last} with {len(self.nodes)} definitions"
-
-
-class _Handle(sp.Atom):
-    """The graph of a formula, as SymPy carries it about."""
-
-    graph: Graph
-    __slots__ = ("graph",)
-
-    def __new__(cls, graph: Graph) -> _Handle:
-        made: _Handle = super().__new__(cls)
-        made.graph = graph
-        return made
-
-    def _hashable_content(self) -> tuple[str, ...]:
-        return (self.graph.digest,)
-
-    def __reduce__(self) -> Any:
-        return type(self), (self.graph,)
-
     def _sympystr(self, _: Any) -> str:
-        return self.graph.digest[:12]
+        return f"{self.last} with {len(self.nodes)} definitions"
 
 
 class Shared(sp.Expr):
@@ -72,15 +60,11 @@ class Shared(sp.Expr):
 
     is_commutative = True
 
-    def __new__(cls, graph: Graph | _Handle, *symbols: sp.Expr) -> Shared:
-        made: Shared = super().__new__(cls, graph if isinstance(graph, _Handle) else _Handle(graph), *symbols)
-        return made
-
     @property
     def graph(self) -> Graph:
         """What it is the formula of."""
-        handle: _Handle = self.args[0]
-        return handle.graph
+        graph: Graph = self.args[0]
+        return graph
 
     @property
     def parts(self) -> tuple[sp.Basic, ...]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -25,8 +25,8 @@ class Verbatim:
     def __getstate__(self) -> dict[str, Any]:
         return {name: _recorded(value) for name, value in vars(self).items() if name != HASH}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update((name, _restored(value)) for name, value in state.items())
+    def __copy__(self) -> Self:
+        return self
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,12 @@ class _Node:
 
 @dataclass(frozen=True)
 class _Record:
-    """The nodes of an expression, each once and after its arguments; leaves are SymPy's own."""
+    """The nodes of an expression, each once and after its arguments; leaves are SymPy's own.  It comes back as the expression."""
 
     nodes: tuple[Any, ...]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _expression, self.nodes
 
 
 def _recorded(value: Any) -> Any:
@@ -52,16 +55,6 @@ def _recorded(value: Any) -> Any:
         return type(value)(map(_recorded, value))
     if isinstance(value, dict):
         return {_recorded(key): _recorded(item) for key, item in value.items()}
-    return value
-
-
-def _restored(value: Any) -> Any:
-    if isinstance(value, _Record):
-        return _expression(value)
-    if isinstance(value, (tuple, list)):
-        return type(value)(map(_restored, value))
-    if isinstance(value, dict):
-        return {_restored(key): _restored(item) for key, item in value.items()}
     return value
 
 
@@ -90,9 +83,9 @@ def _beside(node: sp.Basic) -> Iterator[str]:
     yield from getattr(node, "__dict__", ())
 
 
-def _expression(record: _Record) -> sp.Basic:
+def _expression(*nodes: Any) -> sp.Basic:
     done: list[sp.Basic] = []
-    for node in record.nodes:
+    for node in nodes:
         done.append(_built(node, [done[i] for i in node.arguments]) if isinstance(node, _Node) else node)
     return done[-1]
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["MOST_NUMBERS", "Book", "LearnedFile", "arrays_of", "check_numbers", "exact", "learned"]
+__all__ = ["MOST_NUMBERS", "Book", "LearnedFile", "arrays_of", "check_numbers", "exact", "learned", "read_from"]
 
 Arrays = Mapping[str, "NDArray[Any]"]
 _ACTIVATIONS = {"softplus": "softplus", "relu": "pos", "tanh": "tanh"}
@@ -44,27 +45,37 @@ def arrays_of(file: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     if not where.endswith(".npz"):
         remedy = "save a network with torch.export.save or torch.onnx.export, or its weights with numpy.savez (page: Verify a learned law)"
         raise InputError("only .npz files of NumPy, .onnx files and .pt2 files are read", where=where, remedy=remedy)
-    try:
+    with read_from(file, "save plain arrays with numpy.savez"):
         with open(file, "rb") as stream, np.load(stream, allow_pickle=False) as given:
             found = {name: np.asarray(given[name]) for name in given.files}
-    except FileNotFoundError:
-        raise InputError("there is no such file", where=where, remedy="check the path") from None
-    except Exception as fault:  # zip and NumPy have errors of their own
-        reason = " ".join(str(fault).split())[:80]
-        raise InputError(f"the file cannot be read: {reason}", where=where, remedy="save plain arrays with numpy.savez") from None
-    for name, array in found.items():
-        check_numbers(name, array, where)
+        for name, array in found.items():
+            check_numbers(name, array)
     return found
 
 
-def check_numbers(name: str, array: NDArray[Any], where: str = "") -> None:
+@contextmanager
+def read_from(file: str | os.PathLike[str], remedy: str) -> Iterator[None]:
+    """InputError with the file for what is found in it, and for the errors of those who read it."""
+    where = os.fspath(file)
+    try:
+        yield
+    except InputError as fault:
+        raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
+    except FileNotFoundError:
+        raise InputError("there is no such file", where=where, remedy="check the path") from None
+    except Exception as fault:  # zip, JSON, protobuf, onnx and NumPy have errors of their own for what a file should not contain
+        said = " ".join(str(fault).split())[:120] or type(fault).__name__
+        raise InputError(f"the file cannot be read: {said}", where=where, remedy=remedy) from None
+
+
+def check_numbers(name: str, array: NDArray[Any]) -> None:
     """InputError for what is no matrix of finite numbers."""
     import numpy as np
 
     if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8 or array.size > MOST_NUMBERS or array.ndim > 2:
-        raise InputError(f"{name} is no matrix of numbers", where=where, remedy="save arrays of floats of at most 64 bits")
+        raise InputError(f"{name} is no matrix of numbers", remedy="save arrays of floats of at most 64 bits")
     if not np.isfinite(array).all():
-        raise InputError(f"{name} holds a number that is not finite", where=where, remedy="train again, or look at the export")
+        raise InputError(f"{name} holds a number that is not finite", remedy="train again, or look at the export")
 
 
 def learned(
@@ -83,7 +94,8 @@ def learned(
     else:
         inner, first = ("W", "W0") if kind == "mlp" else ("Wz", "Wx0")
         rows, g = _network(book, _ACTIVATIONS[activation], inner, first, kind == "icnn")
-    book.check_used()
+    if book.left:
+        raise InputError(f"the array {next(iter(book.left))} is not used", remedy="leave it out, or choose another --kind")
     return book.criterion_file(name, rows, g, level)
 
 
@@ -112,10 +124,6 @@ class Book:
         self.files[name] = file = f"{self.stem}_{name}.csv"
         self.texts[file] = "".join(",".join(map(exact, row)) + "\n" for row in array)
         return int(array.shape[0])
-
-    def check_used(self) -> None:
-        if self.left:
-            raise InputError(f"the array {next(iter(self.left))} is not used", remedy="leave it out, or choose another --kind")
 
     def criterion_file(self, name: str, rows: Sequence[str], g: str, level: str) -> LearnedFile:
         """The law g <= level, with ``rows`` of definitions over the vector x of the forces."""

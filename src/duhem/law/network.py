@@ -6,11 +6,9 @@ batch meet.  What depends on weights alone is a number: it is computed in double
 
 from __future__ import annotations
 
-import os
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -21,7 +19,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile, check_numbers, exact
 
-__all__ = ["REMEDY", "SWITCH", "GraphNode", "Network", "criterion_file", "not_read", "read_from"]
+__all__ = ["REMEDY", "SWITCH", "GraphNode", "Network", "criterion_file", "not_read"]
 
 Array = NDArray[Any]
 _WORDS = {
@@ -46,7 +44,7 @@ _OPERATORS = (
     "Gemm", "MatMul", *_WORDS, *_PAIRS, *_OVER_ALL, "Pow", "Clip", "Where", "Greater", "Concat", "Gather", "Slice", "Transpose", "Squeeze",
     "Unsqueeze", "Reshape", "Cast", "Identity", "Dropout", "Constant",
 )  # fmt: skip
-_PLAIN = (("transA", 0), ("alpha", 1.0), ("beta", 1.0))  # of Gemm, x w + b
+_PLAIN = (("transA", 0), ("alpha", 1.0), ("beta", 1.0))  # of Gemm, x w + b; MatMul with b, of a vector too, is PyTorch's linear
 _SLOPES = {"LeakyRelu": 0.01, "Elu": 1.0, "Celu": 1.0}  # alpha, where a node does not say it
 _FLOATS = {1: "f4", 10: "f2", 11: "f8"}  # by their numbers in ONNX
 SWITCH = 20.0  # where log(1 + exp x) is x within 2.1e-9, less than float32 tells apart
@@ -67,21 +65,6 @@ class GraphNode:
 
     def __str__(self) -> str:
         return f"the operator {self.operator[:_SAID]} ({'node' if self.name else 'of'} {(self.name or self.output)[:_SAID]})"
-
-
-@contextmanager
-def read_from(file: str | os.PathLike[str], remedy: str) -> Iterator[None]:
-    """InputError with the file for what is found in it, and for the errors of those who read it."""
-    where = os.fspath(file)
-    try:
-        yield
-    except InputError as fault:
-        raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
-    except FileNotFoundError:
-        raise InputError("there is no such file", where=where, remedy="check the path") from None
-    except Exception as fault:  # zip, JSON, protobuf, onnx and NumPy have errors of their own for what a file should not contain
-        said = " ".join(str(fault).split())[:120] or type(fault).__name__
-        raise InputError(f"the file cannot be read: {said}", where=where, remedy=remedy) from None
 
 
 @dataclass(frozen=True)
@@ -162,7 +145,8 @@ class _Reader:
         if node.operator not in _OPERATORS:
             raise not_read(node)
         parts = [self.found[each] if isinstance(each, str) else each for each in node.inputs]
-        made = self.moved(node, parts) if any(isinstance(x, _Vector) for x in parts) else self.number(node, parts)
+        moved = any(isinstance(x, _Vector) for x in parts)
+        made = parts[0] if node.operator == "Identity" else self.moved(node, parts) if moved else self.number(node, parts)
         if made is None:
             raise InputError(f"{node} stands between values of kinds or shapes that are not read", remedy=REMEDY)
         return made
@@ -173,8 +157,6 @@ class _Reader:
         match node.operator, parts:
             case "Constant", [] if "value" in given:
                 return np.asarray(given["value"])
-            case "Identity", [np.ndarray() as x]:
-                return x
             case "Transpose", [np.ndarray() as x]:
                 return np.transpose(x, given.get("perm"))
             case "Cast", [np.ndarray() as x] if given["to"] in _FLOATS:
@@ -194,22 +176,17 @@ class _Reader:
     def moved(self, node: GraphNode, parts: Sequence[Any]) -> _Vector | _Switch | None:
         """Of what depends on the input, a vector."""
         given, operator = node.given, node.operator
+        plain = all(given.get(key, y) == y for key, y in _PLAIN)
         match operator, parts:
-            case "Identity", [_Vector() as x]:
-                return x
             case "Dropout", [_Vector() as x, *more] if len(more) < 2 or (isinstance(more[1], np.ndarray) and not more[1].any()):
                 return x
             case "Cast", [_Vector() as x] if given["to"] in (1, 11):
                 return x
-            case "MatMul", [_Vector() as x, np.ndarray() as w] if w.ndim == 2 and x.rank:
-                return self.linear(x, w.T, node.inputs[1])
             case "MatMul", [np.ndarray() as w, _Vector(rank=1) as x] if w.ndim == 2:
                 return self.linear(x, w, node.inputs[0])
-            case "Gemm", [_Vector(rank=2) as x, np.ndarray() as w, *bias] if w.ndim == 2 and all(
-                given.get(key, y) == y for key, y in _PLAIN
-            ):
+            case "MatMul" | "Gemm", [_Vector() as x, np.ndarray() as w, *bias] if plain and w.ndim == 2 and x.rank > (operator == "Gemm"):
                 made = self.linear(x, w if given.get("transB") else w.T, node.inputs[1])
-                return self.joined(_PAIRS["Add"], made, self.vector(bias[0], 2, node), node) if bias and bias[0] is not None else made
+                return self.joined(_PAIRS["Add"], made, self.vector(bias[0], x.rank, node), node) if bias and bias[0] is not None else made
             case _, [_Vector() as x] if operator in _WORDS:
                 slope = float(given.get("alpha", _SLOPES.get(operator, 0.0)))
                 if (operator == "LeakyRelu" and not 0.0 <= slope <= 1.0) or (operator == "Celu" and slope <= 0.0):

@@ -8,8 +8,8 @@ from typing import Any
 
 from duhem.errors import InputError, MissingExtraError
 from duhem.expression.abbreviations import Stress
-from duhem.law.learned import Book, LearnedFile
-from duhem.law.network import REMEDY, GraphNode, Network, criterion_file, read_from
+from duhem.law.learned import Book, LearnedFile, read_from
+from duhem.law.network import REMEDY, GraphNode, Network, criterion_file
 
 __all__ = ["onnx_network"]
 

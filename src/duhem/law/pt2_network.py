@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import prod
 from typing import Any
 
@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.abbreviations import Stress
-from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile
-from duhem.law.network import SWITCH, GraphNode, Network, criterion_file, not_read, read_from
+from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile, read_from
+from duhem.law.network import SWITCH, GraphNode, Network, criterion_file, not_read
 
 __all__ = ["pt2_network"]
 
@@ -37,12 +37,17 @@ _OVER_ALL = {
     "linalg_norm": "ReduceL2",
 }  # fmt: skip
 _SIMPLE: Mapping[str, tuple[str, ...]] = {  # the operator of ONNX and the arguments that it takes, where it is the same
-    "relu": ("Relu", "self"), "tanh": ("Tanh", "self"), "sigmoid": ("Sigmoid", "self"), "exp": ("Exp", "self"), "log": ("Log", "self"),
-    "sqrt": ("Sqrt", "self"), "abs": ("Abs", "self"), "neg": ("Neg", "self"), "add": ("Add", "self", "other"),
-    "sub": ("Sub", "self", "other"), "mul": ("Mul", "self", "other"), "div": ("Div", "self", "other"), "pow": ("Pow", "self", "exponent"),
+    **{word: (word.capitalize(), "self") for word in ("relu", "tanh", "sigmoid", "exp", "log", "sqrt", "abs", "neg")},
+    **{word: (word.capitalize(), "self", "other") for word in ("add", "sub", "mul", "div")},
+    "rsub": ("Sub", "other", "self"), "square": ("Mul", "self", "self"), "pow": ("Pow", "self", "exponent"),
     "maximum": ("Max", "self", "other"), "minimum": ("Min", "self", "other"), "matmul": ("MatMul", "self", "other"),
     "mm": ("MatMul", "self", "mat2"), "clamp": ("Clip", "self", "min", "max"), "clamp_min": ("Clip", "self", "min"),
     **{word: ("Identity", "self") for word in ("detach", "detach_", "alias", "clone", "contiguous", "lift_fresh_copy")},
+}  # fmt: skip
+_ARGUMENTS: Mapping[str, Callable[[Any], Any]] = {
+    "as_tensor": lambda x: str(x["name"]), "as_tensors": lambda x: [str(each["name"]) for each in x], "as_float": float,
+    **dict.fromkeys(("as_int", "as_bool", "as_ints", "as_scalar_type"), lambda x: x),
+    **dict.fromkeys(("as_none", "as_device", "as_layout", "as_memory_format"), lambda _: None),
 }  # fmt: skip
 
 
@@ -130,13 +135,9 @@ def _nodes(told: Mapping[str, Any]) -> Iterator[GraphNode]:
             operator, *names = _SIMPLE[word]
             yield node(operator, *(float(x) if isinstance(x, int) else x for x in map(asked, names)))
         case "linear":
-            yield node("Transpose", given["weight"], into=f"{out}.t")
-            yield node("MatMul", x, f"{out}.t", into=f"{out}.m" if asked("bias") else out)
-            if asked("bias"):
-                yield node("Add", f"{out}.m", given["bias"])
+            yield node("MatMul", x, given["weight"], asked("bias"), transB=1)
         case "addmm" if asked("alpha", 1) == asked("beta", 1) == 1:
-            yield node("MatMul", given["mat1"], given["mat2"], into=f"{out}.m")
-            yield node("Add", f"{out}.m", x)
+            yield node("Gemm", given["mat1"], given["mat2"], x)
         case "softplus" if asked("threshold", 20.0) >= SWITCH and (beta := float(asked("beta", 1.0))) > 0.0:
             yield node("Mul", x, beta, into=f"{out}.x")
             yield node("Softplus", x if beta == 1.0 else f"{out}.x", into=out if beta == 1.0 else f"{out}.y")
@@ -145,18 +146,12 @@ def _nodes(told: Mapping[str, Any]) -> Iterator[GraphNode]:
         case "silu":
             yield node("Sigmoid", x, into=f"{out}.x")
             yield node("Mul", x, f"{out}.x")
-        case "elu" if asked("scale", 1) == asked("input_scale", 1) == 1:
-            yield node("Elu", x, alpha=asked("alpha", 1.0))
-        case "celu":
-            yield node("Celu", x, alpha=asked("alpha", 1.0))
+        case "elu" | "celu" if asked("scale", 1) == asked("input_scale", 1) == 1:
+            yield node(word.capitalize(), x, alpha=asked("alpha", 1.0))
         case "leaky_relu":
             yield node("LeakyRelu", x, alpha=asked("negative_slope", 0.01))
         case "hardtanh":
             yield node("Clip", x, min=asked("min_val", -1.0), max=asked("max_val", 1.0))
-        case "square":
-            yield node("Mul", x, x)
-        case "rsub" if asked("alpha", 1) == 1:
-            yield node("Sub", given["other"], x)
         case "cat":
             yield node("Concat", *given["tensors"], axis=asked("dim", 0))
         case "stack":
@@ -190,15 +185,6 @@ def _nodes(told: Mapping[str, Any]) -> Iterator[GraphNode]:
 def _argument(arg: Mapping[str, Any]) -> Any:
     """A number, a list of them, or the name of a value; None for what says where a value is kept."""
     ((kind, value),) = arg.items()
-    match kind:
-        case "as_tensor":
-            return str(value["name"])
-        case "as_tensors":
-            return [str(each["name"]) for each in value]
-        case "as_float":
-            return float(value)
-        case "as_int" | "as_bool" | "as_ints" | "as_scalar_type":
-            return value
-        case "as_none" | "as_device" | "as_layout" | "as_memory_format":
-            return None
-    raise InputError(f"an operator takes {kind.removeprefix('as_')}", remedy="export the layers alone")
+    if kind not in _ARGUMENTS:
+        raise InputError(f"an operator takes {kind.removeprefix('as_')}", remedy="export the layers alone")
+    return _ARGUMENTS[kind](value)

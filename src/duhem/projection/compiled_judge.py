@@ -109,7 +109,7 @@ def plain_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array, kn
     loop, d = _text(level, forces, known.convex), len(forces)
     if loop is None or not known.around_origin:
         return None
-    run = interpreted(pasted(loop.text, judge_kernel.INLINED, ("chunk",)), "chunk", CHUNK=1)
+    run = interpreted(loop.text, "chunk", CHUNK=1)
     seen = _seen(known.tips.tobytes(), known.metric.of_stress.tobytes(), d)
     tables = [x.tolist() for x in (*_matrices(stiffness, known.metric), beside(d), *seen)]
     constants = *loop.constants, *tables, *_figures(level, known.metric)

@@ -142,17 +142,17 @@ def over_unit(name: str, weight: sp.Expr) -> str:
 
 
 @lru_cache(maxsize=128)
-def pasted(text: str, names: tuple[str, ...], entries: tuple[str, ...] = ()) -> str:
+def pasted(text: str, names: tuple[str, ...]) -> str:
     """The text with the bodies of these functions, where a call of them is a statement, or all that is assigned.
 
     Such a function is worked through once where it is called, not by itself, then in the caller and then in whatever calls that.
-    One that returns before its end stays as it is.  Of functions that no entry calls any more nothing is left, where ``entries`` are given.
+    One that returns before its end stays as it is.
     """
     tree = ast.parse(text)
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     into = _Pasted({name: functions[name] for name in names if name in functions and _ends(functions[name])})
-    kept = called(functions, lambda name: names_in(into.fill(functions[name])), entries or functions)
-    tree.body = [node for node in tree.body if not isinstance(node, ast.FunctionDef) or node.name in kept]
+    for function in functions.values():
+        into.fill(function)
     return ast.unparse(tree)
 
 

@@ -258,11 +258,6 @@ class CurveSubject(Subject):
         return 1
 
     @cached_property
-    def given(self) -> tuple[sp.Basic, ...]:
-        """The domain of the free parameters, as relations."""
-        return tuple(r for r in (*self.ranges, *map(self._here, self.law.constraints)) if r != sp.true)
-
-    @cached_property
     def boundary(self) -> Vector:
         """T over (cosine, sine) and the free parameters."""
         one, two = (self._here(self._in_angle(x)) for x in self.law.boundary)

@@ -45,11 +45,6 @@ class GraphSubject(Subject):
         spans = self.law.domain.items()
         return all(name in point and rational(Fraction(point[name])) in span for point in points for name, span in spans)
 
-    @property
-    def given(self) -> tuple[sp.Basic, ...]:
-        """What the parameters that are not fixed satisfy."""
-        return (*self.ranges, *(c.xreplace(dict(self.fixed)) for c in self.law.constraints))
-
     def choices(self, most: int) -> Iterator[Values]:
         """Exact values of the free parameters inside the domain, the plainest first."""
         tried = islice(plain_choices(self.free, self.given), _MOST_CHOICES)

@@ -88,6 +88,12 @@ class Subject(ABC):
         return tuple(r for x in self.free for r in self.law.parameters[x.name].relations(x))
 
     @cached_property
+    def given(self) -> tuple[sp.Basic, ...]:
+        """The domain of the free parameters, as relations."""
+        here = (c.xreplace(dict(self.fixed)) for c in self.law.constraints)
+        return tuple(r for r in (*self.ranges, *here) if r != sp.true)
+
+    @cached_property
     def constraints_defined(self) -> bool:
         """Whether each constraint as written has a value where the ranges hold, with those that are shown to have one before it."""
         law, fixed, given = self.law, dict(self.fixed), self.ranges

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import reduce
+from functools import cache, reduce
 from math import isqrt
 from operator import or_
 from typing import Any, NamedTuple
@@ -62,19 +62,17 @@ class Bounds(NamedTuple):
 
     def covers(self, other: Bounds) -> bool:
         """Whether all of another lies in it."""
-        return other == (other if self.low is None else other.above(self.low, self.open)) and other == (
-            other if self.high is None else other.below(self.high, self.open_high)
-        )
+        return other == other.above(self.low, self.open).below(self.high, self.open_high)
 
-    def above(self, end: Fraction, left_out: bool) -> Bounds:
-        """What of it is >= ``end``, or > it."""
-        return self if self.low is not None and (self.low, self.open) >= (end, left_out) else self._replace(low=end, open=left_out)
+    def above(self, end: Fraction | None, left_out: bool) -> Bounds:
+        """What of it is >= ``end``, or > it; all of it where that is none."""
+        known = end is None or (self.low is not None and (self.low, self.open) >= (end, left_out))
+        return self if known else self._replace(low=end, open=left_out)
 
-    def below(self, end: Fraction, left_out: bool) -> Bounds:
-        """What of it is <= ``end``, or < it."""
-        if self.high is not None and (-self.high, self.open_high) >= (-end, left_out):
-            return self
-        return self._replace(high=end, open_high=left_out)
+    def below(self, end: Fraction | None, left_out: bool) -> Bounds:
+        """What of it is <= ``end``, or < it; all of it where that is none."""
+        known = end is None or (self.high is not None and (-self.high, self.open_high) >= (-end, left_out))
+        return self if known else self._replace(high=end, open_high=left_out)
 
 
 def exact(text: object) -> Fraction:
@@ -185,15 +183,9 @@ def of_sum(moving: Sequence[Facts], constants: Sequence[Facts] = ()) -> Facts:
     return Facts(all(known.defined for known in parts), together, convex, concave, quasi)
 
 
+@cache
 def signs_of_product(a: Sign, b: Sign) -> Sign:
     """The signs that a product of one of ``a`` and one of ``b`` may have."""
-    return _PRODUCTS[a][b]
-
-
-def _sign_of_products(a: Sign, b: Sign) -> Sign:
     parts = {NEGATIVE: -1, ZERO: 0, POSITIVE: 1}
     found = {s * t for i, s in parts.items() for j, t in parts.items() if a & i and b & j}
     return sum(i for i, s in parts.items() if s in found)
-
-
-_PRODUCTS = [[_sign_of_products(a, b) for b in range(ANY + 1)] for a in range(ANY + 1)]  # of every two sets of signs

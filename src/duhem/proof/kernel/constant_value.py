@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
-from functools import cache, reduce
+from functools import reduce
 from math import isqrt, lcm, prod
 from typing import ClassVar, NamedTuple
 
@@ -29,7 +29,7 @@ BITS = 96
 _ONE = 1 << BITS
 _FARTHEST, _MOST_BOXES = 1000 * _ONE, 64
 _TERMS = 32  # of a series in which each term is a ninth of the one before, or less: the rest is below one unit
-_OF_ROOTS = ("number", "+", "*", "**", "abs")
+_OF_ROOTS = ("number", "+", "*", "**", "abs", "norm")
 _FEW, _MOST_BITS, _SPARE, _LARGEST = 128, 1 << 15, 64, 200  # binary digits; the largest index and exponent of a root
 _MOST_BITS_OF_FRACTION = 4096
 
@@ -49,23 +49,9 @@ def exact_value(term: Term) -> Fraction:
         return term.value
     if term.op == "where" and term.args[0].op in COMPARISONS:
         return exact_value(term.args[1 if holds(term.args[0]) else 2])
-    x = [exact_value(a) for a in term.args]
-    match term.op:
-        case "+":
-            return sum(x, Fraction(0))
-        case "*":
-            return prod(x, start=Fraction(1))
-        case "**":
-            return _fraction_power(*x)
-        case "norm":
-            return _fraction_power(sum((y * y for y in x), Fraction(0)), Fraction(1, 2))
-        case "abs":
-            return abs(x[0])
-        case "pos" | "neg":
-            return max(x[0] if term.op == "pos" else -x[0], Fraction(0))
-        case "max" | "min":
-            return max(x) if term.op == "max" else min(x)
-    raise NotWritten(f"{term.op} is not worked out exactly")
+    if term.op not in _EXACT:
+        raise NotWritten(f"{term.op} is not worked out exactly")
+    return _EXACT[term.op](*map(exact_value, term.args))
 
 
 def _fraction_power(base: Fraction, exponent: Fraction) -> Fraction:
@@ -79,6 +65,14 @@ def _fraction_power(base: Fraction, exponent: Fraction) -> Fraction:
             raise NotWritten("a root is no fraction")
         base = root
     return base**exponent.numerator
+
+
+_EXACT: Mapping[str, Callable[..., Fraction]] = {
+    "+": lambda *x: sum(x, Fraction(0)), "*": lambda *x: prod(x, start=Fraction(1)), "**": _fraction_power,
+    "norm": lambda *x: _fraction_power(sum((y * y for y in x), Fraction(0)), Fraction(1, 2)),
+    "abs": abs, "pos": lambda x: max(x, Fraction(0)), "neg": lambda x: max(-x, Fraction(0)),
+    "max": lambda *x: max(x), "min": lambda *x: min(x),
+}  # fmt: skip
 
 
 # -- enclosed ----------------------------------------------------------------------------------------------------------
@@ -220,41 +214,19 @@ def enclosed(
 
 def _enclosed(term: Term, box: Mapping[str, Enclosure], unit: type[Enclosure], done: dict[Term, Enclosure]) -> Enclosure:
     if unit is not Enclosure and term.op not in _OF_ROOTS:
-        return _refused(term)
+        raise ValueError(f"no enclosure of {term.op}")
     if term.op == "number":
         return unit.between(term.value, term.value)
     if term.op == "name":
-        return _pi() if term.name == "pi" else box[term.name]
+        return _PI if term.name == "pi" else box[term.name]
     if term.op == "where":
         return _chosen(term, box, done)
     if term.op == "**" and (n := _exponent(term)) is not None and (n.denominator <= 2 or unit is not Enclosure):
         x = enclosed(term.args[0], box, unit, done)
         return (x if n.denominator == 1 else x.root(n.denominator)).power(n.numerator)
-    x, *others = parts = [enclosed(a, box, unit, done) for a in term.args]
-    match term.op:
-        case "+":
-            return reduce(Enclosure.plus, parts)
-        case "*":
-            return reduce(Enclosure.times, parts)
-        case "**" if unit is Enclosure:
-            return _power(x, others[0])
-        case "norm":
-            return reduce(Enclosure.plus, (p.power(2) for p in parts)).root()
-        case "max":
-            return reduce(_greater, parts)
-        case "min":
-            return reduce(_greater, (p.minus() for p in parts)).minus()
-        case "abs":
-            return x.size()
-        case "pos" | "neg":
-            return _greater(x if term.op == "pos" else x.minus(), Enclosure(0, 0))
-        case "atan2":
-            return _angle(x, others[0])
-    return _WORDS[term.op](x) if term.op in _WORDS else _refused(term)
-
-
-def _refused(term: Term) -> Enclosure:
-    raise ValueError(f"no enclosure of {term.op}")
+    if term.op not in _WORDS or (term.op == "**" and unit is not Enclosure):
+        raise ValueError(f"no enclosure of {term.op}")
+    return _WORDS[term.op](*(enclosed(a, box, unit, done) for a in term.args))
 
 
 def _chosen(term: Term, box: Mapping[str, Enclosure], done: dict[Term, Enclosure]) -> Enclosure:
@@ -267,6 +239,8 @@ def _chosen(term: Term, box: Mapping[str, Enclosure], done: dict[Term, Enclosure
 
 
 # -- sums of powers ----------------------------------------------------------------------------------------------------
+
+_NOTHING = Enclosure(0, 0)
 
 
 def _greater(x: Enclosure, y: Enclosure) -> Enclosure:
@@ -295,7 +269,7 @@ _ODD_SHARES = tuple(Enclosure.between(share := Fraction(1, 2 * i + 1), share) fo
 
 def _odd_series(x: Enclosure, square: Enclosure) -> Enclosure:
     """x (1 + q/3 + q^2/5 + ...) with q the ``square``, at most 1/9 in size."""
-    total = Enclosure(0, 0)
+    total = _NOTHING
     for share in _ODD_SHARES:
         total = share.plus(total.times(square))
     return Enclosure(total.low - 1, total.high + 1).times(x)
@@ -338,12 +312,7 @@ def _log_at(x: Enclosure) -> Enclosure:
         raise ValueError("a logarithm of what may be <= 0")
     e = x.low.bit_length() - BITS - 1
     m = Fraction(x.low, 1 << BITS + e)  # x = m 2^e, 1 <= m < 2, and log m = 2 atanh z
-    return _twice_atanh((m - 1) / (m + 1)).plus(_times_whole(_log_two(), e))
-
-
-@cache
-def _log_two() -> Enclosure:
-    return _twice_atanh(Fraction(1, 3))
+    return _twice_atanh((m - 1) / (m + 1)).plus(_times_whole(_LOG_TWO, e))
 
 
 def _twice_atanh(z: Fraction) -> Enclosure:
@@ -355,6 +324,9 @@ def _times_whole(x: Enclosure, n: int) -> Enclosure:
     return Enclosure(min(x.low * n, x.high * n), max(x.low * n, x.high * n))
 
 
+_LOG_TWO = _twice_atanh(Fraction(1, 3))
+
+
 def _atan_at(x: Enclosure) -> Enclosure:
     for _ in range(3):  # tan(t/2) = tan t/(1 + sqrt(1 + tan^2 t)), and tan(pi/16) < 1/3
         x = x.times(_shifted(_shifted(x.power(2), 1).root(), 1).inverse())
@@ -364,19 +336,17 @@ def _atan_at(x: Enclosure) -> Enclosure:
 def _asin_at(x: Enclosure) -> Enclosure:
     if x.low < -_ONE or x.high > _ONE:
         raise ValueError("an arc sine of what may lie beyond 1")
-    other = _greater(_shifted(x.power(2).minus(), 1), Enclosure(0, 0)).root()
+    other = _greater(_shifted(x.power(2).minus(), 1), _NOTHING).root()
     return _times_whole(_atan_at(x.times(_shifted(other, 1).inverse())), 2)
 
 
-@cache
-def _pi() -> Enclosure:
-    return _times_whole(_atan_at(Enclosure(_ONE, _ONE)), 4)
+_PI = _times_whole(_atan_at(Enclosure(_ONE, _ONE)), 4)
 
 
 def _wave(x: Enclosure) -> tuple[Enclosure, Enclosure]:
     """Cosine and sine: those of the middle, less whole turns, give or take half the width."""
     middle = (x.low + x.high) // 2
-    turns = _times_whole(_pi(), 2 * (middle // (2 * _pi().low)))
+    turns = _times_whole(_PI, 2 * (middle // (2 * _PI.low)))
     y, k = _halved(Enclosure(middle, middle).plus(turns.minus()))
     square = y.power(2).minus()
     c, s = _series(square, lambda i: 2 * i * (2 * i - 1)), _series(square, lambda i: 2 * i * (2 * i + 1)).times(y)
@@ -391,11 +361,11 @@ def _angle(y: Enclosure, x: Enclosure) -> Enclosure:
     if x.sign == POSITIVE:
         return _atan(y.times(x.inverse()))
     if y.sign in (NEGATIVE, POSITIVE):
-        quarter = _over(_pi(), 2) if y.sign == POSITIVE else _over(_pi(), 2).minus()
+        quarter = _over(_PI, 2) if y.sign == POSITIVE else _over(_PI, 2).minus()
         return quarter.plus(_atan(x.times(y.inverse())).minus())
     if x.sign != NEGATIVE:
         raise ValueError("an angle of what may be (0, 0)")
-    return Enclosure(-_pi().high, _pi().high)
+    return Enclosure(-_PI.high, _PI.high)
 
 
 def _tanh_at(x: Enclosure) -> Enclosure:
@@ -403,16 +373,26 @@ def _tanh_at(x: Enclosure) -> Enclosure:
     return Enclosure(max(found.low, -_ONE), min(found.high, _ONE))
 
 
-def _tan(x: Enclosure) -> Enclosure:
+def _tan_at(x: Enclosure) -> Enclosure:
     c, s = _wave(x)
     return s.times(c.inverse())
 
 
+def _tan(x: Enclosure) -> Enclosure:
+    """It rises where no cosine is 0; ZeroDivisionError where one may be."""
+    _wave(x)[0].inverse()
+    return _rising(_tan_at)(x)
+
+
 _exp, _log, _atan, _asin = map(_rising, (_exp_at, _log_at, _atan_at, _asin_at))
 _sinh = _rising(lambda x: _over(_exp_at(x).plus(_exp_at(x.minus()).minus()), 2))
-_WORDS: Mapping[str, Callable[[Enclosure], Enclosure]] = {
+_WORDS: Mapping[str, Callable[..., Enclosure]] = {
+    "+": lambda *x: reduce(Enclosure.plus, x), "*": lambda *x: reduce(Enclosure.times, x), "**": _power,
+    "norm": lambda *x: reduce(Enclosure.plus, (y.power(2) for y in x)).root(),
+    "max": lambda *x: reduce(_greater, x), "min": lambda *x: reduce(_greater, (y.minus() for y in x)).minus(),
+    "abs": Enclosure.size, "pos": lambda x: _greater(x, _NOTHING), "neg": lambda x: _greater(x.minus(), _NOTHING), "atan2": _angle,
     "exp": _exp, "log": _log, "atan": _atan, "asin": _asin, "sinh": _sinh, "tanh": _rising(_tanh_at), "tan": _tan,
-    "acos": lambda x: _over(_pi(), 2).plus(_asin(x).minus()),
+    "acos": lambda x: _over(_PI, 2).plus(_asin(x).minus()),
     "sin": lambda x: _wave(x)[1], "cos": lambda x: _wave(x)[0],
     "cosh": lambda x: _rising(lambda y: _over(_exp_at(y).plus(_exp_at(y.minus())), 2))(x.size()),
 }  # fmt: skip
@@ -424,7 +404,7 @@ _WORDS: Mapping[str, Callable[[Enclosure], Enclosure]] = {
 def sign_of_radicals(term: Term) -> Sign:
     """The sign; all three for what is no such number, may be undefined or would take too many digits."""
     try:
-        term, roots = _without_norms(term), dict[Term, int]()
+        roots = dict[Term, int]()
         u, below = _sizes(term, roots)
         if max(u, below) > _MOST_BITS:
             return ANY
@@ -443,12 +423,6 @@ def sign_of_radicals(term: Term) -> Sign:
     return ZERO if max(-low, high) < 1 << (bits - apart) else ANY
 
 
-def _without_norms(term: Term) -> Term:
-    """The term with every Euclidean norm written as a root."""
-    term = term._replace(args=tuple(map(_without_norms, term.args)))
-    return Term("**", (sum_of(*(product_of(a, a) for a in term.args)), number(Fraction(1, 2)))) if term.op == "norm" else term
-
-
 def _exponent(power: Term) -> Fraction | None:
     """That of a power, if it is a small fraction; not 0 unless it is written so."""
     with suppress(NotWritten):
@@ -461,6 +435,8 @@ def _sizes(term: Term, roots: dict[Term, int]) -> tuple[int, int]:
     """The logarithms to base 2 of u and l, rounded up; ``roots`` takes up what roots are taken of, and of which index."""
     if term.op == "number":
         return max(0, abs(term.value.numerator) - 1).bit_length(), (term.value.denominator - 1).bit_length()
+    if term.op == "norm":
+        return _sizes(Term("**", (sum_of(*(product_of(a, a) for a in term.args)), number(Fraction(1, 2)))), roots)
     if term.op == "**":
         if (n := _exponent(term)) is None:
             raise NotWritten("an exponent is no small fraction")

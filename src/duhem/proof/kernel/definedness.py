@@ -13,8 +13,9 @@ is 0, on a set without an inside: J2 of a tensor that the forces may be, which i
 tip is not 0, every obligation being decided there, and let each part of g that has none on the axis stand in a function rho^k f, k > 0,
 rho = sqrt(J2), f bounded: it tends to 0 there.  Then g, with 0 for these functions, which must have a value on the axis too, is what g
 extends to, continuously.  Nothing else that divides 0 by 0 is given a value.  K is the set where g, so extended, is <= 0.  The same is
-read of g with what is divided by the same added up over it, N/P for the terms of N each over P: that is g wherever g has a value.  A
-quotient with N = 0 is left as it was.
+read of g with what is divided by the same added up over it, N/P for the terms of N each over P: that is g wherever g has a value.  For
+N = q P + R, R not 0, it is q + R/P there: where g has a value wherever the tip is not 0, it has the limits of that at the tip.  A quotient
+with N = 0 or R = 0 is left as it was.
 
 At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no value: A tends to 0 there and B is of less degree.  K holds 0 then.
 The slip of a law's own, having no value where a tip of g is 0, is there any mean of its limits from around (Koiter 1953): it is asked
@@ -171,44 +172,55 @@ def asks(term: Term, known: dict[Term, bool] | None = None) -> bool:
 # -- limits --------------------------------------------------------------------------------------------------------------
 
 
-def continued(term: Term, domain: StatedDomain) -> Iterator[Term]:
-    """What a formula is where J2 = 0, as its parts may be read, by continuity, if it has a value everywhere else where it is read."""
-    for reader in deviatoric_readers(term, domain):
+def continued(term: Term, domain: StatedDomain, form: Term | None = None) -> Iterator[Term]:
+    """What a formula is where J2 = 0, as its parts may be read, by continuity, if it has a value everywhere else where it is read.
+
+    What is read is a ``form`` of it with the same value there, if one is given.
+    """
+    form = form or term
+    for reader in deviatoric_readers(form, domain):
         with suppress(NotWritten):
-            tip, there = written(reader.second), reader.emptied(term)
+            tip, there = written(reader.second), reader.emptied(form)
             beside = Reader(domain.where({tip: True}), reader.sign)
-            if rarely_zero(tip, domain) and beside.undecided(term) is None and Reader(domain).undecided(there) is None:
+            settled = all(beside.undecided(x) is None for x in (term, form)) and Reader(domain).undecided(there) is None
+            if settled and rarely_zero(tip, domain):
                 yield there
 
 
-def in_quotients(term: Term, domain: StatedDomain) -> Term:
+def in_quotients(term: Term, domain: StatedDomain, divided_out: bool = False) -> Term:
     """The term with its largest parts that have a value everywhere in normal form, and what is divided by the same as one quotient.
 
-    It has a value where the term has one, and the same; a quotient that then is 0 stays as it was.
+    It has a value where the term has one, and the same; a quotient that then is 0 stays as it was.  With what it divides by
+    ``divided_out``, q + R/P for (q P + R)/P, it may have one in more places; a quotient that then has one everywhere stays as it was.
     """
     parts = list[Term]()
-    for divisors, values in _quotients(term, domain).items():
+    for divisors, values in _quotients(term, domain, divided_out).items():
+        under = tuple((x, 1) for x in divisors)
         asked = [(value, Reader(domain).undecided(value) is None) for value in values]
         whole = added([value for value, has_one in asked if has_one])
         if domain.polynomial(whole):
             values = [normal(whole, domain, collects=True), *(value for value, has_one in asked if not has_one)]
-        parts += [scaled(value, tuple((x, 1) for x in divisors)) for value in values]
+            with suppress(NotWritten):  # what is too long stays as it was
+                left = normal(scaled(values[0], under), domain, collects=True)
+                if divided_out and Reader(domain).undecided(left) is not None:
+                    parts, values = [*parts, left], values[1:]
+        parts += [scaled(value, under) for value in values]
     return added(parts)
 
 
-def _quotients(term: Term, domain: StatedDomain) -> dict[tuple[Term, ...], list[Term]]:
+def _quotients(term: Term, domain: StatedDomain, divided_out: bool) -> dict[tuple[Term, ...], list[Term]]:
     """What a term adds up, by what each is divided by."""
     found = dict[tuple[Term, ...], list[Term]]()
     if Reader(domain).undecided(term) is None:
         found[()] = [term]
     elif term.op == "+":
         for a in term.args:
-            for divisors, values in _quotients(a, domain).items():
+            for divisors, values in _quotients(a, domain, divided_out).items():
                 found.setdefault(divisors, []).extend(values)
     elif term.op == "*":
         found[()] = [number(1)]
         for a in term.args:
-            pairs = product(found.items(), _quotients(a, domain).items())
+            pairs = product(found.items(), _quotients(a, domain, divided_out).items())
             found = {}
             for (below_one, ones), (below_two, twos) in pairs:
                 key = tuple(sorted((*below_one, *below_two)))
@@ -223,7 +235,8 @@ def _quotients(term: Term, domain: StatedDomain) -> dict[tuple[Term, ...], list[
             base = normal(written(divided(poly, (), lead)), domain, collects=True)
         found[(Term("**", (base, term.args[1])),)] = [number(lead ** int(p or 0))]
     else:
-        found[()] = [term._replace(args=tuple(a if a.op in _CONDITIONS else in_quotients(a, domain) for a in term.args))]
+        args = (a if a.op in _CONDITIONS else in_quotients(a, domain, divided_out) for a in term.args)
+        found[()] = [term._replace(args=tuple(args))]
     return found
 
 

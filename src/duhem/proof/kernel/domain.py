@@ -18,6 +18,7 @@ from duhem.proof.kernel.polynomial import (
     Monomial,
     Polynomial,
     divided,
+    in_powers,
     joined,
     number_in,
     quotient,
@@ -70,7 +71,7 @@ class StatedDomain:
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
         self._stated = self._gaps = self._products = list[tuple[Polynomial, bool]]()
         self._tied = frozenset[Term]()
-        self._stated = [(self.polynomial(gap(c)), len(c.op) == 1) for c in law.constraints]  # each is >= 0, or > 0
+        self._stated = [(self._without_quotients(self.polynomial(gap(c))), len(c.op) == 1) for c in law.constraints]  # each is >= 0, or > 0
         self._tied = frozenset(x for known, _ in self._stated for m in known for x, _ in m)
         self._compared: dict[Term, Sign] = {}
         self._gaps = [*self._stated, *self._sides_of_sizes()]
@@ -79,6 +80,16 @@ class StatedDomain:
         self.known.clear()
         self.kept.clear()
         self._polynomials.clear()
+
+    def _without_quotients(self, poly: Polynomial) -> Polynomial:
+        """The polynomial times the sums that it divides by, where they are > 0."""
+        for x in sorted({x for m in poly for x, _ in m if x.op == "**" and x.args[1] == number(-1)}):
+            if self.of(x) == POSITIVE and all(dict(m).get(x, 0) >= 0 for m in poly):
+                whole, base = Polynomial(), self.polynomial(x.args[0])
+                for part in in_powers(poly, x):
+                    whole = total(times(whole, base), part)
+                poly = whole
+        return poly
 
     def _sides_of_sizes(self) -> Iterator[tuple[Polynomial, bool]]:
         """Of |x| <= y all of x <= y, -x <= y and 0 <= y, where names alone make up x; of a sum of sizes each in turn."""
@@ -190,7 +201,7 @@ class StatedDomain:
         return ANY
 
     def _nonnegative(self, poly: Polynomial, strict: bool, constraints: int, gaps: _Gaps, first: _Gaps = ()) -> bool:
-        """Also once multiples of so many ``constraints`` are taken away: of gaps, the first one perhaps of those that come ``first``."""
+        """Whether it is >= 0, or > 0, perhaps once multiples of so many gaps are taken away; one of ``first`` goes before the others."""
         if any(self._by_terms(moved, strict) for moved in self._measured(poly)) or self._between_ends(poly, strict):
             return True
         for m, c in poly.items() if constraints else ():

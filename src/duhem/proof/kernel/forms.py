@@ -212,7 +212,10 @@ def of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
         return True
     if term.op in ("+", "*", "name") and share_and_rest(domain.polynomial(term), load, domain) is not None:
         return True
-    return term.op != "name" and all(of_load(a, load, domain) for a in term.args)
+    others = [a for a in term.args if not of_load(a, load, domain)]
+    if term.op == "+" and 0 < len(others) < len(term.args):  # the load may stand in it force by force
+        return of_load(Term("+", tuple(others)), load, domain)
+    return term.op != "name" and not others
 
 
 def _zero(load: Polynomial, domain: StatedDomain) -> dict[Term, Term]:

@@ -6,6 +6,7 @@ Every step is an identity wherever the formula as written has a value.  What has
 Kinks, of constants too, come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0, powers of powers to one, and what is
 multiplied and added up between words is multiplied out and collected.  ``where(d >= 0, a, b)`` with a - b = c d is b + c pos(d);
 r + c pos(d) is max(r, r + c d) for c >= 0; of a sum of squares under a root those that are no polynomials become parts of a norm.
+Under a root N w + N q with a word w is N (w + q).
 
 A quotient N/P has a value only where P is not 0.  Factors of all terms of P are divided by on their own; N/P is q + R/P for N = q P + R.
 Several powers of one P are written as whole powers of one of them: P is >= 0 where they have values, or they are all whole.
@@ -105,16 +106,18 @@ class _Form(NamedTuple):
         d = gap(condition)
         gained = self._poly(sum_of(one, minus(two)))
         if (c := multiple(gained, self._poly(d), self.domain)) is not None:
-            return self._collected(sum_of(two, product_of(plainly(c), self._kink("pos", d))))
+            ramp = product_of(plainly(c), self._kink("pos", d))
+            return self._collected(sum_of(two, ramp) if self._poly(two) else ramp)
         gains, own = (self._by_powers(poly, self._poly(d)) for poly in (gained, self._poly(two)))
         if not gains or gains[0] or not all(self.domain.constant(x) for c in gains for m in c for x, _ in m):
             return term
         parts = [two]
         for k, c in enumerate(gains):
-            before = own[k] if 1 < k < len(own) and all(self.domain.constant(x) for m in own[k] for x, _ in m) else {}
-            for word, share in (("pos", total(before, c)), ("neg", before if k % 2 == 0 else negated(before))):
-                parts.append(product_of(plainly(share), self._power(self._kink(word, d), number(k))))
-            parts.append(minus(product_of(plainly(before), self._power(d, number(k)))))
+            if c:
+                before = own[k] if 1 < k < len(own) and all(self.domain.constant(x) for m in own[k] for x, _ in m) else {}
+                for word, share in (("pos", total(before, c)), ("neg", before if k % 2 == 0 else negated(before))):
+                    parts.append(product_of(plainly(share), self._power(self._kink(word, d), number(k))))
+                parts.append(minus(product_of(plainly(before), self._power(d, number(k)))))
         return self._collected(sum_of(*parts))
 
     def _by_powers(self, poly: Polynomial, d: Polynomial) -> list[Polynomial]:
@@ -213,7 +216,21 @@ class _Form(NamedTuple):
             return self._collected(Term("*", tuple(self._power(a, number(p)) for a in base.args)))
         if self.collects and p.denominator == 1 and p < 0 and base.op == "+":
             return self._presented(self._times_power(ONE, self._reduced(self._poly(base)), int(p)))
-        return self._power_of_power(base, number(p))
+        return self._power_of_power(self._factored(base) if self.collects and 0 < p < 1 else base, number(p))
+
+    def _factored(self, base: Term) -> Term:
+        """N (w + q) for N w + N q, w a word: of a root the factors tell more than the terms; N begins with a coefficient > 0."""
+        if base.op == "pos":
+            return base._replace(args=(self._factored(base.args[0]),))
+        parts = self._by_words(self._poly(base), graded=False) if base.op == "+" else {}
+        groups = {words: divided(part, words) for (words, _), part in parts.items()}
+        for own in sorted(groups.values(), key=len) if len(groups) > 1 else ():
+            factor = self._content(own)[1]
+            shares = [(words, quotient(part, factor)) for words, part in groups.items()]
+            if any(map(self._in_forces, own)) and all(q for _, q in shares):
+                rest = total(*(times(q, {words: Fraction(1)}) for words, q in shares if q))
+                return Term("*", (self._presented(factor), self._presented(rest)))
+        return base
 
     def _power_of_power(self, base: Term, p: Term) -> Term:
         if base.op == "**" and self.domain.constant(base.args[1]):
@@ -379,18 +396,22 @@ class _Form(NamedTuple):
     def _in_forces(self, m: Monomial) -> Monomial:
         return tuple((x, n) for x, n in m if x.op == "name" and not self.domain.constant(x))
 
+    def _by_words(self, poly: Polynomial, graded: bool) -> dict[tuple[Monomial, int], Polynomial]:
+        """Its terms by the words beside the forces, and by their degree in these if that is asked for."""
+        found: dict[tuple[Monomial, int], Polynomial] = {}
+        for m, c in poly.items():
+            words = tuple((x, n) for x, n in m if x.op != "name" and not self.domain.constant(x))
+            found.setdefault((words, sum(n for _, n in self._in_forces(m)) if graded else 0), {})[m] = c
+        return found
+
     def _divided_out(self, poly: Polynomial) -> Polynomial:
         """With q for (q P)/P, among the terms that have the same words beside the forces, and the same degree in these if P has one."""
         for x in sorted({x for m in poly for x, n in m if n > 0 and x.op == "**" and x.args[1] == number(-1)}):
             if not (by := self._poly(x.args[0])):
                 continue
-            groups = dict[tuple[Monomial, int], Polynomial]()
             alike = len({sum(n for _, n in self._in_forces(m)) for m in by}) == 1
-            for m, c in poly.items():
-                words = tuple((y, n) for y, n in m if y.op != "name" and not self.domain.constant(y))
-                groups.setdefault((words, sum(n for _, n in self._in_forces(m)) if alike else 0), {})[m] = c
             parts = list[Polynomial]()
-            for part in groups.values():
+            for part in self._by_words(poly, alike).values():
                 while any(x in dict(m) for m in part) and (q := quotient(divided(part, ((x, 1),)), by)) is not None:
                     part = q
                 parts += self._apart(part, x, by) if any(x in dict(m) for m in part) else [part]

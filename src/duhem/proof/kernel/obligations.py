@@ -90,8 +90,8 @@ def limits(law: StatedLaw) -> tuple[Term, ...]:
     if found := tuple(continued(law.g, over(law))):
         return found
     with suppress(NotWritten):
-        law = law._replace(g=in_quotients(law.g, over(law)))
-        return tuple(continued(law.g, over(law)))
+        form = in_quotients(law.g, over(law), divided_out=True)
+        return tuple(continued(law.g, over(law._replace(g=form)), form))
     return ()
 
 

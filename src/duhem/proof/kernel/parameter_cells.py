@@ -113,8 +113,7 @@ def law_over(law: StatedLaw, name: str, cell: ParameterCell, way: str) -> tuple[
     if way == "share":
         return _put(law, name, *_by_share(cell))
     outer = cell.bounds
-    known = known if outer.low is None else known.above(outer.low, outer.open)
-    known = known if outer.high is None else known.below(outer.high, outer.open_high)
+    known = known.above(outer.low, outer.open).below(outer.high, outer.open_high)
     signs = tuple(_sign(name, end, cell) for end in cell[:2] if isinstance(end, RealRoot) and not end.exact)
     if way != ("sign" if signs else "range"):
         raise NotWritten("a law is not put over such a cell in this way")

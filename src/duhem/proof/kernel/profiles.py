@@ -93,8 +93,7 @@ def closed_at_its_end(term: Term, domain: StatedDomain) -> Facts | None:
     condition, inner, other = term.args
     if condition.op not in (">", "<") or inner.op != "*":
         return None
-    y = condition.args[0] if condition.op == ">" else condition.args[1]
-    bound = condition.args[1] if condition.op == ">" else condition.args[0]
+    y, bound = condition.args if condition.op == ">" else condition.args[::-1]
     known = domain.facts(y)
     if any(domain.polynomial(nothing) or not domain.facts(nothing).defined for nothing in (bound, other)):
         return None

@@ -238,31 +238,27 @@ def sign_at(p: Line, x: Fraction) -> int:
     return (value > 0) - (value < 0)
 
 
-def _remainder(p: Line, q: Line) -> Line:
-    """Of p by q, up to a positive factor."""
+def _quotient(p: Line, q: Line) -> Line:
+    """p/q where q divides p."""
+    found, left = _division(p, q)
+    if left:
+        raise ValueError("it does not divide")
+    return found
+
+
+def _division(p: Line, q: Line) -> tuple[Line, Line]:
+    """Quotient and remainder of p by q, each up to a positive factor: p is multiplied by one where it has to be, to be divided."""
     rest, lead, way = list(p), abs(q[-1]), 1 if q[-1] > 0 else -1
+    found = [0] * max(len(p) - len(q) + 1, 0)
     while len(rest) >= len(q):
         top, shift = way * rest[-1], len(rest) - len(q)
-        rest = [lead * c for c in rest]
+        rest, found = [lead * c for c in rest], [lead * c for c in found]
+        found[shift] = top
         for i, c in enumerate(q):
             rest[i + shift] -= top * c
         while rest and not rest[-1]:
             rest.pop()
-    return _reduced(rest)
-
-
-def _quotient(p: Line, q: Line) -> Line:
-    """p/q where q divides p; both are free of common factors, so the quotient is whole."""
-    rest, found = list(p), [0] * (len(p) - len(q) + 1)
-    for shift in reversed(range(len(found))):
-        found[shift], left = divmod(rest[shift + len(q) - 1], q[-1])
-        if left:
-            raise ValueError("it does not divide")
-        for i, c in enumerate(q):
-            rest[i + shift] -= found[shift] * c
-    if any(rest):
-        raise ValueError("it does not divide")
-    return _reduced(found)
+    return _reduced(found), _reduced(rest)
 
 
 def _chain(p: Line, q: Line) -> list[Line]:
@@ -270,7 +266,7 @@ def _chain(p: Line, q: Line) -> list[Line]:
     found = [p]
     while q:
         found.append(q)
-        p, q = q, tuple(-c for c in _remainder(p, q))
+        p, q = q, tuple(-c for c in _division(p, q)[1])
     return found
 
 
@@ -309,7 +305,7 @@ def common_roots(p: Line, q: Line) -> Line:
 
 def divides(p: Line, q: Line) -> bool:
     """Whether q is a multiple of p."""
-    return not _remainder(q, p)
+    return not _division(q, p)[1]
 
 
 def _count(chain: list[Line], low: Fraction, high: Fraction) -> int:

@@ -15,9 +15,10 @@ invariant parts is; and so is the greatest eigenvalue of a matrix that turns wit
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from fractions import Fraction
+from functools import partial
 from itertools import permutations
 from typing import NamedTuple
 
@@ -53,21 +54,27 @@ def normal_forms(law: StatedLaw) -> tuple[StatedLaw, ...]:
             return in_quotients(term, domain)
         return term
 
-    def flow(terms: tuple[Term, ...] | None, collects: bool) -> tuple[Term, ...] | None:
-        return None if terms is None else tuple(beside(term, collects) for term in terms)
-
     for collects in (False, True):
         with suppress(NotWritten):
-            new = law._replace(
-                g=normal(law.g, domain, collects),
-                flow=flow(law.flow, collects),
-                surfaces=tuple((normal(g, domain, collects), flow(own, collects)) for g, own in law.surfaces),
-                potential=None if law.potential is None else beside(law.potential, collects),
-                power=None if law.power is None else beside(law.power, collects),
-            )
+            new = _rewritten(law, partial(normal, domain=domain, collects=collects), partial(beside, collects=collects))
             if new not in (law, *found):
                 found.append(new)
     return tuple(found)
+
+
+def _rewritten(law: StatedLaw, bound: Callable[[Term], Term], beside: Callable[[Term], Term]) -> StatedLaw:
+    """The law with its formulas rewritten: what bounds K in one way, the slips, their potential and power in another."""
+
+    def each(terms: tuple[Term, ...] | None) -> tuple[Term, ...] | None:
+        return None if terms is None else tuple(map(beside, terms))
+
+    return law._replace(
+        g=bound(law.g),
+        flow=each(law.flow),
+        surfaces=tuple((bound(g), each(flow)) for g, flow in law.surfaces),
+        potential=None if law.potential is None else beside(law.potential),
+        power=None if law.power is None else beside(law.power),
+    )
 
 
 def cases(law: StatedLaw) -> tuple[StatedLaw, ...]:
@@ -79,7 +86,8 @@ def cases(law: StatedLaw) -> tuple[StatedLaw, ...]:
         if choice is not None and domain.facts(choice.args[0]).defined:
             condition, *values = choice.args
             against = Term(AGAINST[condition.op], condition.args)
-            return tuple(_with(law, choice, value, holds) for value, holds in zip(values, (condition, against), strict=True))
+            ways = zip((partial(Term.put, swap={choice: value}) for value in values), (condition, against), strict=True)
+            return tuple(_rewritten(law, put, put)._replace(constraints=(*law.constraints, holds)) for put, holds in ways)
     return ()
 
 
@@ -88,19 +96,6 @@ def _choice(term: Term, domain: StatedDomain) -> Term | None:
     within = next((found for a in term.args if (found := _choice(a, domain)) is not None), None)
     is_open = term.op == "where" and domain.constant(term.args[0]) and domain.decided(term.args[0]) is None
     return within or (term if is_open else None)
-
-
-def _with(law: StatedLaw, choice: Term, value: Term, condition: Term) -> StatedLaw:
-    def put(terms: tuple[Term, ...] | None) -> tuple[Term, ...] | None:
-        return None if terms is None else tuple(term.put({choice: value}) for term in terms)
-
-    return law._replace(
-        g=law.g.put({choice: value}),
-        flow=put(law.flow),
-        surfaces=tuple((g.put({choice: value}), put(flow)) for g, flow in law.surfaces),
-        potential=None if law.potential is None else law.potential.put({choice: value}),
-        constraints=(*law.constraints, condition),
-    )
 
 
 def without_outer_map(law: StatedLaw) -> StatedLaw:

@@ -32,16 +32,12 @@ RISING = ("exp", "log", "atan", "asin", "sinh", "tanh")  # words that rise where
 
 def span(atom: Term, sign: _Signs, bounds: Mapping[str, Bounds]) -> Bounds:
     """Where a constant lies, wherever it has a value, by its ``sign``, its word and the ranges of its names."""
-    found, known = _WITHIN.get(atom.op, Bounds(None, None)), sign(atom)
-    if not known & NEGATIVE:
-        found = found.above(Fraction(0), not known & ZERO)
-    if not known & POSITIVE:
-        found = found.below(Fraction(0), not known & ZERO)
-    beside_one = _beside_one(atom, sign)
-    if not beside_one & POSITIVE:
-        found = found.below(_ONE, not beside_one & ZERO)
-    if not beside_one & NEGATIVE:
-        found = found.above(_ONE, not beside_one & ZERO)
+    found = _WITHIN.get(atom.op, Bounds(None, None))
+    for end, beside in ((Fraction(0), sign(atom)), (_ONE, _beside_one(atom, sign))):
+        if not beside & NEGATIVE:
+            found = found.above(end, not beside & ZERO)
+        if not beside & POSITIVE:
+            found = found.below(end, not beside & ZERO)
     ends = {name: bounds[name] for name in atom.names() - {"pi"} if name in bounds}
     if set(ends) == atom.names() - {"pi"} and all(own.low is not None and own.high is not None for own in ends.values()):
         pay(100)

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from functools import reduce
+from functools import partial, reduce
 from math import perm
 
 from duhem.proof.kernel.constant_value import Enclosure, exact_value
+from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import Term
 
@@ -22,6 +23,7 @@ _MOST = 24  # its degree in one force
 _PRICE = 3  # steps for a product of enclosures
 _Coefficients = Mapping[tuple[int, int], Fraction]
 _ZERO = Enclosure(0, 0)
+_times = partial(times, most=_MOST**4)  # of two polynomials of that degree
 
 
 def coefficients(term: Term, forces: Sequence[str]) -> _Coefficients:
@@ -29,43 +31,31 @@ def coefficients(term: Term, forces: Sequence[str]) -> _Coefficients:
 
     As no part of such a formula is without a value anywhere, no part is lost with the others that it cancels.
     """
-    return _read(term, forces, {})
+    x, y = (Term("name", name=name) for name in forces)
+    found = {(dict(m).get(x, 0), dict(m).get(y, 0)): c for m, c in _read(term, forces, {}).items()}
+    if max(map(max, found), default=0) > _MOST:
+        raise ValueError("the degree is too high")
+    return found
 
 
-def _read(term: Term, forces: Sequence[str], done: dict[Term, _Coefficients]) -> _Coefficients:
+def _read(term: Term, forces: Sequence[str], done: dict[Term, Polynomial]) -> Polynomial:
     if term not in done:
         done[term] = _of_its_word(term, forces, done)  # once, as parts may be shared without end
     return done[term]
 
 
-def _of_its_word(term: Term, forces: Sequence[str], done: dict[Term, _Coefficients]) -> _Coefficients:
+def _of_its_word(term: Term, forces: Sequence[str], done: dict[Term, Polynomial]) -> Polynomial:
     if not term.names():
-        return {(0, 0): exact_value(term)}
+        return {(): exact_value(term)}
     if term.op == "name" and term.name in forces:
-        return {(1, 0) if term.name == forces[0] else (0, 1): Fraction(1)}
+        return {((term, 1),): Fraction(1)}
     if term.op == "+":
-        found = dict[tuple[int, int], Fraction]()
-        for part in term.args:
-            own = _read(part, forces, done)
-            pay(_PRICE * len(own))
-            found |= {place: found.get(place, Fraction(0)) + c for place, c in own.items()}
-        return found
+        return total(*(_read(part, forces, done) for part in term.args))
     if term.op == "*":
-        return reduce(_product, (_read(part, forces, done) for part in term.args))
+        return reduce(_times, (_read(part, forces, done) for part in term.args))
     if term.op == "**" and not term.args[1].names() and (n := exact_value(term.args[1])).denominator == 1 and 0 <= n <= _MOST:
-        return reduce(_product, [_read(term.args[0], forces, done)] * int(n), {(0, 0): Fraction(1)})
+        return reduce(_times, [_read(term.args[0], forces, done)] * int(n), ONE)
     raise ValueError(f"no polynomial of two forces: {term.op}")
-
-
-def _product(one: _Coefficients, other: _Coefficients) -> _Coefficients:
-    pay(_PRICE * len(one) * len(other))
-    found = dict[tuple[int, int], Fraction]()
-    for (i, j), a in one.items():
-        for (k, m), b in other.items():
-            found[i + k, j + m] = found.get((i + k, j + m), Fraction(0)) + a * b
-    if max(map(max, found), default=0) > _MOST:
-        raise ValueError("the degree is too high")
-    return found
 
 
 class TaylorForm:

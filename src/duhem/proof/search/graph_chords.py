@@ -6,7 +6,7 @@ of g, and the one whose midpoint lies highest above it is a candidate.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 
 import numpy as np
@@ -98,13 +98,9 @@ def _short(g: Callable[[Array], Array], start: Array, edge: Array, rng: np.rando
 
 def _in_digits(a: Array, b: Array) -> Iterator[Chord]:
     """The ends rounded to a few digits of the chord's length, then to more, then as they are."""
-    length = float(np.max(np.abs(a - b)))
+    first = -int(np.floor(np.log10(np.max(np.abs(a - b)))))
+    p, q = (tuple(Fraction(float(x)) for x in end) for end in (a, b))
     for digits in _DIGITS:
-        unit = 10.0 ** (np.floor(np.log10(length)) - digits)
-        yield _exact(np.rint(a / unit), unit), _exact(np.rint(b / unit), unit)
-    yield _exact(a, 1.0), _exact(b, 1.0)
-
-
-def _exact(whole: Sequence[float] | Array, unit: float) -> tuple[Fraction, ...]:
-    scale = Fraction(1) if unit == 1.0 else Fraction(10) ** round(np.log10(unit))
-    return tuple(Fraction(float(x)) * scale for x in whole)
+        one, two = (tuple(round(x, first + digits) for x in end) for end in (p, q))
+        yield one, two
+    yield p, q

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from itertools import combinations
 from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.forms import degree_at_most, determinant, quadratic
+from duhem.proof.kernel.forms import degree_at_most, principal_minors, quadratic
 from duhem.proof.kernel.identity import multiplied_out, multiplied_through
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.region import where_loads_allow
@@ -67,24 +66,18 @@ def _undefined(terms: Sequence[Term], domain: StatedDomain) -> Blocked | None:
 
 
 def _origin(law: StatedLaw) -> Blocked | None:
-    zero = law.g.put(_at_zero(law))
-    domain = over(law)
+    nothing = {Term("name", name=f): number(0) for f in law.forces}
+    zero, domain = law.g.put(nothing), over(law)
     if (undefined := _undefined((zero,), domain)) is not None:
-        own = next((x for x in law.g.parts() if x.put(_at_zero(law)) == undefined.part), undefined.part)
+        own = next((x for x in law.g.parts() if x.put(nothing) == undefined.part), undefined.part)
         return Blocked(own, f"{_NEEDS.get(own.op, 'is a word')} that is not shown to have a value at zero force", undefined.signs, True)
     value = multiplied_out(zero, domain)
     return Blocked(value, "is g at zero force, and is not shown to be <= 0", (minus(value),))
 
 
-def _at_zero(law: StatedLaw) -> dict[Term, Term]:
-    return {Term("name", name=f): number(0) for f in law.forces}
-
-
 def _convexity(law: StatedLaw) -> Blocked | None:
     _, others, inside = where_loads_allow(law)
-    if (undefined := _undefined(others, inside)) is not None:
-        return undefined
-    return next((found for part in others if (found := _below(part, _CONVEX, inside)) is not None), None)
+    return _undefined(others, inside) or next((found for part in others if (found := _below(part, _CONVEX, inside)) is not None), None)
 
 
 def _power(law: StatedLaw) -> Blocked | None:
@@ -112,23 +105,19 @@ def _normality(law: StatedLaw) -> Blocked | None:
 
 def _smoothness(law: StatedLaw) -> Blocked | None:
     domain = over(law)
-    if (undefined := _undefined((law.g,), domain)) is not None:
-        return undefined
+    if (found := _undefined((law.g,), domain)) is not None:
+        return found
     known = regularity(law.g, domain)
     for part in (part for part in dict.fromkeys(law.g.parts()) if part.op not in COMPARISONS):
         own = regularity(part, domain)
         if known is None and own is None:
-            return Blocked(part, f"is no formula of which a rule shows that it is C^1 ({_word(part)})")
+            word = {"**": "a power", "+": "a sum", "*": "a product", "where": "a choice"}.get(part.op, part.op)
+            return Blocked(part, f"is no formula of which a rule shows that it is C^1 ({word})")
         if known is not None and own is not None and own.kinks & known.kinks:
             return Blocked(part, "has a kink that no rule shows to cancel")
     if known is not None and known.tips:
         return Blocked(min(known.tips, key=Term.size), "may be 0 on the boundary, and g need have no gradient there")
-    found = _convexity(law)
-    return found or Blocked(law.g, "is C^1, but no rule shows that its gradient is not 0 where g = 0")
-
-
-def _word(part: Term) -> str:
-    return {"**": "a power", "+": "a sum", "*": "a product", "where": "a choice"}.get(part.op, part.op)
+    return _convexity(law) or Blocked(law.g, "is C^1, but no rule shows that its gradient is not 0 where g = 0")
 
 
 _FINDERS = {
@@ -207,10 +196,8 @@ def _minors(term: Term, domain: StatedDomain) -> tuple[Term, ...]:
     if degree_at_most(term, domain) != 2:
         return ()
     with suppress(NotWritten):
-        names = sorted(term.names() & set(domain.law.forces))
-        matrix = quadratic(term, names, domain)[0]
-        sizes = range(1, min(len(names), _LARGEST) + 1)
-        every = (determinant([[matrix[i][j] for j in some] for i in some]) for k in sizes for some in combinations(range(len(names)), k))
+        matrix = quadratic(term, sorted(term.names() & set(domain.law.forces)), domain)[0]
+        every = (minor for _, minor in principal_minors(matrix, _LARGEST))
         return tuple(dict.fromkeys(_plain(minor, domain) for minor in every if domain.facts(minor).sign & NEGATIVE))
     return ()
 

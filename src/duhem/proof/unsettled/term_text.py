@@ -37,13 +37,8 @@ def names_of(law: Law) -> Names:
     return {term: name for term, name in found.items() if term.args}
 
 
-def in_text(term: Term, names: Names) -> str:
-    """A part of a formula as a law has it."""
-    return _text(term, names)[0]
-
-
-def _held(term: Term, names: Names, binds: int) -> str:
-    """In brackets where it binds less closely."""
+def in_text(term: Term, names: Names, binds: int = 0) -> str:
+    """A part of a formula as a law has it; in brackets where it binds less closely than that."""
     text, own = _text(term, names)
     return f"({text})" if own < binds else text
 
@@ -58,22 +53,22 @@ def _text(term: Term, names: Names) -> tuple[str, int]:
         first, *rest = [a for a in term.args if a != _ZERO] or [_ZERO]
         if not rest:
             return _text(first, names)
-        texts = (_text(a, names)[0] for a in rest)
-        return _text(first, names)[0] + "".join(f" - {t[1:]}" if t.startswith("-") else f" + {t}" for t in texts), _SUM
+        texts = (in_text(a, names) for a in rest)
+        return in_text(first, names) + "".join(f" - {t[1:]}" if t.startswith("-") else f" + {t}" for t in texts), _SUM
     if term.op == "*":
         return _product(term, names)
     if term.op == "**":
         base, exponent = term.args
         if exponent == _HALF:
-            return f"sqrt({_text(base, names)[0]})", _ATOM
+            return f"sqrt({in_text(base, names)})", _ATOM
         if exponent.op == "number" and exponent.value < 0:
             return _product(Term("*", (term,)), names)
-        return f"{_held(base, names, _ATOM)}**{_held(exponent, names, _ATOM)}", _POWER
+        return f"{in_text(base, names, _ATOM)}**{in_text(exponent, names, _ATOM)}", _POWER
     if term.op == ",":
-        return f"({', '.join(_text(a, names)[0] for a in term.args)})", _ATOM
+        return f"({', '.join(in_text(a, names) for a in term.args)})", _ATOM
     if term.op in COMPARISONS:
-        return f" {term.op} ".join(_text(a, names)[0] for a in term.args), 0
-    return f"{term.op}({', '.join(_text(a, names)[0] for a in term.args)})", _ATOM
+        return f" {term.op} ".join(in_text(a, names) for a in term.args), 0
+    return f"{term.op}({', '.join(in_text(a, names) for a in term.args)})", _ATOM
 
 
 def _product(term: Term, names: Names) -> tuple[str, int]:
@@ -85,9 +80,9 @@ def _product(term: Term, names: Names) -> tuple[str, int]:
             value /= factor.args[0].value
         elif factor.op == "**" and factor.args[1].op == "number" and factor.args[1].value < 0 and factor not in names:
             base, e = factor.args[0], -factor.args[1].value
-            below.append(_held(base if e == 1 else Term("**", (base, number(e))), names, _POWER))
+            below.append(in_text(base if e == 1 else Term("**", (base, number(e))), names, _POWER))
         else:
-            above.append(_held(factor, names, _POWER))
+            above.append(in_text(factor, names, _POWER))
     above = [str(abs(value.numerator)), *above] if abs(value.numerator) != 1 or not above else above
     below = [str(value.denominator), *below] if value.denominator != 1 else below
     text = "*".join(above) + "".join(f"/{part}" for part in below)

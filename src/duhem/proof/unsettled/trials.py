@@ -21,7 +21,7 @@ from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, pr
 from duhem.proof.unsettled.blocked import Blocked
 from duhem.proof.unsettled.term_text import Names, in_text
 
-__all__ = ["proved", "that_help"]
+__all__ = ["that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
@@ -31,27 +31,14 @@ _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "0", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES = 7, 6  # of plain values
 
 
-def proved(claim: str, law: Text, settled: frozenset[str], steps: int) -> tuple[bool, int]:
-    """Whether the kernel proves the claim without evidence, within so many steps with what it may rest on; and what was spent."""
-    with within(steps) as purse:
-        try:
-            read, known = stated(law), set(settled)
-            for name in (*sorted(needs_of(claim, read) - known, key=_BEFORE.index), claim):
-                if any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read)):
-                    known.add(name)
-            return claim in known, purse.spent
-        except (*UNREADABLE, TooDearError):
-            return False, purse.spent
-
-
 def that_help(
-    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Sequence[Choice], steps: int = _ALL
+    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Sequence[Choice]
 ) -> list[str]:
-    """What to do, so that the claim is proved: one action a kind, each seen to help, within so many steps.
+    """What to do, so that the claim is proved: one action a kind, each seen to help.
 
     ``choices`` are values of the free parameters at which it is tried, after plain ones.
     """
-    asked = _Asked(claim, settled, steps)
+    asked = _Asked(claim, settled)
     found = list[str]()
     for kind in (_signs(law, blocked, choices), _ranges(law, blocked), _forms(law, blocked, names)):
         found += [action for action, changed in kind if asked(changed)][:1]
@@ -61,15 +48,21 @@ def that_help(
 class _Asked:
     """The kernel, as long as steps are left."""
 
-    def __init__(self, claim: str, settled: frozenset[str], steps: int) -> None:
-        self.claim, self.settled, self.steps = claim, settled, steps
+    def __init__(self, claim: str, settled: frozenset[str]) -> None:
+        self.claim, self.settled, self.steps = claim, settled, _ALL
 
     def __call__(self, law: Text) -> bool:
+        """Whether it proves the claim without evidence, with what that may rest on."""
         if self.steps < 0:
             return False
-        helps, spent = proved(self.claim, law, self.settled, _A_TRIAL)
-        self.steps -= spent + _READING
-        return helps
+        known = set(self.settled)
+        with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
+            read = stated(law)
+            for name in (*sorted(needs_of(self.claim, read) - known, key=_BEFORE.index), self.claim):
+                if any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read)):
+                    known.add(name)
+        self.steps -= purse.spent + _READING
+        return self.claim in known
 
 
 def _signs(law: Text, blocked: Blocked | None, choices: Sequence[Choice]) -> Iterator[tuple[str, Text]]:
@@ -113,15 +106,15 @@ def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[s
 def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked) -> Iterator[str]:
     """The fewest parameters to fix, at plain values at which the claim is proved, and how far one of them may vary."""
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
-    fixed = next((dict(choice) for choice in chain(_choices(law), choices) if asked(_with(law, _fixed(choice)))), {})
+    fixed = next((dict(choice) for choice in chain(_choices(law), choices) if asked(_with(law, choice))), {})
     for name in sorted(fixed, key=lambda name: name in part):
         fewer = {x: value for x, value in fixed.items() if x != name}
-        fixed = fewer if fewer and asked(_with(law, _fixed(fewer))) else fixed
+        fixed = fewer if fewer and asked(_with(law, fewer)) else fixed
     for name, value in fixed.items():
         others = {x: v for x, v in fixed.items() if x != name}
         beside = "".join(f" and --set {x}={v}" for x, v in others.items())
         for domain, told in _narrower(law["parameters"][name]):
-            if Bounds.read(domain).holds(value) and asked(_with(law, _fixed(others) | {name: domain})):
+            if Bounds.read(domain).holds(value) and asked(_with({**law, "parameters": {**law["parameters"], name: domain}}, others)):
                 yield f"narrow {name} to {told}{beside}"
                 return
     if fixed:
@@ -149,12 +142,8 @@ def _inhabits(choice: Choice, law: Text) -> bool:
     return False
 
 
-def _fixed(choice: Mapping[str, Fraction]) -> dict[str, Text]:
-    return {name: {"value": str(value)} for name, value in choice.items()}
-
-
-def _with(law: Text, domains: Mapping[str, Text]) -> Text:
-    return {**law, "parameters": {**law["parameters"], **domains}}
+def _with(law: Text, fixed: Choice) -> Text:
+    return {**law, "parameters": {**law["parameters"], **{name: {"value": str(value)} for name, value in fixed.items()}}}
 
 
 def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:

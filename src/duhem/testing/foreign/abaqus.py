@@ -82,7 +82,8 @@ def umat(
     UMAT is given and returns is then turned, six components alone.  ``energies``, ``tangent``: whether it sets SSE and SPD (with SCD),
     which are not judged where they stay 0, and DDSDDE, which is zero before.  A PNEWDT below 1 says that the increment is not solved.
     The last argument beside Abaqus' is the length of CMNAME, as gfortran and ifort pass it.  DFGRD0, DFGRD1 and DROT are the identity
-    (small strains); times are in s, TEMP is the temperature of the points, or 0, each point an element of its own (NOEL).
+    (small strains); times are in s, and an increment from the beginning has KINC 1 and TIME 0, any other KINC 2 and DTIME for TIME.  TEMP
+    is the temperature of the points, or 0, each point an element of its own (NOEL).
     ``isolated``, ``seconds`` and what it has to leave as it is, as in :func:`shared_library`; what an isolated routine prints is shown
     where it fails, and nowhere else.
 
@@ -117,21 +118,20 @@ def umat(
         def column(given: Array | None) -> Array:
             return np.zeros((n, 1)) if given is None else given[:, None].copy()
 
-        def strain(x: Array) -> Array:
-            return np.ascontiguousarray(x @ back)  # T^-T x
-
+        strain, step = (np.ascontiguousarray(x @ back) for x in (before.strain, increment))  # T^-T x
         stress = np.ascontiguousarray(before.stress @ turn.T)
         statev = np.array(before.variables, dtype=np.double, order="C")
         slopes = np.zeros((n, size, size))
         sse, spd, warm = map(column, (before.stored, before.dissipated, before.temperature))
         smaller, scd, scalar, ones = rows([1.0]), rows([0.0]), rows([0.0]), np.eye(3)
+        begun = (before.strain.any(axis=1) | before.stress.any(axis=1) | (statev != first).any(axis=1))[:, None]
         columns = [
             stress, statev, slopes, sse, spd, scd, scalar.copy(), rows(np.zeros(size)), rows(np.zeros(size)), scalar.copy(),
-            strain(before.strain), strain(increment), rows([0.0, 0.0]), rows([duration]), warm, scalar.copy(), scalar.copy(),
-            scalar.copy(), np.tile(material_name, (n, 1)), integer(ndi), integer(size - ndi), integer(size),
+            strain, step, begun * rows([duration, duration]), rows([duration]), warm, scalar.copy(),
+            scalar.copy(), scalar.copy(), np.tile(material_name, (n, 1)), integer(ndi), integer(size - ndi), integer(size),
             integer(len(first)), rows([*props]), integer(len(props)), rows(np.zeros(3)), rows(ones), smaller,
             rows([1.0]), rows(ones), rows(ones), np.arange(1, n + 1, dtype=np.intc)[:, None], integer(1), integer(1), integer(1),
-            rows([1, 1, 0, 0], np.intc), integer(1), np.full(n, 80, dtype=np.uintp),
+            rows([1, 1, 0, 0], np.intc), integer(1) + begun, np.full(n, 80, dtype=np.uintp),
         ]  # fmt: skip
         _, spoilt = watched(native, columns, n, _NAMES, _KEPT, n)
         stored, dissipated = (sse[:, 0], spd[:, 0] + scd[:, 0]) if energies else (None, None)

@@ -110,6 +110,8 @@ def pointwise(step: Callable[..., Any]) -> Update:
             return None if any(p is None for p in parts) else np.array(parts)
 
         whole = Step(*(together(name) for name in Step.__dataclass_fields__))
+        if len(each) == 1:  # the next call may overwrite it
+            whole = replace(whole, returned=_parts(answer))
         return replace(whole, overwritten=np.array(spoilt, dtype=object)) if any(spoilt) else whole
 
     return named_after(update, step, "pointwise")
