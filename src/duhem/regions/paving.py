@@ -283,9 +283,9 @@ class Paving(AsksTheKernel):
         known = self.seen or self._holding(law)
         places = looked_at(law, self.names, *(() if known is None or known.along_rays else (_MANY,)))
         holds = None if known is None else known.margins(places) >= 0
-        seems = None if holds is None or holds.any() != holds.all() else bool(holds.all())
-        found = self._confirmed(law, place, seems, unseen=not count(places))
-        if found is not None:
+        mixed, unseen = holds is not None and holds.any() and not holds.all(), not count(places)
+        seems = None if holds is None or unseen else bool(holds.all())
+        if not mixed and (found := self._confirmed(law, place, seems, unseen)) is not None:
             return found
         told = self.boundaries or self._boundaries(law, known)
         unused = [text for text in told if not {f"{text} {op} 0" for op in AGAINST} & {*place.where}]
