@@ -109,10 +109,9 @@ def pointwise(step: Callable[..., Any]) -> Update:
             parts = [parts.get(name) for parts in each]
             return None if any(p is None for p in parts) else np.array(parts)
 
-        whole = Step(*(together(name) for name in Step.__dataclass_fields__))
-        if len(each) == 1:  # the next call may overwrite it
-            whole = replace(whole, returned=_parts(answer))
-        return replace(whole, overwritten=np.array(spoilt, dtype=object)) if any(spoilt) else whole
+        told = np.array(spoilt, dtype=object) if any(spoilt) else None
+        returned = _parts(answer) if len(each) == 1 else None  # the next call may overwrite it
+        return Step(*(together(name) for name in [*Step.__dataclass_fields__][:-2]), told, returned)
 
     return named_after(update, step, "pointwise")
 
