@@ -24,11 +24,11 @@ from duhem.proof.kernel.term import NotWritten, Term
 from duhem.proof.verdict import Trust
 from duhem.regions.suggested import Suggestion
 
-__all__ = ["MOST_STEPS", "AsksTheKernel", "constraints_on"]
+__all__ = ["MOST_STEPS", "UNBOUNDED", "AsksTheKernel", "constraints_on"]
 
 MOST_STEPS = 60_000_000  # for a region
 _MOST_STEPS_OF_A_RULE = 2_500_000  # on one cell
-_UNBOUNDED = {"convexity": (("sign", True), ("polar-sign", True))}  # what is asked too, where K has no boundary of the usual kind
+UNBOUNDED = {"convexity": (("sign", True), ("polar-sign", True))}  # rules of claims that hold too where K has no boundary of the usual kind
 _FEW_TRIED = 9  # suggestions that the kernel is asked about on one cell
 
 
@@ -115,7 +115,7 @@ class AsksTheKernel:
         usual = self.usual.get(claim)
         readings = (True, False) if usual is None else (usual[1],)
         every = [(rule, as_written) for as_written in readings for rule in rules_of(claim, law)]
-        for rule, as_written in every if usual is None or not self.is_usual(law) else [usual, *_UNBOUNDED.get(claim, ())]:
+        for rule, as_written in every if usual is None or not self.is_usual(law) else [usual, *UNBOUNDED.get(claim, ())]:
             row, before = row_of(claim, rule, law), list[dict[str, Any]]()
             for need in sorted(row.needed if row is not None else ()):
                 more = self._steps_of(need, law, asked | {claim}, known)

@@ -30,7 +30,7 @@ from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_doma
 from duhem.proof.kernel.parameter_tree import law_where, not_outside, opposite, read_comparison, recheck_tree
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, number, parse
-from duhem.regions.asked import AsksTheKernel, constraints_on
+from duhem.regions.asked import UNBOUNDED, AsksTheKernel, constraints_on
 from duhem.regions.boundaries import boundaries
 from duhem.regions.seen import Array, Holding, count, looked_at, value_of
 from duhem.regions.suggested import suggestions
@@ -296,7 +296,8 @@ class Paving(AsksTheKernel):
                     return None
                 if (parts := self._divided_by(text, law, place, sides[text], holds, clearly)) is not None:
                     return parts
-        return (None if holds is not None and holds.any() else self._without_zero(law, place)) or self._halved(place)
+        trivial = self.claim in UNBOUNDED and (holds is None or not holds.any())
+        return (self._without_zero(law, place) if trivial else None) or self._halved(place)
 
     def _without_zero(self, law: StatedLaw, place: Place) -> Divided | None:
         """A leaf at whose edge a parameter is 0 divided into that edge and the rest, if the kernel confirms a verdict of one."""
@@ -364,7 +365,7 @@ class Paving(AsksTheKernel):
             for rule, evidence in told:
                 if self.confirmed(partial(family_fails, self.claim, rule, law, self.names, evidence)):
                     return Known("refuted", {"rule": rule, "evidence": dict(evidence)})
-        if holds is False and (row := self.proof(law)) is not None:
+        if holds is False and self.claim in UNBOUNDED and (row := self.proof(law)) is not None:
             return Known("proved", row)  # K may be everything or empty there, which no dent tells
         return None
 

@@ -73,8 +73,9 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
     """A gap refuted, or proved, as a whole, or the cell to which a proof grows from a value in it, which a fresh one is asked for."""
     if (found := asked.refuted(gap)) is not None:
         return found
-    if not fresh or (_is_narrow(gap) and gap != asked.whole):
-        return asked.proved(gap)
+    if (narrow := _is_narrow(gap) and gap != asked.whole) or not fresh:
+        one = _middle(gap) if narrow else None  # it may hold at one value alone, about which floating point sees more
+        return asked.proved(gap) or (None if one is None else asked.proved(ParameterCell(RealRoot.of(one), RealRoot.of(one))))
     grown = (_grown(asked, seed, gap) for seed in _seeds(gap.bounds) if not asked.spent)
     if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
         grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
