@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import partial
 from typing import Any
 
+from duhem.errors import InputError
 from duhem.law.domain import Domain
+from duhem.proof import verification
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_cells import AS, ParameterCell, at_values, law_over, own_domain, refutation_fails
 from duhem.proof.kernel.real_root import RealRoot
@@ -22,6 +25,18 @@ __all__ = ["Asked", "Decided"]
 
 _IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
 _MOST_ASKED = 30  # of these, for proofs
+_MOST_CHORDS = 16  # counterexamples at one value that are looked for, each as dear as a verification
+
+
+def _around(cell: ParameterCell, inside: Fraction) -> Iterator[ParameterCell]:
+    """A cell, and parts of it around a value, the larger ones first."""
+    yield cell
+    if not cell.single:
+        at = RealRoot.of(inside)
+        yield from (cell._replace(low=at, open=False), cell._replace(high=at, open_high=False))
+        low = Fraction(1) if cell.low is None else inside - cell.low.high
+        high = Fraction(1) if cell.high is None else cell.high.low - inside
+        yield from (ParameterCell(RealRoot.of(inside - low / n), RealRoot.of(inside + high / n)) for n in (2, 4, 16))
 
 
 @dataclass(frozen=True)
@@ -44,6 +59,7 @@ class Asked(AsksTheKernel):
     name: str = field(init=False)
     by_all: bool = False
     verifications: int = 0
+    chords: int = 0
     domain: Bounds = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
     _refuted: dict[ParameterCell, Decided | None] = field(default_factory=dict)
@@ -119,6 +135,28 @@ class Asked(AsksTheKernel):
             rows = ({"as": way, "rule": one.rule, "evidence": one.evidence} for way, one in told if self._refutes(cell, way, one))
             self._refuted[cell] = None if (row := next(rows, None)) is None else Decided(cell, "refuted", row)
         return self._refuted[cell]
+
+    def chord(self, cell: ParameterCell, inside: Fraction) -> Decided | None:
+        """The counterexample that refutes the claim at a value in a cell, over the cell or a part around the value."""
+        if self.spent or self.claim != "convexity" or self.chords == _MOST_CHORDS or self.most < _IN_DEPTH:
+            return None
+        self.chords += 1
+        try:
+            (found,) = verification.verify(self.law.fix({self.name: inside}), claims=[self.claim], effort="quick")
+        except InputError:
+            return None
+        self.steps += found.steps
+        if found.witness is None or not {"p", "q"} <= set(found.witness.points):
+            return None
+        p, q = (dict(found.witness.points[key]) for key in ("p", "q"))
+        pressure = {} if self.law.pressure is None else {"pressure": p.pop(self.law.pressure)}
+        if self.law.pressure is not None and q.pop(self.law.pressure) != pressure["pressure"]:
+            return None
+        values = {name: x for name, x in found.witness.parameters.items() if name in self.values}
+        one = Suggestion("chord", {"p": p, "q": q, "values": {**self.values, **values}, **pressure})
+        parts = ((part, way) for part in _around(cell, inside) for way, _, _ in self._laws(part))
+        rows = ((part, {"as": way, "rule": one.rule, "evidence": one.evidence}) for part, way in parts if self._refutes(part, way, one))
+        return next((Decided(part, "refuted", row) for part, row in rows), None)
 
     def _refutes(self, cell: ParameterCell, way: str, one: Suggestion) -> bool:
         return self.confirmed(partial(refutation_fails, self.claim, one.rule, self.stated, self.name, cell, way, one.evidence))

@@ -75,7 +75,8 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
         return found
     if (narrow := _is_narrow(gap) and gap != asked.whole) or not fresh:
         one = _middle(gap) if narrow else None  # it may hold at one value alone, about which floating point sees more
-        return asked.proved(gap) or (None if one is None else asked.proved(ParameterCell(RealRoot.of(one), RealRoot.of(one))))
+        alone = None if one is None else asked.proved(ParameterCell(RealRoot.of(one), RealRoot.of(one)))
+        return asked.proved(gap) or alone or (None if narrow or gap.single else asked.chord(gap, _middle(gap)))
     grown = (_grown(asked, seed, gap) for seed in _seeds(gap.bounds) if not asked.spent)
     if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
         grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
