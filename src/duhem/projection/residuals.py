@@ -10,8 +10,8 @@ stress; where that bound hides what is asked, g and its slope are looked up in a
 
 Which points of a block are plainly right is found first, by few passes over columns where the judge takes many.  Every threshold
 beyond which that looks closer is halved here, and where it asks for one of two things the stricter is asked, so that both say the same
-of every point, whatever the last digits of either.  What does not pass, or is too large or too small to be squared, is left.  :mod:`duhem.projection.judge_kernel` says the same
-to a compiler.
+of every point, whatever the last digits of either.  What does not pass, or is too large or too small to be squared, is left.
+:mod:`duhem.projection.judge_kernel` says the same to a compiler.
 """
 
 from __future__ import annotations
