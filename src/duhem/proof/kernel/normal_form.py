@@ -206,7 +206,7 @@ class _Form(NamedTuple):
         if p == 1:
             return base
         if self.collects and p.denominator == 1 and p > 1 and (parts := self._ramps(base)):
-            return added([product_of(self._power_of_constant(c, p), Term("**", (ramp, number(p)))) for c, ramp in parts])
+            return added([product_of(self._power_of_constant(c, int(p)), Term("**", (ramp, number(p)))) for c, ramp in parts])
         if self.collects and base.op == "+" and p.denominator == 1 and p > _HIGHEST:
             return Term(_KEPT, (base, number(p)))
         if p > 0 and p % 2 == 0 and base.op in ("abs", "norm"):
@@ -228,7 +228,7 @@ class _Form(NamedTuple):
         )
         return parts if both else []
 
-    def _power_of_constant(self, constant: Term, p: Fraction) -> Term:
+    def _power_of_constant(self, constant: Term, p: int) -> Term:
         value = number_in(self.domain.polynomial(constant))
         return Term(_KEPT, (constant, number(p))) if value is None else number(value**p)
 
