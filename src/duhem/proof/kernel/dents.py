@@ -23,6 +23,7 @@ from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.deviatoric import DeviatoricReader, deviatoric_readers, invariants
 from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
 from duhem.proof.kernel.forms import affine, at, principal_minors
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.plane_function import PlaneFunction, Signs, derivatives, inner, roots_in
 from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replaced, times, total, written
@@ -194,7 +195,7 @@ def falls_both_ways(law: StatedLaw, evidence: Mapping[str, Any]) -> bool:
     line = over(along)
     if not line.facts(along.g).defined:
         return False
-    powers = in_powers(line.polynomial(along.g), _STEP)
+    powers = in_powers(line.polynomial(normal(along.g, line, True)), _STEP)
     if len(powers) % 2 == 0 or any(not line.constant(x) for part in powers for m in part for x, _ in m):
         return False
     top, here = (domain.facts(written(part)) for part in (powers[-1], powers[0]))
