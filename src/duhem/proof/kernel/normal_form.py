@@ -362,7 +362,7 @@ class _Form(NamedTuple):
         return self._chosen(self._divided_out(self._without_both_ramps(poly)))
 
     def _without_both_ramps(self, poly: Polynomial) -> Polynomial:
-        """pos(d) neg(d) is 0, and pos(d)^n + neg(d)^n is d^n for even n > 0."""
+        """pos(d) neg(d) is 0, pos(d)^n + neg(d)^n is d^n for even n > 0, and pos(d)^n is d^(n - 1) pos(d), where that leaves no pos(d)."""
         for up in sorted({x for m in poly for x, n in m if x.op == "pos" and n > 0}):
             down = Term("neg", up.args)
             poly = {m: c for m, c in poly.items() if not {(x, n > 0) for x, n in m} >= {(up, True), (down, True)}}
@@ -372,6 +372,10 @@ class _Form(NamedTuple):
                 if n > 0 and n % 2 == 0 and poly.get(other) == poly[m]:
                     whole = times({tuple((x, k) for x, k in m if x != up): poly[m]}, self._poly(Term("**", (up.args[0], number(n)))))
                     poly = total({k: c for k, c in poly.items() if k not in (m, other)}, whole)
+            if (own := {m: c for m, c in poly.items() if dict(m).get(up, 0) > 0}) and len(own) > 1:
+                d, parts = self._poly(up.args[0]), in_powers(own, up)
+                if not total(*(self._times_power(part, d, n) for n, part in enumerate(parts[1:]))):
+                    poly = {m: c for m, c in poly.items() if m not in own}
         return poly
 
     def _chosen(self, poly: Polynomial) -> Polynomial:
