@@ -121,6 +121,7 @@ SPELLED = [
         "max(norm(x - y, y - z) - pos((x + y + z + 2)*(2*x/k + 2*y/k + 2*z/k - 2*pos(F/k)**2*k)*k/2)**(1/2), -F, F - 1)",
     ),
     ("pos(x)**4 + abs(y)", "((1 - w)*pos(x) + (1 + w)*neg(x))**4 + abs(y)", "(abs(x) - w*x)**4 + abs(y)", "(abs(x) + v*x)**2 + norm(x, y)"),
+    ("x**4 + y**2", "pos(x - y)*(x + y)**2 - pos(x - y)**2*(x + y) - 2*pos(x - y)*y*(x + y) + x**4 + y**2"),
     ("pos(x - y)**3 + abs(y)", "(c*(x - y) + abs(x - y))**3 + abs(y)", "((1 - c)*neg(y - x) + pos(y - x)*(c + 1))**5 + abs(y)"),
     ("x**2 + k*y**2", "pos(x)**2 + k*(pos(y) + neg(y))**2 + neg(x)**2", "pos(x)**2 + 2*pos(x)*neg(x) + neg(x)**2 + max(k, -k)*y**2"),
 ]

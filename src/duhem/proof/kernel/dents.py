@@ -164,6 +164,8 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
     with suppress(NotWritten):
         forms = homogeneous_parts(domain.polynomial(g), domain)
     if (degree := max(forms, default=0)) != 2:
+        if not all(_is_plain(part, domain) for part in g.parts()):
+            raise NotWritten("a part of g is no polynomial")
         g, forces = _in_two_forces(law, domain)
         forms = homogeneous_parts(_multiplied_out(g, domain), domain)
         if set(forms) != {0, 4} or domain.facts(written(forms[0][()])).sign != NEGATIVE:
@@ -178,6 +180,12 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
         matrix = catalecticant(homogeneous_parts(domain.polynomial(spelled), domain)[degree], degree)
         for rows, minor in principal_minors(matrix, _MOST_ROWS):
             yield Dent("form", f"minor {rows} in coordinates {i}", domain.polynomial(minor), (_ZERO, _ZERO), domain)
+
+
+def _is_plain(part: Term, domain: StatedDomain) -> bool:
+    """Whether a part may be one of a polynomial: constants, powers > 0, and sizes, of which even powers are polynomials."""
+    powers = part.op == "**" and domain.facts(part.args[1]).sign == POSITIVE
+    return powers or domain.constant(part) or part.op in ("name", "+", "*", "abs", "norm", "pos", "neg")
 
 
 def _in_two_forces(law: StatedLaw, domain: StatedDomain) -> tuple[Term, tuple[str, str]]:
