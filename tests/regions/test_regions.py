@@ -58,7 +58,9 @@ def found(name: str) -> duhem.ParameterRegion:
     return duhem.region(law, parameter, over=over)
 
 
-@pytest.mark.parametrize("name", mostly_long(LAWS, "limacon", "two lobes", "quartic", "shifted ellipse", "argyris", "fibre", "a section by a quartic"))
+@pytest.mark.parametrize(
+    "name", mostly_long(LAWS, "limacon", "two lobes", "quartic", "shifted ellipse", "argyris", "fibre", "a section by a quartic")
+)
 def test_regions_are_exact(name: str) -> None:
     done = found(name)
     assert done.exact and done.condition == LAWS[name][3]

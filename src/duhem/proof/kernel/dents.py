@@ -151,7 +151,7 @@ def _at_no_trace(constants: list[Term], domain: StatedDomain) -> Facts:
 
 
 def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
-    """Of a quadratic g, or a quartic form in the plane less a constant > 0: the principal minors of the matrix of its highest form f.
+    """Of a quadratic g, or a quartic form in two forces less a constant > 0: the principal minors of the matrix of its highest form f.
 
     If f(v) < 0, a line along v has all but a part in K.  So a convex K is a cylinder along v, on whose boundary g = 0, though g falls along
     it: K is everything, and f <= 0.  Where f > 0 somewhere, K is therefore convex only if f >= 0.  Of a quadratic f this is the sign of the
@@ -190,6 +190,8 @@ def _is_plain(part: Term, domain: StatedDomain) -> bool:
 
 def _in_two_forces(law: StatedLaw, domain: StatedDomain) -> tuple[Term, tuple[str, str]]:
     """g in the plane; of a law that has none, where all but the first two forces are 0: a section of a convex K is convex."""
+    if len(law.forces) < 2:
+        raise NotWritten("there are not two forces")
     with suppress(NotWritten):
         return in_the_plane(law, domain)
     first, second, *others = law.forces

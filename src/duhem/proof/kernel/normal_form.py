@@ -359,9 +359,9 @@ class _Form(NamedTuple):
                     own, left = self._times_power(part, square, half), n - 2 * half
                     found.append(times(own, {((x, left),): Fraction(1)}) if left else own)
                 poly = total(*found)
-        return self._chosen(self._divided_out(self._without_both_ramps(poly)))
+        return self._chosen(self._divided_out(self._with_fewer_ramps(poly)))
 
-    def _without_both_ramps(self, poly: Polynomial) -> Polynomial:
+    def _with_fewer_ramps(self, poly: Polynomial) -> Polynomial:
         """pos(d) neg(d) is 0, pos(d)^n + neg(d)^n is d^n for even n > 0, and pos(d)^n is d^(n - 1) pos(d), where that leaves no pos(d)."""
         for up in sorted({x for m in poly for x, n in m if x.op == "pos" and n > 0}):
             down = Term("neg", up.args)
