@@ -111,7 +111,7 @@ def pointwise(step: Callable[..., Any]) -> Update:
 
         told = np.array(spoilt, dtype=object) if any(spoilt) else None
         returned = _parts(answer) if len(each) == 1 else None  # the next call may overwrite it
-        return Step(*(together(name) for name in [*Step.__dataclass_fields__][:-2]), told, returned)
+        return Step(**{name: together(name) for name in [*Step.__dataclass_fields__][:-2]}, overwritten=told, returned=returned)
 
     return named_after(update, step, "pointwise")
 
