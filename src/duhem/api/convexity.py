@@ -35,7 +35,7 @@ __all__ = ["ANSWERS", "asked", "keep", "place", "recalled"]
 
 Ranges = tuple[tuple[str, Domain], ...]
 
-_STEPS = 900_000  # of the prover: for the whole domain two thirds of them, for the numbers the third; about two seconds at most
+_STEPS = 750_000  # of the prover: for the whole domain two thirds of them, for the numbers the third; about two seconds at most
 _REMEDY = (
     'take numbers for which it is shown, convex="assume" where duhem verify proves it in more steps, '
     'or convex="ask" and heed what is said of stationary points'

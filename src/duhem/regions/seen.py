@@ -21,7 +21,7 @@ from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, Term, number
 
-__all__ = ["RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "looked_at", "polynomial_at", "value_of"]
+__all__ = ["RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "looked_at", "of_one_sign", "polynomial_at", "value_of"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -31,6 +31,7 @@ _PLACES, _SAMPLES, _ZERO = 9, 97, 1e-11
 _MOST_PLACES, _FEW_PLACES, _FINER = 30, 12, 12  # of several parameters, of which constraints may leave few
 _COMPARED = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal}
 _JOINED = {"and": np.logical_and.reduce, "or": np.logical_or.reduce}
+_SIZES, _MOST_WAYS = (1e-3, 0.1, 1.0, 10.0, 1e3), 80  # of forces
 _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
 
 
@@ -125,8 +126,7 @@ def looked_at(law: StatedLaw, names: Collection[str] | None = None, most: int = 
     if len(free) > 1:
         shares = [_AT_END, *np.linspace(0, 1, max(4, int(most ** (1 / len(free)))))[1:-1]]
     each = [_in(own, [*shares, *([] if None in own[:2] else [1 - _AT_END])]) for own in map(law.parameters.__getitem__, free)]
-    grid = np.array(list(product(*each))).reshape(-1, len(free))
-    places = dict(zip(free, grid.T, strict=True)) if free else {}
+    places = dict(zip(free, np.array(list(product(*each))).T, strict=True)) if free else {}
     for c in law.constraints if len(free) > 1 else ():
         with suppress(ValueError):
             if c.names() <= {*free}:
@@ -168,6 +168,20 @@ def polynomial_at(poly: Polynomial, at: Mapping[str, Array], size: bool = False)
                 part = part * value_of(x, at) ** float(n)
             total = total + (np.abs(part) if size else part)
     return np.where(np.isnan(total), np.inf, total)
+
+
+def of_one_sign(law: StatedLaw, places: Mapping[str, Array]) -> bool:
+    """Whether g is > 0, or never, at forces along axes and diagonals, near zero and far from it, for all of the values; in their ranges."""
+    size, ways = count(places), [way for way in product((0.0, 1.0, -1.0), repeat=len(law.forces)) if any(way)][:_MOST_WAYS]
+    forces = np.repeat(np.outer(_SIZES, ways).reshape(-1, len(law.forces)), size, axis=0).T
+    at = {name: np.tile(x, forces.shape[1] // size) for name, x in places.items()} | dict(zip(law.forces, forces, strict=True))
+    at |= {name: np.full(forces.shape[1], float(own.low or 0)) for name, own in law.parameters.items() if own.single}
+    inside = np.ones(forces.shape[1], dtype=bool)
+    for name, (low, high, *_) in law.ranges:
+        if name in law.forces:
+            inside &= (at[name] >= (-np.inf if low is None else float(low))) & (at[name] <= (np.inf if high is None else float(high)))
+    positive = value_of(law.g, at)[inside] > 0
+    return bool(positive.all() or not positive.any())
 
 
 def held(condition: Term, at: Mapping[str, Array]) -> Flags:

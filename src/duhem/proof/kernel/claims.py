@@ -433,6 +433,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("convexity", "sign"): RuleRow(
         _NONE, without_boundary, obligations.formula_in_ranges, "g is nowhere > 0, so that K is everything, or nowhere <= 0: K is empty",
+        by_evidence=True,
     ),
     ("convexity", "polyhedral"): RuleRow(
         _NONE, polyhedral, obligations.formula,
@@ -445,7 +446,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("convexity", "polar-sign"): RuleRow(
         _NONE, lambda law, _: above_zero_along_rays(law), obligations.numbers_in_formula,
-        "g > 0 along every ray from zero force, so that K is zero force alone, or empty", most_forces=_PLANE,
+        "g > 0 along every ray from zero force, so that K is zero force alone, or empty", by_evidence=True, most_forces=_PLANE,
     ),
     ("convexity", "fan"): RuleRow(
         _ORIGIN, lambda law, _: Fan(law).convex(), obligations.formula,
