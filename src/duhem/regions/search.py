@@ -35,7 +35,7 @@ def cells_of(asked: Asked) -> list[Decided]:
         gap, fresh = gaps.pop(max(range(len(gaps)), key=lambda i: _width(gaps[i][0])))
         if (found := None if asked.spent else _decided(asked, gap, fresh)) is not None:
             done.append(found)
-            gaps += [(rest, fresh) for rest in _left(gap, [found.cell])]
+            gaps += [(rest, fresh and found.verdict == "proved") for rest in _left(gap, [found.cell])]
             in_vain = 0
         elif asked.spent or in_vain == _MOST_IN_VAIN or (_is_narrow(gap) and gap != asked.whole):
             done.append(Decided(gap, "open"))
@@ -73,15 +73,17 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
     """A gap refuted, or proved, as a whole, or the cell to which a proof grows from a value in it, which a fresh one is asked for."""
     if (found := asked.refuted(gap)) is not None:
         return found
-    if (narrow := _is_narrow(gap) and gap != asked.whole) or not fresh:
-        one = _middle(gap) if narrow else None  # it may hold at one value alone, about which floating point sees more
-        alone = None if one is None else asked.proved(ParameterCell(RealRoot.of(one), RealRoot.of(one)))
-        return asked.proved(gap) or alone or (None if narrow or gap.single else asked.chord(gap, _middle(gap)))
-    grown = (_grown(asked, seed, gap) for seed in _seeds(gap.bounds) if not asked.spent)
-    if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
-        grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
-        found = next(filter(None, grown), None)
-    return found
+    if _is_narrow(gap) and gap != asked.whole:
+        one = RealRoot.of(_middle(gap))  # it may hold at one value alone, about which floating point sees more
+        return asked.proved(gap) or asked.proved(ParameterCell(one, one))
+    if not fresh:
+        found = asked.proved(gap)
+    else:
+        grown = (_grown(asked, seed, gap) for seed in _seeds(gap.bounds) if not asked.spent)
+        if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
+            grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
+            found = next(filter(None, grown), None)
+    return found or (None if gap.single else asked.chord(gap, _middle(gap)))
 
 
 def _is_narrow(gap: ParameterCell) -> bool:
