@@ -10,8 +10,8 @@ import pytest
 import duhem
 from duhem.law.formula_law import Criterion
 from duhem.projection.metric import Metric
-from duhem.projection.nearer_points import _NearerSearch
 from duhem.projection.newton import _solved
+from duhem.projection.projector import _NearerSearch
 from duhem.projection.result import Projection, Residuals
 from duhem.projection.row_by_row import any_of, times
 from duhem.projection.scaled_yield_function import level

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from duhem.projection import code_cache, file_cache, machine_code
+from duhem.projection import code_cache, file_cache
 from tests.long import mostly_long
 
 TEXT = """
@@ -101,7 +101,7 @@ def test_arguments_of_other_kinds_are_compiled_for_by_themselves(through_numba: 
     many[::2] = GIVEN
     assert called(code_cache.compiled_text.__wrapped__(TEXT, "run"), many[::2]) == before
     (other,) = set(folder.glob("*.o")) - {first}
-    assert machine_code.kept(other, "run") is not None
+    assert code_cache.kept(other, "run") is not None
     other.unlink()
 
 
@@ -110,20 +110,20 @@ def test_what_is_damaged_is_not_run(at: int, through_numba: tuple[Path, bytes], 
     whole = found(through_numba[0]).read_bytes()
     path = tmp_path / found(through_numba[0]).name
     path.write_bytes(whole)
-    assert machine_code.kept(path, "run") is not None
+    assert code_cache.kept(path, "run") is not None
     changed = bytearray(whole)
     changed[at] ^= 1
     for damaged in (bytes(changed), whole[: len(whole) // 2], b""):
         path.write_bytes(damaged)
-        assert machine_code.kept(path, "run") is None
+        assert code_cache.kept(path, "run") is None
     path.unlink()
-    assert machine_code.kept(path, "run") is None
+    assert code_cache.kept(path, "run") is None
 
 
 def test_the_code_of_another_law_is_not_run(through_numba: tuple[Path, bytes], tmp_path: Path) -> None:
     path = tmp_path / f"other_{found(through_numba[0]).name}"
     path.write_bytes(found(through_numba[0]).read_bytes())
-    assert machine_code.kept(path, "run") is None
+    assert code_cache.kept(path, "run") is None
 
 
 @pytest.mark.parametrize(
@@ -134,29 +134,29 @@ def test_what_calls_or_names_something_unknown_is_not_run(of: bytes, to: bytes, 
     assert of in rest.partition(b"\n")[0]
     path = tmp_path / "changed.o"
     file_cache.written(path, rest.replace(of, to, 1))
-    assert machine_code.kept(path, "run") is None
+    assert code_cache.kept(path, "run") is None
     file_cache.written(path, rest)
-    assert machine_code.kept(path, "run") is not None
+    assert code_cache.kept(path, "run") is not None
 
 
 def test_every_name_that_the_code_takes_from_elsewhere_is_looked_at(through_numba: tuple[Path, bytes]) -> None:
     head, _, code = found(through_numba[0]).read_bytes().partition(b"\n")[2].partition(b"\n")
-    names = machine_code._undefined(code)
+    names = code_cache._undefined(code)
     assert {"numba_frexp", "numba_ldexp", "NRT_MemInfo_alloc_aligned", "pow", "PyArg_UnpackTuple"} <= set(names)
     assert all(name.encode() in head for name in names)
     with pytest.raises(ValueError, match="object file"):
-        machine_code._undefined(b"MZ" + code[2:])
+        code_cache._undefined(b"MZ" + code[2:])
 
 
 def test_another_processor_or_numba_has_code_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
-    made_with = machine_code._made_with()
+    made_with = code_cache._made_with()
     assert made_with is not None
-    text, known = Path("law.py"), machine_code.kinds((GIVEN, 1.0))
-    places = {machine_code.place(text, "run", known), machine_code.place(text, "walk", known), machine_code.place(text, "run", ())}
+    text, known = Path("law.py"), code_cache.kinds((GIVEN, 1.0))
+    places = {code_cache.place(text, "run", known), code_cache.place(text, "walk", known), code_cache.place(text, "run", ())}
     for k in range(len(made_with)):
-        monkeypatch.setattr(machine_code, "_made_with", lambda k=k: (*made_with[:k], "other", *made_with[k + 1 :]))
-        places.add(machine_code.place(text, "run", known))
+        monkeypatch.setattr(code_cache, "_made_with", lambda k=k: (*made_with[:k], "other", *made_with[k + 1 :]))
+        places.add(code_cache.place(text, "run", known))
     assert len(places) == 3 + len(made_with)
 
 
@@ -177,10 +177,10 @@ def test_kinds_are_as_fine_as_the_types_of_numba() -> None:
     others: list[Any] = [1.0, 1, -(2**62), True, (), (1.0,), (1.0, 2.0), (1, 2.0), ((1.0,), 2.0), (square, square[0])]
     for a in [*arrays, *others]:
         for b in [*arrays, *others]:
-            assert (machine_code.kinds([a]) == machine_code.kinds([b])) == (numba.typeof(a) == numba.typeof(b)), (a, b)
+            assert (code_cache.kinds([a]) == code_cache.kinds([b])) == (numba.typeof(a) == numba.typeof(b)), (a, b)
 
 
 @pytest.mark.parametrize("one", [2**63, None, "text", np.float32(1.0), [1.0], np.ma.ones(2)])
 def test_other_arguments_are_left_to_numba(one: Any) -> None:
     with pytest.raises(LookupError):
-        machine_code.kinds([(1.0, one)])
+        code_cache.kinds([(1.0, one)])

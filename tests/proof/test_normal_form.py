@@ -120,6 +120,9 @@ SPELLED = [
         "max(norm(x - y, y - z) - sqrt(pos(F**2 + 2*x + 2*y + 2*z - F*pos(F)**2 - 2*pos(F)**2)), -F, F - 1)",
         "max(norm(x - y, y - z) - pos((x + y + z + 2)*(2*x/k + 2*y/k + 2*z/k - 2*pos(F/k)**2*k)*k/2)**(1/2), -F, F - 1)",
     ),
+    ("pos(x)**4 + abs(y)", "((1 - w)*pos(x) + (1 + w)*neg(x))**4 + abs(y)", "(abs(x) - w*x)**4 + abs(y)", "(abs(x) + v*x)**2 + norm(x, y)"),
+    ("x**4 + y**2", "pos(x - y)*(x + y)**2 - pos(x - y)**2*(x + y) - 2*pos(x - y)*y*(x + y) + x**4 + y**2"),
+    ("pos(x - y)**3 + abs(y)", "(c*(x - y) + abs(x - y))**3 + abs(y)", "((1 - c)*neg(y - x) + pos(y - x)*(c + 1))**5 + abs(y)"),
     ("x**2 + k*y**2", "pos(x)**2 + k*(pos(y) + neg(y))**2 + neg(x)**2", "pos(x)**2 + 2*pos(x)*neg(x) + neg(x)**2 + max(k, -k)*y**2"),
 ]
 
@@ -181,6 +184,10 @@ WRONG = [
     "where(x > -k, (x + k)**2/m**2, -(x + k)**2/u**2) + y**2 - s",
     "where(x > -k, (x + k)**2/m**2, (x + k)/u) + y**2 - s",  # a kink that points inward where u < 0 alone, and a parabola that turns
     "where(x > 1, x**2, x**3) + y**2 - s",
+    "(abs(x) - w*x)**3 + y**2 - s",
+    "(abs(x) - 2*x)**5 + abs(y) - s",
+    "((1 - w)*pos(x) + (1 + w)*neg(y))**4 + abs(y) - s",
+    "((1 + w)*pos(x - y) + (1 - w)*neg(x + y))**2 - s",
     "where(x > 1, x**2 + 1, x**2) + y**2 - s",  # it jumps
     "(v - pos(v - w))*abs(x) + y**2 - s",
     "max(norm(x - y, y - z) - sqrt(pos((F + 3*pos(F)**2)*(F + 1))), -F, F - 1)",
@@ -286,6 +293,8 @@ def _choices(rng: Random) -> str:
             f"where(2*x - {end}*y {op} {c}, (2*x - {end}*y - {c})**{m}*{d} + x*y, {d}*(x - {end}*y/2 - {c}/2)**{n} + y*x)",
             f"where(-x {op} {end}, x**2 + 2*{end}*x + {end}**2 + {two}, {c}*(x + {end})**{m} - {d}*(x + {end})**{n} + {two})",
             f"norm(abs({one})*{c}, k*norm({two}, {one}), -x)",
+            f"({c}*abs({one}) + {d}*({one}))**{m}*{end} - {two}",
+            f"(pos({one})*{c} + neg({one})*{d})**{m + 2} + ({c}*pos({two}) - neg({one}))**{n}",
         )
     )
 

@@ -6,7 +6,7 @@ import ast
 import inspect
 import operator
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from types import ModuleType
 from typing import Any
 
@@ -127,6 +127,7 @@ def names_in(node: ast.AST) -> frozenset[str]:
     return frozenset(part.id for part in ast.walk(node) if isinstance(part, ast.Name))
 
 
+@cache
 def _source(given: ModuleType | Callable[..., Any]) -> str:
     text = inspect.getsource(given)
     return text.partition(MARK)[2].partition("\n")[2] if inspect.ismodule(given) else text

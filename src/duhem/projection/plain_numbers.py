@@ -19,7 +19,6 @@ from typing import Any, cast
 import numpy as np
 
 from duhem.expression.elementary import ELEMENTARY, array_function
-from duhem.projection.module_text import called, names_in
 
 __all__ = ["FAULTS", "interpreted", "zeros"]
 
@@ -47,13 +46,12 @@ def interpreted(text: str, entry: str, goes_on: bool = False, **constants: int) 
     for node in tree.body:
         if isinstance(node, ast.Assign):
             known |= {name: value for name, value in _numbers(node, known) if name not in constants}
-    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
-    kept = called(functions, lambda name: names_in(functions[name]), (entry,))
+    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
     tree.body = [node for node in tree.body if not isinstance(node, ast.FunctionDef)]
     space: dict[str, Any] = {}
     exec(compile(tree, "<generated>", "exec"), space)
     lines, told = text.split("\n"), tuple((name, value, repr(value)) for name, value in known.items())  # 1 and 1.0 are two
-    for node in (functions[name] for name in functions if name in kept):
+    for node in functions:
         exec(_written_out("\n".join(lines[node.lineno - 1 : node.end_lineno]), told, goes_on), space)
     space.update(_FUNCTIONS, **(_GOING_ON if goes_on else {}))
     run: Callable[..., Any] = space[entry]

@@ -20,14 +20,16 @@ from duhem.proof.kernel.claims import objection, row_of, rules_of
 from duhem.proof.kernel.parameter_cells import at_values, proof_fails
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import NotWritten, Term
+from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term
 from duhem.proof.verdict import Trust
+from duhem.regions.seen import looked_at, of_one_sign
 from duhem.regions.suggested import Suggestion
 
-__all__ = ["MOST_STEPS", "AsksTheKernel", "constraints_on"]
+__all__ = ["MOST_STEPS", "UNBOUNDED", "AsksTheKernel", "constraints_on"]
 
 MOST_STEPS = 60_000_000  # for a region
 _MOST_STEPS_OF_A_RULE = 2_500_000  # on one cell
+UNBOUNDED = {"convexity": (("sign", True), ("polar-sign", True))}  # rules of claims that hold where K has no boundary too
 _FEW_TRIED = 9  # suggestions that the kernel is asked about on one cell
 
 
@@ -114,7 +116,9 @@ class AsksTheKernel:
         usual = self.usual.get(claim)
         readings = (True, False) if usual is None else (usual[1],)
         every = [(rule, as_written) for as_written in readings for rule in rules_of(claim, law)]
-        for rule, as_written in every if usual is None or not self.is_usual(law) else [usual]:
+        told = every if usual is None or not self.is_usual(law) else [usual]
+        trivial = UNBOUNDED.get(claim, ()) if claim in UNBOUNDED and self._seems_trivial(law) else ()
+        for rule, as_written in (*trivial, *told):
             row, before = row_of(claim, rule, law), list[dict[str, Any]]()
             for need in sorted(row.needed if row is not None else ()):
                 more = self._steps_of(need, law, asked | {claim}, known)
@@ -125,11 +129,18 @@ class AsksTheKernel:
                 settled = frozenset(step["claim"] for step in before)
                 if self.confirmed(partial(objection, claim, rule, settled, law, {}, as_written)):
                     found = [*before, {"claim": claim, "rule": rule, "evidence": {}}]
-                    if self.learning and self.is_usual(law):
+                    if self.learning and self.is_usual(law) and (rule, as_written) not in trivial:
                         self.usual[claim] = rule, as_written
                     break
         known[claim] = found
         return found
+
+    def _seems_trivial(self, law: StatedLaw) -> bool:
+        """Whether g is seen to have one sign at all forces but zero, so that K has no boundary."""
+        with suppress(*UNREADABLE):
+            here = at_values(law, self.values, {}, self.names)
+            return of_one_sign(here, looked_at(here, self.names))
+        return False
 
     def proof_by_all(self, stated: StatedLaw, law: Criterion) -> dict[str, Any] | None:
         """The proof, with its evidence, of all that makes proofs, if the kernel confirms it of the law as it is ``stated``."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -14,9 +15,10 @@ from duhem.proof import verification
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_cells import AS, ParameterCell, at_values, law_over, own_domain, refutation_fails
 from duhem.proof.kernel.real_root import RealRoot
-from duhem.proof.kernel.term import NotWritten
+from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.term import NotWritten, Term
 from duhem.regions.asked import AsksTheKernel
-from duhem.regions.seen import changes
+from duhem.regions.seen import Holding, changes
 from duhem.regions.suggested import Suggestion, suggestions
 
 __all__ = ["Asked", "Decided"]
@@ -24,12 +26,6 @@ __all__ = ["Asked", "Decided"]
 _IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
 _MOST_ASKED = 30  # of these, for proofs
 _MOST_CHORDS = 16  # counterexamples at one value that are looked for, each as dear as a verification
-
-
-def _ways(cell: ParameterCell) -> tuple[str, ...]:
-    """How a law may be put over a cell."""
-    inexact = any(end is not None and not end.exact for end in (cell.low, cell.high))
-    return tuple(way for way in AS if (way == "range") is not inexact)
 
 
 def _around(cell: ParameterCell, inside: Fraction) -> Iterator[ParameterCell]:
@@ -62,9 +58,8 @@ class Asked(AsksTheKernel):
 
     name: str = field(init=False)
     by_all: bool = False
-    chords: int = 0
     verifications: int = 0
-    hopeful: set[ParameterCell] = field(default_factory=set)  # cells over which a family of witnesses was suggested
+    chords: int = 0
     domain: Bounds = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
     _refuted: dict[ParameterCell, Decided | None] = field(default_factory=dict)
@@ -78,13 +73,23 @@ class Asked(AsksTheKernel):
         """Whether plain values of the other parameters are seen to be admitted at every value in a cell."""
         return self.admits(self.values, *law_over(self.stated, self.name, cell, (found.row or {})["as"]))
 
+    def _laws(self, cell: ParameterCell) -> Iterator[tuple[str, StatedLaw, dict[Term, Term]]]:
+        """The law over a cell, in the ways in which it can be put there."""
+        inexact = any(end is not None and not end.exact for end in (cell.low, cell.high))
+        for way in AS:
+            if (way == "range") is not inexact:
+                with suppress(NotWritten):
+                    yield (way, *law_over(self.stated, self.name, cell, way))
+
     # -- proved ----------------------------------------------------------------------------------------------------
 
     def proved(self, cell: ParameterCell) -> Decided | None:
         """The proof over a cell; None where no rule confirms it."""
         if cell not in self._known:
-            found = None if self.spent else next(filter(None, (self._proved_as(cell, way) for way in _ways(cell))), None)
-            self._known[cell] = found or (self.proved_by_all(cell) if self.by_all else None)
+            rows = ({"as": way, **row} for way, law, _ in self._laws(cell) if (row := self.proof(law)) is not None)
+            found = None if self.spent else next(rows, None)
+            found = found or (self._proof_by_all_over(cell) if self.by_all else None)
+            self._known[cell] = None if found is None else Decided(cell, "proved", found)
         return self._known[cell]
 
     def ask_all(self) -> bool:
@@ -95,14 +100,7 @@ class Asked(AsksTheKernel):
         self._known.clear()
         return True
 
-    def _proved_as(self, cell: ParameterCell, way: str) -> Decided | None:
-        try:
-            found = self.proof(law_over(self.stated, self.name, cell, way)[0])
-        except NotWritten:
-            return None
-        return None if found is None else Decided(cell, "proved", {"as": way, **found})
-
-    def proved_by_all(self, cell: ParameterCell) -> Decided | None:
+    def _proof_by_all_over(self, cell: ParameterCell) -> dict[str, Any] | None:
         """The proof that everything which makes proofs finds, over a cell with fractions for ends that belong to it."""
         ends = [None if end is None else end.low for end in (cell.low, cell.high)]
         own, inexact = self.law.parameters[self.name], any(end is not None and not end.exact for end in (cell.low, cell.high))
@@ -112,17 +110,14 @@ class Asked(AsksTheKernel):
         self.verifications += 1
         domain = Domain.between(None if at_zero else ends[0], ends[1])
         law = self.law.within({self.name: Domain(high=domain.high, positive=True) if at_zero else domain})
-        over, _ = law_over(self.stated, self.name, cell, "range")
-        found = self.proof_by_all(over, law)
-        return None if found is None else Decided(cell, "proved", {"as": "range", **found})
+        found = self.proof_by_all(law_over(self.stated, self.name, cell, "range")[0], law)
+        return None if found is None else {"as": "range", **found}
 
     def seen(self) -> list[tuple[float, float, bool]] | None:
         """Stretches of the parameter where the claim seems to hold, and to fail, in floating point; None where that tells nothing."""
-        if self.claim != "convexity":
-            return None
         with self.paid():
-            law, swap = law_over(self.stated, self.name, self.whole, "range")
-            return changes(at_values(law, self.values, swap), self.name)
+            law = at_values(law_over(self.stated, self.name, self.whole, "range")[0], self.values, {})
+            return None if (holding := Holding.of(law, self.claim)) is None else changes(holding, law, self.name)
         return None
 
     @property
@@ -136,15 +131,10 @@ class Asked(AsksTheKernel):
     def refuted(self, cell: ParameterCell) -> Decided | None:
         """A family of witnesses over a cell; None where none is confirmed."""
         if cell not in self._refuted:
-            self._refuted[cell] = self._against(cell)
+            told = ((way, one) for way, law, swap in self._laws(cell) for one in self._suggested(cell, law, swap) if not self.spent)
+            rows = ({"as": way, "rule": one.rule, "evidence": one.evidence} for way, one in told if self._refutes(cell, way, one))
+            self._refuted[cell] = None if (row := next(rows, None)) is None else Decided(cell, "refuted", row)
         return self._refuted[cell]
-
-    def _against(self, cell: ParameterCell) -> Decided | None:
-        for way in _ways(cell):
-            for found in self._suggested(cell, way):
-                if not self.spent and (done := self._confirmed(cell, way, found.rule, found.evidence)) is not None:
-                    return done
-        return None
 
     def chord(self, cell: ParameterCell, inside: Fraction) -> Decided | None:
         """The counterexample that refutes the claim at a value in a cell, over the cell or a part around the value."""
@@ -158,31 +148,22 @@ class Asked(AsksTheKernel):
         self.steps += found.steps
         if found.witness is None or not {"p", "q"} <= set(found.witness.points):
             return None
-        self.hopeful.add(cell)
         p, q = (dict(found.witness.points[key]) for key in ("p", "q"))
         pressure = {} if self.law.pressure is None else {"pressure": p.pop(self.law.pressure)}
         if self.law.pressure is not None and q.pop(self.law.pressure) != pressure["pressure"]:
             return None
         values = {name: x for name, x in found.witness.parameters.items() if name in self.values}
-        evidence = {"p": p, "q": q, "values": {**self.values, **values}, **pressure}
-        parts = ((part, way) for part in _around(cell, inside) for way in _ways(part))
-        return next(filter(None, (self._confirmed(part, way, "chord", evidence) for part, way in parts)), None)
+        one = Suggestion("chord", {"p": p, "q": q, "values": {**self.values, **values}, **pressure})
+        parts = ((part, way) for part in _around(cell, inside) for way, _, _ in self._laws(part))
+        rows = ((part, {"as": way, "rule": one.rule, "evidence": one.evidence}) for part, way in parts if self._refutes(part, way, one))
+        return next((Decided(part, "refuted", row) for part, row in rows), None)
 
-    def _suggested(self, cell: ParameterCell, way: str) -> list[Suggestion]:
+    def _refutes(self, cell: ParameterCell, way: str, one: Suggestion) -> bool:
+        return self.confirmed(partial(refutation_fails, self.claim, one.rule, self.stated, self.name, cell, way, one.evidence))
+
+    def _suggested(self, cell: ParameterCell, law: StatedLaw, swap: Mapping[Term, Term]) -> list[Suggestion]:
         """The first families that floating point suggests over a cell; none where nothing is told in so many steps."""
-        try:
-            law, swap = law_over(self.stated, self.name, cell, way)
-        except NotWritten:
-            return []
         ends = [end for end in (cell.high, cell.low) if end is not None and end.exact]
         away = [f"({self.name} - ({end.low}))" if end is cell.low else f"({end.low} - {self.name})" for end in ends]
         away, at_ends = [*away, self.name], () if swap else ends[::-1]
-        found = self.families(law, swap, lambda at: suggestions(at, law, self.claim, self.names, away, at_ends))
-        if found:
-            self.hopeful.add(cell)
-        return found
-
-    def _confirmed(self, cell: ParameterCell, way: str, rule: str, evidence: Mapping[str, Any]) -> Decided | None:
-        """A family of witnesses, if the kernel confirms it."""
-        asked = partial(refutation_fails, self.claim, rule, self.stated, self.name, cell, way, evidence)
-        return Decided(cell, "refuted", {"as": way, "rule": rule, "evidence": evidence}) if self.confirmed(asked) else None
+        return self.families(law, swap, lambda at: suggestions(at, law, self.claim, self.names, away, at_ends))

@@ -102,7 +102,14 @@ class PavedRegion(FoundRegion):
 
     def between(self, cell: Place, with_domain: bool) -> str:
         """A place in words; "" for the whole domain."""
-        return " and ".join(self.comparisons(cell, with_domain)) if cell.polynomials or cell.box != self.whole else ""
+        return " and ".join(self.relations(cell, with_domain)) if cell.polynomials or cell.box != self.whole else ""
+
+    def relations(self, place: Place, with_domain: bool = True) -> list[str]:
+        """The same as :meth:`comparisons`, with an equation in the place of two that leave one value: ``a = 0`` for people."""
+        said, equal = self.comparisons(place), " == " if with_domain else " = "
+        both = {text: text.replace(" >= ", " <= ") for text in said if " >= " in text and text.replace(" >= ", " <= ") in said}
+        kept = {*self.comparisons(place, with_domain), *both}
+        return [text.replace(" >= ", equal) if text in both else text for text in said if text in kept and text not in both.values()]
 
     def comparisons(self, place: Place, with_domain: bool = True) -> list[str]:
         """Those that hold in a place, with the ends of the domain and the conditions of the law or without."""

@@ -24,15 +24,15 @@ from duhem.errors import InputError
 from duhem.expression.parse import parse_relation
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
-from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.bounds import ANY, Bounds
 from duhem.proof.kernel.definedness import AGAINST
 from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain
 from duhem.proof.kernel.parameter_tree import law_where, not_outside, opposite, read_comparison, recheck_tree
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, number, parse
-from duhem.regions.asked import AsksTheKernel, constraints_on
+from duhem.regions.asked import UNBOUNDED, AsksTheKernel, constraints_on
 from duhem.regions.boundaries import boundaries
-from duhem.regions.seen import Array, Holding, looked_at, value_of
+from duhem.regions.seen import Array, Holding, count, looked_at, value_of
 from duhem.regions.suggested import suggestions
 
 __all__ = ["Known", "Paving", "Place", "Tree", "between", "is_end", "share_of"]
@@ -207,10 +207,14 @@ class Paving(AsksTheKernel):
             with suppress(*UNREADABLE):
                 self.away.append(f"({difference(text)})")
         known, self.seen = self.steps, self._holding(self.stated)
-        with suppress(NotWritten):
-            plain = at_values(self.stated, self.values, {}, self.names)
-            self.boundaries = boundaries(plain, self.names, self.seen.dents if self.seen is not None else ())
+        self.boundaries = [] if self.seen is None else self._boundaries(self.stated, self.seen)
         self.steps = known
+
+    def _boundaries(self, law: StatedLaw, seen: Holding | None) -> list[str]:
+        """What may tell apart where the claim holds of a law over a leaf and where it fails."""
+        with suppress(NotWritten):
+            return boundaries(at_values(law, self.values, {}, self.names), self.names, () if seen is None else seen.dents)
+        return []
 
     @classmethod
     def resumed(cls, law: Criterion, claim: str, names: tuple[str, ...], most: int, document: Mapping[str, Any]) -> Paving:
@@ -279,39 +283,54 @@ class Paving(AsksTheKernel):
         known = self.seen or self._holding(law)
         places = looked_at(law, self.names, *(() if known is None or known.along_rays else (_MANY,)))
         holds = None if known is None else known.margins(places) >= 0
-        found = self._confirmed(law, place, None if holds is None else bool(holds.all()), None if holds is None else not holds.any())
-        if found is not None:
+        mixed, unseen = holds is not None and holds.any() and not holds.all(), not count(places)
+        seems = None if holds is None or unseen else bool(holds.all())
+        if not mixed and (found := self._confirmed(law, place, seems, unseen)) is not None:
             return found
-        unused = [text for text in self.boundaries if not {f"{text} {op} 0" for op in AGAINST} & {*place.where}]
+        told = self.boundaries or self._boundaries(law, known)
+        unused = [text for text in told if not {f"{text} {op} 0" for op in AGAINST} & {*place.where}]
         sides = {text: np.sign(value_of(parse(text), places)) for text in unused}
-        for way in (self._told_apart_by, self._divided_by):
+        for clearly in (True, False):
             for text in unused:
                 if self.spent:
                     return None
-                if (parts := way(text, law, place, sides[text], holds)) is not None:
+                if (parts := self._divided_by(text, law, place, sides[text], holds, clearly)) is not None:
                     return parts
+        trivial = self.claim in UNBOUNDED and (holds is None or not holds.any())
+        return (self._without_zero(law, place) if trivial else None) or self._halved(place)
+
+    def _without_zero(self, law: StatedLaw, place: Place) -> Divided | None:
+        """A leaf at whose edge a parameter is 0 divided into that edge and the rest, if the kernel confirms a verdict of one."""
+        edges = [(name, own) for name, own in place.box.items() if own.holds(Fraction(0)) and 0 in own[:2] and not own.single]
+        parts = (self._parts(f"{name} {'<=' if own.low == 0 else '>='} 0", law, place, 1) for name, own in edges)
+        return next(filter(None, parts), None)
+
+    def _halved(self, place: Place) -> Divided:
+        """A leaf divided where a parameter changes its sign, on which much depends, else in the middle of its longest edge."""
+        for name, own in place.box.items():
+            if own.sign() == ANY:
+                return Divided(f"{name} <= 0")
         longest = max(self.names, key=lambda name: _length(place.box[name], self.whole[name]))
         return Divided(f"{longest} <= {between(place.box[longest], self.whole[longest])}")
 
-    def _told_apart_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Held) -> Divided | None:
-        """A leaf divided by a polynomial that is seen to tell the two apart, if the kernel confirms a verdict of both sides."""
-        if holds is None or holds.all() or not holds.any():
-            return None
-        op = next((op for op, side in ((">=", sides >= 0), ("<=", sides <= 0)) if np.array_equal(side, holds)), None)
-        return None if op is None else self._parts(f"{text} {op} 0", law, place, 2)
+    def _divided_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Held, clearly: bool) -> Divided | None:
+        """A leaf divided by a polynomial, if the kernel confirms a verdict of both sides, or of one on which all is seen to be alike.
 
-    def _divided_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Held) -> Divided | None:
-        """A leaf divided by a polynomial, if the kernel confirms a verdict of both sides, or of one on which all is seen to be alike."""
-        if not (np.any(sides > 0) and np.any(sides < 0)):
+        ``clearly`` where the two are seen to be told apart by it: then of both.
+        """
+        if not clearly and not (np.any(sides > 0) and np.any(sides < 0)):
             return None
         share = share_of(place.box, self.whole)
         large = share >= _LARGE / 4
-        if holds is None:
-            ops = ("<=", ">=") if large else ()
-            return next(filter(None, (self._parts(f"{text} {op} 0", law, place, 1 if share == 1 else 2) for op in ops)), None)
-        for side, op in ((sides >= 0, ">="), (sides <= 0, "<=")):
-            if np.any(holds[side]) and not np.any(holds[~side]):
-                return self._parts(f"{text} {op} 0", law, place, 1 if large else 2)
+        for op, side in ((">=", sides >= 0), ("<=", sides <= 0)):
+            if holds is None:
+                asked, least = large and not clearly, 1 if share == 1 else 2
+            elif clearly:
+                asked, least = holds.any() != holds.all() and np.array_equal(side, holds), 2
+            else:
+                asked, least = bool(holds[side].any() and not holds[~side].any()), 1 if large else 2
+            if asked and (parts := self._parts(f"{text} {op} 0", law, place, least)) is not None:
+                return parts
         return None
 
     def _parts(self, comparison: str, law: StatedLaw, place: Place, least: int) -> Divided | None:
@@ -320,7 +339,7 @@ class Paving(AsksTheKernel):
         for text, holds in ((comparison, True), (against(comparison), False)):
             here = law_where(law, compared(text, self.names))
             there = Place.of((*place.where, text), self.whole)
-            found.append(self._confirmed(here, there, holds, not holds) or Known())
+            found.append(self._confirmed(here, there, holds) or Known())
             if sum(leaf == Known() for leaf in found) > 2 - least:
                 return None
         return Divided(comparison, *found)
@@ -331,19 +350,23 @@ class Paving(AsksTheKernel):
             return Holding.of(at_values(law, self.values, {}, self.names), self.claim)
         return None
 
-    def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, fails: bool | None) -> Known | None:
-        """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail."""
-        unseen = holds and fails  # there is no place in it at which to look
+    def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, unseen: bool = False) -> Known | None:
+        """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail.
+
+        One in which there is no place at which to look may be ``unseen`` because it is outside.
+        """
         if law.constraints and (self.stated.constraints or unseen) and self.confirmed(partial(not_outside, law)):
             return Known("outside")
         if holds is not False and (row := self.proof(law) or self._proof_by_all(law, place)) is not None:
             return Known("proved", row)
-        if fails is not False:
+        if holds is not True:
             away = [f"({difference(text)})" for text in place.polynomials] + self.away
             told = self.families(law, {}, lambda at: suggestions(at, law, self.claim, self.names, [*away, *self.names]))
             for rule, evidence in told:
                 if self.confirmed(partial(family_fails, self.claim, rule, law, self.names, evidence)):
                     return Known("refuted", {"rule": rule, "evidence": dict(evidence)})
+        if holds is False and self.claim in UNBOUNDED and (row := self.proof(law)) is not None:
+            return Known("proved", row)  # K may be everything or empty there, which no dent tells
         return None
 
     def _proof_by_all(self, law: StatedLaw, place: Place) -> dict[str, Any] | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from contextlib import suppress
 from fractions import Fraction
@@ -72,12 +71,18 @@ def as_latex(region: FoundRegion) -> str:
         return words[condition]
     if isinstance(region, PavedRegion):
         names = {name: sp.Symbol(latex_name(name), real=True) for name in region.parameters}
-        parts = map(region.comparisons, region.stretches("proved"))
-        said = [r" \;\wedge\; ".join(sp.latex(parse_relation(text, names)) for text in part) for part in parts]
+        parts = map(region.relations, region.stretches("proved"))
+        said = [r" \;\wedge\; ".join(_latex_relation(text, names) for text in part) for part in parts]
     else:
         (name,) = region.parameters
         said = [_latex_between(cell, name) for cell in cast("ParameterRegion", region).stretches("proved")]
     return r" \;\vee\; ".join(said)
+
+
+def _latex_relation(text: str, names: dict[str, sp.Symbol]) -> str:
+    equal = text.replace("==", "<=")
+    said = str(sp.latex(parse_relation(equal, names)))
+    return said if equal == text else said.replace(r"\leq", "=")
 
 
 def _latex_between(cell: ParameterCell, name: str) -> str:
@@ -128,12 +133,7 @@ def _rows(region: FoundRegion) -> list[tuple[str, ...]]:
     rules = (str((done.row or {}).get("rule", "")) for _, done in region.known)
     whole = f"all {', '.join(region.parameters)}"
     shown = zip(region.cells, rules, strict=True)
-    return [(whole if c.condition == "true" else _single(c.condition), c.verdict, c.trust or "-", rule) for c, rule in shown]
-
-
-def _single(where: str) -> str:
-    """One value in fewer words."""
-    return re.sub(r"^(\w+) >= (.*) and \1 <= \2$", r"\1 = \2", where)
+    return [(whole if c.condition == "true" else c.condition.replace("==", "="), c.verdict, c.trust or "-", rule) for c, rule in shown]
 
 
 def _counted(region: PavedRegion) -> Iterator[tuple[str, ...]]:

@@ -58,10 +58,10 @@ class RegionEnd:
 class FoundRegion(Shown):
     """For which values of the ``parameters`` the ``claim`` holds of ``criterion``, all its other parameters being what they may be.
 
-    ``condition`` is a text of comparisons joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim is proved, and is
-    ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an infinite one after
-    x/(1 + |x|).  ``scales`` are parameters that a change of units made 1 here.  ``joined`` are constraints that may leave no values to the
-    others where the claim is proved: there is no law there.
+    ``condition`` is a text of comparisons, ``==`` among them, joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim
+    is proved, and is ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an
+    infinite one after x/(1 + |x|).  ``scales`` are parameters that a change of units made 1 here.  ``joined`` are constraints that may
+    leave no values to the others where the claim is proved: there is no law there.
     """
 
     printed_by: ClassVar[str] = "duhem.regions.printing"
@@ -239,13 +239,12 @@ class ParameterRegion(FoundRegion):
 
     def between(self, cell: ParameterCell, with_domain: bool) -> str:
         """A cell in words; "" for the whole domain."""
-        (name,) = self.parameters
-        own = self.domain
-        if cell == own:
-            return ""
+        return "" if cell == self.domain else self._comparisons(cell, with_domain)
+
+    def _comparisons(self, cell: ParameterCell, with_domain: bool) -> str:
+        (name,), own = self.parameters, self.domain
         if cell.single and cell.low is not None:
-            at = written_root(cell.low)
-            return f"{name} >= {at} and {name} <= {at}" if with_domain else f"{name} = {at}"  # a condition has no sign for equal
+            return f"{name} {'==' if with_domain else '='} {written_root(cell.low)}"
         said = list[str]()
         if cell.low is not None and (with_domain or (cell.low, cell.open) != (own.low, own.open)):
             said.append(f"{written_root(cell.low)} {'<' if cell.open else '<='} {name}" if cell.high is not None and with_domain
@@ -276,10 +275,7 @@ class ParameterRegion(FoundRegion):
     @property
     def over(self) -> str:
         """The domain asked for, as comparisons."""
-        (name,), own = self.parameters, self.domain
-        said = [] if own.low is None else [f"{written_root(own.low)} {'<' if own.open else '<='} {name}"]
-        said += [] if own.high is None else [f"{name} {'<' if own.open_high else '<='} {written_root(own.high)}"]
-        return " and ".join(said) or "true"
+        return self._comparisons(self.domain, True) or "true"
 
 
 def _as_plain(x: Any) -> Any:

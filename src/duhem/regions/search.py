@@ -1,4 +1,4 @@
-"""The cells of one parameter: where a claim is proved, grown from values at which it is, and what lies between them.
+"""The cells of one parameter: where a claim is proved, grown from values at which it is, and what lies between them, halved where need be.
 
 Ends are found by the simplest fractions between a value that the proof reaches and one that it does not; what is no fraction is looked for
 among roots of short polynomials.  Only what the kernel confirms over a whole cell counts; the rest is open.
@@ -6,9 +6,9 @@ among roots of short polynomials.  Only what the kernel confirms over a whole ce
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
-from itertools import groupby, islice
+from itertools import islice
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_cells import ParameterCell
@@ -20,92 +20,103 @@ __all__ = ["cells_of"]
 
 _NARROW = Fraction(1, 2**30)
 _ROUNDING, _SHORT, _BESIDE = 3e-8, 1000, (1e-6, 1e-4)
-_MOST_HALVINGS, _MOST_TRIES, _FARTHEST, _FEW_SEEDS = 5, 60, 2**16, 3
+_MOST_IN_VAIN, _MOST_TRIES, _FARTHEST, _FEW_SEEDS = 12, 60, 2**16, 3  # the first: gaps one after the other that are halved
 
 
 def cells_of(asked: Asked) -> list[Decided]:
-    """The cells that cover the domain, in order: proved, refuted or open."""
-    if (whole := asked.proved(asked.whole)) is not None:
-        return [whole]
-    return list(_between(asked, asked.whole, _seen(asked)))
+    """The cells that cover the domain, in order: proved, refuted or open.
+
+    The widest gap comes first.  What is decided in one may leave others, and a gap in which nothing is decided is halved.
+    """
+    done, parts = _seen(asked) if (whole := asked.proved(asked.whole)) is None else ([whole], [])
+    gaps = [*((part, False) for part in parts), *((gap, True) for gap in _left(asked.whole, [*(one.cell for one in done), *parts]))]
+    in_vain = 0
+    while gaps:
+        gap, fresh = gaps.pop(max(range(len(gaps)), key=lambda i: _width(gaps[i][0])))
+        if (found := None if asked.spent else _decided(asked, gap, fresh)) is not None:
+            done.append(found)
+            gaps += [(rest, fresh and found.verdict == "proved") for rest in _left(gap, [found.cell])]
+            in_vain = 0
+        elif asked.spent or in_vain == _MOST_IN_VAIN or (_is_narrow(gap) and gap != asked.whole):
+            done.append(Decided(gap, "open"))
+        else:
+            at, in_vain = RealRoot.of(_middle(gap)), in_vain + 1
+            gaps += [(gap._replace(high=at, open_high=False), False), (gap._replace(low=at, open=True), False)]
+    cells = list[Decided]()
+    for one in sorted(done, key=lambda one: _order(one.cell)):
+        if cells and cells[-1].verdict == one.verdict == "open":
+            cells[-1] = Decided(cells[-1].cell._replace(high=one.cell.high, open_high=one.cell.open_high), "open")
+        else:
+            cells.append(one)
+    return cells
 
 
-def _between(asked: Asked, gap: ParameterCell, proved: Sequence[Decided]) -> Iterator[Decided]:
-    """The cells of a gap of which some are known."""
-    start, start_open = gap.low, gap.open
-    for done in proved:
-        if (before := _cell(start, done.cell.low, start_open, not done.cell.open)) is not None and done.cell.low is not None:
-            yield from _resolved(asked, before)
-        yield done
-        start, start_open = done.cell.high, not done.cell.open_high
+def _order(cell: ParameterCell) -> tuple[bool, Fraction, bool]:
+    """By which cells that do not overlap are in order."""
+    return cell.low is not None, Fraction(0) if cell.low is None else cell.low.low, cell.open
+
+
+def _left(whole: ParameterCell, cells: Iterable[ParameterCell]) -> Iterator[ParameterCell]:
+    """What cells leave of one."""
+    start, left_out = whole.low, whole.open
+    for low, high, out, out_high in sorted(cells, key=_order):
+        if low is not None and (before := _cell(start, low, left_out, not out)) is not None:
+            yield before
+        start, left_out = high, not out_high
         if start is None:
             return
-    if (after := _cell(start, gap.high, start_open, gap.open_high)) is not None:
-        yield from _resolved(asked, after)
+    if (after := _cell(start, whole.high, left_out, whole.open_high)) is not None:
+        yield after
 
 
-def _resolved(asked: Asked, gap: ParameterCell) -> Iterator[Decided]:
-    """The cells of a gap of which nothing is known: it is refuted, or a proof grows from a value in it, or it is refuted in parts."""
+def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
+    """A gap refuted, or proved, as a whole, or the cell to which a proof grows from a value in it, which a fresh one is asked for."""
     if (found := asked.refuted(gap)) is not None:
-        yield found
-        return
-    if gap != asked.whole and _is_sliver(gap):
-        yield Decided(gap, "open")
-        return
-    for seed in () if asked.spent else _seeds(gap.bounds):
-        if (grown := _grown(asked, seed, gap)) is not None:
-            yield from _between(asked, gap, [grown])
-            return
-    if gap == asked.whole and asked.ask_all():
-        for seed in islice(_seeds(gap.bounds), _FEW_SEEDS):
-            if (grown := _grown(asked, seed, gap)) is not None:
-                yield from _between(asked, gap, [grown])
-                return
-    yield from _refuted(asked, gap, _MOST_HALVINGS)
+        return found
+    if _is_narrow(gap) and gap != asked.whole:
+        one = RealRoot.of(_middle(gap))  # it may hold at one value alone, about which floating point sees more
+        return asked.proved(gap) or asked.proved(ParameterCell(one, one))
+    if not fresh:
+        found = asked.proved(gap)
+    else:
+        grown = (_grown(asked, seed, gap) for seed in _seeds(gap.bounds) if not asked.spent)
+        if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
+            grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
+            found = next(filter(None, grown), None)
+    return found or (None if gap.single else asked.chord(gap, _middle(gap)))
 
 
-def _is_sliver(gap: ParameterCell) -> bool:
-    """Whether nothing is looked for in a gap: it is beside an end that is told by no short number."""
+def _is_narrow(gap: ParameterCell) -> bool:
+    """Whether a gap is not divided: it is one value, beside an end that is told by no short number, or far away."""
     if gap.low is None or gap.high is None:
-        return False
+        return any(end is not None and abs(end.low) >= _FARTHEST for end in gap[:2])
     return gap.high.low - gap.low.high <= 3 * Fraction(_BESIDE[1]) * max(Fraction(1), abs(gap.low.low))
 
 
-def _seen(asked: Asked) -> list[Decided]:
-    """Cells of the stretches in which the claim seems to hold, or to fail, by floating point, in order.
+def _seen(asked: Asked) -> tuple[list[Decided], list[ParameterCell]]:
+    """Cells of the stretches in which the claim seems to hold, by floating point, and a little less than the stretches that are left.
 
-    The ends are short numbers; where these are not confirmed, a little less than the stretches beside is decided, in parts.
+    The ends of cells are short numbers, or those of the domain.
     """
     stretches = asked.seen() or []
     whole, last = asked.whole, len(stretches) - 1
-    found = dict[int, list[Decided]]()
-    for i, (low, high, holds) in enumerate(stretches):
+    found, parts = dict[int, Decided](), list[ParameterCell]()
+    for i, (low, high, _) in enumerate(stretches):
         own = i == 0 and whole.open, i == last and whole.open_high
         cells = (
             _cell(whole.low if i == 0 else _number_near(low), whole.high if i == last else _number_near(high), *out)
-            for out in (dict.fromkeys([own, (True, own[1]), (own[0], True), (True, True)]) if holds else ())
+            for out in dict.fromkeys([own, (True, own[1]), (own[0], True), (True, True)])
+            if stretches[i][2]
         )
         if done := next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), None):
-            found[i] = [done]
+            found[i] = done
     for i, (low, high, holds) in enumerate(stretches):
         if i in found or (not holds and all(k in found for k in (i - 1, i + 1) if 0 <= k <= last)):
             continue  # the gap that is left between cells is taken as a whole
         one, two = whole.low if i == 0 else _inside(low, 1), whole.high if i == last else _inside(high, -1)
-        cell = _cell(one, two, i == 0 and whole.open, i == last and whole.open_high)
-        if cell is not None and (one is None or two is None or one.below(two)):
-            parts = _proved_parts(asked, cell, _MOST_HALVINGS - 1) if holds else _refuted(asked, cell, _MOST_HALVINGS)
-            found[i] = [done for done in parts if done.verdict != "open"]
-    return [done for i in sorted(found) for done in found[i]]
-
-
-def _proved_parts(asked: Asked, cell: ParameterCell, halvings: int) -> Iterator[Decided]:
-    """A cell on which the claim is proved in one, or those of its parts on which it is."""
-    if (found := asked.proved(cell)) is not None:
-        yield found
-    elif halvings and not asked.spent and (middle := _middle(cell)) is not None:
-        at = RealRoot.of(middle)
-        yield from _proved_parts(asked, ParameterCell(cell.low, at, cell.open, False), halvings - 1)
-        yield from _proved_parts(asked, ParameterCell(at, cell.high, True, cell.open_high), halvings - 1)
+        if one is None or two is None or one.below(two):
+            parts.append(ParameterCell(one, two, i == 0 and whole.open, i == last and whole.open_high))
+    return [*found.values()], parts
 
 
 def _inside(x: float, way: int) -> RealRoot:
@@ -211,40 +222,15 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
     return RealRoot.of(near), False
 
 
-def _refuted(asked: Asked, gap: ParameterCell, halvings: int) -> Iterator[Decided]:
-    """What lies between two cells, refuted as a whole or in parts, the widest first; what is left is open."""
-    parts, done = [(gap, halvings)], list[Decided]()
-    while parts:
-        part, left = parts.pop(max(range(len(parts)), key=lambda i: _width(parts[i][0])))
-        middle = _middle(part)
-        inside = part.low.low if part.single and part.low is not None and part.low.exact else middle
-        if (found := asked.refuted(part) or (None if inside is None else asked.chord(part, inside))) is not None:
-            low, high, out, out_high = found.cell
-            done.append(found)
-        elif left <= 0 or middle is None or asked.spent or (left < _MOST_HALVINGS - 2 and part not in asked.hopeful):
-            done.append(Decided(part, "open"))
-            continue
-        else:
-            low, high, out, out_high = (at := RealRoot.of(middle)), at, True, False
-        before = None if low is None else _cell(part.low, low, part.open, not out)
-        after = None if high is None else _cell(high, part.high, not out_high, part.open_high)
-        parts += [(rest, left - 1) for rest in (before, after) if rest is not None]
-    done.sort(key=lambda one: (one.cell.low is not None, one.cell.low and one.cell.low.low, one.cell.open))
-    for verdict, same in groupby(done, key=lambda one: one.verdict):
-        cells = list(same)
-        whole = cells[0].cell._replace(high=cells[-1].cell.high, open_high=cells[-1].cell.open_high)
-        yield from [Decided(whole, "open")] if verdict == "open" else cells
-
-
 def _width(cell: ParameterCell) -> Fraction:
     return (cell.high.low - cell.low.high) if cell.low is not None and cell.high is not None else Fraction(_FARTHEST)
 
 
-def _middle(cell: ParameterCell) -> Fraction | None:
+def _middle(cell: ParameterCell) -> Fraction:
+    """A short number well inside of a cell; twice as far away as the one end that it has."""
     low, high = cell.low, cell.high
-    if cell.single:
-        return None
     if low is None or high is None:
-        return (low.high + 1) if low is not None else (high.low - 1) if high is not None else Fraction(0)
+        ends = [(end.high, way) for end, way in ((low, 1), (high, -1)) if end is not None]
+        return next((end + way * max(Fraction(1), abs(end)) for end, way in ends), Fraction(0))
     width = high.low - low.high
     return simplest(low.high + width / 4, high.low - width / 4)

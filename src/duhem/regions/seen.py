@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
+from functools import reduce
 from itertools import pairwise, product
 from typing import NamedTuple
 
@@ -20,14 +21,17 @@ from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, Term, number
 
-__all__ = ["RAYS", "Array", "Holding", "changes", "count", "held", "looked_at", "polynomial_at", "value_of"]
+__all__ = ["RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "looked_at", "of_one_sign", "polynomial_at", "value_of"]
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 RAYS = 721  # between the ends of a dent
+_RAYS_OF_A_DENT = (RAYS // 2, 65, 65, 65)
 _PLACES, _SAMPLES, _ZERO = 9, 97, 1e-11
 _MOST_PLACES, _FEW_PLACES, _FINER = 30, 12, 12  # of several parameters, of which constraints may leave few
 _COMPARED = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal}
 _JOINED = {"and": np.logical_and.reduce, "or": np.logical_or.reduce}
+_SIZES, _MOST_WAYS = (1e-3, 0.1, 1.0, 10.0, 1e3), 80  # of forces
 _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
 
 
@@ -51,8 +55,11 @@ class Holding(NamedTuple):
         with suppress(*UNREADABLE):
             matrix = quadratic(law.g, law.forces, over(law))[0]
             return cls((), tuple(map(tuple, matrix)))
-        found = _told_dents(law)
-        return cls(tuple(found), ()) if found else None
+        for family in FAMILIES:
+            with suppress(*UNREADABLE):
+                if found := tuple(dents(law, family)):
+                    return cls(found, ())
+        return None
 
     @property
     def along_rays(self) -> bool:
@@ -63,14 +70,21 @@ class Holding(NamedTuple):
         """By how much it seems to hold at some places, as a share of what is added up; < 0 where it seems to fail."""
         if self.at_zero is not None:
             return -value_of(self.at_zero, places)
-        if self.forms:
-            return _least_eigenvalues(self.forms, places)
-        least = np.full(count(places), np.inf)
-        for dent in self.dents:
-            rays = np.linspace(float(dent.between[0]), float(dent.between[1]), RAYS // 4 if dent.between[1] > dent.between[0] else 1)
-            at = {name: np.repeat(x, len(rays)) for name, x in places.items()} | {RAY.name: np.tile(rays, len(least))}
-            least = np.minimum(least, _relative(dent.poly, at).reshape(-1, len(rays)).min(axis=1))
+        dented = (_least(dent, places) for dent in self.dents)
+        least = _least_eigenvalues(self.forms, places) if self.forms else reduce(np.minimum, dented)
         return np.where(np.abs(least) <= _ZERO, 0.0, least)
+
+
+def _least(dent: Dent, places: Mapping[str, Array]) -> Array:
+    """The least value of a dent, as a share of the sizes that are added up: on many rays, then ever closer to the least."""
+    low, high = (np.full(count(places), float(end)) for end in dent.between)
+    for rays in _RAYS_OF_A_DENT if dent.between[0] < dent.between[1] else (1,):
+        along = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, rays)
+        seen = _relative(dent.poly, {name: np.repeat(x, rays) for name, x in places.items()} | {RAY.name: along.ravel()})
+        least = seen.reshape(along.shape).min(axis=1)
+        at, step = along[np.arange(len(low)), seen.reshape(along.shape).argmin(axis=1)], (high - low) / max(rays - 1, 1)
+        low, high = np.maximum(low, at - step), np.minimum(high, at + step)
+    return least
 
 
 def _least_eigenvalues(matrix: Sequence[Sequence[Term]], places: Mapping[str, Array]) -> Array:
@@ -83,50 +97,26 @@ def _least_eigenvalues(matrix: Sequence[Sequence[Term]], places: Mapping[str, Ar
     return np.where(told, np.linalg.eigvalsh(many / sizes[:, :, None] / sizes[:, None, :])[:, 0], -np.inf)
 
 
-def _told_dents(law: StatedLaw) -> list[Dent]:
-    for family in FAMILIES:
-        with suppress(*UNREADABLE):
-            if found := list(dents(law, family)):
-                return found
-    return []
+def changes(holding: Holding, law: StatedLaw, name: str) -> list[tuple[float, float, bool]] | None:
+    """Stretches of the one parameter that is left, and whether the claim is seen to hold there; None where that cannot be told."""
 
-
-def changes(law: StatedLaw, name: str) -> list[tuple[float, float, bool]] | None:
-    """Stretches of the one parameter that is left, and whether the dents of the law are seen to be >= 0 there; None where none are told."""
-    if not (found := _told_dents(law)):
-        return None
-
-    def round_at(x: float) -> bool:
-        return all(_least(dent, name, x) >= -_ZERO for dent in found)
+    def holds(*x: float) -> list[bool]:
+        return [bool(margin >= 0) for margin in holding.margins({name: np.array(x)})]
 
     try:
         places = _in(law.parameters[name], np.linspace(0, 1, _SAMPLES + 2)[1:-1].tolist())
-        flags = [round_at(x) for x in places]
+        flags = holds(*places)
         stretches, start = list[tuple[float, float, bool]](), places[0]
         for (x, one), (y, two) in pairwise(zip(places, flags, strict=True)):
             if one != two:
                 low, high = x, y
                 while high - low > 1e-13 * max(1.0, abs(low)) and low < (middle := (low + high) / 2) < high:
-                    low, high = (middle, high) if round_at(middle) == one else (low, middle)
+                    low, high = (middle, high) if holds(middle) == [one] else (low, middle)
                 stretches.append((start, low, one))
                 start = high
         return [*stretches, (start, places[-1], flags[-1])]
     except UNREADABLE:
         return None
-
-
-def _least(dent: Dent, name: str, x: float) -> float:
-    """The least value of a dent, as a share of the sizes that are added up."""
-    low, high = map(float, dent.between)
-    rays = np.linspace(low, high, RAYS if high > low else 1)
-    for _ in range(4 if high > low else 1):  # closer to where it is least
-        at = {RAY.name: rays, name: np.full_like(rays, x)}
-        seen = _relative(dent.poly, at)
-        i = int(np.argmin(seen))
-        step = (high - low) / (len(rays) - 1) if high > low else 0.0
-        low, high = max(low, rays[i] - step), min(high, rays[i] + step)
-        rays = np.linspace(low, high, 65 if high > low else 1)
-    return float(np.min(seen))
 
 
 def looked_at(law: StatedLaw, names: Collection[str] | None = None, most: int = _MOST_PLACES) -> dict[str, Array]:
@@ -136,8 +126,7 @@ def looked_at(law: StatedLaw, names: Collection[str] | None = None, most: int = 
     if len(free) > 1:
         shares = [_AT_END, *np.linspace(0, 1, max(4, int(most ** (1 / len(free)))))[1:-1]]
     each = [_in(own, [*shares, *([] if None in own[:2] else [1 - _AT_END])]) for own in map(law.parameters.__getitem__, free)]
-    grid = np.array(list(product(*each))).reshape(-1, len(free))
-    places = dict(zip(free, grid.T, strict=True)) if free else {}
+    places = dict(zip(free, np.array(list(product(*each))).T, strict=True)) if free else {}
     for c in law.constraints if len(free) > 1 else ():
         with suppress(ValueError):
             if c.names() <= {*free}:
@@ -181,7 +170,21 @@ def polynomial_at(poly: Polynomial, at: Mapping[str, Array], size: bool = False)
     return np.where(np.isnan(total), np.inf, total)
 
 
-def held(condition: Term, at: Mapping[str, Array]) -> NDArray[np.bool_]:
+def of_one_sign(law: StatedLaw, places: Mapping[str, Array]) -> bool:
+    """Whether g is > 0, or never, at forces along axes and diagonals, near zero and far from it, for all of the values; in their ranges."""
+    size, ways = count(places), [way for way in product((0.0, 1.0, -1.0), repeat=len(law.forces)) if any(way)][:_MOST_WAYS]
+    forces = np.repeat(np.outer(_SIZES, ways).reshape(-1, len(law.forces)), size, axis=0).T
+    at = {name: np.tile(x, forces.shape[1] // size) for name, x in places.items()} | dict(zip(law.forces, forces, strict=True))
+    at |= {name: np.full(forces.shape[1], float(own.low or 0)) for name, own in law.parameters.items() if own.single}
+    inside = np.ones(forces.shape[1], dtype=bool)
+    for name, (low, high, *_) in law.ranges:
+        if name in law.forces:
+            inside &= (at[name] >= (-np.inf if low is None else float(low))) & (at[name] <= (np.inf if high is None else float(high)))
+    positive = value_of(law.g, at)[inside] > 0
+    return bool(positive.all() or not positive.any())
+
+
+def held(condition: Term, at: Mapping[str, Array]) -> Flags:
     """Where a comparison holds, or several that ``and`` and ``or`` join; not where a side has no value."""
     if condition.op in _JOINED:
         return np.asarray(_JOINED[condition.op]([held(part, at) for part in condition.args]))

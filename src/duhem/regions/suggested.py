@@ -15,21 +15,29 @@ from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import FAMILIES, Dent, dents
 from duhem.proof.kernel.forms import by_forces
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, number_in, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import UNREADABLE, Term, factors, number, parse
 from duhem.regions.numbers import closest_fractions, narrowed
-from duhem.regions.seen import RAYS, Array, count, looked_at, polynomial_at, value_of
+from duhem.regions.seen import RAYS, Array, Flags, count, looked_at, polynomial_at, value_of
 
 __all__ = ["Suggestion", "suggestions"]
 
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
 _PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "2")))  # components of the points that are tried
-_GRID = 8  # parts of a range
-_FEW_POINTS = 3  # outside of K, through which lines are tried
+_GRIDS = (32, 8, 8, 8)  # parts of a range, and of cells of grids within cells of grids
+_MOST_BOXES = 12  # at once
+_FAR = (Fraction(2), Fraction(32), Fraction(512))  # where a force that has no end ends
+_ROUNDING, _PRICE_OF_A_GRID = 1e-13, 2500
+_FEW_LINES = 4
 _STEPS = tuple(tuple(Fraction(k, n) for k in range(-n, n + 1)) for n in (8, 2))  # of components of two and of three forces
+
+
+_Box = tuple[tuple[str, ...], tuple[tuple[Fraction, Fraction], ...]]  # forces and their ranges
 
 
 class Suggestion(NamedTuple):
@@ -54,14 +62,16 @@ def suggestions(
     if claim == "dissipation" and law.flow is not None and {*names} <= {*whole.parameters}:
         with suppress(*UNREADABLE):
             yield from _of_points(whole, names, away)
-    if claim == "convexity":
-        for told in (_of_chords, _of_lines):
-            with suppress(*UNREADABLE):
-                yield from told(law, places)
+    if claim == "convexity" and not law.ranges:
+        with suppress(*UNREADABLE):
+            yield from islice(_of_lines(law, places), _FEW_LINES)
     if claim in ("convexity", "normality"):
         for family in FAMILIES:
             with suppress(*UNREADABLE):
                 yield from _of_dents(dents(law, family), places, ends)
+    if claim == "convexity":
+        with suppress(*UNREADABLE):
+            yield from _of_chords(law, places)
 
 
 def _of_points(law: StatedLaw, names: Sequence[str], away: Sequence[str]) -> Iterator[Suggestion]:
@@ -101,7 +111,8 @@ def _stands_alone(g: Term, name: str) -> bool:
 
 def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
     """Lines through a point outside K along which a polynomial g falls both ways, at all of the values that are looked at."""
-    parts, size = by_forces(over(law).polynomial(law.g), over(law)), count(places)
+    domain = over(law)
+    parts, size = by_forces(domain.polynomial(normal(law.g, domain, True)), domain), count(places)
     if any(x.op != "name" or n < 0 for moving in parts for x, n in moving):
         return
     degree = max(sum(n for _, n in moving) for moving in parts)
@@ -113,10 +124,8 @@ def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestio
 
     points = list(_plain_ways(law.forces))
     outside = (_scaled(way, scale) for scale in (4, 64, 4096) for way in points if np.all(along(law.g, way, scale) > 0))
-    throughs = list(islice(outside, _FEW_POINTS)) if degree % 2 == 0 else []
-    for way in points if throughs else ():
-        if np.all(along(top, way) < 0):
-            yield from (Suggestion("line", {"through": through, "along": way}) for through in throughs)
+    if degree % 2 == 0 and (through := next(outside, None)) is not None:
+        yield from (Suggestion("line", {"through": through, "along": way}) for way in points if np.all(along(top, way) < 0))
 
 
 def _scaled(way: Mapping[str, str], scale: int) -> dict[str, str]:
@@ -124,23 +133,51 @@ def _scaled(way: Mapping[str, str], scale: int) -> dict[str, str]:
 
 
 def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
-    """Chords of a grid over the ranges of one or two forces: their ends lie in K at all of the values, their midpoints at none."""
-    ends = [own[:2] for f in law.forces for name, own in law.ranges if name == f]
-    each = [[low + (high - low) * k / _GRID for k in range(_GRID + 1)] for low, high in ends if low is not None and high is not None]
-    if len(each) != len(law.forces) or len(each) > 2:
-        return
-    points, size = dict(zip(product(range(_GRID + 1), repeat=len(each)), product(*each), strict=True)), count(places)
+    """Chords of grids over the ranges of two forces or of one: their ends lie in K at all of the values, their midpoints at none.
 
-    def forces_at(place: tuple[int, ...]) -> dict[str, Fraction]:
-        return dict(zip(law.forces, points[place], strict=True))
+    A cell of a grid that K does not fill has a grid of its own, with those around it, cells at corners first.  A force without ends has
+    several ranges about 0; others are 0.
+    """
+    ends, more = dict[str, tuple[Any, ...]](law.ranges), {} if law.pressure is None else {"pressure": "-1"}
+    pairs: list[tuple[str, ...]] = [*combinations(law.forces, 2)] or [law.forces]
+    boxes = [(names, tuple(_about_zero(ends.get(f), far) for f in names)) for names in pairs for far in _FAR]
+    for parts in _GRIDS:
+        asked, nearer = [*dict.fromkeys(boxes)][:_MOST_BOXES], list[tuple[int, _Box]]()
+        for names, box in asked:
+            pay(_PRICE_OF_A_GRID)
+            grid = [[low + (high - low) * k / parts for k in range(parts + 1)] for low, high in box]
+            points = np.array(list(product(*grid)), dtype=float).T
+            at = {name: np.tile(x, points.shape[1]) for name, x in places.items()}
+            at |= dict.fromkeys(law.forces, np.zeros(count(places) * points.shape[1]))
+            at |= {f: np.repeat(x, count(places)) for f, x in zip(names, points, strict=True)}
+            values = value_of(law.g, at).reshape(*map(len, grid), count(places))
+            inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
+            for middle, step in _midpoints(inside, outside):
+                p, q = ({f: str(x[m + way * k]) for f, x, m, k in zip(names, grid, middle, step, strict=True)} for way in (-1, 1))
+                yield Suggestion("chord", {"p": p, "q": q, **more})
+            for corner in product(range(parts), repeat=len(grid)):
+                near = inside[tuple(slice(k, k + 2) for k in corner)]
+                if near.any() and not near.all():
+                    cell = tuple((x[max(k - 1, 0)], x[min(k + 2, parts)]) for x, k in zip(grid, corner, strict=True))
+                    nearer.append((sum(k in (0, parts - 1) for k in corner), (names, cell)))
+        boxes = [box for _, box in sorted(nearer, key=lambda one: -one[0])]
 
-    values = {at: value_of(law.g, {**places, **{f: np.full(size, float(x)) for f, x in forces_at(at).items()}}) for at in points}
-    inside, outside = [at for at, g in values.items() if np.all(g <= 0)], {at for at, g in values.items() if np.all(g > 0)}
-    pairs = ((p, q, [a + b for a, b in zip(p, q, strict=True)]) for p, q in combinations(inside, 2))
-    left = ((p, q) for p, q, twice in pairs if not any(a % 2 for a in twice) and tuple(a // 2 for a in twice) in outside)
-    for chord in islice(left, _FEW_POINTS):
-        told = {key: {f: str(x) for f, x in forces_at(end).items()} for key, end in zip("pq", chord, strict=True)}
-        yield Suggestion("chord", {**told, **({} if law.pressure is None else {"pressure": "-1"})})
+
+def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
+    """The range of a force; of one without ends one that ends ``far`` away."""
+    low, high = (None, None) if own is None else own[:2]
+    first = low if low is not None else -far if high is None else high - far
+    return first, high if high is not None else far if low is None else low + far
+
+
+def _midpoints(inside: Flags, outside: Flags) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
+    """Points of a grid outside, and the steps of the grid that lead from each to points inside both ways, the longest first."""
+    size, half = len(inside), len(inside) // 2
+    for step in sorted(product(range(-half, half + 1), repeat=inside.ndim), key=lambda step: -sum(map(abs, step))):
+        if step > tuple(-k for k in step):
+            one, middle, two = (tuple(slice(abs(k) + way * k, size - abs(k) + way * k) for k in step) for way in (-1, 0, 1))
+            for at in np.argwhere(inside[one] & outside[middle] & inside[two]):
+                yield tuple(int(i) + abs(k) for i, k in zip(at, step, strict=True)), step
 
 
 def _plain_ways(forces: Sequence[str]) -> Iterator[dict[str, str]]:

@@ -18,8 +18,9 @@ from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.pieces import chooses
-from duhem.proof.kernel.plane_gauge import StarGauge
+from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
+from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
 from duhem.proof.kernel.simpler_laws import cases, in_principal_stresses, normal_forms, without_outer_map
@@ -257,6 +258,14 @@ def polyhedral(law: StatedLaw, _: Evidence) -> bool:
     return domain.facts(law.g).defined and union_is_convex(polyhedra(law.g, law.forces, domain)[0], len(law.forces))
 
 
+def without_boundary(law: StatedLaw, _: Evidence) -> bool:
+    """g is nowhere > 0, or nowhere <= 0, for all forces in their ranges."""
+    domain = within_ranges(law)
+    if (sign := domain.facts(law.g).sign) == POSITIVE or not sign & POSITIVE:
+        return True
+    return domain.nonnegative(law.g, strict=True) or domain.never_negative(written(negated(domain.polynomial(law.g))))
+
+
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
     shape = _shape(law, evidence)
@@ -422,6 +431,10 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _NONE, convexity, obligations.formula_where_loads_allow,
         "g is quasiconvex by the rules of composition (Grant, Boyd, Ye 2006; Agrawal, Boyd 2020)",
     ),
+    ("convexity", "sign"): RuleRow(
+        _NONE, without_boundary, obligations.formula_in_ranges, "g is nowhere > 0, so that K is everything, or nowhere <= 0: K is empty",
+        by_evidence=True,
+    ),
     ("convexity", "polyhedral"): RuleRow(
         _NONE, polyhedral, obligations.formula,
         "g is piecewise affine, and the union of the polyhedra on which g <= 0 is itself a polyhedron (Bemporad, Fukuda, Torrisi 2001)",
@@ -430,6 +443,10 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _ORIGIN, lambda law, _: StarGauge(law).convex(), obligations.numbers_in_formula,
         "the boundary r = 1/gamma(theta) has no dent: gamma'' + gamma >= 0 on every arc, and gamma' does not decrease "
         "where two arcs meet (Schneider 2014, section 1.7)", most_forces=_PLANE,
+    ),
+    ("convexity", "polar-sign"): RuleRow(
+        _NONE, lambda law, _: above_zero_along_rays(law), obligations.numbers_in_formula,
+        "g > 0 along every ray from zero force, so that K is zero force alone, or empty", by_evidence=True, most_forces=_PLANE,
     ),
     ("convexity", "fan"): RuleRow(
         _ORIGIN, lambda law, _: Fan(law).convex(), obligations.formula,

@@ -23,9 +23,10 @@ from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.deviatoric import DeviatoricReader, deviatoric_readers, invariants
 from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
 from duhem.proof.kernel.forms import affine, at, principal_minors
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.plane_function import PlaneFunction, Signs, derivatives, inner, roots_in
 from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
-from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replaced, times, total, written
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, replaced, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.semidefinite import catalecticant, homogeneous_parts, in_coordinates
 from duhem.proof.kernel.signs import RAY, Interval, nonnegative
@@ -150,7 +151,7 @@ def _at_no_trace(constants: list[Term], domain: StatedDomain) -> Facts:
 
 
 def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
-    """Of a quadratic g, or a quartic form in the plane less a constant > 0: the principal minors of the matrix of its highest form f.
+    """Of a quadratic g, or a quartic form in two forces less a constant > 0: the principal minors of the matrix of its highest form f.
 
     If f(v) < 0, a line along v has all but a part in K.  So a convex K is a cylinder along v, on whose boundary g = 0, though g falls along
     it: K is everything, and f <= 0.  Where f > 0 somewhere, K is therefore convex only if f >= 0.  Of a quadratic f this is the sign of the
@@ -159,12 +160,17 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
     imaginary and reciprocal, its Hessian at (1, 1) has the sign of 1 - l, and l, 1 and 1 - l^2 are the minors of its matrix.
     """
     domain, (g, forces) = over(law), (law.g, law.forces)
-    forms = homogeneous_parts(domain.polynomial(g), domain)
-    if (degree := max(forms, default=0)) != 2:
-        g, forces = in_the_plane(law, domain)
+    forms = dict[int, dict[Monomial, Polynomial]]()
+    with suppress(NotWritten):
         forms = homogeneous_parts(domain.polynomial(g), domain)
+    if (degree := max(forms, default=0)) != 2:
+        if not all(_is_plain(part, domain) for part in g.parts()):
+            raise NotWritten("a part of g is no polynomial")
+        g, forces = _in_two_forces(law, domain)
+        forms = homogeneous_parts(_multiplied_out(g, domain), domain)
         if set(forms) != {0, 4} or domain.facts(written(forms[0][()])).sign != NEGATIVE:
             raise NotWritten("g is no quartic form less a constant")
+        degree = 4
     form = written(total(*(times({m: _ONE}, c) for m, c in forms[degree].items())))
     ways = sorted(product((0, 1, -1), repeat=len(forces)), key=lambda way: sum(map(abs, way)))[1:_MOST_WAYS]
     values = (domain.facts(at(form, forces, tuple(map(number, way)))) for way in ways)
@@ -176,7 +182,28 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
             yield Dent("form", f"minor {rows} in coordinates {i}", domain.polynomial(minor), (_ZERO, _ZERO), domain)
 
 
+def _is_plain(part: Term, domain: StatedDomain) -> bool:
+    """Whether a part may be one of a polynomial: constants, powers > 0, and sizes, of which even powers are polynomials."""
+    powers = part.op == "**" and domain.facts(part.args[1]).sign == POSITIVE
+    return powers or domain.constant(part) or part.op in ("name", "+", "*", "abs", "norm", "pos", "neg")
+
+
+def _in_two_forces(law: StatedLaw, domain: StatedDomain) -> tuple[Term, tuple[str, str]]:
+    """g in the plane; of a law that has none, where all but the first two forces are 0: a section of a convex K is convex."""
+    if len(law.forces) < 2:
+        raise NotWritten("there are not two forces")
+    with suppress(NotWritten):
+        return in_the_plane(law, domain)
+    first, second, *others = law.forces
+    return law.g.put({Term("name", name=f): number(0) for f in others}), (first, second)
+
+
 FAMILIES: Mapping[str, Callable[[StatedLaw], Iterator[Dent]]] = {"form": _of_the_form, "sector": _of_the_deviator, "gauge": _of_the_gauge}
+
+
+def _multiplied_out(term: Term, domain: StatedDomain) -> Polynomial:
+    """The polynomial that a term is where it has a value: what its words become is multiplied out, and words are undone once more."""
+    return domain.polynomial(normal(written(domain.polynomial(normal(term, domain, True))), domain, True))
 
 
 # -- by lines ----------------------------------------------------------------------------------------------------------
@@ -194,7 +221,7 @@ def falls_both_ways(law: StatedLaw, evidence: Mapping[str, Any]) -> bool:
     line = over(along)
     if not line.facts(along.g).defined:
         return False
-    powers = in_powers(line.polynomial(along.g), _STEP)
+    powers = in_powers(_multiplied_out(along.g, line), _STEP)
     if len(powers) % 2 == 0 or any(not line.constant(x) for part in powers for m in part for x, _ in m):
         return False
     top, here = (domain.facts(written(part)) for part in (powers[-1], powers[0]))

@@ -5,8 +5,8 @@ Every step is an identity wherever the formula as written has a value.  What has
 
 Kinks, of constants too, come to ``abs``, ``pos`` and ``neg`` of what begins with a coefficient > 0, powers of powers to one, and what is
 multiplied and added up between words is multiplied out and collected.  ``where(d >= 0, a, b)`` with a - b = c d is b + c pos(d);
-r + c pos(d) is max(r, r + c d) for c >= 0; of a sum of squares under a root those that are no polynomials become parts of a norm.
-Under a root N w + N q with a word w is N (w + q).
+r + c pos(d) is max(r, r + c d) for c >= 0.  Of a pos(d) + b neg(d) one part is 0: its whole powers are those of the parts.
+Of a sum of squares under a root those that are no polynomials become parts of a norm.  Under a root N w + N q with a word w is N (w + q).
 
 A quotient N/P has a value only where P is not 0.  Factors of all terms of P are divided by on their own; N/P is q + R/P for N = q P + R.
 Several powers of one P are written as whole powers of one of them: P is >= 0 where they have values, or they are all whole.
@@ -205,6 +205,8 @@ class _Form(NamedTuple):
             return self._power_of_power(base, exponent)
         if p == 1:
             return base
+        if self.collects and p.denominator == 1 and p > 1 and (parts := self._ramps(base)):
+            return added([product_of(self._power_of_constant(c, int(p)), Term("**", (ramp, number(p)))) for c, ramp in parts])
         if self.collects and base.op == "+" and p.denominator == 1 and p > _HIGHEST:
             return Term(_KEPT, (base, number(p)))
         if p > 0 and p % 2 == 0 and base.op in ("abs", "norm"):
@@ -217,6 +219,18 @@ class _Form(NamedTuple):
         if self.collects and p.denominator == 1 and p < 0 and base.op == "+":
             return self._presented(self._times_power(ONE, self._reduced(self._poly(base)), int(p)))
         return self._power_of_power(self._factored(base) if self.collects and 0 < p < 1 else base, number(p))
+
+    def _ramps(self, base: Term) -> list[tuple[Term, Term]]:
+        """x and y with pos(d) and neg(d) for x pos(d) + y neg(d), of which one part is 0 at a time; else none."""
+        parts = [(c, moving[0]) for c, moving in (apart(a, self.domain) for a in base.args) if len(moving) == 1] if base.op == "+" else []
+        both = (
+            len(parts) == len(base.args) == 2 and {ramp.op for _, ramp in parts} == {"pos", "neg"} and parts[0][1].args == parts[1][1].args
+        )
+        return parts if both else []
+
+    def _power_of_constant(self, constant: Term, p: int) -> Term:
+        value = number_in(self.domain.polynomial(constant))
+        return Term(_KEPT, (constant, number(p))) if value is None else number(value**p)
 
     def _factored(self, base: Term) -> Term:
         """N (w + q) for N w + N q, w a word: of a root the factors tell more than the terms; N begins with a coefficient > 0."""
@@ -345,10 +359,10 @@ class _Form(NamedTuple):
                     own, left = self._times_power(part, square, half), n - 2 * half
                     found.append(times(own, {((x, left),): Fraction(1)}) if left else own)
                 poly = total(*found)
-        return self._chosen(self._divided_out(self._without_both_ramps(poly)))
+        return self._chosen(self._divided_out(self._with_fewer_ramps(poly)))
 
-    def _without_both_ramps(self, poly: Polynomial) -> Polynomial:
-        """pos(d) neg(d) is 0, and pos(d)^n + neg(d)^n is d^n for even n > 0."""
+    def _with_fewer_ramps(self, poly: Polynomial) -> Polynomial:
+        """pos(d) neg(d) is 0, pos(d)^n + neg(d)^n is d^n for even n > 0, and pos(d)^n is d^(n - 1) pos(d), where that leaves no pos(d)."""
         for up in sorted({x for m in poly for x, n in m if x.op == "pos" and n > 0}):
             down = Term("neg", up.args)
             poly = {m: c for m, c in poly.items() if not {(x, n > 0) for x, n in m} >= {(up, True), (down, True)}}
@@ -358,6 +372,10 @@ class _Form(NamedTuple):
                 if n > 0 and n % 2 == 0 and poly.get(other) == poly[m]:
                     whole = times({tuple((x, k) for x, k in m if x != up): poly[m]}, self._poly(Term("**", (up.args[0], number(n)))))
                     poly = total({k: c for k, c in poly.items() if k not in (m, other)}, whole)
+            if (own := {m: c for m, c in poly.items() if dict(m).get(up, 0) > 0}) and len(own) > 1:
+                d, parts = self._poly(up.args[0]), in_powers(own, up)
+                if not total(*(self._times_power(part, d, n) for n, part in enumerate(parts[1:]))):
+                    poly = {m: c for m, c in poly.items() if m not in own}
         return poly
 
     def _chosen(self, poly: Polynomial) -> Polynomial:

@@ -40,7 +40,7 @@ from duhem.proof.kernel.signs import (
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, number
 
-__all__ = ["DirectionArc", "StarGauge", "arcs", "in_the_plane"]
+__all__ = ["DirectionArc", "StarGauge", "above_zero_along_rays", "arcs", "in_the_plane"]
 
 End = tuple[Fraction, Fraction]  # a t between two numbers, known exactly where they are one
 Graded = Mapping[Fraction, PlaneFunction]  # the parts of each degree in the forces that are not 0
@@ -283,6 +283,16 @@ class _Piece:
             return True
         ray = self.arc if self.arc.single else after.arc
         return ray.sign(ray.difference(self._psi, after._psi), strict=True) == 0
+
+
+def above_zero_along_rays(law: StatedLaw) -> bool:
+    """Whether g > 0 but at zero force, no part of it of one degree being < 0; in three forces but where all are the same."""
+    domain = over(law)
+    for arc, parts_of_g in (piece for side in arcs(*in_the_plane(law, domain), domain) for piece in side):
+        values = [value.poly for value in parts_of_g.values()]
+        if not all(map(arc.above, values)) or not any(arc.above(poly, strict=True) for poly in values):
+            return False
+    return True
 
 
 def in_the_plane(law: StatedLaw, domain: StatedDomain) -> tuple[Term, tuple[str, str]]:
