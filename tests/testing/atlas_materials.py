@@ -41,7 +41,8 @@ def material(name: str, store: Callable[[Array, Array], Array] = lambda before, 
         end = own.advance(base, strain, duration, numbers(len(base), pressure), True)
         return MaterialState(strain, end.observed, store(before.variables, end.chi[:, d:]), tangent=end.tangent, solved=~end.failed)
 
-    first = np.clip(0.0, own.low, own.high) + np.array([name == "beta" for name in own.names[d:]])  # an interface begins whole
+    whole = (own.low == 0.0) & (own.high == 1.0) & np.array([name == "beta" for name in own.names[d:]])
+    first = np.clip(0.0, own.low, own.high) + whole  # an interface begins whole
     stiffness = own.free_energy(np.append(np.zeros(d), first)[None], numbers(1, None))[2][0, :d, :d]
     routine = Material(advance, stiffness, first, name=name)
     given = {"law": law, "update": routine, "parameters": values, "state": {n: i for i, n in enumerate(own.names[d:])}}
