@@ -11,6 +11,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from types import CodeType, SimpleNamespace
@@ -41,18 +42,18 @@ def interpreted(text: str, entry: str, goes_on: bool = False, **constants: int) 
     A power that is no real number raises, where Python would take it for a complex one.  ``goes_on``: what has no value is nan or
     infinite, as it is compiled.
     """
-    tree = ast.parse(text)
-    known = dict[str, Any](constants)
+    functions, others = list[str](), list[str]()
+    for part in re.split(r"\n(?=\S)", text):  # as ``ast.unparse`` writes it, a statement begins where a line does
+        (functions if part.startswith("def ") else others).append(part)
+    tree, known = ast.parse("\n".join(others)), dict[str, Any](constants)
     for node in tree.body:
         if isinstance(node, ast.Assign):
             known |= {name: value for name, value in _numbers(node, known) if name not in constants}
-    functions = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
-    tree.body = [node for node in tree.body if not isinstance(node, ast.FunctionDef)]
     space: dict[str, Any] = {}
     exec(compile(tree, "<generated>", "exec"), space)
-    lines, told = text.split("\n"), tuple((name, value, repr(value)) for name, value in known.items())  # 1 and 1.0 are two
-    for node in functions:
-        exec(_written_out("\n".join(lines[node.lineno - 1 : node.end_lineno]), told, goes_on), space)
+    told = tuple((name, value, repr(value)) for name, value in known.items())  # 1 and 1.0 are two
+    for part in functions:
+        exec(_written_out(part.rstrip(), told, goes_on), space)
     space.update(_FUNCTIONS, **(_GOING_ON if goes_on else {}))
     run: Callable[..., Any] = space[entry]
     return run
