@@ -333,6 +333,15 @@ def tampered(document: dict[str, Any], draw: random.Random) -> dict[str, Any]:
     return made
 
 
+@pytest.mark.parametrize(("side", "value"), [("low", "-37/3"), ("low", "-1/100"), ("high", "3/2")])
+def test_cells_beyond_the_domain_are_refused(side: str, value: str) -> None:
+    made = json.loads(json.dumps(found("limacon").certificate()))
+    made["cells"][0 if side == "low" else -1][side] = {"value": value}
+    made["sha256"] = digest(made)
+    with pytest.raises(duhem.InputError, match="reach beyond it"):
+        duhem.recheck(made)
+
+
 @pytest.mark.parametrize("name", ["limacon", *mostly_long(["quartic", "two lobes"])])
 def test_no_tampered_certificate_confirms_a_false_region(name: str) -> None:
     document, draw = found(name).certificate(), random.Random(3)

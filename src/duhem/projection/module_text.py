@@ -17,7 +17,7 @@ from duhem.expression.elementary import imports
 from duhem.expression.scalar_jets import ScalarJets
 from duhem.projection.scaled_formula import ScaledFormula
 
-__all__ = ["called", "module_text", "names_in", "over_unit", "pasted"]
+__all__ = ["module_text", "over_unit", "pasted"]
 
 MARK = "# -- compiled from here"
 

@@ -117,7 +117,7 @@ class AsksTheKernel:
         readings = (True, False) if usual is None else (usual[1],)
         every = [(rule, as_written) for as_written in readings for rule in rules_of(claim, law)]
         told = every if usual is None or not self.is_usual(law) else [usual]
-        trivial = UNBOUNDED.get(claim, ()) if claim in UNBOUNDED and self._seems_trivial(law) else ()
+        trivial = UNBOUNDED[claim] if claim in UNBOUNDED and self._seems_trivial(law) else ()
         for rule, as_written in (*trivial, *told):
             row, before = row_of(claim, rule, law), list[dict[str, Any]]()
             for need in sorted(row.needed if row is not None else ()):

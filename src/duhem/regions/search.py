@@ -70,7 +70,10 @@ def _left(whole: ParameterCell, cells: Iterable[ParameterCell]) -> Iterator[Para
 
 
 def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
-    """A gap refuted, or proved, as a whole, or the cell to which a proof grows from a value in it, which a fresh one is asked for."""
+    """A gap refuted or proved as a whole, or a cell in it: that to which a proof grows, or around a value at which a chord refutes.
+
+    Proofs grow from values in a ``fresh`` gap alone, one in which nothing was tried.
+    """
     if (found := asked.refuted(gap)) is not None:
         return found
     if _is_narrow(gap) and gap != asked.whole:

@@ -13,9 +13,8 @@ import sympy as sp
 
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.dents import FAMILIES, Dent, dents
+from duhem.proof.kernel.dents import FAMILIES, Dent, dents, multiplied_out
 from duhem.proof.kernel.forms import by_forces
-from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, number_in, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
@@ -112,7 +111,7 @@ def _stands_alone(g: Term, name: str) -> bool:
 def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
     """Lines through a point outside K along which a polynomial g falls both ways, at all of the values that are looked at."""
     domain = over(law)
-    parts, size = by_forces(domain.polynomial(normal(law.g, domain, True)), domain), count(places)
+    parts, size = by_forces(multiplied_out(law.g, domain), domain), count(places)
     if any(x.op != "name" or n < 0 for moving in parts for x, n in moving):
         return
     degree = max(sum(n for _, n in moving) for moving in parts)

@@ -34,7 +34,7 @@ from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer
 from duhem.proof.kernel.stated_law import StatedLaw, as_object
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
-__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "section"]
+__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "multiplied_out", "section"]
 
 _ZERO, _ONE = Fraction(0), Fraction(1)
 _MOST_ROWS, _MOST_WAYS = 4, 20  # of a minor; along which a form may be > 0
@@ -167,7 +167,7 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
         if not all(_is_plain(part, domain) for part in g.parts()):
             raise NotWritten("a part of g is no polynomial")
         g, forces = _in_two_forces(law, domain)
-        forms = homogeneous_parts(_multiplied_out(g, domain), domain)
+        forms = homogeneous_parts(multiplied_out(g, domain), domain)
         if set(forms) != {0, 4} or domain.facts(written(forms[0][()])).sign != NEGATIVE:
             raise NotWritten("g is no quartic form less a constant")
         degree = 4
@@ -201,7 +201,7 @@ def _in_two_forces(law: StatedLaw, domain: StatedDomain) -> tuple[Term, tuple[st
 FAMILIES: Mapping[str, Callable[[StatedLaw], Iterator[Dent]]] = {"form": _of_the_form, "sector": _of_the_deviator, "gauge": _of_the_gauge}
 
 
-def _multiplied_out(term: Term, domain: StatedDomain) -> Polynomial:
+def multiplied_out(term: Term, domain: StatedDomain) -> Polynomial:
     """The polynomial that a term is where it has a value: what its words become is multiplied out, and words are undone once more."""
     return domain.polynomial(normal(written(domain.polynomial(normal(term, domain, True))), domain, True))
 
@@ -221,7 +221,7 @@ def falls_both_ways(law: StatedLaw, evidence: Mapping[str, Any]) -> bool:
     line = over(along)
     if not line.facts(along.g).defined:
         return False
-    powers = in_powers(_multiplied_out(along.g, line), _STEP)
+    powers = in_powers(multiplied_out(along.g, line), _STEP)
     if len(powers) % 2 == 0 or any(not line.constant(x) for part in powers for m in part for x, _ in m):
         return False
     top, here = (domain.facts(written(part)) for part in (powers[-1], powers[0]))

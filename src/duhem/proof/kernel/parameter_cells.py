@@ -369,7 +369,7 @@ def proof_fails(claim: str, law: StatedLaw, row: Evidence) -> str:
 
 
 def recheck_region(document: Mapping[str, Any]) -> tuple[Covered, ...]:
-    """Every cell of a certificate, in order; NotWritten where it is none, or its cells do not cover the parameter's domain."""
+    """Every cell of a certificate, in order; NotWritten where it is none, or its cells are not the parameter's domain."""
     try:
         check_version(document["schema"], SCHEMA)
         without_more(document, {"schema", "law", "inhabited", "claim", "parameter", "cells", "sha256"})
@@ -380,7 +380,7 @@ def recheck_region(document: Mapping[str, Any]) -> tuple[Covered, ...]:
         rows = [_row(as_object(row)) for row in as_list(document["cells"])]
         cells = [ParameterCell.read(row) for row in rows]
         if not covers(own_domain(law, name), cells):
-            raise NotWritten("its cells do not cover the domain of the parameter")
+            raise NotWritten("its cells do not cover the domain of the parameter, or reach beyond it")
         return tuple(
             Covered(cell, row["verdict"], "" if row["verdict"] == "open" else _objection(law, claim, name, cell, row))
             for cell, row in zip(cells, rows, strict=True)
@@ -397,7 +397,7 @@ def _row(given: Evidence) -> Evidence:
 
 
 def covers(domain: Bounds, cells: Sequence[ParameterCell]) -> bool:
-    """Whether cells in order leave no gap in a domain; an end that two of them share is told in the same way."""
+    """Whether cells in order are a domain, without a gap and nothing beyond; an end that two of them share is told in the same way."""
     if not cells:
         return False
     met = all(one.meets(two) for one, two in pairwise(cells))
@@ -405,4 +405,4 @@ def covers(domain: Bounds, cells: Sequence[ParameterCell]) -> bool:
     if any(end is not None and not end.exact for end in (first.low, last.high)):
         return False
     whole = Bounds(first.bounds.low, last.bounds.high, first.open and first.low is not None, last.open_high and last.high is not None)
-    return met and whole.covers(domain)
+    return met and whole.covers(domain) and domain.covers(whole)
