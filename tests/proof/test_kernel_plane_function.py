@@ -89,13 +89,13 @@ def test_the_bend_has_the_sign_of_h_and_its_second_derivative(variable: int) -> 
 
 def test_powers_of_what_is_positive_and_of_what_is_not() -> None:
     plane, square = along_rays(), PlaneFunction(F(2), {(): F(1), ((RAY, 2),): F(1)}, {})
-    odd = PlaneFunction(F(1), {((RAY, 1),): F(1)}, {}, whole=False)
+    odd = PlaneFunction(F(1), {((RAY, 1),): F(1)}, {})
     assert plane.power(square, {(): F(1, 2)}) == PlaneFunction(F(1), ONE, {base_of(square.poly): {(): F(1, 2)}})
-    assert plane.power(odd, {(): F(3)}) == PlaneFunction(F(3), {((RAY, 3),): F(1)}, {}, whole=False)
+    assert plane.power(odd, {(): F(3)}) == PlaneFunction(F(3), {((RAY, 3),): F(1)}, {})
     for exponent in (F(1, 2), F(-1), F(25), F(1, 3)):
         with pytest.raises(NotWritten, match="may be <= 0"):
             plane.power(odd, {(): exponent})
-    assert not plane.power(square, {(): F(-1)}).whole and plane.power(square, {(): F(1, 4)}).whole
+    assert [plane.power(square, {(): n}).degree for n in (F(-1), F(1, 4))] == [-2, F(1, 2)]
     with pytest.raises(NotWritten, match="an exponent varies"):
         plane.power(square, {((RAY, 1),): F(1)})
     assert plane.root(square) == plane.power(square, {(): F(1, 2)})

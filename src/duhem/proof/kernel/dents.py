@@ -131,7 +131,7 @@ def _deviatoric_part(law: StatedLaw, domain: StatedDomain, reader: DeviatoricRea
     values, constants = list[PlaneFunction](), list[Term]()
     for part in law.g.args if law.g.op == "+" else (law.g,):
         value = None if domain.constant(part) else reader.value(part)
-        if value is not None and reader.vanishes(value):
+        if value is not None and value.degree > 0:
             values.append(value)
         elif domain.constant(part) or domain.constant(written(domain.polynomial(part.put(swap)))):
             constants.append(part.put(swap))

@@ -11,8 +11,7 @@ turns inward, F' >= 0 at v = 0 and F >= 2 F' at v = 1.  Then so is the function 
 the tensor is linear in.  With F > 0 of degree k > 0 this is asked of F^(1/k); those of one degree that a sum adds up are taken together.
 
 F may have roots of what is > 0 in the sector.  Where that is 0 for parameters at an end of their range alone, F is a limit of convex
-functions.  Where J2 = 0, what is rho^k f, k > 0, rho = sqrt(J2), of J2 and J3 alone is 0, by continuity; of principal values N/D, 0/0
-there, has no value, and ``where(J2 > 0, N/D, 0)`` is 0.
+functions.  Where J2 = 0, what is rho^k f, k > 0, rho = sqrt(J2), is 0, by continuity: f is bounded.
 
 One function is none of these: rho cos(b - acos(g c)/3), c = cos 3 theta, 0 <= b <= pi/3, |g| <= 1 (Ottosen 1977; Bigoni, Piccolroaz
 2004).  With phi = acos(g c)/3, f'' + f is (1 - g^2)/sin^3(3 phi) times cos(b - phi) sin(3 phi) + 3 sin(b - phi) cos(3 phi),
@@ -23,7 +22,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import islice, permutations, product
@@ -262,7 +260,6 @@ class DeviatoricReader(PlaneVariable):
         self.domain, self.tensor = domain, tensor
         told = tensor.entries is not None
         self.within = domain.over(domain.law._replace(forces=(*domain.law.forces, _FIRST.name, _GAP.name))) if told else domain
-        self.by_continuity = not told  # whether what has a degree above 0 counts as 0 where the deviator is 0, whatever its formula
         self.signs = Signs(domain, _WALLS)
         self.known: dict[Term, PlaneFunction | None] = {}  # what was read
 
@@ -287,21 +284,19 @@ class DeviatoricReader(PlaneVariable):
 
     def facts(self, term: Term) -> Facts | None:
         """What is shown of a term; None for a product, power or choice that is no such function."""
-        groups, whole, moving, constants = dict[Fraction, list[PlaneFunction]](), True, list[Facts](), list[Facts]()
+        groups, moving, constants = dict[Fraction, list[PlaneFunction]](), list[Facts](), list[Facts]()
         for part in term.args if term.op == "+" else (term,):
             if self.domain.constant(part):
                 constants.append(self.domain.facts(part))
             elif (value := self.value(part)) is not None and value.degree > 0:
                 groups.setdefault(value.degree, []).append(value)
-                whole &= self.vanishes(value)
             elif (wave := self.of_wave(part)) is not None:
                 moving.append(wave)
             elif term.op != "+":
                 return None
             else:
                 moving.append(self.domain.facts(part))
-        known = of_sum([*moving, *map(self.together, groups.values())], constants)
-        return replace(known, defined=known.defined and whole)
+        return of_sum([*moving, *map(self.together, groups.values())], constants)
 
     def sign(self, term: Term) -> Sign:
         """The signs that a term may have where the deviator is not 0."""
@@ -393,16 +388,12 @@ class DeviatoricReader(PlaneVariable):
         ends = {name: own if own.single else own._replace(open=True, open_high=True) for name, own in law.parameters.items()}
         return Signs(self.domain.over(law._replace(parameters=ends)), _WALLS)
 
-    def vanishes(self, value: PlaneFunction) -> bool:
-        """Whether a function counts as 0 where the deviator is 0."""
-        return value.degree > 0 and (value.whole or self.by_continuity)
-
     def emptied(self, term: Term) -> Term:
         """The term as it is where the deviator is 0; what is compared stays, for beside that place it may have another sign."""
         if self.domain.constant(term) or term.op == "name" or term.op in COMPARISONS:
             return term
         value = self.value(term)
-        if self.of_wave(term) is not None or (value is not None and self.vanishes(value)):
+        if self.of_wave(term) is not None or (value is not None and value.degree > 0):
             return number(0)
         return term._replace(args=tuple(map(self.emptied, term.args)))
 
@@ -482,17 +473,17 @@ class DeviatoricReader(PlaneVariable):
         """cos(acos(cos 3 theta)/3) is cos theta = X/N."""
         if self.phase(angle) != ({}, ONE):
             raise NotWritten("a cosine is of another angle")
-        return PlaneFunction(Fraction(0), _X, {base_of(self.distance): {(): Fraction(-1)}}, False)
+        return PlaneFunction(Fraction(0), _X, {base_of(self.distance): {(): Fraction(-1)}})
 
     def choice(self, condition: Term, one: Term, two: Term) -> PlaneFunction:
         """By what is 0 where the deviator is 0 and > 0 elsewhere: what is chosen elsewhere, if it is 0 there."""
         strict = len(condition.op) == 1
         size = self.read(gap(condition) if strict else minus(gap(condition)))
         away, here = (one, two) if strict else (two, one)
-        if not (self.vanishes(size) and self.above(size.poly, strict=True)):
+        if not (size.degree > 0 and self.above(size.poly, strict=True)):
             raise NotWritten("a choice is by something else")
         value = self.read(away)
         nothing = not self.within.polynomial(here) and self.within.facts(here).defined
-        if value.degree <= 0 or not (nothing or self.vanishes(self.read(here))):
+        if value.degree <= 0 or not (nothing or self.read(here).degree > 0):
             raise NotWritten("a choice leaves a jump")
-        return value._replace(whole=True)
+        return value

@@ -37,27 +37,22 @@ _LOWEST, _DEEPEST = -40, 3  # of powers of a root, and of squarings
 class PlaneFunction(NamedTuple):
     """r^degree times ``poly`` times positive polynomials, each to the power, a polynomial of constants, that ``powers`` gives.
 
-    ``whole`` says that the formula has a value at r = 0 as well: 0 where the degree is above 0.
+    All but r^degree is bounded, so that where the degree is above 0 it tends to 0 at r = 0, whatever the formula divides by there.
     """
 
     degree: Fraction
     poly: Polynomial
     powers: Mapping[Base, Polynomial]
-    whole: bool = True
 
 
 def multiplied(values: Iterable[PlaneFunction]) -> PlaneFunction:
-    """The product; a factor of degree 0 is bounded, so that it has a value at r = 0 if another factor is 0 there."""
-    values = list(values)
+    """The product."""
     degree, poly, powers = Fraction(0), ONE, dict[Base, Polynomial]()
     for value in values:
         degree, poly = degree + value.degree, times(poly, value.poly)
         for base, e in value.powers.items():
             powers[base] = total(powers.get(base, {}), e)
-    whole = all(v.whole for v in values) or (
-        all(v.whole or v.degree == 0 for v in values) and any(v.whole and v.degree > 0 for v in values)
-    )
-    return PlaneFunction(degree, poly, {base: e for base, e in powers.items() if e}, whole)
+    return PlaneFunction(degree, poly, {base: e for base, e in powers.items() if e})
 
 
 def added(values: Sequence[PlaneFunction]) -> PlaneFunction:
@@ -65,7 +60,6 @@ def added(values: Sequence[PlaneFunction]) -> PlaneFunction:
 
     NotWritten where they have different degrees or roots.
     """
-    whole = all(v.whole for v in values)
     values = [v for v in values if v.poly] or [v._replace(powers={}) for v in values[:1]]
     if len({v.degree for v in values}) != 1:
         raise NotWritten("different degrees are added")
@@ -84,7 +78,7 @@ def added(values: Sequence[PlaneFunction]) -> PlaneFunction:
             left = number_in(total(value.powers.get(base, {}), negated(least))) or 0
             part = times(part, power_of(dict(base), int(left)))
         poly = total(poly, part)
-    return PlaneFunction(values[0].degree, poly, {base: e for base, e in shared.items() if e}, whole)
+    return PlaneFunction(values[0].degree, poly, {base: e for base, e in shared.items() if e})
 
 
 class Derivatives(NamedTuple):
@@ -183,7 +177,7 @@ class PlaneVariable(ABC):
         """The value to a power that is a constant; NotWritten where it is not shown to have one."""
         n = number_in(exponent)
         if n is not None and n.denominator == 1 and 0 <= n <= MOST_POWER:
-            return self.shortened(multiplied([value] * int(n))._replace(whole=value.whole))
+            return self.shortened(multiplied([value] * int(n)))
         return self.positive_power(value, exponent)
 
     def positive_power(self, value: PlaneFunction, exponent: Polynomial) -> PlaneFunction:
@@ -204,8 +198,7 @@ class PlaneVariable(ABC):
             if root is None and not (positive or apart):
                 raise NotWritten("what is under a root may be 0")
             found, left = (times(found, root), left) if root is not None else (found, widened(left, base, share))
-        whole = value.whole and (n is None or n > 0)
-        return self.shortened(PlaneFunction(value.degree * (n or 0), found, left, whole))
+        return self.shortened(PlaneFunction(value.degree * (n or 0), found, left))
 
     def root(self, value: PlaneFunction) -> PlaneFunction:
         """F^(1/k) of degree 1, for F > 0 of degree k, as a product of powers alone."""
