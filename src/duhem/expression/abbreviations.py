@@ -12,9 +12,11 @@ sigma_xy is twice the tensor's component, a shear strain again: the normality ru
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from duhem.errors import InputError
 from duhem.expression.number import DECIMAL
@@ -27,6 +29,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "plane": ("xx", "yy", "xy"),
     "principal": ("1", "2", "3"),
 }
+_MOST_OF_A_COMPONENT = 5_000  # letters, where definitions are written out
 
 
 @dataclass(frozen=True)
@@ -60,28 +63,39 @@ class Stress:
 
     def written_out(self, word: str, index: int | None = None) -> str:
         """An invariant as a formula in the components; ``index`` from 1 is that of ``principal``, the greatest first."""
+        return Tensor(self.kind, self.components).written_out(word, index)
+
+
+class Tensor(NamedTuple):
+    """The components of one ``kind``, each a name or a formula in brackets: of the stress, or of a sum such as sigma - alpha."""
+
+    kind: str
+    components: tuple[str, ...]
+
+    def written_out(self, word: str, index: int | None = None) -> str:
+        """An invariant, as :meth:`Stress.written_out`."""
         return _principal(self, index) if index is not None else INVARIANTS[word].text(self)
 
 
 @dataclass(frozen=True)
 class Invariant:
-    """A word that takes a stress; ``text`` gives its formula, ``indexed`` says that it takes a number as well."""
+    """A word that takes a tensor; ``text`` gives its formula, ``indexed`` says that it takes a number as well."""
 
-    text: Callable[[Stress], str]
+    text: Callable[[Tensor], str]
     meaning: str
     indexed: bool = False
 
 
-def _trace(stress: Stress) -> str:
-    normal = stress.components[:2] if stress.kind == "plane" else stress.components[:3]
+def _trace(tensor: Tensor) -> str:
+    normal = tensor.components[:2] if tensor.kind == "plane" else tensor.components[:3]
     return " + ".join(normal)
 
 
-def _det(stress: Stress) -> str:
-    if stress.kind == "plane":
-        x, y, xy = stress.components
+def _det(tensor: Tensor) -> str:
+    if tensor.kind == "plane":
+        x, y, xy = tensor.components
         raise InputError("det of plane stress is 0", remedy=f"that in the plane is {x}*{y} - {xy}**2")
-    x, y, z, *shear = stress.components
+    x, y, z, *shear = tensor.components
     return f"{x}*{y}*{z}" + (_shear_terms(x, y, z, *shear) if shear else "")
 
 
@@ -90,41 +104,41 @@ def _shear_terms(x: str, y: str, z: str, yz: str, xz: str, xy: str) -> str:
     return f" + 2*{yz}*{xz}*{xy} - {x}*{yz}**2 - {y}*{xz}**2 - {z}*{xy}**2"
 
 
-def _second(stress: Stress) -> str:
+def _second(tensor: Tensor) -> str:
     """A sum of squares, so that its sign and curvature are seen."""
-    x, y, *rest = stress.components
-    if stress.kind == "plane":
+    x, y, *rest = tensor.components
+    if tensor.kind == "plane":
         return f"(({x} - {y})**2 + {x}**2 + {y}**2)/6 + {rest[0]}**2"
     z, *shear = rest
     return f"(({x} - {y})**2 + ({y} - {z})**2 + ({z} - {x})**2)/6" + "".join(f" + {s}**2" for s in shear)
 
 
-def _third(stress: Stress) -> str:
-    if stress.kind == "plane":
-        x, y, xy = stress.components
+def _third(tensor: Tensor) -> str:
+    if tensor.kind == "plane":
+        x, y, xy = tensor.components
         return f"({x} + {y})*(9*{xy}**2 - (2*{x} - {y})*(2*{y} - {x}))/27"
-    x, y, z, *shear = stress.components
+    x, y, z, *shear = tensor.components
     deviator = [f"(2*{a} - {b} - {c})" for a, b, c in ((x, y, z), (y, z, x), (z, x, y))]
     return f"{'*'.join(deviator)}/27" + (_shear_terms(*(f"{s}/3" for s in deviator), *shear) if shear else "")
 
 
-def _cos3theta(stress: Stress) -> str:
-    return f"3*sqrt(3)/2*({_third(stress)})/({_second(stress)})**(3/2)"
+def _cos3theta(tensor: Tensor) -> str:
+    return f"3*sqrt(3)/2*({_third(tensor)})/({_second(tensor)})**(3/2)"
 
 
-def _principal(stress: Stress, index: int) -> str:
-    if stress.kind == "3d":
-        greatest = f"eigmax({', '.join(stress.components)})"
-        least = f"eigmax({', '.join(f'-{x}' for x in stress.components)})"  # less its negative
-        return {1: greatest, 2: f"{_trace(stress)} - {greatest} + {least}", 3: f"-{least}"}[index]
-    if stress.kind == "plane":
-        x, y, xy = stress.components
+def _principal(tensor: Tensor, index: int) -> str:
+    if tensor.kind == "3d":
+        greatest = f"eigmax({', '.join(tensor.components)})"
+        least = f"eigmax({', '.join(f'-{x}' for x in tensor.components)})"  # less its negative
+        return {1: greatest, 2: f"{_trace(tensor)} - {greatest} + {least}", 3: f"-{least}"}[index]
+    if tensor.kind == "plane":
+        x, y, xy = tensor.components
         if index == 3:
             raise InputError("the third principal stress of plane stress is 0", remedy="1 and 2 are those in the plane, the greater first")
         return f"({x} + {y})/2 {'+' if index == 1 else '-'} norm(({x} - {y})/2, {xy})"
-    listed = ", ".join(stress.components)
+    listed = ", ".join(tensor.components)
     greatest, least = f"max({listed})", f"min({listed})"
-    return {1: greatest, 2: f"{_trace(stress)} - {greatest} - {least}", 3: least}[index]
+    return {1: greatest, 2: f"{_trace(tensor)} - {greatest} - {least}", 3: least}[index]
 
 
 INVARIANTS: Mapping[str, Invariant] = {
@@ -134,7 +148,7 @@ INVARIANTS: Mapping[str, Invariant] = {
     "J2": Invariant(_second, "half the square of the deviator, s:s/2"),
     "J3": Invariant(_third, "determinant of the deviator"),
     "cos3theta": Invariant(_cos3theta, "3*sqrt(3)/2*J3/J2**(3/2), 1 in triaxial tension, -1 in compression"),
-    "lode": Invariant(lambda stress: f"acos({_cos3theta(stress)})/3", "Lode angle acos(cos3theta)/3 (rad), from 0 to pi/3"),
+    "lode": Invariant(lambda tensor: f"acos({_cos3theta(tensor)})/3", "Lode angle acos(cos3theta)/3 (rad), from 0 to pi/3"),
     "principal": Invariant(_trace, "principal stress 1, 2 or 3, the greatest first", indexed=True),
 }
 
@@ -147,7 +161,17 @@ def names_in(text: str) -> set[str]:
     return {spelled(token[0]) for token in _TOKEN.finditer(text) if token.lastgroup == "name"}
 
 
-_ARGUMENTS = re.compile(r"\s*\(\s*(?:(?P<stress>[^\W\d]\w*)\s*(?:,\s*(?P<index>\d+)\s*)?|(?P<alone>\d+)\s*)\)")
+def _arguments(text: str, at: int) -> tuple[list[str], int]:
+    """What stands between the commas of the brackets that open at ``at``, and where these end; nothing where none do."""
+    depth, begin, found = 0, at, list[str]()
+    for i in range(at, len(text)):
+        depth += {"(": 1, ")": -1}.get(text[i], 0)
+        if depth == 0 and not text[i].isspace():
+            return [*found, text[begin:i].strip()] if text[i] == ")" else [], i + 1
+        if depth == 1 and text[i] in "(,":
+            found += [text[begin:i].strip()] if text[i] == "," else []
+            begin = i + 1
+    return [], at
 
 
 @dataclass(frozen=True)
@@ -186,12 +210,14 @@ class Abbreviations:
     """``formulas`` by name, nothing abbreviated left in them; the ``stress`` whose invariants are words; names ``to_come``.
 
     ``own`` has each formula with the names above it left in; one that is not among ``formulas`` is too long to be written out.
+    ``known`` are the other names of the law: those of which all components are among these, or defined, are tensors.
     """
 
     formulas: Mapping[str, str] = field(default_factory=dict)
     stress: Stress | None = None
     to_come: frozenset[str] = frozenset()
     own: Mapping[str, str] = field(default_factory=dict)
+    known: frozenset[str] = frozenset()
 
     def used_by(self, text: str) -> list[str]:
         """The definitions that a text uses, itself or by others, in order."""
@@ -204,7 +230,7 @@ class Abbreviations:
 
     def alone(self) -> Abbreviations:
         """The invariants without the definitions, whose names stay."""
-        return Abbreviations({}, self.stress, self.to_come)
+        return replace(self, formulas={}, own={}, known=self.known.union(self.own))
 
     def words(self) -> frozenset[str]:
         """The invariants that may be used, whose names are taken."""
@@ -249,24 +275,71 @@ class Abbreviations:
             if called:
                 raise InputError(f"{name!r} is not a function of the language", remedy=f"write {name}*(...)")
             return self.formulas[name], end
-        if name not in INVARIANTS or self.stress is None:
+        if name not in INVARIANTS or not (called or self.stress):
             return None, end
-        if not called and not INVARIANTS[name].indexed:
+        if self.stress and not called and not INVARIANTS[name].indexed:
             return self.stress.written_out(name), end
-        return self._invariant(name, self.stress, _ARGUMENTS.match(text, end))
+        given, behind = _arguments(text, end) if called else ([], end)
+        return self._invariant(name, given), behind
 
-    def _invariant(self, word: str, stress: Stress, given: re.Match[str] | None) -> tuple[str, int]:
-        """``J2`` is ``J2(sigma)`` and ``principal(1)`` is ``principal(sigma, 1)``, as in print: a law has one stress."""
-        indexed = INVARIANTS[word].indexed
-        usage = f"{word}({stress.name}, 1)" if indexed else f"{word}({stress.name})"
-        index = given and (given["index"] or given["alone"])
-        other = given and given["stress"] and spelled(given["stress"]) != stress.name
-        if given is None or other or (index is not None) != indexed:
+    def _invariant(self, word: str, given: list[str]) -> str | None:
+        """``J2`` is ``J2(sigma)`` and ``principal(1)`` is ``principal(sigma, 1)``, as in print; None without a tensor or a stress."""
+        indexed, stress = INVARIANTS[word].indexed, self.stress.name if self.stress else ""
+        of, index = given[:-1] if indexed else given, given[-1] if indexed and given else None
+        tensor = self._tensor(of[0] if of else stress) if len(of) <= 1 and (given or indexed) else None
+        if tensor is None and not self.stress:
+            return None
+        if tensor is None or (indexed and not (index or "").isdigit()):
             what = f"{word} takes the declared stress{' and a number' * indexed}"
-            raise InputError(what, remedy=f"write {usage}: {INVARIANTS[word].meaning}")
-        if index is not None and index not in ("1", "2", "3"):
-            raise InputError(f"there is no principal stress {index[:24]}", remedy="1 is the greatest, 3 the least")
-        return stress.written_out(word, None if index is None else int(index)), given.end()
+            usage = f"{word}({stress}, 1)" if indexed else f"{word}({stress})"
+            other = f"; of a sum such as {stress} - X, each component X_{KINDS[self.stress.kind][0]} ... has to be declared"
+            raise InputError(what, remedy=f"write {usage}: {INVARIANTS[word].meaning}{other}")
+        if indexed and index not in ("1", "2", "3"):
+            raise InputError(f"there is no principal stress {str(index)[:24]}", remedy="1 is the greatest, 3 the least")
+        return tensor.written_out(word, int(index) if index else None)
+
+    def _tensor(self, text: str) -> Tensor | None:
+        """The tensor that a formula is, linear in the names of tensors; None where it is no tensor of the stress's kind, or of any."""
+        for kind in [self.stress.kind] if self.stress else KINDS:
+            names = {x for x in names_in(text) if self._is_tensor(x, kind)}
+            if names and _degree(text, names) == 1:
+                ends = KINDS[kind]
+                if text in names:
+                    return Tensor(kind, tuple(self._plain(f"{text}_{end}") for end in ends))
+                parts = (_TOKEN.sub(lambda x, end=end: f"{x[0]}_{end}" if spelled(x[0]) in names else x[0], text) for end in ends)
+                return Tensor(kind, tuple(f"({self._plain(part)})" for part in parts))
+        return None
+
+    def _is_tensor(self, name: str, kind: str) -> bool:
+        own = self.stress.components if self.stress else ()
+        return all(part in own or part in self.known or part in self.own for part in (f"{name}_{end}" for end in KINDS[kind]))
+
+    def _plain(self, text: str) -> str:
+        return self.written_out(text, lambda what, _, remedy: InputError(what, remedy=remedy), len(text) + _MOST_OF_A_COMPONENT).text
+
+
+def _degree(text: str, tensors: set[str]) -> int | None:
+    """1 for a sum of tensors times numbers, 0 for what has no tensor in it; None for anything else."""
+
+    def degree(node: ast.AST) -> int | None:
+        match node:
+            case ast.BinOp(one, ast.Add() | ast.Sub(), two):
+                return degree(one) if degree(one) == degree(two) else None
+            case ast.BinOp(one, ast.Mult(), two):
+                ones, twos = degree(one), degree(two)
+                return None if ones is None or twos is None or ones + twos > 1 else ones + twos
+            case ast.BinOp(one, ast.Div(), two) if degree(two) == 0:
+                return degree(one)
+            case ast.UnaryOp(_, one):
+                return degree(one)
+            case ast.Name(name) if spelled(name) in tensors:
+                return 1
+        return None if any(isinstance(x, ast.Name) and spelled(x.id) in tensors for x in ast.walk(node)) else 0
+
+    try:
+        return degree(ast.parse(text, mode="eval").body)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None  # who reads the formula says what is wrong with it
 
 
 NONE = Abbreviations()

@@ -175,7 +175,7 @@ def definitions(given: Mapping[str, PlacedFormula], known: Mapping[str, sp.Symbo
         if fault := name_fault(name, taken, "force, parameter and definition", Abbreviations(stress=stress).words()):
             raise InputError(fault[0], where=formula.name_at, remedy=fault[1])
     for formula in given.values():
-        short, at = Abbreviations(formulas, stress, frozenset(left), own), formula.place
+        short, at = Abbreviations(formulas, stress, frozenset(left), own, frozenset(known)), formula.place
         long = too_long(formula.text, short)
         if formula.like_the_one_before:
             check_size(formula.text, **at)
@@ -186,7 +186,8 @@ def definitions(given: Mapping[str, PlacedFormula], known: Mapping[str, sp.Symbo
         text, name = own_text(formula.text, short), left.pop(0)
         formulas |= {} if long else {name: written_out(formula.text, short)}
         own[name] = text
-    return Definitions({spelled(name): formula.text for name, formula in given.items()}, Abbreviations(formulas, stress, frozenset(), own))
+    short = Abbreviations(formulas, stress, frozenset(), own, frozenset(known))
+    return Definitions({spelled(name): formula.text for name, formula in given.items()}, short)
 
 
 def name_fault(name: Any, taken: Sequence[Any], whose: str, invariants: frozenset[str] = frozenset()) -> tuple[str, str] | None:
