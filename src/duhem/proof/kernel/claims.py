@@ -130,7 +130,7 @@ def _objection_in_cases(
             reasons.add(_objection(rule, check, form, evidence))
             if "" in reasons:
                 return ""
-        parts = cases(law) if isinstance(law, StatedLaw) and not law.of_rates and not law.g.large and depth < _MOST_CASES else ()
+        parts = law.once(cases) if isinstance(law, StatedLaw) and not law.of_rates and not law.g.large and depth < _MOST_CASES else ()
         if parts and not any(_objection_in_cases(claim, rule, check, part, evidence, depth + 1) for part in parts):
             return ""
     except UNREADABLE as fault:
@@ -147,7 +147,7 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
         yield law
         return
     if law.viscous and claim not in _OF_THE_STATE:
-        yield rate_epigraph(law, claim == "dissipation")
+        yield law.once(rate_epigraph, claim == "dissipation")
         return
     yield law
     if law.g.large:
@@ -372,7 +372,7 @@ def scales_with_the_pressure(law: StatedLaw, _: Evidence) -> bool:
     """g keeps its sign along each ray of forces and pressure together, and no range cuts one."""
     if law.pressure is None or law.ranges:
         return False
-    return is_cone(law.g, over(law._replace(forces=(*law.forces, law.pressure))))
+    return is_cone(law.g, over(law).wider(law.pressure))
 
 
 def forces_resist(law: StatedLaw, _: Evidence) -> bool:

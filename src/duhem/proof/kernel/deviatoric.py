@@ -261,7 +261,7 @@ class DeviatoricReader(PlaneVariable):
     def __init__(self, domain: StatedDomain, tensor: _Tensor) -> None:
         self.domain, self.tensor = domain, tensor
         told = tensor.entries is not None
-        self.within = domain.over(domain.law._replace(forces=(*domain.law.forces, _FIRST.name, _GAP.name))) if told else domain
+        self.within = domain.wider(_FIRST.name, _GAP.name) if told else domain
         self.by_continuity = not told  # whether what has a degree above 0 counts as 0 where the deviator is 0, whatever its formula
         self.signs = Signs(domain, _WALLS)
         self.known: dict[Term, PlaneFunction | None] = {}  # what was read
@@ -415,9 +415,10 @@ class DeviatoricReader(PlaneVariable):
     def value(self, term: Term) -> PlaneFunction | None:
         """The function that a term is; None where it is not read as one."""
         if term not in self.known:
-            self.known[term] = None
+            found = None
             with suppress(NotWritten):
-                self.known[term] = self.shortened(self._read(self.replaced(term)))
+                found = self.shortened(self._read(self.replaced(term)))
+            self.known[term] = found
         return self.known[term]
 
     def replaced(self, term: Term) -> Term:
