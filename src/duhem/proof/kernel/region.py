@@ -231,7 +231,7 @@ def where_loads_allow(law: StatedLaw) -> tuple[list[Term], list[Term], StatedDom
     """The loads and the other parts of g, and the domain where the loads allow K."""
     domain = over(law)
     loads, others = _loads_and_others(law.g, domain)
-    sides = within_ranges(law).sides | dict.fromkeys(map(minus, loads), False)
+    sides = {**within_ranges(law).sides, **dict.fromkeys(map(minus, loads), False)}
     for part in others:
         sides |= dict.fromkeys((x for x in _under_logarithms(part, domain) if not domain.constant(x) and domain.facts(x).affine), True)
     for part in others:
