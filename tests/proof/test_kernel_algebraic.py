@@ -167,6 +167,6 @@ def test_signs_over_many_constants_come_to_an_end(monkeypatch: pytest.MonkeyPatc
     form = total(*(times(x, times(y, {((RAY, i),): F(1)} if i else {(): F(1)})) for i, (x, y) in enumerate(combinations(names, 2))))
     over = small_laws.domain()
     assert not nonnegative(form, (F(0), F(1)), over)
-    monkeypatch.setattr("duhem.proof.kernel.domain._MOST_STEPS", 100)
+    monkeypatch.setattr("duhem.proof.kernel.signs._MOST_SHARES", 25)
     with pytest.raises(NotWritten, match="too much"):
         nonnegative(form, (F(0), F(1)), over)

@@ -155,6 +155,7 @@ def test_convex_sums_are_taken_as_such() -> None:
     bend = identity(["the goal"], [([], ["a*v", "v"], [["12", "3"], ["3", "2"]]), ([], ["b*w"], [["12"]])])
     assert not over(stated).facts(stated.g).convex
     assert with_convex_sums(stated, ["v", "w"], [bend]).facts(stated.g).convex
+    assert not over(stated).facts(stated.g).convex and not with_convex_sums(stated, ["v", "w"], []).facts(stated.g).convex
     for wrong in (law("a**4 + 2*a**3 + a**2 + b**4 - 1"), law("a**4 + a**3 + a**2 + b**4 - 1 + 0/e")):
         known = with_convex_sums(wrong, ["v", "w"], [bend]).facts(wrong.g)
         assert not (known.convex and known.defined)

@@ -27,8 +27,7 @@ def domain(sides: Mapping[str, bool] | None = None) -> StatedDomain:
     found = over(
         StatedLaw.read({"forces": ("a", "b"), "pressure": "s", "parameters": PARAMETERS, "constraints": [], "g": "a", "flow": None})
     )
-    found.sides |= {parse(load): strict for load, strict in (sides or {}).items()}
-    return found
+    return found.where({parse(load): strict for load, strict in (sides or {}).items()})
 
 
 def said(known: Facts) -> str:

@@ -56,9 +56,7 @@ LONG = "(a + b + m + q + e)**6*(a + 2*b + m + q + e)**6"  # it is not multiplied
 @pytest.mark.parametrize("text", [f"abs({LONG}) + abs(b)", f"abs(a) + {LONG} + b*abs(a)"])
 def test_of_what_is_too_long_nothing_is_shown(text: str) -> None:
     for sides in ({}, {parse("a"): False}):
-        here = domain()
-        here.sides |= sides
-        found = here.facts(parse(text))
+        found = domain().where(sides).facts(parse(text))
         assert found.defined and not (found.convex or found.concave or found.quasiconvex)
 
 

@@ -128,7 +128,7 @@ def curves_inward(law: StatedLaw, directions: Sequence[str], identities: Sequenc
 
 def with_convex_sums(law: StatedLaw, directions: Sequence[str], identities: Sequence[Identity]) -> StatedDomain:
     """The domain of the law, knowing which sums f in g are >= 0, and which are convex: v . Hess f v >= 0 for all v."""
-    domain, wider = over(law), _wider(law, directions)
+    domain, wider = StatedDomain(law, over(law).rules), _wider(law, directions)  # its own: nobody else takes these as such
     for f in (part for part in law.g.parts() if part.op == "+"):
         known = domain.facts(f)
         with suppress(NotWritten):  # a sum with a kink, a root or a word
@@ -173,7 +173,7 @@ def _wider(law: StatedLaw, directions: Sequence[str]) -> StatedDomain:
     """The law's domain where the components of v may be any numbers too."""
     if not len({*directions}) == len(directions) == len(law.forces) or {*directions} & {*law.forces, *law.parameters, law.pressure, "pi"}:
         raise NotWritten("the directions have no names of their own")
-    return over(law._replace(forces=(*law.forces, *directions)))
+    return over(law).wider(*directions)
 
 
 def _on_boundary(g: Term, sides: Sequence[Term], domain: StatedDomain) -> dict[str, Condition]:

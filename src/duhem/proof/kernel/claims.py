@@ -23,7 +23,7 @@ from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
-from duhem.proof.kernel.simpler_laws import cases, in_principal_stresses, normal_forms, without_outer_map
+from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.state import (
     energy_differentiable,
     epigraph,
@@ -130,7 +130,7 @@ def _objection_in_cases(
             reasons.add(_objection(rule, check, form, evidence))
             if "" in reasons:
                 return ""
-        parts = cases(law) if isinstance(law, StatedLaw) and not law.of_rates and not law.g.large and depth < _MOST_CASES else ()
+        parts = law.once(cases) if isinstance(law, StatedLaw) and not law.of_rates and not law.g.large and depth < _MOST_CASES else ()
         if parts and not any(_objection_in_cases(claim, rule, check, part, evidence, depth + 1) for part in parts):
             return ""
     except UNREADABLE as fault:
@@ -139,7 +139,7 @@ def _objection_in_cases(
 
 
 def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
-    """The law as written; with the forces of its energy put in; with the same K, the same boundary and a simpler g; in principal stresses.
+    """The law as written; with the forces of its energy put in; with the same K, the same boundary and a simpler g; moved; in principal stresses.
 
     What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.
     """
@@ -147,7 +147,7 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
         yield law
         return
     if law.viscous and claim not in _OF_THE_STATE:
-        yield rate_epigraph(law, claim == "dissipation")
+        yield law.once(rate_epigraph, claim == "dissipation")
         return
     yield law
     if law.g.large:
@@ -156,6 +156,8 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
         yield inner
     if (simpler := law.once(without_outer_map)) != law:
         yield simpler
+    if claim in ("convexity", "smoothness") and (moved := simpler.once(about_its_centre)) != simpler:
+        yield (simpler := moved)
     if claim not in ("duality", *_OF_THE_STATE) and (principal := simpler.once(in_principal_stresses)) is not None:
         yield principal
 
@@ -372,7 +374,7 @@ def scales_with_the_pressure(law: StatedLaw, _: Evidence) -> bool:
     """g keeps its sign along each ray of forces and pressure together, and no range cuts one."""
     if law.pressure is None or law.ranges:
         return False
-    return is_cone(law.g, over(law._replace(forces=(*law.forces, law.pressure))))
+    return is_cone(law.g, over(law).wider(law.pressure))
 
 
 def forces_resist(law: StatedLaw, _: Evidence) -> bool:

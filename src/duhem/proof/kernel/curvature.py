@@ -47,8 +47,8 @@ _Bend = tuple[Term, Term, Term]  # x, right, left
 
 
 def over(law: StatedLaw) -> StatedDomain:
-    """The domain of a law, in which the rules below say what is shown of a term."""
-    return StatedDomain(law, shown)
+    """The domain of a law, in which the rules below say what is shown of a term: one a law, so that it is shown once for all who ask."""
+    return law.once(StatedDomain, shown)
 
 
 def within_ranges(law: StatedLaw) -> StatedDomain:

@@ -145,8 +145,7 @@ class Reader(NamedTuple):
             return self._replace(domain=self.domain.where(dict.fromkeys(sides, len(own.op) == 1)))
         law, inner = self.domain.law, self.domain.where({})
         with suppress(NotWritten):  # it never holds, or is too long: more is asked than need be
-            inner = self.domain.over(law._replace(constraints=(*law.constraints, own)))
-            inner.sides |= self.domain.sides
+            inner = self.domain.over(law._replace(constraints=(*law.constraints, own))).where(self.domain.sides)
         return self._replace(domain=inner)
 
     def _without_what_is_below_zero(self, side: Term) -> Term:

@@ -259,7 +259,7 @@ class DeviatoricReader(PlaneVariable):
     def __init__(self, domain: StatedDomain, tensor: _Tensor) -> None:
         self.domain, self.tensor = domain, tensor
         told = tensor.entries is not None
-        self.within = domain.over(domain.law._replace(forces=(*domain.law.forces, _FIRST.name, _GAP.name))) if told else domain
+        self.within = domain.wider(_FIRST.name, _GAP.name) if told else domain
         self.signs = Signs(domain, _WALLS)
         self.known: dict[Term, PlaneFunction | None] = {}  # what was read
 
@@ -406,9 +406,10 @@ class DeviatoricReader(PlaneVariable):
     def value(self, term: Term) -> PlaneFunction | None:
         """The function that a term is; None where it is not read as one."""
         if term not in self.known:
-            self.known[term] = None
+            found = None
             with suppress(NotWritten):
-                self.known[term] = self.shortened(self._read(self.replaced(term)))
+                found = self.shortened(self._read(self.replaced(term)))
+            self.known[term] = found
         return self.known[term]
 
     def replaced(self, term: Term) -> Term:

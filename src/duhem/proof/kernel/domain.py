@@ -6,8 +6,9 @@ from an end of its range; so it is once a multiple of a constraint that has it i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from copy import copy
 from fractions import Fraction
 from itertools import combinations_with_replacement, islice, product
 from typing import Any
@@ -43,7 +44,7 @@ from duhem.proof.kernel.term import (
 
 __all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "exact", "gap"]
 
-_MOST_POWER, _MOST_POWER_OF_ONE, _MOST_STEPS, _MOST_CHOICES = 12, 64, 400_000, 64  # of a sum; of a single term
+_MOST_POWER, _MOST_POWER_OF_ONE, _MOST_CHOICES = 12, 64, 64  # of a sum; of a single term
 _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two constraints to be tried together
 _MOST_OF_PRODUCT, _MOST_SIZES = 16, 2  # pairs of terms of two constraints; sizes in one
 _FEW, _SHORT = 4, 12  # words that are no names, and terms, of which ends of spans are tried
@@ -57,17 +58,20 @@ _Gaps = Sequence[tuple[Polynomial, bool]]  # each is >= 0, or > 0
 class StatedDomain:
     """Signs over a law's domain.  What it says holds wherever the term is defined; what it does not say is not known.
 
-    A range of the pressure bounds it; forces are any numbers, for what holds of all holds within a range too.
+    A range of the pressure bounds it; forces are any numbers, for what holds of all holds within a range too.  What was shown is kept
+    for whoever asks next.  So it is a function of the law, the rules and the ``sides`` alone: nothing is kept before it is known, and
+    whether there is too much of something is asked of that alone, whatever was asked before.
     """
 
     def __init__(self, law: StatedLaw, rules: Callable[[Term, StatedDomain], Facts]) -> None:
         """``rules`` say what is shown of a term over a domain."""
-        self.law, self._rules, self._steps = law, rules, 0
-        self._named: dict[Term, str] = {}
+        self.law, self.rules, self._forces = law, rules, frozenset(law.forces)
+        self._named: dict[frozenset[Term], int] = {}
         self.known: dict[Term, Facts] = {}  # what was shown of terms
         self._polynomials: dict[Term, Polynomial] = {}  # as they were multiplied out once; nobody changes one
-        self.kept: dict[str, Any] = {}  # what a rule looks up once a law
-        self.sides: dict[Term, bool] = {}  # loads that are >= 0 where it is asked, or > 0
+        self._spans, self._orders = dict[Term, Bounds](), dict[Term, Term]()
+        self.kept: dict[str, Any] = {}  # what a rule looks up once a domain
+        self.sides: Mapping[Term, bool] = {}  # loads that are >= 0 where it is asked, or > 0
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
         self._stated = self._gaps = self._products = list[tuple[Polynomial, bool]]()
         self._tied = frozenset[Term]()
@@ -77,9 +81,8 @@ class StatedDomain:
         self._gaps = [*self._stated, *self._sides_of_sizes()]
         self.bounds = sharpened(self.bounds, self._gaps)
         self._products = [*self._products_of_sides()]
-        self.known.clear()
-        self.kept.clear()
-        self._polynomials.clear()
+        for shown_before in (self.known, self.kept, self._polynomials, self._spans, self._orders):
+            shown_before.clear()
 
     def _without_quotients(self, poly: Polynomial) -> Polynomial:
         """The polynomial times the sums that it divides by, where they are > 0."""
@@ -109,22 +112,33 @@ class StatedDomain:
             both = (m for m, c in one.items() if (sum(n for _, n in m) == 1 if one is two else c * two.get(m, 0) < 0))
             free = any(all(x.op == "name" for x, _ in m) and self._of_term(m, Fraction(1)) == ANY for m in both)
             if free and len(one) * len(two) <= _MOST_OF_PRODUCT:
-                yield self._times(one, two), sharp and sharp_too
+                yield times(one, two), sharp and sharp_too
 
     def over(self, law: StatedLaw) -> StatedDomain:
         """The domain of another law, by the same rules."""
-        return StatedDomain(law, self._rules)
+        return law.once(StatedDomain, self.rules)
+
+    def wider(self, *names: str) -> StatedDomain:
+        """The domain of this law with further names, that may be any numbers, among its forces."""
+        return self.over(self.law.once(StatedLaw.with_forces, *names))
 
     def where(self, sides: Mapping[Term, bool]) -> StatedDomain:
-        """The domain of this law where these loads too are >= 0, or > 0."""
-        inside = self.over(self.law)
-        inside.sides = self.sides | dict(sides)
-        return inside
+        """The domain of this law where these loads too are >= 0, or > 0; constants are there what they are everywhere."""
+        whole = self.over(self.law)
+        known: dict[object, StatedDomain] = whole.kept.setdefault("where", {})
+        together = {**self.sides, **sides}
+        if (key := tuple(together.items())) not in known:
+            inside = copy(whole)
+            inside.known, inside.kept, inside.sides = {}, {}, together
+            known[key] = inside
+        return known[key]
 
     def facts(self, term: Term) -> Facts:
         """What is shown of a term, once."""
+        if self.sides and self.constant(term):
+            return self.over(self.law).facts(term)
         if term not in self.known:
-            self.known[term] = self._rules(term, self)
+            self.known[term] = self.rules(term, self)
         return self.known[term]
 
     def sign(self, term: Term) -> Sign:
@@ -133,7 +147,7 @@ class StatedDomain:
 
     def constant(self, term: Term) -> bool:
         """Whether no force enters."""
-        return not term.names() & set(self.law.forces)
+        return self._forces.isdisjoint(term.names())
 
     def of(self, atom: Term) -> Sign:
         """The sign of what polynomials are written in."""
@@ -174,8 +188,9 @@ class StatedDomain:
         if told - exponentials:
             yield self._with_names(poly, gaps, told)
 
-    def _with_names(self, poly: Polynomial, gaps: _Gaps, words: Collection[Term]) -> tuple[Polynomial, _Gaps]:
-        swap = {x: Term("name", name=self._named.setdefault(x, f"constant {len(self._named)}")) for x in sorted(words)}  # no name of a law
+    def _with_names(self, poly: Polynomial, gaps: _Gaps, words: frozenset[Term]) -> tuple[Polynomial, _Gaps]:
+        own = self._named.setdefault(words, len(self._named))  # their order does not depend on what else was asked
+        swap = {x: Term("name", name=f"constant {i} of {own}") for i, x in enumerate(sorted(words))}  # no name of a law
         self.bounds |= {swap[x].name: self.span(x) for x in words}
 
         def put(form: Polynomial) -> Polynomial:
@@ -187,10 +202,9 @@ class StatedDomain:
         """Where a constant lies."""
         if constant.op == "name" and constant.name in self.bounds:
             return self.bounds[constant.name]
-        kept: dict[Term, Bounds] = self.kept.setdefault("spans", {})
-        if constant not in kept:
-            kept[constant] = span(constant, self.of, self.bounds)
-        return kept[constant]
+        if constant not in self._spans:
+            self._spans[constant] = span(constant, self.of, self.bounds)
+        return self._spans[constant]
 
     def sign_of_multiple(self, term: Term) -> Sign:
         """Of a constraint times something: the product of their signs."""
@@ -287,7 +301,7 @@ class StatedDomain:
         if term.op == "*":
             found = ONE
             for a in term.args:
-                found = self._times(found, self.polynomial(a))
+                found = times(found, self.polynomial(a))
             return found
         if term.op == "**" and term.args[1].op == "number" and term.args[1].value.denominator == 1:
             n, inner = int(term.args[1].value), term.args[0]
@@ -300,7 +314,7 @@ class StatedDomain:
             if 0 <= n <= _MOST_POWER:
                 found = ONE
                 for _ in range(n):
-                    found = self._times(found, base)
+                    found = times(found, base)
                 return found
             if base == ONE:
                 return ONE
@@ -312,19 +326,16 @@ class StatedDomain:
 
     def _in_order(self, constant: Term) -> Term:
         """The same with its sums, products and numbers in one order, so that it is one variable however it is written."""
-        kept: dict[Term, Term] = self.kept.setdefault("in order", {})
         if not constant.args or constant.large:
             return constant
-        if constant not in kept:
+        if constant not in self._orders:
             args = tuple(map(self._in_order, constant.args))
             if constant.op in ("+", "*"):
                 args = tuple(sorted(b for a in args for b in (a.args if a.op == constant.op else (a,))))
             found = constant._replace(args=args)
             value = number_in(self.polynomial(found)) if not found.names() and found.op in ("+", "*") else None
-            kept[constant] = found if value is None else number(value)
-            if constant in self.known and self.known[constant].defined:  # else what is shown of it may be of nothing
-                self.known.setdefault(kept[constant], self.known[constant])
-        return kept[constant]
+            self._orders[constant] = found if value is None else number(value)
+        return self._orders[constant]
 
     def _root_of_square(self, base: Term, exponent: Term) -> Term | None:
         """The size of x, times the root of a number, where a constant is a number times x^2."""
@@ -334,16 +345,6 @@ class StatedDomain:
                 size = self.plain(Term("abs", (written(found[1]),)))
                 return size if found[0] == 1 else product_of(Term("**", (number(found[0]), _HALF)), size)
         return None
-
-    def _times(self, one: Polynomial, two: Polynomial) -> Polynomial:
-        self.spend(len(one) * len(two))
-        return times(one, two)
-
-    def spend(self, steps: int) -> None:
-        """Counts products of terms; NotWritten where all of them together have become too many to go on."""
-        self._steps += steps
-        if self._steps > _MOST_STEPS:
-            raise NotWritten("there is too much to multiply out")
 
     def plain(self, term: Term) -> Term:
         """A ramp or size of a constant of known sign is it, its negative or 0; a norm of one that need not be 0, or the root of a square,

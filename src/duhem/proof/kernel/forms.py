@@ -97,7 +97,6 @@ def leading_minors(matrix: Matrix, domain: StatedDomain) -> Iterator[Polynomial]
         for some in combinations(range(len(matrix)), k + 1):
             parts = ((Fraction((-1) ** (k + i)), entries[j], before[(*some[:i], *some[i + 1 :])]) for i, j in enumerate(some))
             known[some] = total(*(times(times({(): sign}, entry), minor) for sign, entry, minor in parts))
-            domain.spend(len(known[some]))
         yield known[tuple(range(k + 1))]
 
 

@@ -105,7 +105,7 @@ def formula_where_loads_allow(law: StatedLaw) -> str:
     """g, where the loads in it allow it to be <= 0; at a tip by continuity."""
     if not (found := law.once(formula_but_at_tips)) or law.g.large:
         return found
-    loads, others, inside = where_loads_allow(law)
+    loads, others, inside = law.once(where_loads_allow)
     if _everywhere("a load", loads, over(law)):
         return found
     reader = Reader(inside)

@@ -217,7 +217,7 @@ def _beyond_roots(p: Line) -> Fraction:
 
 def convex_in_its_region(law: StatedLaw) -> bool:
     """Whether every part of g is quasiconvex, or of a convex set, where all of its loads allow it to be <= 0; g has a value there."""
-    _, others, inside = where_loads_allow(law)
+    _, others, inside = law.once(where_loads_allow)
     found = [(part, inside.facts(part)) for part in others]
     return all(
         (known.defined and known.quasiconvex)
@@ -231,7 +231,7 @@ def where_loads_allow(law: StatedLaw) -> tuple[list[Term], list[Term], StatedDom
     """The loads and the other parts of g, and the domain where the loads allow K."""
     domain = over(law)
     loads, others = _loads_and_others(law.g, domain)
-    sides = within_ranges(law).sides | dict.fromkeys(map(minus, loads), False)
+    sides = {**within_ranges(law).sides, **dict.fromkeys(map(minus, loads), False)}
     for part in others:
         sides |= dict.fromkeys((x for x in _under_logarithms(part, domain) if not domain.constant(x) and domain.facts(x).affine), True)
     for part in others:
@@ -280,7 +280,7 @@ def _leaves(x: Term, h: Term, domain: StatedDomain) -> bool:
 
 def region_of(law: StatedLaw) -> frozenset[object]:
     """What is >= 0, or > 0, where the loads of g allow K, each multiplied out."""
-    _, _, inside = where_loads_allow(law)
+    _, _, inside = law.once(where_loads_allow)
     return frozenset((frozenset(inside.polynomial(side).items()), strict) for side, strict in inside.sides.items())
 
 

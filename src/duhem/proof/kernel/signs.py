@@ -45,7 +45,7 @@ RAY = Term("name", name="the ray's")  # no name of a law has blanks
 _FINEST = Fraction(1, 2**30)  # a root is enclosed at least as finely as this
 _MOST_HALVINGS = 3
 _MOST_DEGREE = 80  # about ten seconds of Sturm's theorem
-_A_SHARE = 4  # what one is worth in products of terms
+_MOST_SHARES = 100_000  # terms of polynomials, times their degrees, of one question
 _FEW, _SHORT = 3, 12  # names and terms of a polynomial
 _ONE_SIGN = (NEGATIVE, ZERO, POSITIVE)
 _WAVES = ("sin", "cos", "tan")
@@ -147,7 +147,7 @@ def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, stric
     if between[0] >= 0 and all(n % 2 == 0 for m in poly for x, n in m if x == RAY):  # a polynomial in its square
         poly = {tuple((x, n // 2 if x == RAY else n) for x, n in m): c for m, c in poly.items()}
         between = between[0] ** 2, between[1] ** 2
-    if _nonnegative_in_ranges(poly, between, domain, strict):
+    if _InRanges(between, domain).above(poly, strict):
         return True
     moving = any(x == RAY for m in poly for x, _ in m)  # of a constant the constraints are asked by who asks for its sign
     return bool(moving and domain.law.constraints) and _nonnegative_with_constraints(poly, between, domain, strict, _MOST_HALVINGS)
@@ -165,27 +165,34 @@ def _nonnegative_with_constraints(poly: Polynomial, between: Interval, domain: S
     return bool(parts) and all(_nonnegative_with_constraints(poly, part, domain, strict, halvings - 1) for part in parts)
 
 
-def _nonnegative_in_ranges(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool) -> bool:
-    """The same, each constant being anywhere in its own range."""
-    poly = without_content(poly, domain)
-    if (plain := on_the_line(poly)) is not None:
-        return nonnegative_on_the_line(plain, *between, strict)
-    x = min(x for m in poly for x, _ in m if x != RAY)
-    coefficients = in_powers(poly, x)
-    for reach in _reaches(x, domain):
-        domain.spend(_A_SHARE * len(poly) * len(coefficients))
-        if not _nonnegative(_shares(coefficients, reach), reach, between, domain, strict):
+class _InRanges:
+    """The same, each constant being anywhere in its own range; NotWritten where that is too much, whatever else was asked before."""
+
+    def __init__(self, between: Interval, domain: StatedDomain) -> None:
+        self._between, self._domain, self._left = between, domain, _MOST_SHARES
+
+    def above(self, poly: Polynomial, strict: bool) -> bool:
+        """Whether P >= 0, or P > 0."""
+        poly = without_content(poly, self._domain)
+        if (plain := on_the_line(poly)) is not None:
+            return nonnegative_on_the_line(plain, *self._between, strict)
+        x = min(x for m in poly for x, _ in m if x != RAY)
+        coefficients = in_powers(poly, x)
+        for reach in _reaches(x, self._domain):
+            self._left -= len(poly) * len(coefficients)
+            if self._left < 0:
+                raise NotWritten("there is too much to multiply out")
+            if not self._shares_above(_shares(coefficients, reach), reach, strict):
+                return False
+        return True
+
+    def _shares_above(self, shares: list[Polynomial], reach: Bounds, strict: bool) -> bool:
+        if not all(self.above(share, False) for share in shares):
             return False
-    return True
-
-
-def _nonnegative(shares: list[Polynomial], reach: Bounds, between: Interval, domain: StatedDomain, strict: bool) -> bool:
-    if not all(_nonnegative_in_ranges(share, between, domain, False) for share in shares):
-        return False
-    values = [total(*shares)]
-    values += [] if reach.low is None or reach.open else [shares[0]]
-    values += [] if reach.high is None or reach.open_high else [shares[-1]]
-    return not strict or all(_nonnegative_in_ranges(value, between, domain, True) for value in values)
+        values = [total(*shares)]
+        values += [] if reach.low is None or reach.open else [shares[0]]
+        values += [] if reach.high is None or reach.open_high else [shares[-1]]
+        return not strict or all(self.above(value, True) for value in values)
 
 
 def _shares(coefficients: list[Polynomial], reach: Bounds) -> list[Polynomial]:

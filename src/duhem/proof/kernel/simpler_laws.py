@@ -1,9 +1,11 @@
-"""The same law said more simply: as two laws, without a map of its formula that keeps the sign, in principal stresses.
+"""The same law said more simply: as two laws, without a map of its formula that keeps the sign, about another zero, in principal stresses.
 
 Where no force enters a choice, the law at each value of parameters and pressure is one of two laws, each where its condition holds.  A
 claim is made at every such value: so it holds of the law if it holds of either, the condition being one constraint more.
 
 Where phi(f) has the sign of f, {phi(f) <= 0} is {f <= 0}, with the same boundary.
+
+K moved by a constant X is convex, or has a C^1 boundary, if and only if K is.
 
 Let g(R sigma R^T) = g(sigma) for every rotation R, so that g is a symmetric function f of the principal stresses.  Then K is convex
 if and only if {f <= 0} is (Davis 1957, Arch. Math. 8, 276: the principal stresses of a mean of two tensors are a mean of permutations
@@ -27,12 +29,12 @@ from duhem.proof.kernel.definedness import AGAINST, in_quotients
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.polynomial import Polynomial, negated, slope, times, total
+from duhem.proof.kernel.polynomial import Polynomial, negated, slope, times, total, written
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, sum_of
 
-__all__ = ["cases", "in_principal_stresses", "normal_forms", "without_outer_map"]
+__all__ = ["about_its_centre", "cases", "in_principal_stresses", "normal_forms", "without_outer_map"]
 
 _SIZE = Term("name", name="size of the inner formula")  # no name of a law has blanks
 _LONGEST = 1_500  # parts of g
@@ -127,6 +129,53 @@ def _alone(g: Term, f: Term, domain: StatedDomain) -> bool:
     """Whether the forces enter g by f alone."""
     pay(1)
     return g == f or domain.constant(g) or (g.op != "name" and all(_alone(a, f, domain) for a in g.args))
+
+
+# -- about another zero -----------------------------------------------------------------------------------------------
+
+
+def about_its_centre(law: StatedLaw) -> StatedLaw:
+    """The law of sigma - X where all sums of multiples of the forces in g are 0 at one X that is not 0; any other law as it is."""
+    domain, rows = over(law), list[tuple[Term, dict[Term, Fraction], Polynomial]]()
+    if law.surfaces or any(name in law.forces for name, _ in law.ranges):
+        return law
+    forces = {Term("name", name=f) for f in law.forces}
+    for part in dict.fromkeys(law.g.parts()):
+        if not _is_affine(part, domain):
+            continue
+        row, value = dict[Term, Fraction](), Polynomial()
+        for m, c in domain.polynomial(part).items():
+            if not forces.intersection(x for x, _ in m):
+                value[m] = -c
+            elif len(m) == 1:
+                row[m[0][0]] = c
+            else:
+                return law  # a parameter scales a force
+        for pivot, known, had in rows:
+            if share := row.get(pivot, Fraction(0)) / known[pivot]:
+                row = {x: c for x in {**row, **known} if (c := row.get(x, Fraction(0)) - share * known.get(x, Fraction(0)))}
+                value = total(value, {m: -share * c for m, c in had.items()})
+        if row:
+            rows.append((min(row), row, value))
+        elif value:
+            return law
+    centre = dict[Term, Polynomial]()
+    for pivot, row, value in reversed(rows):
+        others = ({m: -c * d for m, d in centre[x].items()} for x, c in row.items() if x in centre)
+        centre[pivot] = {m: c / row[pivot] for m, c in total(value, *others).items()}
+    swap = {x: sum_of(x, written(value)) for x, value in centre.items() if value}
+
+    def moved(term: Term) -> Term:
+        if _is_affine(term, domain):
+            return written(domain.polynomial(term.put(swap)))
+        return swap.get(term, term) if not term.args else term._replace(args=tuple(map(moved, term.args)))
+
+    return law._replace(g=moved(law.g)) if swap else law
+
+
+def _is_affine(part: Term, domain: StatedDomain) -> bool:
+    """Whether it is a sum of multiples of the forces and constants, all of which have a value."""
+    return part.op == "+" and _plain(part) and degree_at_most(part, domain) == 1
 
 
 # -- in principal stresses ---------------------------------------------------------------------------------------------

@@ -55,10 +55,6 @@ def quasiconvex_with_parts_freed(term: Term, domain: StatedDomain) -> Facts | No
     return None
 
 
-def _wider(domain: StatedDomain, names: Sequence[str]) -> StatedDomain:
-    return domain.over(domain.law._replace(forces=(*domain.law.forces, *names)))
-
-
 # -- roots -------------------------------------------------------------------------------------------------------------
 
 
@@ -70,7 +66,7 @@ def freed_of_roots(term: Term, domain: StatedDomain) -> Iterator[Freed]:
     names = [f"root {i}" for i in range(len(roots))]  # no name of a law has blanks
     while {*names} & {*domain.law.forces}:
         names = [f"{name} inside" for name in names]
-    wider = _wider(domain, names)
+    wider = domain.wider(*names)
     free = {root: Term("name", name=name) for root, name in zip(roots, names, strict=True)}
     for sized in (False, True):
         swaps = [{z: minus(z)} for z in free.values()]
@@ -147,7 +143,7 @@ def freed_of_eigenvalues(term: Term, domain: StatedDomain) -> Iterator[Freed]:
     matrices, free = _read(term, domain)
     names = [x.name for matrix in matrices for x in (matrix.greatest, matrix.least)]
     if 0 < len(matrices) <= _MOST_MATRICES and not {*names} & {*domain.law.forces}:
-        wider, swaps = _wider(domain, names), [swap for m in matrices for swap in _swaps(m)]
+        wider, swaps = domain.wider(*names), [swap for m in matrices for swap in _swaps(m)]
         parts = dict((z, part) if z.op == "name" else (z.args[1], minus(part)) for part, z in free.items())
         for form in dict.fromkeys((term, _of_sizes(term, domain))):
             yield Freed(form.put(free), wider, parts, swaps)

@@ -152,16 +152,20 @@ class StatedLaw(_Stated):
 
     _found: dict[Any, Any]
 
-    def once(self, question: Callable[[StatedLaw], Answer]) -> Answer:
-        """The answer to a question about this law, found when it is first asked."""
+    def once(self, question: Callable[..., Answer], *beside: object) -> Answer:
+        """The answer to a question about this law, and what is asked ``beside`` it, found when it is first asked."""
         try:
             found = self._found
         except AttributeError:
             found = self._found = {}
-        if question not in found:
-            found[question] = question(self)
-        answer: Answer = found[question]
+        if (question, beside) not in found:
+            found[question, beside] = question(self, *beside)
+        answer: Answer = found[question, beside]
         return answer
+
+    def with_forces(self, *names: str) -> StatedLaw:
+        """The law with further names among its forces."""
+        return self._replace(forces=(*self.forces, *names))
 
     def __getstate__(self) -> None:
         """The law is all of it: another process asks anew."""

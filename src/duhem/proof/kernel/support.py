@@ -43,7 +43,7 @@ def is_support_function(potential: Term, dual: Mapping[str, str], flat: Sequence
         return False
     if not all(term.names() <= {*slips, *law.parameters, law.pressure, "pi"} for term in (potential, *flat)):
         return False
-    domain = over(law._replace(forces=(*law.forces, *slips)))  # in which the slips are no constants either
+    domain = over(law).wider(*slips)  # in which the slips are no constants either
     if not all(domain.facts(term).defined for term in (law.g, potential, *flat)):
         return False
     for shape in (_supports_separable, _supports_quadric, supports_polytope):
@@ -71,7 +71,7 @@ def _supports_separable(g: Term, potential: Term, forces: _Names, slips: _Names,
             return False
         other = at(other, [y], [product_of(products[y], Term("name", name=y))])
         dual[x] = y
-    wide = over(domain.law._replace(forces=(*domain.law.forces, *rows, *columns)))
+    wide = domain.wider(*rows, *columns)
     return len(set(dual.values())) == len(dual) and _polar(gauge, other, radius, dual, wide)
 
 
