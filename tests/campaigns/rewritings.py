@@ -62,7 +62,7 @@ def _value(text: str, point: Mapping[str, float]) -> float | None:
     """None where the formula has no value, or one that rounding may have spoilt, or is kept as a graph, with names for its parts."""
     try:
         found = eval(compile(text.replace("\n", " "), "formula", "eval"), {"__builtins__": {}}, {**_WORDS, **point})
-    except (NameError, ValueError, ZeroDivisionError, OverflowError, IndexError):
+    except (NameError, TypeError, ValueError, ZeroDivisionError, OverflowError, IndexError):  # TypeError: a complex value compared
         return None
     return float(found) if isinstance(found, int | float) and math.isfinite(found) else None
 
