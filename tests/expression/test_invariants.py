@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from duhem import Criterion, Domain
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import INVARIANTS, KINDS, Abbreviations, Stress
@@ -94,7 +95,14 @@ def test_a_law_has_one_stress_so_that_it_need_not_be_named(kind: str) -> None:
         ("principal(0)", "no principal stress 0"),
         ("J2(t)", "write J2\\(s\\)"),
         ("J2(s, 1)", "write J2\\(s\\)"),
-        ("J2(2*s)", "write J2\\(s\\)"),
+        ("J2(s*s)", "write J2\\(s\\)"),
+        ("J2(s + 1)", "write J2\\(s\\)"),
+        ("J2(1/s)", "write J2\\(s\\)"),
+        ("J2(s**2)", "write J2\\(s\\)"),
+        ("J2(abs(s))", "write J2\\(s\\)"),
+        ("J2(s - x)", "each component x_xx|each component X_xx"),
+        ("J2(s -)", "write J2\\(s\\)"),
+        ("J2(s", "write J2\\(s\\)|never closed"),
         ("principal(s)", "write principal\\(s, 1\\)"),
         ("principal(s, 0)", "no principal stress 0"),
         ("principal(s, 4)", "no principal stress 4"),
@@ -108,6 +116,47 @@ def test_a_law_has_one_stress_so_that_it_need_not_be_named(kind: str) -> None:
 def test_what_is_no_invariant(text: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         _value(text, "plane", (1, 2, 3))
+
+
+SUMS = {
+    "s - x": (1, -1),
+    "x - s": (-1, 1),
+    "2*(s - x/3)": (2, R(-2, 3)),
+    "-s": (-1, 0),
+    "x": (0, 1),
+    "s*k + x*(k - 1)": (5, 4),
+    "s - (s - x)": (0, 1),
+}
+
+
+@pytest.mark.parametrize(("kind", "word"), [(kind, word) for kind in KINDS for word in INVARIANTS if (kind, word) != ("plane", "det")])
+def test_a_sum_of_tensors_has_the_invariants_of_its_value(kind: str, word: str) -> None:
+    """Of a back stress x by its components, which may be parameters, forces or definitions."""
+    index, own = ", 1" * INVARIANTS[word].indexed, len(KINDS[kind])
+    s, x = ((3, -1, 2, R(1, 2), -2, 1)[:own], (1, 2, -4, R(1, 3), 1, -2)[:own])
+    names = [f"{tensor}_{end}" for tensor in "sx" for end in KINDS[kind]]
+    values = dict(zip(map(symbol, [*names, "k"]), [*s, *x, 5], strict=True))
+    known = {name.name: name for name in values}
+    for stress in (Stress("s", kind), *([None] if kind == "3d" else [])):
+        for text, (one, two) in SUMS.items():
+            found = parse_expression(f"{word}({text}{index})", known, short=Abbreviations(stress=stress, known=frozenset(known))).subs(
+                values
+            )
+            wanted = _value(f"{word}(s{index})", kind, tuple(one * a + two * b for a, b in zip(s, x, strict=True)))
+            assert sp.N(found - wanted, 40, maxn=400) == pytest.approx(0, abs=1e-30), text
+
+
+def test_a_tensor_whose_last_component_is_defined() -> None:
+    """A deviator has five components that are free; what scales a tensor may be defined as well."""
+    free = {f"alpha_{end}": {"min": -1, "max": 1} for end in ("xx", "yy", "yz", "xz", "xy")}
+    define = {"p": "-I1/3", "alpha_zz": "-alpha_xx - alpha_yy"}
+    law = Criterion("cone", "sqrt(2*J2(sigma - p*alpha)) - m*p", pressure=None, define=define, stress={"name": "sigma", "kind": "3d"},
+                    parameters={"m": Domain(positive=True), **{name: Domain.between(-1, 1) for name in free}})  # fmt: skip
+    at = dict(zip(law.forces, (-3, -2, -4, 1, 0, -1), strict=True)) | {name: 0.1 * i for i, name in enumerate(free)} | {"m": 0.5}
+    alpha, sigma = [np.array(_tensor("3d", t), dtype=float) for t in ((0, 0.1, -0.1, 0.2, 0.3, 0.4), (-3, -2, -4, 1, 0, -1))]
+    apart = sigma - 3 * alpha + 3 * np.eye(3)
+    wanted = np.sqrt((apart**2).sum()) - 0.5 * 3
+    assert float(law.g.subs({x: at[x.name] for x in law.g.free_symbols})) == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize("word", INVARIANTS)

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -306,8 +306,7 @@ class Abbreviations:
                 ends = KINDS[kind]
                 if text in names:
                     return Tensor(kind, tuple(self._plain(f"{text}_{end}") for end in ends))
-                parts = (_TOKEN.sub(lambda x, end=end: f"{x[0]}_{end}" if spelled(x[0]) in names else x[0], text) for end in ends)
-                return Tensor(kind, tuple(f"({self._plain(part)})" for part in parts))
+                return Tensor(kind, tuple(f"({self._plain(_of_components(text, names, end))})" for end in ends))
         return None
 
     def _is_tensor(self, name: str, kind: str) -> bool:
@@ -316,6 +315,10 @@ class Abbreviations:
 
     def _plain(self, text: str) -> str:
         return self.written_out(text, lambda what, _, remedy: InputError(what, remedy=remedy), len(text) + _MOST_OF_A_COMPONENT).text
+
+
+def _of_components(text: str, tensors: Collection[str], end: str) -> str:
+    return _TOKEN.sub(lambda x: f"{x[0]}_{end}" if spelled(x[0]) in tensors else x[0], text)
 
 
 def _degree(text: str, tensors: set[str]) -> int | None:

@@ -139,7 +139,7 @@ def _objection_in_cases(
 
 
 def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
-    """The law as written; with the forces of its energy put in; with the same K, the same boundary and a simpler g; moved; in principal stresses.
+    """The law as written; with the forces of its energy put in; with the same boundary and a simpler g; moved; in principal stresses.
 
     What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.
     """

@@ -175,7 +175,7 @@ def about_its_centre(law: StatedLaw) -> StatedLaw:
 
 def _is_affine(part: Term, domain: StatedDomain) -> bool:
     """Whether it is a sum of multiples of the forces and constants, all of which have a value."""
-    return part.op == "+" and _plain(part) and degree_at_most(part, domain) == 1
+    return part.op == "+" and degree_at_most(part, domain) == 1 and domain.facts(part).defined
 
 
 # -- in principal stresses ---------------------------------------------------------------------------------------------
