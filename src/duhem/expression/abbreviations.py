@@ -2,6 +2,8 @@
 
 What is read, simplified, proved and checked is a formula of the vocabulary alone; nothing further on knows an abbreviation.
 
+An invariant is that of a tensor: of the stress, or of a sum of multiples of tensors, each of which has all of its components declared.
+
 Tension is positive, stresses in one unit.  ``3d`` is the symmetric tensor sigma with the components xx, yy, zz, yz, xz, xy; ``plane``
 is plane stress, the same tensor with sigma_zz = sigma_yz = sigma_xz = 0; ``principal`` are its principal stresses 1, 2, 3 in no order.
 
@@ -285,18 +287,18 @@ class Abbreviations:
     def _invariant(self, word: str, given: list[str]) -> str | None:
         """``J2`` is ``J2(sigma)`` and ``principal(1)`` is ``principal(sigma, 1)``, as in print; None without a tensor or a stress."""
         indexed, stress = INVARIANTS[word].indexed, self.stress.name if self.stress else ""
-        of, index = given[:-1] if indexed else given, given[-1] if indexed and given else None
+        of, index = (given[:-1], "".join(given[-1:])) if indexed else (given, "")
         tensor = self._tensor(of[0] if of else stress) if len(of) <= 1 and (given or indexed) else None
-        if tensor is None and not self.stress:
+        if tensor is not None and (index.isdigit() or not indexed):
+            if indexed and index not in ("1", "2", "3"):
+                raise InputError(f"there is no principal stress {index[:24]}", remedy="1 is the greatest, 3 the least")
+            return tensor.written_out(word, int(index) if index else None)
+        if self.stress is None:
             return None
-        if tensor is None or (indexed and not (index or "").isdigit()):
-            what = f"{word} takes the declared stress{' and a number' * indexed}"
-            usage = f"{word}({stress}, 1)" if indexed else f"{word}({stress})"
-            other = f"; of a sum such as {stress} - X, each component X_{KINDS[self.stress.kind][0]} ... has to be declared"
-            raise InputError(what, remedy=f"write {usage}: {INVARIANTS[word].meaning}{other}")
-        if indexed and index not in ("1", "2", "3"):
-            raise InputError(f"there is no principal stress {str(index)[:24]}", remedy="1 is the greatest, 3 the least")
-        return tensor.written_out(word, int(index) if index else None)
+        usage = f"{word}({stress}, 1)" if indexed else f"{word}({stress})"
+        other = f"; of a sum such as {stress} - X, each component X_{KINDS[self.stress.kind][0]} ... has to be declared"
+        what = f"{word} takes the declared stress{' and a number' * indexed}"
+        raise InputError(what, remedy=f"write {usage}: {INVARIANTS[word].meaning}{other}")
 
     def _tensor(self, text: str) -> Tensor | None:
         """The tensor that a formula is, linear in the names of tensors; None where it is no tensor of the stress's kind, or of any."""
