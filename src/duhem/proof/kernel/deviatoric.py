@@ -47,6 +47,7 @@ from duhem.proof.kernel.plane_function import (
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total, written
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.spectrum import entries_of, extremes
+from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["DeviatoricReader", "Invariants", "convex_in_deviator", "deviatoric_readers", "invariants", "of_tensor"]
@@ -230,6 +231,12 @@ def _of_the_forces(domain: StatedDomain) -> list[DeviatoricReader]:
     return [reader for reader in found if any(reader.value(x) is not None for x in third)] or found[:2]
 
 
+def _opened(law: StatedLaw) -> StatedLaw:
+    """The law without the ends of its parameters' ranges."""
+    ends = {name: own if own.single else own._replace(open=True, open_high=True) for name, own in law.parameters.items()}
+    return law._replace(parameters=ends)
+
+
 def _key(entries: tuple[Polynomial, ...]) -> tuple[object, ...]:
     """The entries as a key."""
     return tuple(tuple(sorted(e.items())) for e in entries)
@@ -383,10 +390,7 @@ class DeviatoricReader(PlaneVariable):
     def opened(self) -> Signs:
         """Signs without the ends of the parameters' ranges, where no constraint ties these."""
         law = self.domain.law
-        if law.constraints:
-            return self.signs
-        ends = {name: own if own.single else own._replace(open=True, open_high=True) for name, own in law.parameters.items()}
-        return Signs(self.domain.over(law._replace(parameters=ends)), _WALLS)
+        return self.signs if law.constraints else Signs(self.domain.over(law.once(_opened)), _WALLS)
 
     def emptied(self, term: Term) -> Term:
         """The term as it is where the deviator is 0; what is compared stays, for beside that place it may have another sign."""
