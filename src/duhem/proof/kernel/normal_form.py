@@ -14,6 +14,7 @@ Several powers of one P are written as whole powers of one of them: P is >= 0 wh
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
@@ -92,6 +93,8 @@ class _Form(NamedTuple):
                 return self._norm(term.args)
             case "**":
                 return self._power(*term.args)
+            case "*" if self.collects:
+                return self._collected(Term("*", tuple(self._power(x, number(n)) for x, n in Counter(factors(term)).items())))
             case "+" | "*":
                 return self._collected(term)
         return term
