@@ -123,6 +123,11 @@ SPELLED = [
     ("pos(x)**4 + abs(y)", "((1 - w)*pos(x) + (1 + w)*neg(x))**4 + abs(y)", "(abs(x) - w*x)**4 + abs(y)", "(abs(x) + v*x)**2 + norm(x, y)"),
     ("x**4 + y**2", "pos(x - y)*(x + y)**2 - pos(x - y)**2*(x + y) - 2*pos(x - y)*y*(x + y) + x**4 + y**2"),
     ("pos(x - y)**3 + abs(y)", "(c*(x - y) + abs(x - y))**3 + abs(y)", "((1 - c)*neg(y - x) + pos(y - x)*(c + 1))**5 + abs(y)"),
+    (
+        "(abs(x - y) - e*(x - y))**2 + (abs(y) + e*y)**2",
+        "(1 + e**2)*(x**2 - 2*x*y + 2*y**2) - 2*e*(x - y)*abs(y - x) + 2*e*y*abs(y)",
+        "(abs(x - y) - e*(x - y))*(abs(y - x) + e*(y - x)) + (abs(y) + e*y)*(e*y + abs(y))",
+    ),
     ("x**2 + k*y**2", "pos(x)**2 + k*(pos(y) + neg(y))**2 + neg(x)**2", "pos(x)**2 + 2*pos(x)*neg(x) + neg(x)**2 + max(k, -k)*y**2"),
 ]
 
@@ -156,6 +161,9 @@ WRONG = [
     "norm(x, y)*(1 + x**2)/(1 + x**2) - 2*abs(x) - s",
     "(x**2*(k + y**2) - y**2)/(k + y**2) - s",
     "x**2/(y**2 + k) - s",
+    "(x - y)**2 + wide*(x - y)*abs(x - y) + y**2 - s",
+    "(1 + e**2)*(x**2 - 2*x*y + 2*y**2) - 3*(x - y)*abs(y - x) - s",
+    "x**2 + y**2 + z**2 - x*y - 2*x*abs(x) - s",
     "min(-x, -y, -z) - s",
     "-max(-x, -y, -z) + max(-x, -y, -z)/2 - s",
     "sqrt(k**2*x**2 + 2*k*x*y + y**2) - (k + 1)*abs(x + y) - s",
@@ -293,6 +301,8 @@ def _choices(rng: Random) -> str:
             f"where(2*x - {end}*y {op} {c}, (2*x - {end}*y - {c})**{m}*{d} + x*y, {d}*(x - {end}*y/2 - {c}/2)**{n} + y*x)",
             f"where(-x {op} {end}, x**2 + 2*{end}*x + {end}**2 + {two}, {c}*(x + {end})**{m} - {d}*(x + {end})**{n} + {two})",
             f"norm(abs({one})*{c}, k*norm({two}, {one}), -x)",
+            f"{c}*({one})*abs({one}) + {d}*({one} + {end})**2 - ({two})*({two})*x + {d}*y*abs(y)",
+            f"(abs({one}) - {c}*({one}))*(abs({one}) - {c}*({one})) + {end}*x**2 - {d}*x*y + y**2 - (x + y)*abs(y + x)",
             f"({c}*abs({one}) + {d}*({one}))**{m}*{end} - {two}",
             f"(pos({one})*{c} + neg({one})*{d})**{m + 2} + ({c}*pos({two}) - neg({one}))**{n}",
         )

@@ -44,7 +44,7 @@ from duhem.proof.kernel.plane_function import (
     roots_in,
     slope_along,
 )
-from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, solved, times, total, written
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.spectrum import entries_of, extremes
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -83,27 +83,16 @@ class Invariants(NamedTuple):
 
     def _solved(self, poly: Polynomial, k: int, powers: Sequence[int]) -> dict[int, Polynomial]:
         """The a_j, from the values at as many points."""
-        rows, used = list[tuple[list[Fraction], Polynomial]](), list[int]()
+        rows = list[tuple[dict[int, Fraction], Polynomial]]()
         for values in product(range(4), repeat=len(self.forces)):
             point = dict(zip(self.forces, map(Fraction, reversed(values)), strict=True))
             two, three = (_at(form, point).get((), Fraction(0)) for form in (self.second, self.third))
-            row, value = [two ** ((k - 3 * j) // 2) * three**j for j in powers], _at(poly, point)
-            for pivot, (known, had) in zip(used, rows, strict=True):
-                share = row[pivot] / known[pivot]
-                row = [x - share * y for x, y in zip(row, known, strict=True)]
-                value = total(value, {m: -share * c for m, c in had.items()})
-            if any(row):
-                used.append(next(i for i, x in enumerate(row) if x))
-                rows.append((row, value))
-            if len(rows) == len(powers):
-                break
-        else:
-            raise NotWritten("the invariants of the forces are not independent")
-        found: dict[int, Polynomial] = {}
-        for pivot, (row, value) in reversed([*zip(used, rows, strict=True)]):
-            others = [{m: -x * c for m, c in found[j].items()} for j, x in zip(powers, row, strict=True) if x and j in found]
-            found[powers[pivot]] = {m: c / row[pivot] for m, c in total(value, *others).items()}
-        return found
+            rows.append(({j: two ** ((k - 3 * j) // 2) * three**j for j in powers}, _at(poly, point)))
+            if (found := solved(rows)) is None:
+                raise NotWritten("a polynomial of the forces has other invariants than J2 and J3")
+            if len(found) == len(powers):
+                return found
+        raise NotWritten("the invariants of the forces are not independent")
 
 
 def _at(poly: Polynomial, point: Point) -> Polynomial:

@@ -38,6 +38,7 @@ from duhem.proof.kernel.polynomial import (
     root_of_square,
     shared,
     slope,
+    solved,
     times,
     total,
 )
@@ -63,6 +64,10 @@ def normal(term: Term, domain: StatedDomain, collects: bool) -> Term:
     known: dict[Term, Term] = domain.kept.setdefault(f"normal forms, {collects}", {})
     found = _Form(domain, collects, known).of(term)
     return _as_written(found) if collects else found
+
+
+def _square(ramp: str, d: Term) -> Polynomial:
+    return {((Term(ramp, (d,)), 2),): Fraction(1)}
 
 
 class _Form(NamedTuple):
@@ -362,7 +367,7 @@ class _Form(NamedTuple):
                     own, left = self._times_power(part, square, half), n - 2 * half
                     found.append(times(own, {((x, left),): Fraction(1)}) if left else own)
                 poly = total(*found)
-        return self._chosen(self._divided_out(self._with_fewer_ramps(poly)))
+        return self._chosen(self._divided_out(self._by_squares_of_ramps(self._with_fewer_ramps(self._without_signed_squares(poly)))))
 
     def _with_fewer_ramps(self, poly: Polynomial) -> Polynomial:
         """pos(d) neg(d) is 0, pos(d)^n + neg(d)^n is d^n for even n > 0, and pos(d)^n is d^(n - 1) pos(d), where that leaves no pos(d)."""
@@ -380,6 +385,30 @@ class _Form(NamedTuple):
                 if not total(*(self._times_power(part, d, n) for n, part in enumerate(parts[1:]))):
                     poly = {m: c for m, c in poly.items() if m not in own}
         return poly
+
+    def _without_signed_squares(self, poly: Polynomial) -> Polynomial:
+        """d |d| is pos(d)^2 - neg(d)^2."""
+        for size in sorted({x for m in poly for x, n in m if x.op == "abs" and n == 1}):
+            own = {m: c for m, c in poly.items() if dict(m).get(size) == 1}
+            if (c := multiple(divided(own, ((size, 1),)), self._poly(size.args[0]), self.domain)) is not None:
+                signed = total(_square("pos", size.args[0]), negated(_square("neg", size.args[0])))
+                poly = total({m: a for m, a in poly.items() if m not in own}, times(c, signed))
+        return poly
+
+    def _by_squares_of_ramps(self, poly: Polynomial) -> Polynomial:
+        """A quadratic form Q that is a sum of multiples of d^2 in one way, where pos(d)^2 and neg(d)^2 stand beside it, by these."""
+        ups, downs = ({x.args for m in poly for x, n in m if x.op == word and n == 2} for word in ("pos", "neg"))
+        squares = {d: self._poly(product_of(d, d)) for (d,) in sorted(ups & downs)}
+        parts = by_forces(poly, self.domain)
+        form = {m: c for m, c in parts.items() if all(x.op == "name" and n > 0 for x, n in m) and sum(n for _, n in m) == 2}
+        if not form or not squares:
+            return poly
+        moving = dict.fromkeys([*form, *(m for own in squares.values() for m in own)])
+        found = solved(({d: own.get(m, Fraction(0)) for d, own in squares.items()}, form.get(m, {})) for m in moving)
+        if found is None or len(found) < len(squares):
+            return poly
+        ramps = (times(c, _square(word, d)) for d, c in found.items() for word in ("pos", "neg"))
+        return total(poly, *(negated(times(c, {m: Fraction(1)})) for m, c in form.items()), *ramps)
 
     def _chosen(self, poly: Polynomial) -> Polynomial:
         """Constants r + c pos(d) as max(r, r + c d) for c > 0, as their minimum for c < 0, where that leaves less."""

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from typing import TypeVar
 
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
 __all__ = [
     "ONE", "Monomial", "Polynomial", "divided", "in_powers", "joined", "negated", "number_in", "quotient", "replaced", "root_of_square",
-    "shared", "slope", "times", "total", "written",
+    "shared", "slope", "solved", "times", "total", "written",
 ]  # fmt: skip
+
+Unknown = TypeVar("Unknown")
 
 Monomial = tuple[tuple[Term, int], ...]
 Polynomial = dict[Monomial, Fraction]
@@ -144,6 +147,26 @@ def quotient(poly: Polynomial, by: Polynomial) -> Polynomial | None:
         step = divided({m: left[m]}, lead, by[lead])
         left, found = total(left, negated(times(step, by))), total(found, step)
     return None if left else found
+
+
+def solved(rows: Iterable[tuple[Mapping[Unknown, Fraction], Polynomial]]) -> dict[Unknown, Polynomial] | None:
+    """The unknowns x_k with sum of row_k x_k = value for each row, without those that are free, which are 0; None where there are none."""
+    reduced = list[tuple[Unknown, dict[Unknown, Fraction], Polynomial]]()
+    for given, value in rows:
+        row = {k: c for k, c in given.items() if c}
+        for pivot, known, had in reduced:
+            if share := row.get(pivot, Fraction(0)) / known[pivot]:
+                row = {k: c for k in {**row, **known} if (c := row.get(k, Fraction(0)) - share * known.get(k, Fraction(0)))}
+                value = total(value, {m: -share * c for m, c in had.items()})
+        if row:
+            reduced.append((next(iter(row)), row, value))
+        elif value:
+            return None
+    found = dict[Unknown, Polynomial]()
+    for pivot, row, value in reversed(reduced):
+        others = ({m: -c * d for m, d in found[k].items()} for k, c in row.items() if k in found)
+        found[pivot] = {m: c / row[pivot] for m, c in total(value, *others).items()}
+    return found
 
 
 def written(poly: Polynomial) -> Term:

@@ -29,7 +29,7 @@ from duhem.proof.kernel.definedness import AGAINST, in_quotients
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.polynomial import Polynomial, negated, slope, times, total, written
+from duhem.proof.kernel.polynomial import Polynomial, negated, slope, solved, times, total, written
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, sum_of
@@ -136,33 +136,17 @@ def _alone(g: Term, f: Term, domain: StatedDomain) -> bool:
 
 def about_its_centre(law: StatedLaw) -> StatedLaw:
     """The law of sigma - X where all sums of multiples of the forces in g are 0 at one X that is not 0; any other law as it is."""
-    domain, rows = over(law), list[tuple[Term, dict[Term, Fraction], Polynomial]]()
+    domain, rows = over(law), list[tuple[dict[Term, Fraction], Polynomial]]()
     if law.surfaces or any(name in law.forces for name, _ in law.ranges):
         return law
-    forces = {Term("name", name=f) for f in law.forces}
     for part in dict.fromkeys(law.g.parts()):
-        if not _is_affine(part, domain):
-            continue
-        row, value = dict[Term, Fraction](), Polynomial()
-        for m, c in domain.polynomial(part).items():
-            if not forces.intersection(x for x, _ in m):
-                value[m] = -c
-            elif len(m) == 1:
-                row[m[0][0]] = c
-            else:
+        if _is_affine(part, domain):
+            poly = domain.polynomial(part)
+            moving = {m: c for m, c in poly.items() if any(x.name in law.forces for x, _ in m)}
+            if any(len(m) > 1 for m in moving):
                 return law  # a parameter scales a force
-        for pivot, known, had in rows:
-            if share := row.get(pivot, Fraction(0)) / known[pivot]:
-                row = {x: c for x in {**row, **known} if (c := row.get(x, Fraction(0)) - share * known.get(x, Fraction(0)))}
-                value = total(value, {m: -share * c for m, c in had.items()})
-        if row:
-            rows.append((min(row), row, value))
-        elif value:
-            return law
-    centre = dict[Term, Polynomial]()
-    for pivot, row, value in reversed(rows):
-        others = ({m: -c * d for m, d in centre[x].items()} for x, c in row.items() if x in centre)
-        centre[pivot] = {m: c / row[pivot] for m, c in total(value, *others).items()}
+            rows.append(({m[0][0]: c for m, c in moving.items()}, {m: -c for m, c in poly.items() if m not in moving}))
+    centre = solved(rows) or {}
     swap = {x: sum_of(x, written(value)) for x, value in centre.items() if value}
 
     def moved(term: Term) -> Term:
