@@ -22,17 +22,17 @@ _JUMPS = (sp.sign, sp.Heaviside, sp.DiracDelta, sp.Derivative, sp.Piecewise, Whe
 Place = Mapping[sp.Symbol, sp.Expr]
 
 
-def undefined_place(subject: FormulaSubject, obligation: Obligation) -> str:
-    """The hydrostatic axis or zero force, with the remedy, where what is divided by or under a logarithm is 0 there; else ""."""
+def undefined_place(subject: FormulaSubject, obligation: Obligation) -> tuple[str, str]:
+    """The hydrostatic axis or zero force, and the remedy, where what is divided by or under a logarithm is 0 there; else twice ""."""
     normal, shear = subject.problem.forces[:3], subject.problem.forces[3:]
     remedy = "; if you mean its limit there, write where({} > 0, ..., 0) around this part"
     axis = dict.fromkeys(normal, sp.Dummy("p", nonzero=True, real=True)) | dict.fromkeys(shear, sp.S.Zero)
     if len(normal) == 3 and len(shear) in (0, 3) and _vanishes(obligation, axis):
         equal = " = ".join(map(str, normal)) + "".join(f", {x} = 0" for x in shear)
-        return f"where {equal}{remedy.format(_size(subject.law))}"
+        return f"where {equal}", remedy.format(_size(subject.law))
     if _vanishes(obligation, dict.fromkeys(subject.problem.forces, sp.S.Zero)):
-        return f"at zero force{remedy.format('...')}"
-    return ""
+        return "at zero force", remedy.format("...")
+    return "", ""
 
 
 def limits_taken(subject: FormulaSubject) -> Iterator[str]:
@@ -55,7 +55,7 @@ def undefined_at_zero(subject: FormulaSubject) -> str:
     """That g has no value at zero force, and what to write for it; "" where it has one, or where that is not seen."""
     zero = dict.fromkeys(subject.problem.forces, sp.S.Zero)
     if (doubtful := next((o for o in subject.doubtful if _vanishes(o, zero)), None)) is not None:
-        return f"g has no value {undefined_place(subject, doubtful)}"
+        return f"g has no value {''.join(undefined_place(subject, doubtful))}"
     part = next((o for o in obligations(subject.problem.stated) if _vanishes(o, zero)), None)
     if part is None:
         return ""
