@@ -184,14 +184,14 @@ class StatedDomain:
         exponentials = frozenset(x for x in words if x.op == "exp")
         yield self._with_names(poly, gaps, exponentials)
         few = len(poly) <= _SHORT and len(words) <= _FEW
-        told = frozenset(x for x in words if few and not _is_root(x) and {*self.span(x)[:2]} - {None, Fraction(0)})
+        told = frozenset(x for x in sorted(words) if few and not _is_root(x) and {*self.span(x)[:2]} - {None, Fraction(0)})
         if told - exponentials:
             yield self._with_names(poly, gaps, told)
 
     def _with_names(self, poly: Polynomial, gaps: _Gaps, words: frozenset[Term]) -> tuple[Polynomial, _Gaps]:
         own = self._named.setdefault(words, len(self._named))  # their order does not depend on what else was asked
         swap = {x: Term("name", name=f"constant {i} of {own}") for i, x in enumerate(sorted(words))}  # no name of a law
-        self.bounds |= {swap[x].name: self.span(x) for x in words}
+        self.bounds |= {named.name: self.span(x) for x, named in swap.items()}
 
         def put(form: Polynomial) -> Polynomial:
             return {tuple(sorted((swap.get(x, x), n) for x, n in m)): c for m, c in form.items()} if swap else form
