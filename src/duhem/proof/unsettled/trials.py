@@ -124,8 +124,8 @@ def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked
 def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
     """A few plain values of the parameters, all together, within the constraints."""
     free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if not Bounds.read(domain).single}
-    tried = [{name: values[(k + k * i) % len(values)] for i, (name, values) in enumerate(free.items())} for k in range(_TURNS)]
-    tried = [{name: values[k % len(values)] for name, values in free.items()} for k in range(_TURNS)] + tried
+    turns = ((k, step) for step in (0, 1) for k in range(_TURNS))  # of all alike, then of each at another place
+    tried = ({name: own[k * (1 + step * i) % len(own)] for i, (name, own) in enumerate(free.items())} for k, step in turns)
     seen = list[dict[str, Fraction]]()
     for choice in tried if all(free.values()) and free else ():
         if choice not in seen and len(seen) < _MOST_CHOICES and _inhabits(choice, law):
