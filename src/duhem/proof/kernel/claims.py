@@ -63,7 +63,7 @@ def objection(
 ) -> str:
     """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does.
 
-    ``as_written`` says what it reads: True the law as its text says it, False the law in its normal forms, None both.
+    ``as_written`` says what it reads: True the law as its text says it, False the law in its normal form, None both.
     """
     rules = _rules(law)
     if (claim, rule) not in rules:
@@ -98,7 +98,7 @@ def _suits(claim: str, rule: str, law: StatedLaw | StatedCurve) -> bool:
 def _objection_to_forms(
     claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, as_written: bool | None
 ) -> str:
-    """The objection to a law as it is written, and in its normal forms, or to some of these; evidence on sums is of g as it is written."""
+    """The objection to a law as it is written, and in its normal form, or to one of these; evidence on sums is of g as it is written."""
     found = f"the rule {rule!r} does not show it" if as_written is False else _objection_in_cases(claim, rule, check, law, evidence)
     if found and not as_written and "convex sums" not in evidence and isinstance(law, StatedLaw) and not law.of_rates:
         with suppress(*UNREADABLE):
