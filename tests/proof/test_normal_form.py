@@ -320,7 +320,7 @@ def test_a_normal_form_has_the_value_of_what_was_written(seed: int) -> None:
 @pytest.mark.parametrize("seed", mostly_long(range(8), 0, 1))
 def test_a_choice_by_a_load_has_the_value_of_what_was_written(seed: int) -> None:
     rng = Random(seed)
-    assert _changed([_choices(rng) for _ in range(25)], rng) > 40
+    assert _changed([_choices(rng) for _ in range(25)], rng) > 20
 
 
 def _changed(texts: Sequence[str], rng: Random) -> int:
@@ -329,17 +329,16 @@ def _changed(texts: Sequence[str], rng: Random) -> int:
     for text in texts:
         stated = law(f"({text}) + x - x + 0*y")
         domain, term = over(stated), parse(text)
-        for collects in (False, True):
-            form = normal(term, domain, collects)
-            changed += form != term
-            for _ in range(4):
-                point = {n: Fraction(rng.randint(-6, 6), rng.choice((1, 2, 3))) for n in ("x", "y")}
-                point |= {"k": Fraction(rng.randint(1, 5), 2), "e": Fraction(rng.randint(0, 3), 3)}
-                box = {n: Enclosure.between(value, value) for n, value in point.items()}
-                gap = enclosed(sum_of(term, minus(form)), box)
-                assert gap.sign & ZERO and gap.high - gap.low < 1 << 60, (text, point)
-                sign = enclosed(term, box).sign
-                assert sign & domain.sign(term) & domain.sign(form), (text, point)
+        form = normal(term, domain)
+        changed += form != term
+        for _ in range(4):
+            point = {n: Fraction(rng.randint(-6, 6), rng.choice((1, 2, 3))) for n in ("x", "y")}
+            point |= {"k": Fraction(rng.randint(1, 5), 2), "e": Fraction(rng.randint(0, 3), 3)}
+            box = {n: Enclosure.between(value, value) for n, value in point.items()}
+            gap = enclosed(sum_of(term, minus(form)), box)
+            assert gap.sign & ZERO and gap.high - gap.low < 1 << 60, (text, point)
+            sign = enclosed(term, box).sign
+            assert sign & domain.sign(term) & domain.sign(form), (text, point)
     return changed
 
 

@@ -108,7 +108,7 @@ def test_what_is_left_half_known_would_be_seen(monkeypatch: pytest.MonkeyPatch) 
         return self.known[term]
 
     monkeypatch.setattr(DeviatoricReader, "value", noted)
-    assert half_known(TEXTS["of a deviator"])
+    assert half_known(TEXTS["of a deviator"], 30)
 
 
 @pytest.mark.parametrize("name", TEXTS)

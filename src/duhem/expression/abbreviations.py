@@ -89,8 +89,7 @@ class Invariant:
 
 
 def _trace(tensor: Tensor) -> str:
-    normal = tensor.components[:2] if tensor.kind == "plane" else tensor.components[:3]
-    return " + ".join(normal)
+    return " + ".join(tensor.components[: 2 if tensor.kind == "plane" else 3])
 
 
 def _det(tensor: Tensor) -> str:

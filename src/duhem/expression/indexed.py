@@ -11,6 +11,7 @@ import ast
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate
 from typing import NoReturn
 
 from duhem.errors import InputError
@@ -71,11 +72,7 @@ def _read(text: str) -> tuple[ast.expr, bytes]:
     text = re.sub(r"\s", " ", text)
     if len(text) > _MOST_CHARACTERS:
         raise InputError(f"the formula has {len(text)} characters", remedy=f"at most {_MOST_CHARACTERS} are read")
-    depth = most = 0
-    for mark in text:
-        depth += (mark in "([") - (mark in ")]")
-        most = max(most, depth)
-    if most > _MOST_DEPTH:
+    if max(accumulate((mark in "([") - (mark in ")]") for mark in text), default=0) > _MOST_DEPTH:
         raise InputError("the formula is nested too deeply", remedy=f"at most {_MOST_DEPTH} brackets deep")
     try:
         return ast.parse(f"({text})", mode="eval").body, f"({text})".encode()
@@ -109,10 +106,8 @@ class _Writer:
         match part:
             case ast.Name(id=name):
                 return _signed(str(scope[name]))
-            case ast.Subscript(value=ast.Name(id=name), slice=ast.Tuple(elts=places)):
-                return self.entry(spelled(name), [self.whole(x, scope) for x in places])
             case ast.Subscript(value=ast.Name(id=name), slice=place):
-                return self.entry(spelled(name), [self.whole(place, scope)])
+                return self.entry(spelled(name), [self.whole(x, scope) for x in (place.elts if isinstance(place, ast.Tuple) else [place])])
             case ast.Call(func=ast.Name(id="sum")):
                 plain = len(part.args) == 4 and _is_factor(part.args[3])
                 return f"({' + '.join(x if plain else f'({x})' for x in self.within(_MOST_CHARACTERS, part, scope))})"

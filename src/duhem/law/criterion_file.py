@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from decimal import Decimal
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, Inexact
 from functools import cached_property, partial
 from os import PathLike
 from pathlib import Path
@@ -592,9 +592,8 @@ def _state(law: Criterion) -> Iterator[str]:
             yield from ([f"{key} = {_named(law, getattr(law, key))}"] if getattr(law, key) else [])
     if law.heat:
         if fixed := [name for name in law.heat if law.parameters[name] != POSITIVE]:
-            raise InputError(
-                f"no file states the temperature {fixed[0]} of a body", where=law.name, remedy="fix it with --set where the file is used"
-            )
+            what = f"no file states the temperature {fixed[0]} of a body"
+            raise InputError(what, where=law.name, remedy="fix it with --set where the file is used")
         yield from ("", "[heat]", f"bodies = {_named(law, law.heat)}")
 
 
@@ -631,13 +630,8 @@ def _domain(domain: Domain, where: str) -> str:
 
 def _decimal(x: sp.Rational, where: str) -> str:
     """``x`` in full, as TOML writes numbers."""
-    rest, places = int(x.q), {2: 0, 5: 0}
-    for prime in places:
-        while rest % prime == 0:
-            rest, places[prime] = rest // prime, places[prime] + 1
-    if rest != 1:
-        raise InputError(f"{x} is no finite decimal", where=where, remedy="give it as a decimal, such as 0.333333")
-    scale = max(places.values())
-    digits = str(abs(int(x.p)) * 10**scale // int(x.q)).rjust(scale + 1, "0")
-    body = f"{digits[:-scale]}.{digits[-scale:]}" if scale else digits
-    return f"-{body}" if x < 0 else body
+    exact = Context(int(x.p).bit_length() + int(x.q).bit_length() + 1, Emin=MIN_EMIN, Emax=MAX_EMAX, traps=[Inexact])
+    try:
+        return f"{exact.divide(Decimal(int(x.p)), Decimal(int(x.q))):f}"
+    except Inexact:
+        raise InputError(f"{x} is no finite decimal", where=where, remedy="give it as a decimal, such as 0.333333") from None

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from decimal import Decimal
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from duhem.errors import InputError
@@ -137,25 +138,23 @@ class Book:
 
 def _network(book: Book, activation: str, inner: str, first: str, skips: bool) -> tuple[list[str], str]:
     """The definitions of the hidden layers, and the formula of the last."""
-    rows, below, k = list[str](), 0, 0
-    while True:
-        name, width = (first, len(book.components)) if k == 0 else (f"{inner}{k}", below)
-        of = "x" if k == 0 else f"z{k - 1}"
+    rows, formula, inputs = list[str](), "", len(book.components)
+    name, of, width, layers = first, "x", inputs, next(k for k in count(1) if f"{inner}{k}" not in book.left)
+    for k in range(layers):
         height = book.table(name, None, width)
-        terms = [f"sum(j, 1, {width}, {name}[i, j]*{of}[j])"]
+        formula = f"sum(j, 1, {width}, {name}[i, j]*{of}[j])"
         if skips and k and f"Wx{k}" in book.left:
-            book.table(f"Wx{k}", height, len(book.components))
-            terms.append(f"sum(j, 1, {len(book.components)}, Wx{k}[i, j]*x[j])")
+            book.table(f"Wx{k}", height, inputs)
+            formula += f" + sum(j, 1, {inputs}, Wx{k}[i, j]*x[j])"
         if f"b{k}" in book.left:
             book.table(f"b{k}", height, 1)
-            terms.append(f"b{k}[i, 1]")
-        formula, k, below = " + ".join(terms), k + 1, height
-        if f"{inner}{k}" not in book.left:
-            if height != 1 or k == 1:
-                what = f"the last layer has {height} outputs" if k > 1 else "there is one layer"
-                raise InputError(what, remedy="give two layers or more, the last of them with one output")
-            return rows, re.sub(r"\[i, ", "[1, ", formula)
-        rows.append(f'z{k - 1} = "vector(i, 1, {height}, {activation}({formula}))"')
+            formula += f" + b{k}[i, 1]"
+        name, of, width = f"{inner}{k + 1}", f"z{k}", height
+        rows.append(f'{of} = "vector(i, 1, {height}, {activation}({formula}))"')
+    if width != 1 or layers == 1:
+        what = f"the last layer has {width} outputs" if layers > 1 else "there is one layer"
+        raise InputError(what, remedy="give two layers or more, the last of them with one output")
+    return rows[:-1], re.sub(r"\[i, ", "[1, ", formula)
 
 
 def _polynomial(book: Book) -> str:

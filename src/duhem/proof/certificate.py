@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from fractions import Fraction
 from itertools import chain
 from typing import Any
 
@@ -92,9 +91,8 @@ def _sought(law: Law) -> Iterator[Mapping[sp.Symbol, sp.Rational]]:
     """Where constraints leave no plain ones."""
     if isinstance(law, Criterion) and not law.forces_of_rates:
         subject = FormulaSubject(law)
-        nowhere = (Fraction(0),) * len(subject.simple.forces)
         for found in subject.choices(1):
-            values = rationals(subject.values_at(found, nowhere))
+            values = rationals(subject.values_at(found, subject.nowhere))
             yield {x: value for x, value in values.items() if x.name in law.parameters}
 
 

@@ -38,7 +38,7 @@ class Kernel(Protocol):
     def proof(self, claim: str, steps: int, as_written: bool | None = None) -> Evidence | None:
         """The first of its rules that proves the claim without evidence, each within so many steps; None where none does.
 
-        ``as_written`` says what a rule reads: True the law as its text says it, False the law in its normal forms, None both.
+        ``as_written`` says what a rule reads: True the law as its text says it, False the law in its normal form, None both.
         """
 
     def confirms(self, claim: str, evidence: Evidence) -> bool:
@@ -49,7 +49,7 @@ class Kernel(Protocol):
 class Rules:
     """The kernel's rules that need no evidence, as a method of proof of either kind of law; each may cost so many ``steps``.
 
-    ``as_written`` says what they read: True the law as its text says it, False the law in its normal forms, None both.
+    ``as_written`` says what they read: True the law as its text says it, False the law in its normal form, None both.
     """
 
     steps: int

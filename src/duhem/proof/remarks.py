@@ -298,7 +298,7 @@ def most_flat_directions(subject: FormulaSubject) -> int:
     forces, values = subject.problem.forces, next(subject.choices(1), None)
     if values is None:
         return len(forces)
-    known = {x: ball(v) for x, v in subject.values_at(values, (Fraction(0),) * len(subject.simple.forces)).items()}
+    known = {x: ball(v) for x, v in subject.values_at(values, subject.nowhere).items()}
     names = [*forces, *(x for x in known if x not in forces)]
     run, rng, rows = compiled([subject.problem.g], names), Random(5), list[Row]()
     for scale in _SCALES:

@@ -7,7 +7,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, ClassVar
@@ -160,6 +160,11 @@ class Evidence:
     def __post_init__(self) -> None:
         if (self.verdict is Verdict.REFUTED) != (self.witness is not None):
             raise ValueError("a refuted claim carries a witness, and only a refuted one")
+
+    @classmethod
+    def refuted_by(cls, found: Iterable[Witness | None], method: str, detail: str) -> Evidence | None:
+        """By the first witness that was found, if any was."""
+        return next((cls(Verdict.REFUTED, method, detail, witness) for witness in found if witness is not None), None)
 
 
 @dataclass(frozen=True, repr=False)

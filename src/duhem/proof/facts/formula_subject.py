@@ -26,7 +26,7 @@ from duhem.expression.text import formula
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.question import Obligation, obligations
-from duhem.proof.facts.subject import Subject, Values, middle_of, plain_choices, rationals, walk
+from duhem.proof.facts.subject import Point, Subject, Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.in_state import Dissipating, power_of_rates
 from duhem.proof.statement import Face, Problem, state
 
@@ -230,6 +230,23 @@ class FormulaSubject(Subject):
             if one.expr != two.expr
         )
 
+    @property
+    def stated(self) -> sp.Basic:
+        """g as it is written, in the symbols of the problem as stated."""
+        return self.problem.stated
+
+    @property
+    def nowhere(self) -> Point:
+        """Zero force."""
+        return (Fraction(0),) * len(self.simple.forces)
+
+    def named(self, values: Values) -> dict[str, Fraction]:
+        """The parameters that have one of the values, the forces and the pressure by their names in the law."""
+        law, table, magnitude = self.law, self.law.symbols(), self.problem.magnitude
+        found = {name: values[table[name]] for name in law.parameters if table[name] in values}
+        load = {} if law.pressure is None or magnitude is None else {law.pressure: -values.get(magnitude, Fraction(1))}
+        return {**found, **{str(x): values[x] for x in self.problem.forces}, **load}
+
     def values_at(self, parameters: Values, point: Sequence[Fraction]) -> dict[sp.Symbol, Fraction]:
         """Every symbol of the stated problem at a parameter choice and a point of the simple problem's force space."""
         fixed = {x: fraction(v) for x, v in self.simple.slice.items()}
@@ -282,7 +299,7 @@ class FormulaSubject(Subject):
         yield from walk(starts, self._admits_choice)
 
     def _admits_choice(self, values: Values) -> bool:
-        inside = self.admits(self.values_at(values, (Fraction(0),) * len(self.simple.forces)))
+        inside = self.admits(self.values_at(values, self.nowhere))
         return inside and defined_at(self.simple.g, rationals(values)) is not None
 
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:

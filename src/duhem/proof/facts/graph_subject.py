@@ -16,7 +16,7 @@ from duhem.expression.number import fraction, rational
 from duhem.law.domain import REAL
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS
-from duhem.proof.facts.subject import Subject, Values, plain_choices, rationals
+from duhem.proof.facts.subject import Point, Subject, Values, plain_choices, rationals
 
 __all__ = ["GraphSubject"]
 
@@ -47,8 +47,27 @@ class GraphSubject(Subject):
 
     def choices(self, most: int) -> Iterator[Values]:
         """Exact values of the free parameters inside the domain, the plainest first."""
-        tried = islice(plain_choices(self.free, self.given), _MOST_CHOICES)
-        yield from islice((values for values in tried if all(holds_at(r, rationals(values)) for r in self.given)), most)
+        yield from islice(filter(self.admits, islice(plain_choices(self.free, self.given), _MOST_CHOICES)), most)
+
+    def admits(self, values: Values) -> bool:
+        """Whether the parameter values satisfy every relation of the law's domain."""
+        exact = rationals(values)
+        return all(holds_at(relation, exact) for relation in self.given)
+
+    @property
+    def stated(self) -> sp.Basic:
+        """g as it is written."""
+        return self.law.g
+
+    @property
+    def nowhere(self) -> Point:
+        """Zero force."""
+        return (Fraction(0),) * len(self.law.forces)
+
+    def named(self, values: Values) -> dict[str, Fraction]:
+        """Parameters, forces and pressure by their names in the law."""
+        table = self.law.symbols()
+        return {name: values[table[name]] for name in (*self.law.parameters, *self.law.coordinates)}
 
     def values_at(self, parameters: Values, point: Iterable[Fraction]) -> dict[sp.Symbol, Fraction]:
         """Every symbol of the law at a choice of the parameters and a point of the forces; the pressure is -1, or nearest to it."""

@@ -164,9 +164,8 @@ def _differentiable(f: Polynomial, domain: StatedDomain) -> Polynomial:
 def _derived(v: Sequence[str], f: Polynomial, domain: StatedDomain) -> Polynomial:
     _differentiable(f, domain)
     forces = domain.law.forces[: len(v)]  # the components of v may follow them
-    return total(
-        *(times({((Term("name", name=d), 1),): Fraction(1)}, slope(f, Term("name", name=x))) for x, d in zip(forces, v, strict=True))
-    )
+    pairs = ((Term("name", name=x), Term("name", name=d)) for x, d in zip(forces, v, strict=True))
+    return total(*(times({((d, 1),): Fraction(1)}, slope(f, x)) for x, d in pairs))
 
 
 def _wider(law: StatedLaw, directions: Sequence[str]) -> StatedDomain:

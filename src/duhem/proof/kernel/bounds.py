@@ -92,10 +92,9 @@ def sharpened(bounds: Mapping[str, Bounds], gaps: Sequence[tuple[Polynomial, boo
     So does what is of the second degree in one alone, by its roots.
     """
     found = dict(bounds)
-    for _ in range(_PASSES):
-        for gap, sharp in gaps:
-            for x in {x for m in gap for x, _ in m if x.name in found and all(n > 0 for m in gap for _, n in m)}:
-                found[x.name] = _left(x, in_powers(gap, x), sharp, found)
+    for gap, sharp in [*gaps] * _PASSES:
+        for x in {x for m in gap for x, _ in m if x.name in found and all(n > 0 for m in gap for _, n in m)}:
+            found[x.name] = _left(x, in_powers(gap, x), sharp, found)
     for known in found.values():
         if known.low is not None and known.high is not None and not (known.low < known.high or known.holds(known.high)):
             raise EmptyError("the domain is empty")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel import boundary, obligations
+from duhem.proof.kernel import boundary, obligations, state
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.boxes import convex_in_its_box
 from duhem.proof.kernel.cones import Fan
@@ -23,19 +23,7 @@ from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
-from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
-from duhem.proof.kernel.state import (
-    energy_differentiable,
-    epigraph,
-    forces_of_rates_have_a_value,
-    has_default_energy,
-    heat_flows_downhill,
-    in_state,
-    potential_least_at_zero,
-    rate_epigraph,
-    state_laws_agree,
-    stored_and_rates,
-)
+from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_form_of, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, parse, sum_of
@@ -63,7 +51,7 @@ class RuleRow(NamedTuple):
 
 _OF_THE_STATE = ("state_laws", "thermal")  # the claims that are about neither K nor the rates
 # What every rule for a claim rests on, whatever else it checks; "" where it is so.
-_MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": potential_least_at_zero, "dissipation": stored_and_rates}
+_MORE: Mapping[str, Callable[[StatedLaw], str]] = {"origin": state.potential_least_at_zero, "dissipation": state.stored_and_rates}
 _RULES_OF_RATES = ("resistance", "monotone-resistance")  # those of laws whose forces are functions of the rates
 _MOST_CASES = 4  # choices one after another
 # they look at a part once
@@ -75,15 +63,14 @@ def objection(
 ) -> str:
     """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does.
 
-    ``as_written`` says what it reads: True the law as its text says it, False the law in its normal forms, None both.
+    ``as_written`` says what it reads: True the law as its text says it, False the law in its normal form, None both.
     """
     rules = _rules(law)
     if (claim, rule) not in rules:
         return f"no rule {rule!r} for this claim"
     if not _suits(claim, rule, law):
-        return (
-            "no force is a function of the rates" if rule in _RULES_OF_RATES else "a law whose forces are functions of the rates has no K"
-        )
+        of_rates = rule in _RULES_OF_RATES
+        return "no force is a function of the rates" if of_rates else "a law whose forces are functions of the rates has no K"
     if _large(law) and rule not in _OF_GRAPHS:
         return f"g is too large for the rule {rule!r}"
     needed, check, reads = rules[claim, rule][:3]
@@ -111,11 +98,11 @@ def _suits(claim: str, rule: str, law: StatedLaw | StatedCurve) -> bool:
 def _objection_to_forms(
     claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, as_written: bool | None
 ) -> str:
-    """The objection to a law as it is written, and in its normal forms, or to some of these; evidence on sums is of g as it is written."""
+    """The objection to a law as it is written, and in its normal form, or to one of these; evidence on sums is of g as it is written."""
     found = f"the rule {rule!r} does not show it" if as_written is False else _objection_in_cases(claim, rule, check, law, evidence)
     if found and not as_written and "convex sums" not in evidence and isinstance(law, StatedLaw) and not law.of_rates:
         with suppress(*UNREADABLE):
-            if any(not _objection_in_cases(claim, rule, check, form, evidence) for form in law.once(_spelled_otherwise)):
+            if (form := law.once(_spelled_otherwise)) is not None and not _objection_in_cases(claim, rule, check, form, evidence):
                 return ""
     return found
 
@@ -148,12 +135,12 @@ def _forms(claim: str, law: StatedLaw | StatedCurve, evidence: Evidence) -> Iter
         yield law
         return
     if law.viscous and claim not in _OF_THE_STATE:
-        yield law.once(rate_epigraph, claim == "dissipation")
+        yield law.once(state.rate_epigraph, claim == "dissipation")
         return
     yield law
     if law.g.large:
         return
-    if claim == "dissipation" and (inner := law.once(in_state)) is not None:
+    if claim == "dissipation" and (inner := law.once(state.in_state)) is not None:
         yield inner
     if (simpler := law.once(without_outer_map)) != law:
         yield simpler
@@ -163,17 +150,16 @@ def _forms(claim: str, law: StatedLaw | StatedCurve, evidence: Evidence) -> Iter
         yield principal
 
 
-def _spelled_otherwise(law: StatedLaw) -> tuple[StatedLaw, ...]:
-    """The normal forms that say the same of K: g has a value for all forces, or where the same loads allow it, and is continuous there."""
+def _spelled_otherwise(law: StatedLaw) -> StatedLaw | None:
+    """The normal form, if it says the same of K: g has a value for all forces, or where the same loads allow it and it is continuous."""
     if law.viscous or law.g.large:
-        return ()  # the rates of a potential are the gradient of the formula as written, at a kink too
-    if not law.once(obligations.formula):
-        return normal_forms(law)
-    if law.once(obligations.formula_where_loads_allow):
-        return ()
-    loads = region_of(law)
-    forms = (form for form in normal_forms(law) if not form.once(obligations.formula_where_loads_allow))
-    return tuple(form for form in forms if loads <= region_of(form) and not chooses(form.g, over(form)))
+        return None  # the rates of a potential are the gradient of the formula as written, at a kink too
+    form = normal_form_of(law)
+    if form is None or not law.once(obligations.formula):
+        return form
+    if law.once(obligations.formula_where_loads_allow) or form.once(obligations.formula_where_loads_allow):
+        return None
+    return form if region_of(law) <= region_of(form) and not chooses(form.g, over(form)) else None
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
@@ -365,8 +351,8 @@ def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
 
 def convex_energy(law: StatedLaw, evidence: Evidence) -> bool:
     """The forces of the energy agree, and its epigraph is convex."""
-    stored = law.once(epigraph)
-    if stored is None or not law.once(state_laws_agree):
+    stored = law.once(state.epigraph)
+    if stored is None or not law.once(state.state_laws_agree):
         return False
     return any(isinstance(form, StatedLaw) and convexity(form, evidence) for form in _forms("convexity", stored, evidence))
 
@@ -525,10 +511,10 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "of the flow dissipate too (Koiter 1953)", True,
     ),
     ("dissipation", "resistance"): RuleRow(
-        _NONE, forces_resist, forces_of_rates_have_a_value, "the forces as functions of the rates have sum of force . rate >= 0",
+        _NONE, forces_resist, state.forces_of_rates_have_a_value, "the forces as functions of the rates have sum of force . rate >= 0",
     ),
     ("normality", "monotone-resistance"): RuleRow(
-        _NONE, forces_increase, forces_of_rates_have_a_value,
+        _NONE, forces_increase, state.forces_of_rates_have_a_value,
         "each force is a function of its own rate that does not decrease: so they are the gradient of a convex potential of the rates "
         "(Rockafellar 1970, theorem 24.2)",
     ),
@@ -536,14 +522,14 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _NONE, polar_gauge, obligations.formula,
         "Phi is the support function of K by the rules of the polar gauge (Rockafellar 1970, sections 13 to 15)", True,
     ),
-    ("state_laws", BY_CONSTRUCTION): RuleRow(_NONE, lambda law, _: has_default_energy(law), obligations.nothing, _SQUARES),
+    ("state_laws", BY_CONSTRUCTION): RuleRow(_NONE, lambda law, _: state.has_default_energy(law), obligations.nothing, _SQUARES),
     ("state_laws", "composition"): RuleRow(
-        _NONE, convex_energy, energy_differentiable,
+        _NONE, convex_energy, state.energy_differentiable,
         "dpsi/du = -dpsi/du_in where both have one force; psi is convex in all variables together by the rules of composition, and concave "
         "in the temperature",
     ),
     ("thermal", "conductances"): RuleRow(
-        _NONE, lambda law, _: heat_flows_downhill(law), obligations.nothing,
+        _NONE, lambda law, _: state.heat_flows_downhill(law), obligations.nothing,
         "q_k . n_k = h_k (T_k - T) with h_k >= 0, so D_th is the sum of h_k (T_k - T)^2/T_k >= 0; that T changes by what D_intr and the "
         "thermoelastic term leave of this heat holds by construction (Antoni et al. 2007, Eq. 22)",
     ),

@@ -129,9 +129,8 @@ class Enclosure(_Ends):
         """x^n; ValueError where that has too many digits."""
         if (self.size().high.bit_length() - self.bits) * abs(n) > _MOST_BITS:
             raise ValueError("a power is too large")
-        base, found = self.size() if n % 2 == 0 else self, self.between(Fraction(1), Fraction(1))
-        for _ in range(abs(n)):
-            found = found.times(base)
+        base = self.size() if n % 2 == 0 else self
+        found = reduce(type(self).times, [base] * abs(n), self.between(Fraction(1), Fraction(1)))
         return found if n >= 0 else found.inverse()
 
     def root(self, k: int = 2) -> Enclosure:
@@ -258,9 +257,7 @@ def _over(x: Enclosure, n: int) -> Enclosure:
 
 def _series(x: Enclosure, divisors: Callable[[int], int]) -> Enclosure:
     """1 + x/d_1 (1 + x/d_2 (1 + ...)); the terms left out are together less than one unit."""
-    total = Enclosure(_ONE, _ONE)
-    for i in range(_TERMS, 0, -1):
-        total = _shifted(_over(total.times(x), divisors(i)), 1)
+    total = reduce(lambda found, i: _shifted(_over(found.times(x), divisors(i)), 1), range(_TERMS, 0, -1), Enclosure(_ONE, _ONE))
     return Enclosure(total.low - 1, total.high + 1)
 
 
@@ -269,9 +266,7 @@ _ODD_SHARES = tuple(Enclosure.between(share := Fraction(1, 2 * i + 1), share) fo
 
 def _odd_series(x: Enclosure, square: Enclosure) -> Enclosure:
     """x (1 + q/3 + q^2/5 + ...) with q the ``square``, at most 1/9 in size."""
-    total = _NOTHING
-    for share in _ODD_SHARES:
-        total = share.plus(total.times(square))
+    total = reduce(lambda found, share: share.plus(found.times(square)), _ODD_SHARES, _NOTHING)
     return Enclosure(total.low - 1, total.high + 1).times(x)
 
 
@@ -408,19 +403,14 @@ def sign_of_radicals(term: Term) -> Sign:
         u, below = _sizes(term, roots)
         if max(u, below) > _MOST_BITS:
             return ANY
-        low, high = enclosed(term, {}, finer(_FEW))
-        if low > 0 or high < 0:
-            return POSITIVE if low > 0 else NEGATIVE
-        apart = u * (prod(roots.values()) - 1) + below
-        if apart > _MOST_BITS:
-            return ANY
-        bits = apart + u + _SPARE
-        low, high = enclosed(term, {}, finer(bits))
+        known, apart = enclosed(term, {}, finer(_FEW)), u * (prod(roots.values()) - 1) + below
+        if known.sign & ZERO and apart <= _MOST_BITS:
+            known = enclosed(term, {}, finer(apart + u + _SPARE))
+            if known.sign & ZERO and known.size().high < 1 << (u + _SPARE):
+                return ZERO
     except (NotWritten, ValueError, ZeroDivisionError):
         return ANY
-    if low > 0 or high < 0:
-        return POSITIVE if low > 0 else NEGATIVE
-    return ZERO if max(-low, high) < 1 << (bits - apart) else ANY
+    return ANY if known.sign & ZERO else known.sign
 
 
 def _exponent(power: Term) -> Fraction | None:

@@ -19,6 +19,8 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from functools import reduce
+from operator import or_
 
 from duhem.proof.kernel.bounds import Facts, of_sum, signs_of_product
 from duhem.proof.kernel.definedness import has_value
@@ -95,7 +97,7 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
 def _normal(term: Term, domain: StatedDomain) -> Term:
     """The normal form, which is its own; the term where that is too long, or another's."""
     with suppress(NotWritten):
-        if normal(found := normal(term, domain, collects=True), domain, collects=True) == found:
+        if normal(found := normal(term, domain), domain) == found:
             return found
     return term
 
@@ -119,9 +121,8 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             return x
         case "norm" | "abs":
             convex, nonzero = all(p.convex_in_size for p in parts), any(not p.sign & ZERO for p in parts)
-            return Facts(
-                defined, ZERO if all(p.sign == ZERO for p in parts) else POSITIVE if nonzero else ZERO | POSITIVE, convex, False, convex
-            )
+            sign = ZERO if all(p.sign == ZERO for p in parts) else POSITIVE if nonzero else ZERO | POSITIVE
+            return Facts(defined, sign, convex, False, convex)
         case "max":
             return _greatest(parts)
         case "eigmax":  # the greatest of n . A n, affine in A
@@ -147,27 +148,21 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             return _risen(x)
         case "cosh":
             return Facts(x.defined, POSITIVE, x.convex_in_size, False, x.convex_in_size)
-        case "atan2":
-            return Facts(defined)  # it jumps where the first is 0 and the second < 0
         case "tan" if defined and below_right(term.args[0], domain.sign):  # beyond it has another sign than its angle
             return _risen(x)
-        case "tan":
-            return Facts(defined)
         case word if word in _SIGN_KEPT:
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
         case "cos" if below_right(term.args[0], domain.sign):
             return Facts(x.defined, POSITIVE)
         case "sin" if below_right(term.args[0], domain.sign):
             return Facts(x.defined, x.sign)
-        case "sin" | "cos":
-            return Facts(x.defined)
+        case "sin" | "cos" | "tan" | "atan2" | "<" | "<=" | ">" | ">=":  # an angle jumps where the first is 0 and the second < 0
+            return Facts(defined)
         case "where":
             chosen = domain.decided(term.args[0])  # what is chosen; else it may jump
             if chosen is None and (closed := closed_at_its_end(term, domain)) is not None:
                 return closed
             return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined)
-        case "<" | "<=" | ">" | ">=":
-            return Facts(defined)
     return Facts()
 
 
@@ -189,11 +184,9 @@ def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
 
 
 def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
-    sign, scale, defined = POSITIVE, POSITIVE, all(p.defined for p in parts)
-    moving = [p for a, p in zip(term.args, parts, strict=True) if not domain.constant(a)]
-    for a, p in zip(term.args, parts, strict=True):
-        sign = signs_of_product(sign, p.sign)
-        scale = signs_of_product(scale, p.sign) if domain.constant(a) else scale
+    moving, still = ([p for a, p in zip(term.args, parts, strict=True) if domain.constant(a) is c] for c in (False, True))
+    sign, scale = (reduce(signs_of_product, (p.sign for p in some), POSITIVE) for some in (parts, still))
+    defined = all(p.defined for p in parts)
     if len(moving) != 1:
         if len(moving) != 2 or term.large:
             return Facts(defined, sign)
@@ -272,9 +265,7 @@ def _square_over_load(square: Term, under: Term, domain: StatedDomain) -> Sign:
 
 
 def _greatest(parts: list[Facts]) -> Facts:
-    together = 0
-    for p in parts:
-        together |= p.sign
+    together = reduce(or_, (p.sign for p in parts))
     if any(p.sign == POSITIVE for p in parts):
         together = POSITIVE
     elif any(p.nonnegative for p in parts):
@@ -389,11 +380,8 @@ def nonnegative_when_bent(term: Term, domain: StatedDomain) -> bool:
     """Whether a sum is made of phi >= 0 and what is >= 0 itself."""
     with suppress(NotWritten):
         bends, rest = _bends(term, domain)
-        return (
-            bool(bends)
-            and all(domain.facts(part).nonnegative for part in rest)
-            and all(not domain.facts(right).sign & NEGATIVE and not domain.facts(left).sign & POSITIVE for _, right, left in bends)
-        )
+        rises = (not domain.facts(right).sign & NEGATIVE and not domain.facts(left).sign & POSITIVE for _, right, left in bends)
+        return bool(bends) and all(domain.facts(part).nonnegative for part in rest) and all(rises)
     return False
 
 

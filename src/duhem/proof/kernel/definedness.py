@@ -76,9 +76,8 @@ def _raised(base: Term, exponent: Term, sign: Callable[[Term], Sign], domain: St
     if p is not None and p.denominator == 1:
         return p >= 0 or not sign(base) & ZERO
     known = sign(base)
-    if p is not None:
-        return not known & (NEGATIVE | ZERO) or (not known & NEGATIVE and p > 0)
-    risen = sign(exponent) == POSITIVE or (domain.constant(exponent) and not sign(exponent) & NEGATIVE)  # else it jumps from 0 to 1
+    # an exponent that varies and may be 0 makes it jump from 0 to 1
+    risen = p > 0 if p is not None else sign(exponent) == POSITIVE or (domain.constant(exponent) and not sign(exponent) & NEGATIVE)
     return not known & (NEGATIVE | ZERO) or (not known & NEGATIVE and risen)
 
 
@@ -118,13 +117,15 @@ class Reader(NamedTuple):
         return known if known in _SETTLED else known & self.more(term)
 
     def sign(self, term: Term) -> Sign:
-        """The signs that a formula may have, all of whose parts have values: so its normal forms have its value."""
+        """The signs that a formula may have, all of whose parts have values: so its normal form has its value."""
         known = self._sign_as_written(term)
-        for form in () if known in _SETTLED else _normal_forms(term, self.domain):
-            if known & NEGATIVE and known & POSITIVE:
-                known &= self.domain.sign(form)
-            if known not in _SETTLED:
-                known &= self.more(form)
+        with suppress(NotWritten):
+            if known not in _SETTLED and not self.domain.constant(term):
+                form = normal(term, self.domain)
+                if known & NEGATIVE and known & POSITIVE:
+                    known &= self.domain.sign(form)
+                if known not in _SETTLED:
+                    known &= self.more(form)
         return known
 
     def _under(self, condition: Term, holds: bool, term: Term) -> Term | None:
@@ -161,10 +162,9 @@ def asks(term: Term, known: dict[Term, bool] | None = None) -> bool:
     if not term.args:
         return False
     if term not in known:
-        root = term.op in _PARTIAL
-        if term.op == "**" and term.args[1].op == "number" and term.args[1].value >= 0 and term.args[1].value.denominator == 1:
-            root = False
-        known[term] = root or any(asks(a, known) for a in term.args)
+        n = term.args[1] if term.op == "**" else term
+        whole = n.op == "number" and n.value >= 0 and n.value.denominator == 1
+        known[term] = (term.op in _PARTIAL and not whole) or any(asks(a, known) for a in term.args)
     return known[term]
 
 
@@ -198,9 +198,9 @@ def in_quotients(term: Term, domain: StatedDomain, divided_out: bool = False) ->
         asked = [(value, Reader(domain).undecided(value) is None) for value in values]
         whole = added([value for value, has_one in asked if has_one])
         if domain.polynomial(whole):
-            values = [normal(whole, domain, collects=True), *(value for value, has_one in asked if not has_one)]
+            values = [normal(whole, domain), *(value for value, has_one in asked if not has_one)]
             with suppress(NotWritten):  # what is too long stays as it was
-                left = normal(scaled(values[0], under), domain, collects=True)
+                left = normal(scaled(values[0], under), domain)
                 if divided_out and Reader(domain).undecided(left) is not None:
                     parts, values = [*parts, left], values[1:]
         parts += [scaled(value, under) for value in values]
@@ -227,23 +227,16 @@ def _quotients(term: Term, domain: StatedDomain, divided_out: bool) -> dict[tupl
             if len(found) > _MOST_QUOTIENTS:
                 raise NotWritten("there are too many quotients")
     elif term.op == "**" and Reader(domain).undecided(term.args[0]) is None and domain.facts(term.args[1]).sign == NEGATIVE:
-        base, p = normal(term.args[0], domain, collects=True), number_in(domain.polynomial(term.args[1]))
+        base, p = normal(term.args[0], domain), number_in(domain.polynomial(term.args[1]))
         poly, lead = domain.polynomial(base), Fraction(1)
         if poly and p is not None and p.denominator == 1:
             lead = abs(poly[min(poly)]) * (1 if domain.facts(base).sign & POSITIVE else -1)
-            base = normal(written(divided(poly, (), lead)), domain, collects=True)
+            base = normal(written(divided(poly, (), lead)), domain)
         found[(Term("**", (base, term.args[1])),)] = [number(lead ** int(p or 0))]
     else:
         args = (a if a.op in _CONDITIONS else in_quotients(a, domain, divided_out) for a in term.args)
         found[()] = [term._replace(args=tuple(args))]
     return found
-
-
-def _normal_forms(term: Term, domain: StatedDomain) -> Iterator[Term]:
-    """Those of a term that the forces enter, which have its value wherever it has one."""
-    for collects in () if domain.constant(term) else (False, True):
-        with suppress(NotWritten):
-            yield normal(term, domain, collects)
 
 
 def undecided_beside(terms: Iterable[Term], tips: Iterable[Term], domain: StatedDomain) -> Term | None:

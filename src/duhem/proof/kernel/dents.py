@@ -203,7 +203,7 @@ FAMILIES: Mapping[str, Callable[[StatedLaw], Iterator[Dent]]] = {"form": _of_the
 
 def multiplied_out(term: Term, domain: StatedDomain) -> Polynomial:
     """The polynomial that a term is where it has a value: what its words become is multiplied out, and words are undone once more."""
-    return domain.polynomial(normal(written(domain.polynomial(normal(term, domain, True))), domain, True))
+    return domain.polynomial(normal(written(domain.polynomial(normal(term, domain))), domain))
 
 
 # -- by lines ----------------------------------------------------------------------------------------------------------

@@ -20,31 +20,19 @@ whose derivative in phi is -8 sin(b - phi) sin(3 phi), so that it is sin(3 b) >=
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import islice, permutations, product
-from typing import NamedTuple
+from math import prod
+from typing import Any, NamedTuple
 
 from duhem.proof.kernel.bounds import Facts, of_sum
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import degree_at_most
-from duhem.proof.kernel.plane_function import (
-    Base,
-    PlaneFunction,
-    PlaneVariable,
-    Signs,
-    base_of,
-    derivatives,
-    inner,
-    multiplied,
-    plain,
-    power_of,
-    roots_in,
-    slope_along,
-)
-from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, solved, times, total, written
+from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, Signs, base_of, derivatives, inner, multiplied, power_of
+from duhem.proof.kernel.polynomial import ONE, Polynomial, grouped, in_powers, negated, number_in, solved, times, total, written
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.spectrum import entries_of, extremes
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -76,10 +64,7 @@ class Invariants(NamedTuple):
         return k, found
 
     def _power(self, i: int, j: int) -> Polynomial:
-        found = ONE
-        for part in (self.second,) * i + (self.third,) * j:
-            found = times(found, part)
-        return found
+        return reduce(times, (self.second,) * i + (self.third,) * j, ONE)
 
     def _solved(self, poly: Polynomial, k: int, powers: Sequence[int]) -> dict[int, Polynomial]:
         """The a_j, from the values at as many points."""
@@ -97,12 +82,8 @@ class Invariants(NamedTuple):
 
 def _at(poly: Polynomial, point: Point) -> Polynomial:
     """The value at a point of the forces, a polynomial in the constants."""
-    found: Polynomial = {}
-    for m, c in poly.items():
-        for x, n in m:
-            c *= point[x] ** n if x in point else 1
-        found = total(found, {tuple((x, n) for x, n in m if x not in point): c})
-    return found
+    values = ({tuple((x, n) for x, n in m if x not in point): c * prod(point[x] ** n for x, n in m if x in point)} for m, c in poly.items())
+    return total(*values)
 
 
 def invariants(forces: Sequence[str]) -> Iterator[Invariants]:
@@ -144,7 +125,7 @@ _D: Polynomial = {((RAY, 1),): Fraction(3)}
 _COSINE = times(_X, total(times(_X, _X), times({(): Fraction(-4)}, times(_D, _D))))  # cos 3 theta = this/N^3
 _SECOND = times({(): Fraction(3, 4)}, times(_NORM, _NORM))
 _THIRD = times({(): Fraction(1, 4)}, _COSINE)
-_PER_CUBE: dict[Base, Polynomial] = {base_of(_NORM): {(): Fraction(-3)}}
+_PER_CUBE: Mapping[Any, Polynomial] = {base_of(_NORM): {(): Fraction(-3)}}
 _MOST_TENSORS = 6
 
 
@@ -267,9 +248,6 @@ class DeviatoricReader(PlaneVariable):
     def above(self, poly: Polynomial, strict: bool = False) -> bool:
         return self.signs.above(poly, strict)
 
-    def along(self, poly: Polynomial) -> Polynomial:
-        return slope_along(poly, self.domain)
-
     def factors(self, poly: Polynomial) -> list[tuple[Polynomial, Polynomial]]:
         """Those of the polynomial without the roots that it divides by, and what stands under these."""
         left, under = self.signs.split(poly)
@@ -367,8 +345,7 @@ class DeviatoricReader(PlaneVariable):
     def convex(self, value: PlaneFunction) -> bool:
         """Whether a function of degree 1 is convex in the sector, and no wall of it turns inward."""
         signs = self.opened
-        roots = {w for p in (value.poly, *map(dict, value.powers), *value.powers.values()) for w in roots_in(p)}
-        if not all(signs.above(inner(w, signs.domain), strict=True) for w in roots):
+        if not all(signs.above(inner(w, signs.domain), strict=True) for w in value.roots()):
             return False
         found = derivatives(value, self.along)
         rate = self.plain(found.first)
@@ -391,10 +368,6 @@ class DeviatoricReader(PlaneVariable):
         return term._replace(args=tuple(map(self.emptied, term.args)))
 
     # -- reading -------------------------------------------------------------------------------------------------------
-
-    def plain(self, poly: Polynomial) -> Polynomial:
-        """The polynomial, its roots as short as they are seen to be."""
-        return plain(poly, self.domain)
 
     def value(self, term: Term) -> PlaneFunction | None:
         """The function that a term is; None where it is not read as one."""
@@ -447,18 +420,14 @@ class DeviatoricReader(PlaneVariable):
 
     def of_polynomial(self, poly: Polynomial) -> PlaneFunction:
         """A polynomial of the forces, X and d, by J2 and J3."""
-        groups: dict[tuple[int, int], Polynomial] = {}
-        for m, c in poly.items():
-            own = dict(m)
-            i, j = own.pop(_FIRST, 0), own.pop(_GAP, 0)
-            groups.setdefault((i, j), {})[tuple(sorted(own.items()))] = c
         degrees, found = set[int](), Polynomial()
-        for (i, j), rest in groups.items():
+        for told, rest in grouped(poly, lambda x: x in (_FIRST, _GAP)).items():
             k, shares = self.tensor.invariants.of(rest)
-            degrees.add(i + j + k)
+            degrees.add(sum(n for _, n in told) + k)
+            away = reduce(times, (power_of({_FIRST: _X, _GAP: _D}[x], n) for x, n in told), ONE)
             for n, share in shares.items():
                 part = times(power_of(_SECOND, (k - 3 * n) // 2), power_of(_THIRD, n))
-                found = total(found, times(share, times(part, times(power_of(_X, i), power_of(_D, j)))))
+                found = total(found, times(share, times(part, away)))
         if len(degrees) > 1:
             raise NotWritten("different degrees are added")
         return PlaneFunction(Fraction(degrees.pop() if degrees else 0), found, {})

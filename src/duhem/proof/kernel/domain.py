@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import copy
 from fractions import Fraction
+from functools import reduce
 from itertools import combinations_with_replacement, islice, product
 from typing import Any
 
@@ -33,14 +34,7 @@ from duhem.proof.kernel.polynomial import (
 from duhem.proof.kernel.spans import ordered, span
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import (
-    NotWritten,
-    Term,
-    minus,
-    number,
-    product_of,
-    sum_of,
-)
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "exact", "gap"]
 
@@ -160,9 +154,8 @@ class StatedDomain:
     def _of_compared(self, atom: Term) -> Sign:
         """The sign of what constraints are written in, as the other constraints show it: else each would be asked before itself."""
         if atom not in self._compared:
-            others = (
-                c for c, (known, _) in zip(self.law.constraints, self._stated, strict=True) if all(x != atom for m in known for x, _ in m)
-            )
+            stated = zip(self.law.constraints, self._stated, strict=True)
+            others = (c for c, (known, _) in stated if all(x != atom for m in known for x, _ in m))
             self._compared[atom] = self.over(self.law._replace(constraints=tuple(others))).sign(atom)
         return self._compared[atom]
 
@@ -299,10 +292,7 @@ class StatedDomain:
         if term.op == "+":
             return total(*(self.polynomial(a) for a in term.args))
         if term.op == "*":
-            found = ONE
-            for a in term.args:
-                found = times(found, self.polynomial(a))
-            return found
+            return reduce(times, map(self.polynomial, term.args), ONE)
         if term.op == "**" and term.args[1].op == "number" and term.args[1].value.denominator == 1:
             n, inner = int(term.args[1].value), term.args[0]
             if n == 2 and inner.op in ("norm", "abs"):
@@ -312,10 +302,7 @@ class StatedDomain:
                 ((monomial, c),) = base.items()
                 return {tuple((x, k * n) for x, k in monomial): c**n}
             if 0 <= n <= _MOST_POWER:
-                found = ONE
-                for _ in range(n):
-                    found = times(found, base)
-                return found
+                return reduce(times, [base] * n, ONE)
             if base == ONE:
                 return ONE
             if base and n < 0 and self.constant(term) and term.names() - {"pi"}:

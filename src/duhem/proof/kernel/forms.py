@@ -8,7 +8,7 @@ from itertools import combinations
 
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, divided, negated, quotient, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, divided, grouped, negated, quotient, times, total, written
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
 
 __all__ = [
@@ -62,12 +62,10 @@ def affine(term: Term, names: Sequence[str], domain: StatedDomain) -> tuple[Row,
 def quadratic(term: Term, names: Sequence[str], domain: StatedDomain) -> tuple[Matrix, Row, Term]:
     """(A, b, c) with x . A x + b . x + c = term, A symmetric; NotWritten where it is not of that form."""
     parts: dict[tuple[int, ...], Polynomial] = {}
-    for monomial, c in domain.polynomial(term).items():
-        moving = [(x, n) for x, n in monomial if x.names() & {*names}]
+    for moving, part in grouped(domain.polynomial(term), lambda x: bool(x.names() & {*names})).items():
         if any(x.op != "name" or n < 0 for x, n in moving) or sum(n for _, n in moving) > 2:
             raise NotWritten("a formula is not quadratic")
-        places = tuple(sorted(names.index(x.name) for x, n in moving for _ in range(n)))
-        parts.setdefault(places, {})[tuple((x, n) for x, n in monomial if (x, n) not in moving)] = c
+        parts[tuple(sorted(names.index(x.name) for x, n in moving for _ in range(n)))] = part
     half, n = Fraction(1, 2), range(len(names))
     entries = {(i, j): times({(): half if i < j else Fraction(1)}, parts.get((i, j), {})) for i in n for j in n if i <= j}
     matrix = [[written(entries[min(i, j), max(i, j)]) for j in n] for i in n]
@@ -130,11 +128,7 @@ def _pivot(x: Polynomial, domain: StatedDomain) -> tuple[Monomial, Polynomial] |
 
 def by_forces(poly: Polynomial, domain: StatedDomain) -> dict[Monomial, Polynomial]:
     """The coefficients of what depends on the forces."""
-    found: dict[Monomial, Polynomial] = {}
-    for m, c in poly.items():
-        moving = tuple((x, n) for x, n in m if not domain.constant(x))
-        found[moving] = total(found.get(moving, {}), {tuple((x, n) for x, n in m if domain.constant(x)): c})
-    return found
+    return grouped(poly, lambda x: not domain.constant(x))
 
 
 def sign_within(term: Term, known: Facts, domain: StatedDomain) -> Sign:
@@ -143,13 +137,9 @@ def sign_within(term: Term, known: Facts, domain: StatedDomain) -> Sign:
     """
     try:
         found = _of_multiple(term, domain)
-        if (
-            found & known.sign & NEGATIVE
-            and known.concave
-            and any(_above_at_both_ends(term, x, y, domain) for x in domain.sides for y in domain.sides)
-        ):
-            found &= ZERO | POSITIVE
-        return found
+        below = found & known.sign & NEGATIVE and known.concave
+        ends = ((x, y) for x in domain.sides for y in domain.sides) if below else ()
+        return found & ~NEGATIVE if any(_above_at_both_ends(term, *both, domain) for both in ends) else found
     except NotWritten:
         return ANY
 

@@ -59,7 +59,7 @@ def potential_flows_outward(potential: Term, g: Term, share: Term, domain: State
         return False
     power = sum_of(*(product_of(written({m: c}), _rate(m, domain)) for m, c in domain.polynomial(potential).items()))
     rest = sum_of(power, minus(product_of(share, g)))
-    return domain.nonnegative(rest) or domain.facts(normal(rest, domain, collects=True)).nonnegative
+    return domain.nonnegative(rest) or domain.facts(normal(rest, domain)).nonnegative
 
 
 def flows_with_a_share_of_g(law: StatedLaw, share: Term, rest: Term, scale: Term) -> bool:

@@ -18,6 +18,7 @@ from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
+from functools import reduce
 from math import lcm
 from typing import NamedTuple
 
@@ -29,6 +30,7 @@ from duhem.proof.kernel.polynomial import (
     Monomial,
     Polynomial,
     divided,
+    grouped,
     in_powers,
     joined,
     negated,
@@ -57,13 +59,11 @@ _MOST_TERMS = 300  # of what is multiplied out
 _HIGHEST, _KEPT = 3, "power of a sum"  # whole powers that are multiplied out; the word of the others while polynomials are made
 
 
-def normal(term: Term, domain: StatedDomain, collects: bool) -> Term:
-    """The normal form; with simpler words alone, or with sums and products collected too.  NotWritten where there is too much of them."""
+def normal(term: Term, domain: StatedDomain) -> Term:
+    """The normal form; NotWritten where sums and products have too many terms."""
     if term.large:
         raise NotWritten("a formula is too large")
-    known: dict[Term, Term] = domain.kept.setdefault(f"normal forms, {collects}", {})
-    found = _Form(domain, collects, known).of(term)
-    return _as_written(found) if collects else found
+    return _as_written(_Form(domain, domain.kept.setdefault("normal forms", {})).of(term))
 
 
 def _square(ramp: str, d: Term) -> Polynomial:
@@ -71,10 +71,9 @@ def _square(ramp: str, d: Term) -> Polynomial:
 
 
 class _Form(NamedTuple):
-    """What the terms of a ``domain`` become, and those that were asked for; sums and products may be left as they are written."""
+    """What the terms of a ``domain`` become, and those that were asked for."""
 
     domain: StatedDomain
-    collects: bool
     known: dict[Term, Term]
 
     def of(self, term: Term) -> Term:
@@ -87,22 +86,16 @@ class _Form(NamedTuple):
         return self.known[term]
 
     def _of(self, term: Term) -> Term:
-        match term.op:
-            case "where":
-                return self._choice(term)
-            case "max" | "min":
-                return self._extreme(term)
-            case "abs" | "pos" | "neg":
-                return self._kink(term.op, term.args[0])
-            case "norm":
-                return self._norm(term.args)
-            case "**":
-                return self._power(*term.args)
-            case "*" if self.collects:
-                return self._collected(Term("*", tuple(self._power(x, number(n)) for x, n in Counter(factors(term)).items())))
-            case "+" | "*":
-                return self._collected(term)
-        return term
+        words = {"where": self._choice, "max": self._extreme, "min": self._extreme, "+": self._collected}
+        if term.op in words:
+            return words[term.op](term)
+        if term.op in _ENDS:
+            return self._kink(term.op, *term.args)
+        if term.op == "norm":
+            return self._norm(term.args)
+        if term.op == "*":
+            return self._collected(Term("*", tuple(self._power(x, number(n)) for x, n in Counter(factors(term)).items())))
+        return self._power(*term.args) if term.op == "**" else term
 
     # -- kinks ---------------------------------------------------------------------------------------------------------
 
@@ -145,11 +138,8 @@ class _Form(NamedTuple):
         if term.op == "min":
             turned = self._extreme(Term("max", tuple(self._collected(minus(a)) for a in term.args)))
             return Term("min", tuple(sorted(term.args))) if turned.op == "max" else self._collected(minus(turned))
-        parts = dict[object, Term]()
-        for a in term.args:
-            for part in a.args if a.op == "max" else (a,):
-                parts.setdefault(frozenset(self._poly(part).items()), part)
-        args = sorted(parts.values())
+        inner = [part for a in term.args for part in (a.args if a.op == "max" else (a,))]
+        args = sorted({frozenset(self._poly(part).items()): part for part in reversed(inner)}.values())  # of those that are alike the first
         if len(args) == 1:
             return args[0]
         if rest := [a for a in args if not self._poly(a)]:
@@ -181,8 +171,7 @@ class _Form(NamedTuple):
             content, word = negated(content), {"pos": "neg", "neg": "pos"}.get(word, word)
         elif sign != POSITIVE:
             return Term(word, (x,))
-        inner = self._presented(rest) if self.collects or rest != poly else x
-        kink = Term(word, (inner,))
+        kink = Term(word, (self._presented(rest),))
         return kink if number_in(content) == 1 else product_of(plainly(content), kink)
 
     def _content(self, poly: Polynomial) -> tuple[Polynomial, Polynomial]:
@@ -202,8 +191,8 @@ class _Form(NamedTuple):
             parts += [self._collected(product_of(c, x)) for x in moving[0].args] if inside else [a] if self._poly(a) else []
         if len(parts) < 2:
             return self._kink("abs", parts[0]) if parts else _ZERO
-        found = Term("norm", tuple(sorted(min(a, self._collected(minus(a))) if self.collects else a for a in parts)))
-        plain = self.collects and all(x.op == "name" or self.domain.constant(x) for a in parts for m in self._poly(a) for x, _ in m)
+        found = Term("norm", tuple(sorted(min(a, self._collected(minus(a))) for a in parts)))
+        plain = all(x.op == "name" or self.domain.constant(x) for a in parts for m in self._poly(a) for x, _ in m)
         return (self._root(sum_of(*(product_of(a, a) for a in parts))) if plain else None) or found
 
     def _power(self, base: Term, exponent: Term) -> Term:
@@ -213,9 +202,9 @@ class _Form(NamedTuple):
             return self._power_of_power(base, exponent)
         if p == 1:
             return base
-        if self.collects and p.denominator == 1 and p > 1 and (parts := self._ramps(base)):
+        if p.denominator == 1 and p > 1 and (parts := self._ramps(base)):
             return added([product_of(self._power_of_constant(c, int(p)), Term("**", (ramp, number(p)))) for c, ramp in parts])
-        if self.collects and base.op == "+" and p.denominator == 1 and p > _HIGHEST:
+        if base.op == "+" and p.denominator == 1 and p > _HIGHEST:
             return Term(_KEPT, (base, number(p)))
         if p > 0 and p % 2 == 0 and base.op in ("abs", "norm"):
             square = sum_of(*(product_of(a, a) for a in base.args)) if base.op == "norm" else base.args[0]
@@ -224,17 +213,15 @@ class _Form(NamedTuple):
             return norm
         if p.denominator == 1 and p < 0 and base.op == "*":
             return self._collected(Term("*", tuple(self._power(a, number(p)) for a in base.args)))
-        if self.collects and p.denominator == 1 and p < 0 and base.op == "+":
+        if p.denominator == 1 and p < 0 and base.op == "+":
             return self._presented(self._times_power(ONE, self._reduced(self._poly(base)), int(p)))
-        return self._power_of_power(self._factored(base) if self.collects and 0 < p < 1 else base, number(p))
+        return self._power_of_power(self._factored(base) if 0 < p < 1 else base, number(p))
 
     def _ramps(self, base: Term) -> list[tuple[Term, Term]]:
         """x and y with pos(d) and neg(d) for x pos(d) + y neg(d), of which one part is 0 at a time; else none."""
         parts = [(c, moving[0]) for c, moving in (apart(a, self.domain) for a in base.args) if len(moving) == 1] if base.op == "+" else []
-        both = (
-            len(parts) == len(base.args) == 2 and {ramp.op for _, ramp in parts} == {"pos", "neg"} and parts[0][1].args == parts[1][1].args
-        )
-        return parts if both else []
+        words, inner = {ramp.op for _, ramp in parts}, {ramp.args for _, ramp in parts}
+        return parts if len(parts) == len(base.args) == 2 and words == {"pos", "neg"} and len(inner) == 1 else []
 
     def _power_of_constant(self, constant: Term, p: int) -> Term:
         value = number_in(self.domain.polynomial(constant))
@@ -244,8 +231,7 @@ class _Form(NamedTuple):
         """N (w + q) for N w + N q, w a word: of a root the factors tell more than the terms; N begins with a coefficient > 0."""
         if base.op == "pos":
             return base._replace(args=(self._factored(base.args[0]),))
-        parts = self._by_words(self._poly(base), graded=False) if base.op == "+" else {}
-        groups = {words: divided(part, words) for (words, _), part in parts.items()}
+        groups = grouped(self._poly(base), self._is_word) if base.op == "+" else {}
         for own in sorted(groups.values(), key=len) if len(groups) > 1 else ():
             factor = self._content(own)[1]
             shares = [(words, quotient(part, factor)) for words, part in groups.items()]
@@ -262,7 +248,7 @@ class _Form(NamedTuple):
             risen = self.domain.facts(k).sign == POSITIVE
             if product and risen and (even or not self.domain.facts(y).sign & NEGATIVE):
                 inner = self._kink("abs", y) if even and self.domain.facts(y).sign & NEGATIVE and product % 2 else y
-                return inner if product == 1 else self._power(inner, number(product))
+                return self._power(inner, number(product))
             if product is None and even and self.domain.constant(p):
                 return Term("**", (self._kink("abs", y), product_of(k, p)))
         return Term("**", (base, p))
@@ -326,19 +312,7 @@ class _Form(NamedTuple):
 
     def _collected(self, term: Term) -> Term:
         """What is added up and multiplied, multiplied out and collected; a kink is drawn out of a sum where that leaves less."""
-        if not self.collects:
-            return self._drawn_out(self._folded(term))
         return self._drawn_out(self._presented(self._with_sizes(self._reduced(self._poly(term)))))
-
-    def _folded(self, term: Term) -> Term:
-        """A product with its numbers as one."""
-        if term.op != "*":
-            return term
-        value, others = Fraction(1), list[Term]()
-        for f in factors(term):
-            known = number_in(self.domain.polynomial(f)) if self.domain.constant(f) else None
-            value, others = (value, [*others, f]) if known is None else (value * known, others)
-        return scaled(number(value), tuple((f, 1) for f in others))
 
     def _with_sizes(self, poly: Polynomial) -> Polynomial:
         """Ramps that are added up as sizes: pos(d) is (|d| + d)/2, neg(d) is (|d| - d)/2."""
@@ -358,16 +332,14 @@ class _Form(NamedTuple):
             rooted = x.op == "**" and x.args[1] == _HALF
             if x.op in ("abs", "norm") or rooted:
                 square = self._poly(x.args[0] if rooted else sum_of(*(product_of(a, a) for a in x.args)))
-                powers: dict[int, Polynomial] = {}
-                for m, c in poly.items():
-                    powers.setdefault(dict(m).get(x, 0), {})[tuple((y, n) for y, n in m if y != x)] = c
                 found = list[Polynomial]()
-                for n, part in powers.items():
+                for power, part in grouped(poly, x.__eq__).items():
+                    n = sum(n for _, n in power)
                     half = 0 if abs(n) > 2 * _HIGHEST and len(square) > 1 else (n + (n < 0)) // 2  # towards 0
                     own, left = self._times_power(part, square, half), n - 2 * half
                     found.append(times(own, {((x, left),): Fraction(1)}) if left else own)
                 poly = total(*found)
-        return self._chosen(self._divided_out(self._by_squares_of_ramps(self._with_fewer_ramps(self._without_signed_squares(poly)))))
+        return self._divided_out(self._by_squares_of_ramps(self._with_fewer_ramps(self._without_signed_squares(poly))))
 
     def _with_fewer_ramps(self, poly: Polynomial) -> Polynomial:
         """pos(d) neg(d) is 0, pos(d)^n + neg(d)^n is d^n for even n > 0, and pos(d)^n is d^(n - 1) pos(d), where that leaves no pos(d)."""
@@ -410,26 +382,10 @@ class _Form(NamedTuple):
         ramps = (times(c, _square(word, d)) for d, c in found.items() for word in ("pos", "neg"))
         return total(poly, *(negated(times(c, {m: Fraction(1)})) for m, c in form.items()), *ramps)
 
-    def _chosen(self, poly: Polynomial) -> Polynomial:
-        """Constants r + c pos(d) as max(r, r + c d) for c > 0, as their minimum for c < 0, where that leaves less."""
-        for x in sorted({x for m in poly for x, _ in m if x.op in _ENDS and self.domain.constant(x)}):
-            constants = {m: a for m, a in poly.items() if all(self.domain.constant(y) for y, _ in m)}
-            c = divided({m: a for m, a in constants.items() if (x, 1) in m}, ((x, 1),))
-            if (sign := self.domain.facts(plainly(c)).sign) not in (POSITIVE, NEGATIVE):
-                continue
-            rest, step = total(constants, negated(times(c, {((x, 1),): Fraction(1)}))), times(c, self._poly(x.args[0]))
-            values = [total(rest, times(step, {(): Fraction(k)})) for k in _ENDS[x.op]]
-            if sum(map(len, values)) < len(rest) + len(step):
-                found = self._extreme(Term("max" if sign == POSITIVE else "min", tuple(map(self._presented, values))))
-                poly = total(poly, negated(constants), self._poly(found))
-        return poly
-
     def _times_power(self, part: Polynomial, poly: Polynomial, n: int) -> Polynomial:
         """A polynomial times P^n."""
         factor = poly if n >= 0 else self._inverse(poly)
-        for _ in range(abs(n)):
-            part = times(part, factor)
-        return part
+        return reduce(times, [factor] * abs(n), part)
 
     def _inverse(self, poly: Polynomial) -> Polynomial:
         """1/P, factors of all terms of P on their own."""
@@ -446,13 +402,8 @@ class _Form(NamedTuple):
     def _in_forces(self, m: Monomial) -> Monomial:
         return tuple((x, n) for x, n in m if x.op == "name" and not self.domain.constant(x))
 
-    def _by_words(self, poly: Polynomial, graded: bool) -> dict[tuple[Monomial, int], Polynomial]:
-        """Its terms by the words beside the forces, and by their degree in these if that is asked for."""
-        found: dict[tuple[Monomial, int], Polynomial] = {}
-        for m, c in poly.items():
-            words = tuple((x, n) for x, n in m if x.op != "name" and not self.domain.constant(x))
-            found.setdefault((words, sum(n for _, n in self._in_forces(m)) if graded else 0), {})[m] = c
-        return found
+    def _is_word(self, x: Term) -> bool:
+        return x.op != "name" and not self.domain.constant(x)
 
     def _divided_out(self, poly: Polynomial) -> Polynomial:
         """With q for (q P)/P, among the terms that have the same words beside the forces, and the same degree in these if P has one."""
@@ -460,8 +411,11 @@ class _Form(NamedTuple):
             if not (by := self._poly(x.args[0])):
                 continue
             alike = len({sum(n for _, n in self._in_forces(m)) for m in by}) == 1
-            parts = list[Polynomial]()
-            for part in self._by_words(poly, alike).values():
+            parts, groups = list[Polynomial](), dict[object, Polynomial]()
+            for m, c in poly.items():
+                words = tuple((y, n) for y, n in m if self._is_word(y))
+                groups.setdefault((words, sum(n for _, n in self._in_forces(m)) if alike else 0), {})[m] = c
+            for part in groups.values():
                 while any(x in dict(m) for m in part) and (q := quotient(divided(part, ((x, 1),)), by)) is not None:
                     part = q
                 parts += self._apart(part, x, by) if any(x in dict(m) for m in part) else [part]
@@ -490,7 +444,7 @@ class _Form(NamedTuple):
                 return scaled(plainly(square[0]), ((square[1], 2),))
             if (squares := sum_of_squares(poly, self.domain)) is not None:
                 return added([scaled(c, ((self._presented(y), 2),)) for c, y in squares])
-            twice = {m: c for m, c in poly.items() if [n for x, n in m if x.op != "name" and not self.domain.constant(x)] in ([2], [1, 1])}
+            twice = {m: c for m, c in poly.items() if [n for x, n in m if self._is_word(x)] in ([2], [1, 1])}
             if 1 < len(twice) < len(poly) and (square := self._square(twice)) is not None:
                 rest = self._presented(total(poly, negated(twice)))
                 return sum_of(scaled(plainly(square[0]), ((square[1], 2),)), rest)
@@ -508,16 +462,10 @@ class _Form(NamedTuple):
     def _group(self, poly: Polynomial) -> Term:
         """A polynomial of one degree in the forces: what is common to all of it in front; a power of a sum, and the rest."""
         common = shared(poly, self.domain.constant)
-        rest = divided(poly, common)
-        parts = list[Term]()
-        if (power := self._power_of_sum(rest)) is not None:
-            parts.append(power[0])
-            rest = power[1]
-        for moving, own in by_forces(rest, self.domain).items():
-            parts.append(scaled(plainly(own), moving))
-        return scaled(added(parts), common)
+        powers, rest = self._power_of_sum(divided(poly, common))
+        return scaled(added([*powers, *(scaled(plainly(own), moving) for moving, own in by_forces(rest, self.domain).items())]), common)
 
-    def _power_of_sum(self, poly: Polynomial) -> tuple[Term, Polynomial] | None:
+    def _power_of_sum(self, poly: Polynomial) -> tuple[list[Term], Polynomial]:
         """c (x + ...)^n with a number c, n > 2, and what is left of a polynomial of this degree, where that is much less."""
         beside: Polynomial
         for x in sorted({x for m in poly for x, _ in m if not self.domain.constant(x)}):
@@ -527,13 +475,10 @@ class _Form(NamedTuple):
             n, c = max(dict(m).get(x, 0) for m in poly), number_in(own)
             if n > 2 and c and beside:
                 base = total({((x, 1),): Fraction(1)}, times({(): 1 / (n * c)}, beside))
-                power: Polynomial = {(): -c}
-                for _ in range(n):
-                    power = times(power, base)
-                rest = total(poly, power)
+                rest = total(poly, reduce(times, [base] * n, {(): -c}))
                 if 2 * len(rest) < len(poly):
-                    return scaled(number(c), ((self._group(base), n),)), rest
-        return None
+                    return [scaled(number(c), ((self._group(base), n),))], rest
+        return [], poly
 
     def _with_ramps(self, poly: Polynomial) -> tuple[Polynomial, list[Term]]:
         """c |d| + k d as (c + k) pos(d) + (c - k) neg(d) where that leaves less beside it, and the terms that it makes."""
@@ -549,9 +494,8 @@ class _Form(NamedTuple):
             best = min(left, key=lambda i: len(left[i]))
             if len(left[best]) < len(rest):
                 poly = left[best]
-                for word, way in (("pos", tried[best]), ("neg", negated(tried[best]))):
-                    if scale := total(c, way):
-                        parts.append(scaled(plainly(scale), ((Term(word, (d,)), 1),)))
+                scales = {"pos": total(c, tried[best]), "neg": total(c, negated(tried[best]))}
+                parts += [scaled(plainly(scale), ((Term(word, (d,)), 1),)) for word, scale in scales.items() if scale]
         return poly, parts
 
     def _drawn_out(self, term: Term) -> Term:
@@ -566,14 +510,12 @@ class _Form(NamedTuple):
             poly, rest = self._poly(d), sum_of(*term.args[:i], *term.args[i + 1 :])
             whole, beside = self._poly(product_of(c, d)), self._poly(rest)
             if moving[0].op == "abs" and beside in (whole, negated(whole)):  # c |d| + c d, c |d| - c d
-                return self._folded(product_of(number(2), c, Term("pos" if beside == whole else "neg", (d,))))
-            if all(x.op == "name" for m in poly for x, _ in m if not self.domain.constant(x)) and len(poly) < 4:
-                continue
-            if self.domain.facts(c).sign & NEGATIVE:
+                return self._presented(self._poly(product_of(number(2), c, Term("pos" if beside == whole else "neg", (d,)))))
+            plain = len(poly) < 4 and not any(self._is_word(x) for m in poly for x, _ in m)
+            if plain or self.domain.facts(c).sign & NEGATIVE:
                 continue
             values = [self._reduced(self._poly(sum_of(rest, product_of(c, d, number(k))))) for k in _ENDS[moving[0].op]]
-            words = [len({x for m in v for x, _ in m if x.op != "name" and not self.domain.constant(x)}) for v in values]
-            inside = len({x for m in poly for x, _ in m if x.op != "name" and not self.domain.constant(x)})
+            *words, inside = (len({x for m in v for x, _ in m if self._is_word(x)}) for v in (*values, poly))
             if max(words) <= inside and sum(map(len, values)) <= 2 * len(poly) + len(self._poly(rest)):
                 return self._extreme(Term("max", tuple(map(self._presented, values))))
         return term

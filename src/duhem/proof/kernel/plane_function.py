@@ -12,13 +12,13 @@ A root is a term x**(1/2) of which the whole powers count; that of a number stan
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import reduce
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, in_powers, negated, number_in, replaced, slope, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Polynomial, grouped, in_powers, negated, number_in, replaced, slope, times, total, written
 from duhem.proof.kernel.signs import RAY, Interval, line, nonnegative, parts
 from duhem.proof.kernel.term import NotWritten, Term, number
 
@@ -43,6 +43,10 @@ class PlaneFunction(NamedTuple):
     degree: Fraction
     poly: Polynomial
     powers: Mapping[Base, Polynomial]
+
+    def roots(self) -> set[Term]:
+        """The roots it is written in."""
+        return {w for p in (self.poly, *map(dict, self.powers), *self.powers.values()) for w in roots_in(p)}
 
 
 def multiplied(values: Iterable[PlaneFunction]) -> PlaneFunction:
@@ -120,12 +124,12 @@ class PlaneVariable(ABC):
         """Whether a polynomial in v is >= 0, or > 0, at all of the angles over the whole domain."""
 
     def plain(self, poly: Polynomial) -> Polynomial:
-        """The same polynomial, as short as it is seen to be."""
-        return poly
+        """The same polynomial, its roots as short as they are seen to be."""
+        return plain(poly, self.domain) if self.rooted else poly
 
     def along(self, poly: Polynomial) -> Polynomial:
         """Its derivative by v."""
-        return slope(poly, RAY)
+        return slope_along(poly, self.domain) if self.rooted else slope(poly, RAY)
 
     def factors(self, poly: Polynomial) -> list[tuple[Polynomial, Polynomial]]:
         """Polynomials and exponents of which a polynomial > 0 is the product: N as often as it divides it, and the rest."""
@@ -243,10 +247,7 @@ def power_of(poly: Polynomial, n: int) -> Polynomial:
     """poly^n, multiplied out."""
     if n > MOST_POWER:
         raise NotWritten("a power is too high")
-    found = ONE
-    for _ in range(n):
-        found = times(found, poly)
-    return found
+    return reduce(times, [poly] * n, ONE)
 
 
 def base_of(poly: Polynomial) -> Base:
@@ -314,11 +315,9 @@ def _number_under(root: Term, domain: StatedDomain) -> Fraction | None:
 
 def _lowered(poly: Polynomial, x: Term, square: Polynomial, root: Polynomial | None = None) -> Polynomial:
     """x^n as square^(n // 2) x^(n % 2), for n > 1; of a number, for every n, with what ``root`` says that x is."""
-    powers: dict[int, Polynomial] = {}
-    for m, c in poly.items():
-        powers.setdefault(dict(m).get(x, 0), {})[tuple((y, k) for y, k in m if y != x)] = c
     found = list[Polynomial]()
-    for n, part in powers.items():
+    for power, part in grouped(poly, lambda y: y == x).items():
+        n = sum(n for _, n in power)
         half, odd = divmod(n, 2) if n > 1 or root is not None else (0, n)
         if half < 0:
             part, half = times(part, {(): square[()] ** half}), 0
@@ -348,7 +347,7 @@ class Signs:
         """Whether it is >= 0, or > 0, its roots being >= 0, and those that divide > 0."""
         poly = self.cleared(poly)
         roots = roots_in(poly)
-        parts = [*_by_roots(poly, roots)]
+        parts = [(tuple((w, 2 * n) for w, n in own), part) for own, part in grouped(poly, lambda x: x in roots).items()]
         if not roots:
             return nonnegative(poly, self.between, self.domain, strict) if poly else not strict
         if all(nonnegative(part, self.between, self.domain) for _, part in parts):
@@ -420,12 +419,3 @@ def _as_square(poly: Polynomial) -> tuple[Fraction, Polynomial]:
         if share > 0 and times({(): share}, times(root, root)) == poly:
             return share, root
     return Fraction(0), {}
-
-
-def _by_roots(poly: Polynomial, roots: list[Term]) -> Iterator[tuple[Monomial, Polynomial]]:
-    """What each product of roots has, and the square of that product."""
-    groups: dict[Monomial, Polynomial] = {}
-    for m, c in poly.items():
-        own = tuple((x, 2 * n) for x, n in m if x in roots)
-        groups.setdefault(own, {})[tuple((x, n) for x, n in m if x not in roots)] = c
-    yield from groups.items()

@@ -18,25 +18,12 @@ from fractions import Fraction
 from itertools import pairwise, product
 from math import lcm
 
+from duhem.proof.kernel import signs
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.plane_function import MOST_POWER, PlaneFunction, PlaneVariable, added, derivatives, multiplied
 from duhem.proof.kernel.polynomial import Polynomial, negated, number_in, replaced, times, total
-from duhem.proof.kernel.signs import (
-    RAY,
-    Interval,
-    Line,
-    common_roots,
-    divides,
-    nonnegative,
-    on_the_line,
-    parts,
-    roots,
-    roots_between,
-    roots_of_both,
-    sign_inside,
-    without_content,
-)
+from duhem.proof.kernel.signs import RAY, Interval, Line
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, number
 
@@ -73,7 +60,7 @@ class DirectionArc(PlaneVariable):
 
     def above(self, poly: Polynomial, strict: bool = False) -> bool:
         """Whether it is >= 0, or > 0, on the closed arc (somewhat beyond an end that is not exact) and the whole domain."""
-        return nonnegative(poly, (self.start[0], self.stop[1]), self.domain, strict)
+        return signs.nonnegative(poly, (self.start[0], self.stop[1]), self.domain, strict)
 
     def sign(self, poly: Polynomial, strict: bool = False) -> int:
         """1 for >= 0 and -1 for <= 0 on the closed arc; ``strict``: > 0 and < 0 between its ends, and 0 for 0."""
@@ -82,13 +69,13 @@ class DirectionArc(PlaneVariable):
         for way, turned in ((1, poly), (-1, negated(poly))):
             if self.above(turned, strict):
                 return way
-        plain = on_the_line(without_content(poly, self.domain))
+        plain = signs.on_the_line(signs.without_content(poly, self.domain))
         if plain is None:
             raise NotWritten("where a part changes its sign depends on the constants")
-        switch = parts(plain)[not strict]
-        if not divides(switch, self.switches):
+        switch = signs.parts(plain)[not strict]
+        if not signs.divides(switch, self.switches):
             raise _Turns(switch)
-        return sign_inside(plain, self.start[1], self.stop[0])
+        return signs.sign_inside(plain, self.start[1], self.stop[0])
 
     # -- reading -------------------------------------------------------------------------------------------------------
 
@@ -181,12 +168,12 @@ def arcs(term: Term, forces: tuple[str, str], domain: StatedDomain) -> Iterator[
             try:
                 found = [(arc, arc.read(term)) for arc in _cut(side, switches, jumps, forces, domain)]
             except _Turns as turns:
-                switches = roots_of_both(switches, turns.switch)
+                switches = signs.roots_of_both(switches, turns.switch)
         yield found
 
 
 def _cut(side: int, switches: Line, singles: bool, forces: tuple[str, str], domain: StatedDomain) -> Iterator[DirectionArc]:
-    ends = [(Fraction(-1), Fraction(-1)), *roots(switches, Fraction(-1), Fraction(1)), (Fraction(1), Fraction(1))]
+    ends = [(Fraction(-1), Fraction(-1)), *signs.roots(switches, Fraction(-1), Fraction(1)), (Fraction(1), Fraction(1))]
     if len(ends) > _MOST_ARCS or any(a[1] >= b[0] for a, b in pairwise(ends)) or (singles and any(a != b for a, b in ends)):
         raise NotWritten("the arcs are too many, or their ends too near or not exact")
     for start, stop in pairwise(ends):
@@ -214,11 +201,11 @@ class StarGauge:
     def convex(self) -> bool:
         """gamma + gamma'' >= 0 on every arc, and gamma' does not jump down from one to the next."""
         bent = all(piece.bends_outward() for side in self._sides for piece in side)
-        return bent and all(nonnegative(jump, at, self._domain) for jump, at in self.jumps())
+        return bent and all(signs.nonnegative(jump, at, self._domain) for jump, at in self.jumps())
 
     def smooth(self) -> bool:
         """gamma' does not jump."""
-        return all(nonnegative(rise, at, self._domain) for jump, at in self.jumps() for rise in (jump, negated(jump)))
+        return all(signs.nonnegative(rise, at, self._domain) for jump, at in self.jumps() for rise in (jump, negated(jump)))
 
     def bends(self) -> Iterator[tuple[Polynomial, Interval]]:
         """gamma + gamma'' on each arc, up to positive factors, and for which t; these are exact ends or inside of them."""
@@ -237,8 +224,8 @@ class StarGauge:
 
     def _at_the_end(self, rise: Polynomial, arc: DirectionArc) -> Polynomial:
         """A rise where an arc begins, 0 if it is shown to be 0 there."""
-        plain = None if arc.start[0] == arc.start[1] else on_the_line(without_content(rise, self._domain))
-        return {} if plain and roots_between(common_roots(plain, arc.switches), *arc.start) else rise
+        plain = None if arc.start[0] == arc.start[1] else signs.on_the_line(signs.without_content(rise, self._domain))
+        return {} if plain and signs.roots_between(signs.common_roots(plain, arc.switches), *arc.start) else rise
 
 
 _Quotient = tuple[Polynomial, Polynomial]  # of two, the second > 0

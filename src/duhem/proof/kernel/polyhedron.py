@@ -86,12 +86,8 @@ def measured(terms: Sequence[Term], unit: Term, domain: StatedDomain) -> Vector:
 
 def corners(faces: Sequence[Face], n: int) -> list[Vector]:
     """The corners, each once."""
-    found = list[Vector]()
-    for chosen in _chosen(faces, n):
-        free, point = solved(chosen, n)
-        if not free and point is not None and point not in found and within(point, faces):
-            found.append(point)
-    return found
+    solutions = (solved(chosen, n) for chosen in _chosen(faces, n))
+    return list(dict.fromkeys(point for free, point in solutions if not free and point is not None and within(point, faces)))
 
 
 def is_bounded(faces: Sequence[Face], n: int) -> bool:

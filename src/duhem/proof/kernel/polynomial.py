@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from functools import reduce
 from typing import TypeVar
 
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
 __all__ = [
-    "ONE", "Monomial", "Polynomial", "divided", "in_powers", "joined", "negated", "number_in", "quotient", "replaced", "root_of_square",
-    "shared", "slope", "solved", "times", "total", "written",
+    "ONE", "Monomial", "Polynomial", "divided", "grouped", "in_powers", "joined", "negated", "number_in", "quotient", "replaced",
+    "root_of_square", "shared", "slope", "solved", "times", "total", "written",
 ]  # fmt: skip
 
 Unknown = TypeVar("Unknown")
@@ -82,13 +83,7 @@ def times(one: Polynomial, two: Polynomial, most: int = _MOST_TERMS) -> Polynomi
 
 def replaced(poly: Polynomial, x: Term, inner: Polynomial) -> Polynomial:
     """``inner`` put for ``x``."""
-    found: Polynomial = {}
-    for m, c in poly.items():
-        part: Polynomial = {tuple((y, n) for y, n in m if y != x): c}
-        for _ in range(dict(m).get(x, 0)):
-            part = times(part, inner)
-        found = total(found, part)
-    return found
+    return total(*(reduce(times, [inner] * dict(m).get(x, 0), {tuple((y, n) for y, n in m if y != x): c}) for m, c in poly.items()))
 
 
 def slope(poly: Polynomial, x: Term) -> Polynomial:
@@ -96,12 +91,20 @@ def slope(poly: Polynomial, x: Term) -> Polynomial:
     return {tuple((y, n - (y == x)) for y, n in m if n != (y == x)): c * dict(m)[x] for m, c in poly.items() if x in dict(m)}
 
 
-def in_powers(poly: Polynomial, x: Term) -> list[Polynomial]:
-    """The coefficients by powers of ``x``, that of 1 first."""
-    found: list[Polynomial] = [{} for _ in range(1 + max((dict(m).get(x, 0) for m in poly), default=0))]
+def grouped(poly: Polynomial, counts: Callable[[Term], bool]) -> dict[Monomial, Polynomial]:
+    """The coefficients by products of the variables that count."""
+    found: dict[Monomial, Polynomial] = {}
     for m, c in poly.items():
-        found[dict(m).get(x, 0)][tuple((y, n) for y, n in m if y != x)] = c
+        found.setdefault(tuple((x, n) for x, n in m if counts(x)), {})[tuple((x, n) for x, n in m if not counts(x))] = c
     return found
+
+
+def in_powers(poly: Polynomial, x: Term) -> list[Polynomial]:
+    """The coefficients by powers of ``x``, that of 1 first; NotWritten where it divides by ``x``."""
+    found = {sum(n for _, n in own): part for own, part in grouped(poly, lambda y: y == x).items()}
+    if min(found, default=0) < 0:
+        raise NotWritten("a variable divides")
+    return [found.get(n, {}) for n in range(1 + max(found, default=0))]
 
 
 def _ranks(monomials: Iterable[Monomial]) -> Callable[[Monomial], tuple[int, ...]]:

@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from math import gcd, lcm
 
 from duhem.proof.kernel.bounds import Bounds
@@ -294,9 +294,8 @@ def parts(p: Line) -> tuple[Line, Line]:
 
 def _product(p: Line, q: Line) -> Line:
     found = [0] * (len(p) + len(q) - 1)
-    for i, c in enumerate(p):
-        for j, d in enumerate(q):
-            found[i + j] += c * d
+    for (i, c), (j, d) in product(enumerate(p), enumerate(q)):
+        found[i + j] += c * d
     return _reduced(found)
 
 

@@ -28,17 +28,8 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
 __all__ = [
-    "convex_in_each_variable",
-    "energy_differentiable",
-    "epigraph",
-    "forces_of_rates_have_a_value",
-    "has_default_energy",
-    "heat_flows_downhill",
-    "in_state",
-    "potential_least_at_zero",
-    "rate_epigraph",
-    "state_laws_agree",
-    "stored_and_rates",
+    "convex_in_each_variable", "energy_differentiable", "epigraph", "forces_of_rates_have_a_value", "has_default_energy",
+    "heat_flows_downhill", "in_state", "potential_least_at_zero", "rate_epigraph", "state_laws_agree", "stored_and_rates",
 ]  # fmt: skip
 
 

@@ -15,19 +15,7 @@ from unicodedata import normalize
 from duhem.proof.kernel.bounds import POSITIVE, Bounds
 from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.term import (
-    COMPARISONS,
-    WORDS,
-    NotWritten,
-    Term,
-    bounded,
-    definitions,
-    factors,
-    number,
-    parse,
-    product_of,
-    sum_of,
-)
+from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, bounded, definitions, factors, number, parse, product_of, sum_of
 
 __all__ = ["StatedFace", "StatedLaw", "StatedVariable", "as_list", "as_object", "declared", "inhabited", "without_angles", "without_more"]
 

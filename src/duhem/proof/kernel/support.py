@@ -18,7 +18,7 @@ from fractions import Fraction
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.forms import Row, affine, at, degree_at_most, determinant, quadratic
+from duhem.proof.kernel.forms import Row, affine, apart, at, degree_at_most, determinant, quadratic
 from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.identity import multiplied_out, value, vanishes
 from duhem.proof.kernel.polyhedron import supports_polytope
@@ -201,10 +201,10 @@ def _size(term: Term, domain: StatedDomain) -> Term:
 
 def _unscaled(term: Term, domain: StatedDomain) -> tuple[Term, Term]:
     """The one factor that is no constant, and the product of the others, > 0."""
-    moving, still = ([f for f in factors(term) if domain.constant(f) is c] for c in (False, True))
-    if len(moving) != 1 or domain.facts(product_of(*still)).sign != POSITIVE:
+    scale, moving = apart(term, domain)
+    if len(moving) != 1 or domain.facts(scale).sign != POSITIVE:
         raise NotWritten("a product is no multiple of a gauge")
-    return moving[0], product_of(*still)
+    return moving[0], scale
 
 
 def _is_affine(term: Term, names: _Names, domain: StatedDomain) -> bool:
@@ -248,8 +248,7 @@ def _without_root(g: Term, domain: StatedDomain) -> Term:
 
 def _square(term: Term, domain: StatedDomain) -> Term | None:
     """The square of a norm or root times constants, where that is >= 0."""
-    moving, still = ([f for f in factors(term) if domain.constant(f) is c] for c in (False, True))
-    scale = product_of(*still)
+    scale, moving = apart(term, domain)
     known = domain.facts(scale)
     if len(moving) != 1 or not known.defined or known.sign & NEGATIVE:
         return None

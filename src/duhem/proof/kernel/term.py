@@ -56,11 +56,9 @@ def in_words(fault: Exception) -> str:
     if isinstance(fault, KeyError):
         key = fault.args[0] if fault.args else None
         return f"{key[:_SAID]!r} is not there" if isinstance(key, str) else "something that it names is not there"
-    if isinstance(fault, RecursionError):
-        return "it nests too deeply"
-    if isinstance(fault, ArithmeticError):
-        return "a number in it cannot be reckoned with"
-    return "something else stands where a text, a number, a list or an object should"
+    told = {RecursionError: "it nests too deeply", ArithmeticError: "a number in it cannot be reckoned with"}
+    other = "something else stands where a text, a number, a list or an object should"
+    return next((said for kind, said in told.items() if isinstance(fault, kind)), other)
 
 
 class _Parts(NamedTuple):

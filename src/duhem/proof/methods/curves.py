@@ -46,27 +46,22 @@ def duality(subject: CurveSubject) -> Evidence | None:
 
 def origin_refuted(subject: CurveSubject) -> Evidence | None:
     """The curve does not meet 0 and does not wind around it."""
-    for values in subject.choices(12):
-        if (witness := origin_outside(subject, values)) is not None:
-            return Evidence(Verdict.REFUTED, "winding (interval)", "zero force is outside K", witness)
-    return None
+    found = (origin_outside(subject, values) for values in subject.choices(12))
+    return Evidence.refuted_by(found, "winding (interval)", "zero force is outside K")
 
 
 def convexity_refuted(subject: CurveSubject) -> Evidence | None:
     """A point between three points of K that the curve does not wind around."""
-    for *_, witness in _dents(subject):
-        return Evidence(Verdict.REFUTED, "winding (interval)", "a triangle of boundary points holds a point outside K", witness)
-    return None
+    found = (witness for *_, witness in _dents(subject))
+    return Evidence.refuted_by(found, "winding (interval)", "a triangle of boundary points holds a point outside K")
 
 
 def dissipation_refuted(subject: CurveSubject) -> Evidence | None:
     """A boundary point where T . d < 0."""
     from duhem.proof.search.curve_angles import least_powers  # numpy, only when something is looked for
 
-    for values, t in least_powers(subject, 12):
-        if (witness := backward_flow(subject, values, t)) is not None:
-            return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
-    return None
+    found = (backward_flow(subject, values, t) for values, t in least_powers(subject, 12))
+    return Evidence.refuted_by(found, "witness-power", "force . flow is negative on the boundary")
 
 
 def normality_refuted(subject: CurveSubject) -> Evidence | None:
@@ -74,14 +69,10 @@ def normality_refuted(subject: CurveSubject) -> Evidence | None:
     if subject.law.flow is not None:
         from duhem.proof.search.curve_angles import least_powers
 
-        for values, t in least_powers(subject, 12):
-            if (witness := leaning(subject, values, t)) is not None:
-                return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
-        return None
-    for values, (before, _, after), _ in _dents(subject):
-        if (witness := leaning(subject, values, before, after, "normal")) is not None:
-            return Evidence(Verdict.REFUTED, "witness-normal", "the normal is not in the normal cone at the edge of a dent", witness)
-    return None
+        found = (leaning(subject, values, t) for values, t in least_powers(subject, 12))
+        return Evidence.refuted_by(found, "witness-flow", "the flow leaves the normal cone of K")
+    found = (leaning(subject, values, before, after, "normal") for values, (before, _, after), _ in _dents(subject))
+    return Evidence.refuted_by(found, "witness-normal", "the normal is not in the normal cone at the edge of a dent")
 
 
 def _dents(subject: CurveSubject) -> Iterator[tuple[Values, Rim, Witness]]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, permutations
+from typing import Any
 
 import sympy as sp
 
@@ -39,12 +40,17 @@ Asked = tuple[sp.Expr, Sense, tuple[sp.Basic, ...]]  # a sign, and where it is a
 _MOST_PIECES, _MOST_ROOTS, _MOST_SHARES = 8, 4, 6
 
 
+def _offered(rule: str, detail: str, evidence: Mapping[str, Any], method: str | None = None) -> Evidence:
+    """Evidence for a rule of the kernel, whose name the method has too where it has none of its own."""
+    return Evidence(Verdict.PROVED, method or rule, detail, proof=Proof(rule, evidence))
+
+
 def convexity_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
     """K is convex if g is quasiconvex by composition, polynomials in it being convex by sums of squares."""
     if not convex_sums(subject):
         return
     detail = f"g is quasiconvex by composition, in it by sums of squares: {', '.join(map(formula, convex_sums(subject)))}"
-    yield Evidence(Verdict.PROVED, "sos-convexity", detail, proof=Proof("composition", composed_of_sums(subject)))
+    yield _offered("composition", detail, composed_of_sums(subject), "sos-convexity")
 
 
 def smoothness_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
@@ -54,24 +60,21 @@ def smoothness_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
     inside = {"inside": centre} if support is not None and any(support.centre) else {}
     told = "g is C^1 wherever g = 0, and grad g != 0 there because g is convex"
     if inside:
-        detail = f"{told} and negative at ({', '.join(centre.values())})"
-        yield Evidence(Verdict.PROVED, "composition", detail, proof=Proof("composition", {**inside, **sums}))
+        yield _offered("composition", f"{told} and negative at ({', '.join(centre.values())})", {**inside, **sums})
     if sums:
-        yield Evidence(Verdict.PROVED, "sos-convexity", f"{told}, by sums of squares, and negative at 0", proof=Proof("composition", sums))
+        yield _offered("composition", f"{told}, by sums of squares, and negative at 0", sums, "sos-convexity")
         detail = "g is C^1 wherever g = 0, and sigma . grad g > 0 there by Euler's relation, so that grad g != 0"
-        yield Evidence(Verdict.PROVED, "euler", detail, proof=Proof("euler", sums))
+        yield _offered("euler", detail, sums)
 
 
 def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
     """The boundary rises outward and, in more than one force, curves inward, where g has no kink."""
     rises = {"outward": list(outward(subject))}
     if rises["outward"] and len(subject.law.forces) == 1:
-        detail = "K is an interval: star-shaped about 0 on a line"
-        yield Evidence(Verdict.PROVED, "implicit-curvature", detail, proof=Proof("implicit-curvature", rises))
+        yield _offered("implicit-curvature", "K is an interval: star-shaped about 0 on a line", rises)
     elif rises["outward"] and inward(subject):
-        proof = Proof("implicit-curvature", {**rises, "directions": directions(subject.law), "inward": list(inward(subject))})
-        detail = "K is star-shaped about 0 and its boundary curves inward everywhere"
-        yield Evidence(Verdict.PROVED, "implicit-curvature", detail, proof=proof)
+        evidence = {**rises, "directions": directions(subject.law), "inward": list(inward(subject))}
+        yield _offered("implicit-curvature", "K is star-shaped about 0 and its boundary curves inward everywhere", evidence)
 
 
 def convexity_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evidence]:
@@ -79,7 +82,7 @@ def convexity_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evide
     ranges = [subject.law.domain.get(x, REAL) for x in subject.law.forces]
     if subject.effort >= 1 and len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges):
         detail = "K is star-shaped and its boundary curves inward, by enclosures in parts of the ranges of the forces"
-        yield Evidence(Verdict.PROVED, "curvature-in-a-box", detail, proof=Proof("curvature-in-a-box", {}))
+        yield _offered("curvature-in-a-box", detail, {})
 
 
 def convexity_by_branches(subject: FormulaSubject) -> Evidence | None:
@@ -117,8 +120,7 @@ def smoothness_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
     """grad g != 0 where a piece of g that is a polynomial is 0: g rises outward there, or the square of grad g is > 0."""
     for name, found in (("outward", outward), ("steep", steep)):
         if identities := found(subject):
-            proof = Proof("regular-value", {name: list(identities)})
-            yield Evidence(Verdict.PROVED, "regular-value", "grad g != 0 wherever g = 0", proof=proof)
+            yield _offered("regular-value", "grad g != 0 wherever g = 0", {name: list(identities)})
 
 
 def origin_by_signs(subject: FormulaSubject) -> Evidence | None:
@@ -146,8 +148,7 @@ def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
 def dissipation_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
     """force . flow > 0 where a piece of g that is a polynomial is 0 (>= 0 for a flow of the law's own)."""
     if identities := outward(subject):
-        proof = Proof("boundary-power", {"outward": list(identities)})
-        yield Evidence(Verdict.PROVED, "boundary-power", "force . flow >= 0 wherever g = 0", proof=proof)
+        yield _offered("boundary-power", "force . flow >= 0 wherever g = 0", {"outward": list(identities)})
 
 
 def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:
@@ -242,8 +243,7 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
             rest = sp.Add(*(c * part for part, c in left.items())).xreplace(back)
             power_told, told = ("force . flow", {}) if scale == 1 else (f"({formula(scale)})*(force . flow)", {"scale": formula(scale)})
             detail = f"{power_told} = {formula(of_scale)}*g + {formula(rest)}, which is >= 0 wherever g = 0, also in the limit at an apex"
-            proof = Proof("power-share", {"share": formula(of_scale), "rest": formula(rest), **told})
-            yield Evidence(Verdict.PROVED, "power-share", detail, proof=proof)
+            yield _offered("power-share", detail, {"share": formula(of_scale), "rest": formula(rest), **told})
 
 
 def _without_signs(expr: sp.Expr) -> sp.Expr:
@@ -288,7 +288,7 @@ def dissipation_of_potential(subject: FormulaSubject) -> Iterator[Evidence]:
     told = ", ".join(map(str, sorted({k for k in degrees.values() if k is not None})))
     detail = f"the potential has parts of degree {told} in the forces, so force . flow >= 0 wherever g = 0"
     for share in _shares(power, g):
-        yield Evidence(Verdict.PROVED, "potential", detail, proof=Proof("potential", {"share": formula(_in_pressure(subject, share))}))
+        yield _offered("potential", detail, {"share": formula(_in_pressure(subject, share))})
 
 
 def _shares(power: Terms, g: Terms) -> list[sp.Expr]:
@@ -332,8 +332,8 @@ def duality(subject: FormulaSubject) -> Evidence | None:
             return None
     slips = {f: x.name for f, x in zip(subject.law.forces, found.rates, strict=True)}
     told = {"potential": formula(found.potential), "slips": slips, "flat": [formula(form) for form in found.domain]}
-    proof = Proof("polar-gauge", {key: value for key, value in told.items() if value})
-    return Evidence(Verdict.PROVED, "polar-gauge", f"Phi(d) = {formula(found.potential)}; " + "; ".join(found.steps), proof=proof)
+    detail = f"Phi(d) = {formula(found.potential)}; " + "; ".join(found.steps)
+    return _offered("polar-gauge", detail, {key: value for key, value in told.items() if value})
 
 
 def state_laws_not_stated(subject: FormulaSubject) -> Evidence | None:

@@ -8,7 +8,7 @@ from duhem.expression.abbreviations import names_in
 from duhem.expression.number import DECIMAL
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.verdict import Evidence, Verdict
-from duhem.proof.witness.graphs import graph_chord, graph_origin_outside
+from duhem.proof.witness.points import chord, origin_outside
 
 __all__ = ["convexity_left_open", "convexity_refuted", "duality_left_out", "origin_refuted"]
 
@@ -19,20 +19,16 @@ _NEGATIVE = re.compile(rf"-\s*(?P<number>{DECIMAL})\)?\s*\*\s*(?P<of>[^\W\d]\w*)
 
 def origin_refuted(subject: GraphSubject) -> Evidence | None:
     """Parameters at which g(0) > 0."""
-    found = (graph_origin_outside(subject, parameters) for parameters in subject.choices(_CHOICES))
-    witness = next((w for w in found if w is not None), None)
-    return None if witness is None else Evidence(Verdict.REFUTED, "witness-point", "zero force is outside K", witness)
+    found = (origin_outside(subject, parameters) for parameters in subject.choices(_CHOICES))
+    return Evidence.refuted_by(found, "witness-point", "zero force is outside K")
 
 
 def convexity_refuted(subject: GraphSubject) -> Evidence | None:
     """A chord that leaves K."""
     from duhem.proof.search.graph_chords import graph_chords
 
-    for parameters in subject.choices(_CHOICES):
-        for p, q in graph_chords(subject, parameters):
-            if (witness := graph_chord(subject, parameters, p, q)) is not None:
-                return Evidence(Verdict.REFUTED, "witness-chord", "a chord between two points of K leaves K", witness)
-    return None
+    found = (chord(subject, values, *ends) for values in subject.choices(_CHOICES) for ends in graph_chords(subject, values))
+    return Evidence.refuted_by(found, "witness-chord", "a chord between two points of K leaves K")
 
 
 def convexity_left_open(subject: GraphSubject) -> Evidence | None:

@@ -106,10 +106,8 @@ def _of_k(subject: FormulaSubject, detail: str) -> str:
 def origin_at_parameters(subject: FormulaSubject) -> Evidence | None:
     """Parameters at which g(0) > 0."""
     hint = None if subject.at_origin is None else subject.ask(-subject.at_origin, Sense.NONNEGATIVE).point
-    for parameters in subject.choices(40, [hint] if hint else []):
-        if (witness := origin_outside(subject, parameters)) is not None:
-            return Evidence(Verdict.REFUTED, "witness-point", _of_k(subject, "zero force is outside K"), witness)
-    return None
+    found = (origin_outside(subject, parameters) for parameters in subject.choices(40, [hint] if hint else []))
+    return Evidence.refuted_by(found, "witness-point", _of_k(subject, "zero force is outside K"))
 
 
 def origin_undefined(subject: FormulaSubject) -> Evidence | None:
@@ -124,10 +122,8 @@ def origin_undefined(subject: FormulaSubject) -> Evidence | None:
 
 def _refuted(subject: FormulaSubject, suggested: Iterable[Chord], touching: bool = False) -> Evidence | None:
     """By the first chord that passes the exact check."""
-    for one in suggested:
-        if (witness := chord(subject, *one, touching)) is not None:
-            return Evidence(Verdict.REFUTED, "witness-chord", _of_k(subject, "a chord between two points of K leaves K"), witness)
-    return None
+    found = (chord(subject, *one, touching) for one in suggested)
+    return Evidence.refuted_by(found, "witness-chord", _of_k(subject, "a chord between two points of K leaves K"))
 
 
 def convexity_by_scouting(subject: FormulaSubject, choices: int = 6, steps: int | None = None) -> Evidence | None:
@@ -209,10 +205,8 @@ def _bent(subject: FormulaSubject, along: FormulaSubject, name: str, detail: str
     """By the first chord of an epigraph that passes the exact check."""
     from duhem.proof.search.bends import chords_across_bends
 
-    for one in chords_across_bends(along):
-        if (found := chord(along, *one)) is not None:
-            return Evidence(Verdict.REFUTED, "witness-state", detail, of_energy(subject, found, name, statement))
-    return None
+    found = (of_energy(subject, one, name, statement) for ends in chords_across_bends(along) if (one := chord(along, *ends)) is not None)
+    return Evidence.refuted_by(found, "witness-state", detail)
 
 
 def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
@@ -226,7 +220,7 @@ def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence
     moving = [name for name in law.variables if law.parameters[name].value is None]
     states = plain_states([law.parameters[name] for name in moving], _MOST_ENERGIES)
     for parameters in subject.choices(choices):
-        others = {x.name: v for x, v in subject.values_at(parameters, (Fraction(0),) * len(subject.simple.forces)).items()}
+        others = {x.name: v for x, v in subject.values_at(parameters, subject.nowhere).items()}
         known = (others | dict(zip(moving, state, strict=True)) for state in states)
         values = ({x: here[name] for name, x in table.items() if name in here} for here in known)
         if found := two_forces_at(subject, gaps, values, _TWO_FORCES):
@@ -263,7 +257,7 @@ def _at_least_exponents(subject: FormulaSubject) -> list[Values]:
 def _not_smooth(subject: FormulaSubject, found: Iterable[Witness | None], method: str, detail: str) -> Evidence | None:
     """By the first that lies well within the law's ranges."""
     within = (one for one in found if one is not None and subject.may_refute("smoothness", one.points.values()))
-    return next((Evidence(Verdict.REFUTED, method, _of_k(subject, detail), one) for one in within), None)
+    return Evidence.refuted_by(within, method, _of_k(subject, detail))
 
 
 def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
@@ -290,13 +284,10 @@ def normality_at_chord(subject: FormulaSubject, settled: Mapping[str, Evidence])
     zero = (Fraction(0),) * len(p)
     starts = [p, q, zero, *(tuple(c * s for c in end) for s in (Fraction(1, 2), Fraction(7, 8)) for end in (p, q))]
     starts += [tuple(s * c for c in _beside(len(p))) for s in (Fraction(1, 2**6), Fraction(1, 2**30), Fraction(1, 2**60))]
-    for start in itertools.chain(starts, _centre(subject, parameters)):
-        for target in (q, p):
-            if start is not target and (witness := _leans(subject, (parameters, start, middle), target, enclosed_normal, "grad g", _CHORD)):
-                return Evidence(
-                    Verdict.REFUTED, "witness-normal", _of_k(subject, "grad g is not in the normal cone where a chord leaves K"), witness
-                )
-    return Evidence(Verdict.UNDECIDED, "witness-chord", _NO_POINT)
+    tried = ((start, target) for start in itertools.chain(starts, _centre(subject, parameters)) for target in (q, p) if start is not target)
+    found = (_leans(subject, (parameters, start, middle), target, enclosed_normal, "grad g", _CHORD) for start, target in tried)
+    detail = _of_k(subject, "grad g is not in the normal cone where a chord leaves K")
+    return Evidence.refuted_by(found, "witness-normal", detail) or Evidence(Verdict.UNDECIDED, "witness-chord", _NO_POINT)
 
 
 def _leans(
@@ -349,11 +340,8 @@ def normality_at_points(subject: FormulaSubject, choices: int = 12, near: bool =
         return None
     from duhem.proof.search.boundary_points import scouts
 
-    for scout in scouts(subject, choices):
-        if len(scout.boundary) < 2:
-            continue
-        zero = (Fraction(0),) * len(subject.simple.forces)
-        at_rest = ((exit, zero) for exit in scout.least_power(5))
+    for scout in (scout for scout in scouts(subject, choices) if len(scout.boundary) > 1):
+        at_rest = ((exit, subject.nowhere) for exit in scout.least_power(5))
         for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout) if near else ()):
             if witness := _leans_towards(subject, exit, target):
                 taus = (tau for tau in rounded(target) if subject.admits(subject.values_at(exit.parameters, tau)))
@@ -395,26 +383,23 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
         flow = enclosed_flow(subject, point)
         return None if flow is None else subject.power(flow)
 
-    for scout in scouts(subject, choices):
-        for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5), scout.entered_again(3)):
-            if witness := violation(subject, *exit, power, "force . flow", _DISSIPATION):
-                detail = _of_k(subject, "force . flow is negative on the boundary")
-                return Evidence(Verdict.REFUTED, "witness-power", detail, with_variables(subject, witness))
-    return None
+    ways = (way for s in scouts(subject, choices) for way in (s.towards_zero_force(), s.least_power(5), s.entered_again(3)))
+    tried = (violation(subject, *exit, power, "force . flow", _DISSIPATION) for way in ways for exit in way)
+    found = (with_variables(subject, witness) for witness in tried if witness is not None)
+    return Evidence.refuted_by(found, "witness-power", _of_k(subject, "force . flow is negative on the boundary"))
 
 
 def dissipation_in_states(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
     """A state in which the forces that its energy gives dissipate less than 0: rates without a multiplier in K, or the flow on g = 0."""
-    for spent in spent_in_states(subject.of, subject.problem.compressed):
-        if found := _spent_less(subject, spent, "sum of Y . rate", _FLOW_OF_STATE if spent.on_it else _RATES, choices):
-            return Evidence(Verdict.REFUTED, "witness-state", "in an admissible state less than 0 is dissipated", found)
-    return None
+    ways = spent_in_states(subject.of, subject.problem.compressed)
+    found = (_spent_less(subject, way, "sum of Y . rate", _FLOW_OF_STATE if way.on_it else _RATES, choices) for way in ways)
+    return Evidence.refuted_by(found, "witness-state", "in an admissible state less than 0 is dissipated")
 
 
 def heat_uphill(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
     """Temperatures at which the heat of the bodies dissipates less than 0."""
     found = _spent_less(subject, heat_in_states(subject.of, subject.problem.compressed), "D_th", _UPHILL, choices)
-    return None if found is None else Evidence(Verdict.REFUTED, "witness-state", "heat flows from the colder to the warmer", found)
+    return Evidence.refuted_by([found], "witness-state", "heat flows from the colder to the warmer")
 
 
 def without_k(subject: RateSubject) -> Evidence:
@@ -450,7 +435,7 @@ def _spent_less(subject: FormulaSubject, spent: Spent, name: str, statement: str
     moving = {x: span for x, span in spans.items() if any(x in e.free_symbols for e in formulas)}
     states = plain_states(list(moving.values()), _MOST_STATES)
     for parameters in subject.choices(choices):
-        others = subject.values_at(parameters, (Fraction(0),) * len(subject.simple.forces))
+        others = subject.values_at(parameters, subject.nowhere)
         others |= {x: Fraction(0) for x in spent.chosen if x not in others}  # forces without an energy
         fixed = {x: rational(v) for x, v in others.items() if x not in moving}
         power, *bound = (e.xreplace(fixed) for e in formulas)
@@ -500,6 +485,5 @@ def _tested(what: str, found: Sequence[int]) -> Evidence | None:
     if not found:
         return None
     choices = "1 parameter choice" if len(found) == 1 else f"{len(found)} parameter choices"
-    return Evidence(
-        Verdict.TESTED, "sampling", f"{what} {sum(found)} boundary points of {choices} (fixed random seeds); this is not a proof"
-    )
+    detail = f"{what} {sum(found)} boundary points of {choices} (fixed random seeds); this is not a proof"
+    return Evidence(Verdict.TESTED, "sampling", detail)

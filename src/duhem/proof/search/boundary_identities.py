@@ -5,7 +5,7 @@ They speak of the law as stated, not of an equivalent slice of it.  Where the fo
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
@@ -190,17 +190,9 @@ class _Forms:
 
     def derivatives(self, f: sp.Poly) -> tuple[sp.Poly, sp.Poly]:
         """v . grad f and v . Hess f v."""
-        first = self._along_directions(f)
-        return first, self._along_directions(first)
-
-    def _along_directions(self, f: sp.Poly) -> sp.Poly:
-        """v . grad f, term by term."""
-        found, n = dict[tuple[int, ...], Any](), len(self.forces)
-        for m, c in f.as_dict(native=True).items():
-            for i in (i for i in range(n) if m[i]):
-                k = tuple(p - (j == i) + (j == n + i) for j, p in enumerate(m))
-                found[k] = found.get(k, 0) + m[i] * c
-        return sp.Poly.from_dict(found, *self.generators, domain=f.get_domain())
+        v = self.generators[len(self.forces) : 2 * len(self.forces)]
+        first = self.along(v, [f.diff(x) for x in self.forces])
+        return first, self.along(v, [first.diff(x) for x in self.forces])
 
     @property
     def zero(self) -> sp.Poly:
@@ -259,20 +251,13 @@ class _Forms:
                 names[i], names[n + i] = (f"({text(left, part)})" for part in (self.names[:n], self.names[n : 2 * n]))
         return self.refuted(-bend, ">", {}, names=names)
 
-    def _domain(self) -> Iterator[tuple[sp.Expr, str]]:
-        """What is > 0 or >= 0 of the pressure and the free parameters."""
-        for x in self.generators[2 * len(self.forces) :]:
-            if x.is_nonpositive or x.is_positive:
-                yield (x, ">") if x.is_positive else (-x, ">")
-        for name, domain in self.law.parameters.items():
-            x = self.law.symbols()[name]
-            if domain.value is None and x in self.generators:
-                if domain.low is not None and not domain.positive:
-                    yield x - domain.low, ">="
-                if domain.high is not None:
-                    yield domain.high - x, ">="
-        for c in self.law.constraints:
-            yield c.gts - c.lts, ">" if isinstance(c, sp.StrictGreaterThan | sp.StrictLessThan) else ">="
+    def _domain(self) -> Iterable[tuple[sp.Expr, str]]:
+        """What is > 0 or >= 0 of the pressure and the free parameters, each once."""
+        signs = ((x if x.is_positive else -x, ">") for x in self.generators[2 * len(self.forces) :] if x.is_nonpositive or x.is_positive)
+        ranges = {self.law.symbols()[name]: own for name, own in self.law.parameters.items() if own.value is None}
+        stated = (*(r for x, own in ranges.items() if x in self.generators for r in own.relations(x)), *self.law.constraints)
+        strict = (sp.StrictGreaterThan, sp.StrictLessThan)
+        return dict.fromkeys((*signs, *((c.gts - c.lts, ">" if isinstance(c, strict) else ">=") for c in stated)))
 
 
 def _size(expr: sp.Expr) -> tuple[int, int]:

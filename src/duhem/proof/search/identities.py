@@ -14,12 +14,12 @@ Nothing here is trusted: what comes out is an identity of fractions.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
-from itertools import combinations, islice, product
-from math import comb, lcm
+from itertools import combinations, combinations_with_replacement, islice, product
+from math import comb
 from typing import Any
 
 import clarabel
@@ -140,8 +140,6 @@ class _Classes:
 
 def _null_space(rows: Sequence[Exponents], n: int) -> tuple[tuple[int, ...], ...]:
     """Whole vectors that span what is orthogonal to the rows."""
-    import flint
-
     vectors, rank = flint.fmpz_mat(len(rows), n, [x for row in rows for x in row]).nullspace()
     return tuple(tuple(int(vectors[i, j]) for i in range(n)) for j in range(rank))
 
@@ -170,13 +168,7 @@ def _first_products(first: Condition, strict: Sequence[Condition], degree: int, 
 
 def _exponents(n: int, total: int) -> Iterator[Exponents]:
     """All of n variables and of one total degree."""
-    if n <= 1:
-        if n or not total:
-            yield (total,) * n
-        return
-    for k in range(total, -1, -1):
-        for rest in _exponents(n - 1, total - k):
-            yield (k, *rest)
+    return (tuple(map(some.count, range(n))) for some in combinations_with_replacement(range(n), total))
 
 
 def _price(stated: Sequence[Condition], degree: int, width: int) -> int:
@@ -199,9 +191,8 @@ def _posed(
         """The monomials that, taken ``copies`` times and with ``poly``, have the degree and weight of the start."""
         size, weight = max(map(sum, poly)), classes.weight(next(iter(poly)))
         for m in terms:
-            if copies * sum(m) + size <= degree and all(
-                copies * w + v == t for w, v, t in zip(classes.weight(m), weight, target, strict=True)
-            ):
+            reached = tuple(copies * w + v for w, v in zip(classes.weight(m), weight, strict=True))
+            if copies * sum(m) + size <= degree and reached == target:
                 yield m
 
     goal = [c for c in stated[:1] if c.op == ">="]
@@ -389,15 +380,9 @@ class _System:
 
     def _independent(self) -> tuple[int, Any]:
         """The reduced equations with their right-hand sides; None where they contradict each other."""
-        n = len(self.columns)
-        table = [[flint.fmpq(0)] * (n + 1) for _ in self.rows]
-        for j, p in enumerate(self.columns):
-            for m, c in p.items():
-                table[self.rows[m]][j] = _rational(c)
-        for m, c in self.start.items():
-            table[self.rows[m]][n] = _rational(-c)
-        reduced, rank = flint.fmpq_mat(len(table), n + 1, [x for row in table for x in row]).rref()
-        contradiction = rank > 0 and all(reduced[rank - 1, j] == 0 for j in range(n))
+        parts, nothing = (*self.columns, {m: -c for m, c in self.start.items()}), flint.fmpq(0)
+        reduced, rank = flint.fmpq_mat([[_rational(p[m]) if m in p else nothing for p in parts] for m in self.rows]).rref()
+        contradiction = rank > 0 and all(reduced[rank - 1, j] == 0 for j in range(len(self.columns)))
         return rank, None if contradiction else reduced
 
     def grams(self, values: Sequence[Any]) -> Iterator[list[list[Any]]]:
@@ -421,24 +406,12 @@ class _System:
 
 
 def _positive_semidefinite(gram: Sequence[Sequence[Fraction]], pays: Pays) -> bool:
-    """By elimination in whole numbers, the greatest entry of the diagonal first, each step dividing by the pivot before it (Bareiss 1968,
-    Math. Comp. 22, 565); of numbers too long to eliminate with, False.
-    """
-    below, before = lcm(*(x.denominator for row in gram for x in row)), flint.fmpz(1)
-    rows = [[flint.fmpz(x.numerator * (below // x.denominator)) for x in row] for row in gram]
-    digits = len(rows) * max((int(x).bit_length() for row in rows for x in row), default=0)
-    if digits > _MOST_DIGITS or not pays(len(rows) ** 3 * (1 + digits // _LONG)):
+    """Whether no eigenvalue is < 0: so the signs of the characteristic polynomial alternate; of numbers too long to compute it, False."""
+    matrix = flint.fmpq_mat(len(gram), len(gram), [_rational(x) for row in gram for x in row])
+    digits = len(gram) * max((int(x).bit_length() for x in matrix.numer_denom()[0].entries()), default=0)
+    if digits > _MOST_DIGITS or not pays(len(gram) ** 3 * (1 + digits // _LONG)):
         return False
-    while rows:
-        k = max(range(len(rows)), key=lambda i: rows[i][i])
-        if (pivot := rows[k][k]) <= 0:
-            return not any(map(any, rows))
-        left = [i for i in range(len(rows)) if i != k]
-        rows = [[(pivot * rows[i][j] - rows[i][k] * rows[k][j]) // before for j in left] for i in left]
-        if any(row[i] < 0 for i, row in enumerate(rows)):
-            return False
-        before = pivot
-    return True
+    return all((-1) ** (len(gram) - k) * c >= 0 for k, c in enumerate(matrix.charpoly()))
 
 
 def _complement(squares: tuple[Polynomial, ...], gram: Sequence[Sequence[Fraction]], flat: float) -> tuple[Polynomial, ...]:
@@ -456,16 +429,18 @@ def _complement(squares: tuple[Polynomial, ...], gram: Sequence[Sequence[Fractio
     if any(abs(x - y) > _NEAR for row, given in zip(plain, shares, strict=True) for x, y in zip(row, given, strict=True)):
         return squares
     return tuple(
-        _combined([(Fraction(1), squares[k]), *zip(row, (squares[g] for g in gone), strict=True)])
+        _added(
+            (m, share * c) for share, p in [(_ONE, squares[k]), *zip(row, (squares[g] for g in gone), strict=True)] for m, c in p.items()
+        )
         for k, row in zip(kept, plain, strict=True)
     )
 
 
-def _combined(terms: Sequence[tuple[Fraction, Polynomial]]) -> Polynomial:
+def _added(terms: Iterable[tuple[Exponents, Fraction]]) -> Polynomial:
+    """The terms, each monomial once."""
     total: dict[Exponents, Fraction] = {}
-    for share, p in terms:
-        for m, c in p.items():
-            total[m] = total.get(m, Fraction(0)) + share * c
+    for m, c in terms:
+        total[m] = total.get(m, Fraction(0)) + c
     return {m: c for m, c in total.items() if c}
 
 
@@ -479,11 +454,7 @@ def _rational(x: Fraction) -> Any:
 
 def times(p: Polynomial, q: Polynomial) -> Polynomial:
     """Their product."""
-    total: dict[Exponents, Fraction] = {}
-    for (m, c), (n, d) in product(p.items(), q.items()):
-        k = tuple(map(int.__add__, m, n))
-        total[k] = total.get(k, Fraction(0)) + c * d
-    return {m: c for m, c in total.items() if c}
+    return _added((tuple(map(int.__add__, m, n)), c * d) for (m, c), (n, d) in product(p.items(), q.items()))
 
 
 # -- a point inside the cone -------------------------------------------------------------------------------------------

@@ -147,8 +147,6 @@ def _below(term: Term, want: str, domain: StatedDomain) -> Blocked | None:
         return _below(moving[0], want if not sign & NEGATIVE else _CONCAVE if want == _CONVEX else _CONVEX, domain)
     if term.op == "**":
         return _below_a_power(term, want, domain)
-    if term.op in ("abs", "norm", "cosh") and want == _CONVEX:
-        wanted |= dict.fromkeys(("abs", "norm", "cosh"), _SIZE)
     if term.op in wanted and (want == wanted[term.op] or term.op == "+"):
         inner = next((found for a in moving if (found := _below(a, wanted[term.op], domain)) is not None), None)
         if inner is not None:

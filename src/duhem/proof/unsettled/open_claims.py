@@ -138,7 +138,7 @@ def _choices(asked: _Asked) -> Iterator[Mapping[str, Fraction]]:
     """Values of the law's free parameters, as its subject chooses them."""
     subject, free = asked.subject, _free(asked.law)
     for values in subject.choices(_CHOICES):
-        at = subject.values_at(values, [Fraction(0)] * len(subject.simple.forces)) if isinstance(subject, FormulaSubject) else values
+        at = subject.values_at(values, subject.nowhere) if isinstance(subject, FormulaSubject) else values
         named = {str(x): value for x, value in at.items()}
         if all(name in named for name in free):
             yield {name: named[name] for name in free}
@@ -177,10 +177,6 @@ def _closest(asked: _Asked) -> tuple[Mapping[str, str], str | None, float | None
 
     if (found := least_margin(asked.claim, subject)) is None:
         return {}, None, None
-    at = {str(x): value for x, value in subject.values_at(found.parameters, tuple(map(Fraction, found.point))).items()}
-    law, magnitude = subject.law, subject.problem.magnitude
-    place = {name: at[name] for name in (*law.parameters, *law.forces) if name in at}
-    if law.pressure is not None and magnitude is not None:
-        place[law.pressure] = -at.get(str(magnitude), Fraction(1))
+    place = subject.named(subject.values_at(found.parameters, tuple(map(Fraction, found.point))))
     margin = float(f"{found.value:.3g}") if abs(found.value) > _NOISE else 0.0
     return {name: f"{float(value):.{_DIGITS}g}" for name, value in place.items()}, found.measure, margin

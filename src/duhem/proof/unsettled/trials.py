@@ -39,10 +39,9 @@ def that_help(
     ``choices`` are values of the free parameters at which it is tried, after plain ones.
     """
     asked = _Asked(claim, settled)
-    found = list[str]()
-    for kind in (_signs(law, blocked, choices), _ranges(law, blocked), _forms(law, blocked, names)):
-        found += [action for action, changed in kind if asked(changed)][:1]
-    return found + list(_values(law, blocked, choices, asked))
+    kinds = (_signs(law, blocked, choices), _ranges(law, blocked), _forms(law, blocked, names))
+    found = ([action for action, changed in kind if asked(changed)][:1] for kind in kinds)
+    return [*chain.from_iterable(found), *_values(law, blocked, choices, asked)]
 
 
 class _Asked:
@@ -124,8 +123,8 @@ def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked
 def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
     """A few plain values of the parameters, all together, within the constraints."""
     free = {name: list(_plain(domain)) for name, domain in law["parameters"].items() if not Bounds.read(domain).single}
-    tried = [{name: values[(k + k * i) % len(values)] for i, (name, values) in enumerate(free.items())} for k in range(_TURNS)]
-    tried = [{name: values[k % len(values)] for name, values in free.items()} for k in range(_TURNS)] + tried
+    turns = ((k, step) for step in (0, 1) for k in range(_TURNS))  # of all alike, then of each at another place
+    tried = ({name: own[k * (1 + step * i) % len(own)] for i, (name, own) in enumerate(free.items())} for k, step in turns)
     seen = list[dict[str, Fraction]]()
     for choice in tried if all(free.values()) and free else ():
         if choice not in seen and len(seen) < _MOST_CHOICES and _inhabits(choice, law):
@@ -156,12 +155,11 @@ def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
     if own.sign() & NEGATIVE and own.sign() & POSITIVE:
         yield {"max": "0", **({} if own.low is None else {"min": str(own.low)})}, "max = 0"
     beyond = Fraction(1) if own.low is None or own.low < 1 else own.low + 1
-    ends = [beyond] if own.low is None or own.high is None else [(own.low + own.high) / 2]
-    for end in ends:
-        if own.holds(end) and end not in (own.low, own.high):
-            yield {"min": str(end), **({} if own.high is None else {"max": str(own.high)})}, f"min = {end}"
-            below = {"positive": True} if own.open and own.low == 0 else {} if own.low is None else {"min": str(own.low)}
-            yield {**below, "max": str(end)}, f"max = {end}"
+    end = beyond if own.low is None or own.high is None else (own.low + own.high) / 2
+    if own.holds(end) and end not in (own.low, own.high):
+        yield {"min": str(end), **({} if own.high is None else {"max": str(own.high)})}, f"min = {end}"
+        below = {"positive": True} if own.open and own.low == 0 else {} if own.low is None else {"min": str(own.low)}
+        yield {**below, "max": str(end)}, f"max = {end}"
 
 
 def _plain(domain: Text) -> Iterator[Fraction]:

@@ -23,6 +23,7 @@ from duhem.expression.balls import ball, certain_sign, compiled, enclose, precis
 from duhem.expression.number import fraction
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.plane_section import kinks_decided
 from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.verdict import Witness
@@ -68,21 +69,18 @@ def _over_balls(expr: sp.Expr) -> tuple[tuple[sp.Symbol, ...], Callable[..., Any
 
 
 def witness(
-    subject: FormulaSubject,
+    subject: FormulaSubject | GraphSubject,
     points: Mapping[str, Values],
     values: Mapping[str, tuple[str, str]],
     statement: str,
     measures: Mapping[str, float] | None = None,
 ) -> Witness:
     """A violation at points by role, each with the values of forces, pressure and parameters; these are the same at all of them."""
-    law, magnitude = subject.law, subject.problem.magnitude
-    table, any_point = law.symbols(), next(iter(points.values()))
-    shown = {role: {str(x): str(at[x]) for x in subject.problem.forces} for role, at in points.items()}
-    if law.pressure is not None and magnitude is not None:
-        for role, at in points.items():
-            shown[role][law.pressure] = str(-at.get(magnitude, Fraction(1)))
-    parameters = {name: str(any_point[table[name]]) for name in law.parameters if table[name] in any_point}
-    return Witness(parameters, shown, values, statement, measures or {})
+    own, shown = dict[str, str](), dict[str, dict[str, str]]()
+    for role, at in points.items():
+        told = {name: str(value) for name, value in subject.named(at).items()}
+        own, shown[role] = ({name: x for name, x in told.items() if (name in subject.law.parameters) is c} for c in (True, False))
+    return Witness(own, shown, values, statement, measures or {})
 
 
 def decimal_pair(enclosure: Any) -> tuple[str, str]:
@@ -101,7 +99,7 @@ def _outward(end: Any, rounding: str) -> str:
 
 
 def chord(
-    subject: FormulaSubject, parameters: Values, p: Sequence[Fraction], q: Sequence[Fraction], touching: bool = False
+    subject: FormulaSubject | GraphSubject, parameters: Values, p: Sequence[Fraction], q: Sequence[Fraction], touching: bool = False
 ) -> Witness | None:
     """Non-convexity: g(p) <= 0, g(q) <= 0 and g > 0 at the midpoint, or None if that is not certain.
 
@@ -112,18 +110,18 @@ def chord(
     if not subject.admits(points["p"]):
         return None
     shown = {}
-    for role, values in points.items():
-        sign, enclosure = sign_at(subject.problem.stated, values, touching)
+    for role in ("midpoint", "p", "q"):  # where it fails first, first
+        sign, shown[role] = sign_at(subject.stated, points[role], touching)
         if sign is None or (sign > 0) != (role == "midpoint"):
             return None
-        shown[f"g({role})"] = decimal_pair(enclosure)
-    return witness(subject, points, shown, "g(p) <= 0 and g(q) <= 0, yet g > 0 at the midpoint of p and q: {g <= 0} is not convex")
+    values = {f"g({role})": decimal_pair(shown[role]) for role in points}
+    return witness(subject, points, values, "g(p) <= 0 and g(q) <= 0, yet g > 0 at the midpoint of p and q: {g <= 0} is not convex")
 
 
-def origin_outside(subject: FormulaSubject, parameters: Values) -> Witness | None:
+def origin_outside(subject: FormulaSubject | GraphSubject, parameters: Values) -> Witness | None:
     """g(0) > 0 at admitted parameters, or None if that is not certain."""
-    values = subject.values_at(parameters, [Fraction(0)] * len(subject.simple.forces))
-    sign, enclosure = sign_at(subject.problem.stated, values)
+    values = subject.values_at(parameters, subject.nowhere)
+    sign, enclosure = sign_at(subject.stated, values)
     if sign != 1:
         return None
     return witness(subject, {"origin": values}, {"g(0)": decimal_pair(enclosure)}, "g > 0 at zero force: 0 is not in K")
