@@ -14,7 +14,7 @@ from duhem.derivation.support_function import compression, rate_symbols
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import Stress
-from duhem.expression.parse import exact_number
+from duhem.expression.number import exact_number
 from duhem.expression.unevaluated import Verbatim
 from duhem.law.formula_law import Criterion
 from duhem.law.state import variables_of

@@ -20,9 +20,8 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Stress
-from duhem.expression.graph_text import parse_graph
 from duhem.expression.indexed import Indexed, component
-from duhem.expression.parse import parse_expression, parse_relation, too_long, written_out
+from duhem.expression.parse import parse_expression, parse_graph, parse_relation, too_long, written_out
 from duhem.expression.spelling import spelled
 from duhem.expression.text import faithful
 from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes

@@ -23,11 +23,10 @@ from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import NONE, Abbreviations, Stress
 from duhem.expression.branches import gradient
 from duhem.expression.build import greatest
+from duhem.expression.fold import Graph, Shared, graph_of
 from duhem.expression.given import given_formula
-from duhem.expression.graph_text import own_text, parse_graph
 from duhem.expression.inert_number import inert_exponent
-from duhem.expression.parse import check_formula, check_size, parse_expression, too_long, written_out
-from duhem.expression.shared import Graph, Shared, graph_of
+from duhem.expression.parse import check_formula, check_size, own_text, parse_expression, parse_graph, too_long, written_out
 from duhem.expression.spelling import respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault

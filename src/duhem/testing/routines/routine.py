@@ -20,7 +20,7 @@ from duhem.projection.increment import check_associated
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
-from duhem.proof.certificate import admitted_values
+from duhem.proof.facts.formula_subject import admitted_values
 from duhem.testing.routines.origin import law_as_written, made_by
 
 __all__ = [
