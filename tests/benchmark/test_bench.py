@@ -18,8 +18,7 @@ import sympy as sp
 
 import duhem
 from duhem.benchmark.contenders import Contender, Specimen, applicable
-from duhem.benchmark.reference import Closest, NoReference, distance
-from duhem.benchmark.reference_path import Drive
+from duhem.benchmark.reference import Closest, Drive, NoReference, distance
 from duhem.benchmark.work_precision import bench, paths, throughput
 from duhem.benchmark.work_precision.report import duration
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target, WorkPrecision

@@ -18,7 +18,7 @@ from duhem.testing.checks.registry import judged, registered, worst
 from duhem.testing.checks.visited import Visited
 from duhem.testing.conformance import every_check
 from duhem.testing.drawn.region import Region
-from duhem.testing.failures.causes import CAUSES, FREE_CAUSES, by_cause
+from duhem.testing.failures.diagnosis import CAUSES, FREE_CAUSES, by_cause
 from duhem.testing.routines.routine import Unfinished
 from duhem.testing.run import ConformanceRun
 from tests.long import long_but, mostly_long

@@ -28,9 +28,8 @@ from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
 from duhem.law.domain import POSITIVE, Domain, range_fault
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, PlacedFormula, YieldSurface, definitions, flow_of, name_fault
 from duhem.law.given_text import Relations
-from duhem.law.number_table import table_beside
 from duhem.law.parameter_domain import check_domain
-from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
+from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, table_beside, text_of
 from duhem.law.state import Variable, Variables, misfits, variables_of
 
 __all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]

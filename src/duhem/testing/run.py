@@ -29,10 +29,8 @@ from duhem.testing.drawn.options import RunOptions, numbers
 from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.strategies import cases, histories, pressures
 from duhem.testing.drawn.values import Strategy, admitted
-from duhem.testing.failures.causes import as_expected, by_cause, of_stress
-from duhem.testing.failures.diagnosis import IN_REGION, departure, diagnosed, instead
+from duhem.testing.failures.diagnosis import IN_REGION, Regions, as_expected, by_cause, departure, diagnosed, instead, of_stress, region_of
 from duhem.testing.failures.failure import Failure, drawn_again
-from duhem.testing.failures.regions import Regions, region_of
 from duhem.testing.failures.report import Report
 from duhem.testing.failures.shrinking import RAISED, least_case, shortened, simplified
 from duhem.testing.failures.suggestions import needs_the_run

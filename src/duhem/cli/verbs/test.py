@@ -214,7 +214,7 @@ def _material(subject: str, own: bool, of_umat: Mapping[str, Any], places: Mappi
 
 def _is_umat(subject: str) -> bool:
     """Whether it is a source or a library."""
-    from duhem.testing.foreign.built import SOURCES
+    from duhem.testing.foreign.abaqus import SOURCES
 
     return subject.lower().endswith(SOURCES + _LIBRARIES)
 

@@ -448,7 +448,7 @@ def oblique(tan_alpha: float = 1.0, tan_beta: float = 0.25, mu_alpha: float = 0.
     fit = nearest.parameters()
     slip = slip_direction(phi)
     normal = _normals(limit_point(2.0 * np.pi * np.arange(_FINE * _SLIPS) / (_FINE * _SLIPS), *profile))[::_FINE]
-    theta = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))  # increases with phi: proved in duhem.micromodel.proofs
+    theta = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))  # increases with phi: proved in duhem.micromodel.derivation
     off_curve = np.degrees(_turn(slip, normal))
     at_fit, off_fit = _fitted_slip(associated, fit, points, theta, phi)
     fitted = boundary(associated, fit, np.linspace(0.0, 2.0 * np.pi, 721))

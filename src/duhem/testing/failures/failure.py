@@ -54,7 +54,7 @@ class Failure:
     ``drawn`` are the arguments of the run that draws all increments again, as Python, "" where these cannot be written; ``alone``: one
     increment may show it by itself, as it need not where a routine keeps something between calls.  ``held``: the arguments, as Python,
     that hold a material to a law with a state.  ``passes_at``: the least power of ten as an accuracy at which the increment passes.
-    ``where``: at how many of the increments of each region of stress it fails (:mod:`duhem.testing.failures.regions`).
+    ``where``: at how many of the increments of each region of stress it fails (:mod:`duhem.testing.failures.diagnosis`).
     """
 
     check: Check
