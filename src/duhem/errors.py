@@ -1,8 +1,11 @@
-"""The one exception users meet: what is wrong, where, and what to do about it."""
+"""The one exception users meet: what is wrong, where, and what to do about it; how it is told its place, and a name that was meant."""
 
 from __future__ import annotations
 
-__all__ = ["DuhemError", "InputError", "MissingExtraError", "words_of"]
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+__all__ = ["DuhemError", "InputError", "MissingExtraError", "meant", "placed", "words_of"]
 
 
 class DuhemError(Exception):
@@ -38,3 +41,21 @@ def words_of(fault: BaseException) -> str:
         return str(fault)
     except Exception:
         return ""
+
+
+@contextmanager
+def placed(where: str, *, about: str = "", unless_placed: bool = False) -> Iterator[None]:
+    """What is wrong within lies at ``where``, unless it says where itself and that is to be kept; ``about`` stands before what is wrong."""
+    try:
+        yield
+    except InputError as fault:
+        raise InputError(about + fault.what, where=(unless_placed and fault.where) or where, remedy=fault.remedy) from None
+
+
+def meant(name: object, known: Iterable[str], otherwise: str = "") -> str:
+    """The remedy for an unknown name: the one that was probably meant, else ``otherwise``, or all that are ``known``."""
+    from difflib import get_close_matches
+
+    every = tuple(known)
+    near = get_close_matches(str(name)[:40], every, n=1)
+    return f"did you mean {near[0]!r}?" if near else otherwise or f"known are: {', '.join(every) or 'none'}"

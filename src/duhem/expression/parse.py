@@ -13,7 +13,6 @@ import ast
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import lru_cache
 from keyword import iskeyword
 from typing import Any
@@ -21,7 +20,7 @@ from typing import Any
 import sympy as sp
 from sympy.core.relational import Relational
 
-from duhem.errors import InputError
+from duhem.errors import InputError, meant
 from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, names_in
 from duhem.expression.build import AS_WRITTEN, EVALUATED, IN_RANGE, UNMADE, Building, settled, unacceptable
 from duhem.expression.fold import Graph, Shared, fold
@@ -295,8 +294,8 @@ class _Reader:
         return ((self.place.made and self.place.made.abbreviation(token.start())) or token[0])[:24]
 
     def suggest(self, name: str, among: list[str], title: str) -> str:
-        near = get_close_matches(name[:40], [*among, *self.short.formulas, *sorted(self.short.words()), *WORDS, "pi"], n=1)
-        return f"did you mean {near[0]!r}?" if near else f"{title}: {', '.join(among) or 'nothing'}"
+        every = [*among, *self.short.formulas, *sorted(self.short.words()), *WORDS, "pi"]
+        return meant(name, every, f"{title}: {', '.join(among) or 'nothing'}")
 
     # -- syntax ------------------------------------------------------------------------------------------------
 

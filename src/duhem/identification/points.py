@@ -21,6 +21,7 @@ from duhem.errors import InputError
 from duhem.expression.given_array import columns, unmasked
 from duhem.expression.spelling import spelled
 from duhem.law.formula_law import Criterion
+from duhem.law.placed_toml import text_of
 
 __all__ = ["Points"]
 
@@ -124,23 +125,10 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
 
 
 def _text(file: str | PathLike[str]) -> str:
-    where = f"{fspath(file)}"
-    try:
-        with open(file, "rb") as stream:
-            data = stream.read(MOST_BYTES + 1)
-    except (OSError, ValueError) as fault:
-        reason = getattr(fault, "strerror", None) or str(fault)
-        raise InputError(f"the file cannot be read: {reason}", where=where, remedy="check its name and permissions") from None
-    if len(data) > MOST_BYTES:
-        raise InputError(f"the file is larger than {MOST_BYTES} bytes", where=where, remedy="is it a table of limit points?")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as fault:
-        line = data.count(b"\n", 0, fault.start) + 1
-        raise InputError("this is not text in UTF-8", where=f"{where}:{line}", remedy="write the points as CSV") from None
+    text = text_of(file, "table of limit points", MOST_BYTES)
     if "\0" in text:
-        what = "this is binary"
-        raise InputError(what, where=f"{where}:{text.count(chr(10), 0, text.index(chr(0))) + 1}", remedy="write the points as CSV")
+        line = text.count("\n", 0, text.index("\0")) + 1
+        raise InputError("this is binary", where=f"{fspath(file)}:{line}", remedy="write the points as CSV")
     return text
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property, partial
@@ -17,7 +18,7 @@ from typing import Any, TypeVar
 
 import sympy as sp
 
-from duhem.errors import InputError
+from duhem.errors import InputError, meant, placed
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Stress
 from duhem.expression.indexed import Indexed, component
@@ -27,9 +28,10 @@ from duhem.expression.text import faithful
 from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
 from duhem.law.domain import POSITIVE, Domain, range_fault
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion, Definitions, PlacedFormula, YieldSurface, definitions, flow_of, name_fault
-from duhem.law.given_text import Relations
+from duhem.law.given import Relations
+from duhem.law.learned import table_beside
 from duhem.law.parameter_domain import check_domain
-from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, table_beside, text_of
+from duhem.law.placed_toml import Key, PlacedToml, parsed, text_of
 from duhem.law.state import Variable, Variables, misfits, variables_of
 
 __all__ = ["MOST_BYTES", "SectionReader", "criterion_text", "expected_verdicts", "read", "reads"]
@@ -117,6 +119,10 @@ class SectionReader:
 
     def error(self, what: str, *path: Key, remedy: str) -> InputError:
         return InputError(what, where=self.place(*path), remedy=remedy)
+
+    def at(self, *path: Key, about: str = "") -> AbstractContextManager[None]:
+        """What is wrong within lies at that place."""
+        return placed(self.place(*path), about=about)
 
     def place(self, *path: Key) -> str:
         """file:line:column of a key, or the file where the key is not found."""
@@ -212,10 +218,8 @@ class _CriterionReader(SectionReader):
         head = self.head(forces, pressure, domains, define) | self.state(variables, read, slots) | {"viscous": viscous}
         bounds = {key: getattr(whole, key) for key in ("g", "flow", "potential", "written", "written_flow")}
         domain = self.ranges(forces, pressure)
-        try:
+        with placed(self.where):
             law = Criterion(**head, **bounds, stress=stress, define=define, domain=domain, surfaces=surfaces)
-        except InputError as fault:
-            raise InputError(fault.what, where=self.where, remedy=fault.remedy) from None
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
 
@@ -278,10 +282,8 @@ class _CriterionReader(SectionReader):
             )
         if not (isinstance(given, dict) and {*given} == {"name", "kind"} and all(isinstance(x, str) for x in given.values())):
             raise self.error("stress is not a table of name and kind", "criterion", "stress", remedy=example)
-        try:
+        with self.at("criterion", "stress"):
             return Stress(**given)
-        except InputError as fault:
-            raise self.error(fault.what, "criterion", "stress", remedy=fault.remedy) from None
 
     def expected(self) -> Mapping[str, str]:
         """The verdicts by claim that are no failure."""
@@ -375,10 +377,8 @@ class _CriterionReader(SectionReader):
     def over(self, *path: Key, change: Callable[[str], T]) -> tuple[T, int, int]:
         """What is made of the text of a formula, and where that begins; a fault lies there."""
         text, line, column = super().formula(*path)
-        try:
+        with placed(f"{self.where}:{line}:{column + 1}", unless_placed=True):
             return change(text), line, column
-        except InputError as fault:
-            raise InputError(fault.what, where=fault.where or f"{self.where}:{line}:{column + 1}", remedy=fault.remedy) from None
 
     def formula(self, *path: Key) -> tuple[str, int, int]:
         """A formula without indices, and where it begins."""
@@ -410,10 +410,8 @@ class _CriterionReader(SectionReader):
             self.keys("domain", entry, ("min", "max"), inside=key)
             if name in found:
                 raise self.error(f"{name!r} has two ranges, in two spellings", "domain", key, remedy="give it one")
-            try:
+            with self.at("domain", key, about=f"{name}: "):
                 found[name] = Domain.between(entry.get("min"), entry.get("max"))
-            except InputError as fault:
-                raise self.error(f"{name}: {fault.what}", "domain", key, remedy=fault.remedy) from None
             if wrong := range_fault(name, found[name], forces, pressure):
                 raise self.error(wrong[0], "domain", key, remedy=wrong[1])
         return found
@@ -430,13 +428,11 @@ class _CriterionReader(SectionReader):
             raise self.error(f"the domain of {name} mixes {mixed}", section, name, remedy=remedy)
         if entry.get("positive", True) is not True:
             raise self.error(f"positive of {name} is not true", section, name, remedy="remove it, or write positive = true")
-        try:
+        with self.at(section, name, about=f"{name}: "):
             if "value" in entry:
                 return Domain.fixed(entry["value"])
             high = Domain.between(None, entry.get("max")).high
             return Domain(POSITIVE.low, high, positive=True) if "positive" in entry else Domain.between(entry.get("min"), high)
-        except InputError as fault:
-            raise self.error(f"{name}: {fault.what}", section, name, remedy=fault.remedy) from None
 
     def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions) -> Relations:
         given = self.document["criterion"].get("constraints", [])
@@ -493,10 +489,8 @@ class _CriterionReader(SectionReader):
             if flow:
                 raise self.error(f"{flow_name} and potential are both given", *at, remedy="remove one of them")
             potential, text = read(*at)
-            try:
+            with self.at(*at):
                 flow_of(potential, forces)
-            except InputError as fault:
-                raise self.error(fault.what, *at, remedy=fault.remedy) from None
             return YieldSurface(g, potential=text, written=written)
         if not flow:
             return YieldSurface(g, written=written)

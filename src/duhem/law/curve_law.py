@@ -23,7 +23,7 @@ from duhem.expression.spelling import spelled
 from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion, DeclaredLaw, as_expression
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.law.given_text import argument_names, called, listed, moved, moved_relations, relations, text_of
+from duhem.law.given import argument_names, called, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
 
 __all__ = ["ANGLE", "Law", "ParametricCriterion", "closes", "parametric"]

@@ -18,20 +18,19 @@ from typing import Any, ClassVar, NamedTuple, Self, overload
 import sympy as sp
 from sympy.core.relational import Relational
 
-from duhem.errors import InputError
+from duhem.errors import InputError, placed
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import NONE, Abbreviations, Stress
 from duhem.expression.branches import gradient
 from duhem.expression.build import greatest
 from duhem.expression.fold import Graph, Shared, graph_of
-from duhem.expression.given import given_formula
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.parse import check_formula, check_size, own_text, parse_expression, parse_graph, too_long, written_out
 from duhem.expression.spelling import respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.law.given_text import argument_names, called, listed, moved, moved_relations, relations, text_of
+from duhem.law.given import argument_names, called, given_formula, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, converted
 from duhem.law.state import NO_STATE, Variable, Variables, check_state, variables_of
@@ -92,10 +91,8 @@ class YieldSurface(Verbatim):
         if not isinstance(self.potential, str):
             raise InputError("the potential is no text", where=owner, remedy="write its formula as text")
         where = f"potential of {owner}"
-        try:
+        with placed(where, unless_placed=True):
             slip = flow_of(parse_expression(self.potential, known, where=where, short=short), forces)
-        except InputError as fault:
-            raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
         if flow not in (None, slip):
             raise InputError("a flow and a potential are both given", where=owner, remedy="remove one of them")
         return YieldSurface(g, slip, written_out(self.potential, short), written, written_flow)
@@ -111,7 +108,7 @@ class YieldSurface(Verbatim):
 
 
 def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
-    """Text, read over the symbols ``known``, or what :func:`duhem.expression.given.given_formula` makes of anything else."""
+    """Text, read over the symbols ``known``, or what :func:`duhem.law.given.given_formula` makes of anything else."""
     return (
         parse_expression(given, known, where=where, short=short) if isinstance(given, str) else given_formula(given, known.values(), where)
     )

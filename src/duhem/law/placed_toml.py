@@ -2,25 +2,20 @@
 
 :mod:`tomllib` says what a document means; a scan of the text it has accepted says where each key and each string stands,
 in whatever layout: sections, dotted and quoted keys, inline tables, arrays, arrays of tables.
-
-Beside a criterion file may stand tables of numbers: CSV, each number kept as the text that it is, so that it is read exactly.
 """
 
 from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 from duhem.errors import InputError
-from duhem.expression.number import DECIMAL, MOST_DIGITS
 
-__all__ = ["Key", "PlacedToml", "meant", "parsed", "table_beside", "text_of"]
+__all__ = ["Key", "PlacedToml", "parsed", "text_of"]
 
 Key = str | int  # of a table by name, of an array by number
 _Path = tuple[Key, ...]
@@ -45,13 +40,6 @@ def text_of(path: str | PathLike[str], kind: str, most_bytes: int, *, absent: st
     except UnicodeDecodeError as fault:
         line = data.count(b"\n", 0, fault.start) + 1
         raise InputError("this is not text in UTF-8", where=f"{path}:{line}", remedy=f"is it a {kind}?") from None
-
-
-def meant(name: str, allowed: Iterable[str]) -> str:
-    """The remedy for an unknown name: the one that was probably meant, or all there are."""
-    known = tuple(allowed)
-    near = get_close_matches(name, known, n=1)
-    return f"did you mean {near[0]!r}?" if near else f"known are: {', '.join(known) or 'none'}"
 
 
 @dataclass(frozen=True)
@@ -225,46 +213,3 @@ class _Scan:
         """Note where something stands first; what a header opens goes before what longer names passed through."""
         if path not in self.spots or (self.spots[path].implied and not spot.implied):
             self.spots[path] = spot
-
-
-# -- tables of numbers beside a file -----------------------------------------------------------------------------------
-
-
-_MOST_BYTES, _MOST_NUMBERS = 50_000_000, 1_000_000
-_NUMBER = re.compile(rf"[+-]?{DECIMAL}", re.ASCII)
-
-
-def table_beside(folder: Path | None, given: str, where: str) -> tuple[tuple[str, ...], ...]:
-    """The rows of the table in a file of ``folder``; InputError, at ``where`` or in the table, for what is no table of numbers.
-
-    Entries are decimals between commas; there is no heading, every row is as long as the first, and nothing is left blank.
-    """
-    place = Path(given)
-    if folder is None:
-        raise InputError("a table stands in a file beside the law, and the law is in none", where=where, remedy="read the law from a file")
-    if place.is_absolute() or ".." in place.parts:
-        raise InputError(f"{given[:60]!r} is not beside the law", where=where, remedy="put the table in the folder of the criterion file")
-    file = folder / place
-    rows = tuple(tuple(entry.strip() for entry in line.split(",")) for line in text_of(file, "table of numbers", _MOST_BYTES).splitlines())
-    if not rows:
-        raise InputError("the table is empty", where=f"{file}", remedy="write rows of numbers with commas between them")
-    if len(rows) * len(rows[0]) > _MOST_NUMBERS:
-        raise InputError("the table is too large", where=f"{file}", remedy=f"at most {_MOST_NUMBERS} numbers are read")
-    for i, row in enumerate(rows, 1):
-        if len(row) != len(rows[0]):
-            what = f"the row has {len(row)} entries, and the first has {len(rows[0])}"
-            raise InputError(what, where=f"{file}:{i}", remedy="make all rows as long, without blank lines")
-        for j, entry in enumerate(row, 1):
-            if len(entry) > MOST_DIGITS:
-                what = f"entry {j} has {len(entry)} characters"
-                raise InputError(what, where=f"{file}:{i}", remedy=f"at most {MOST_DIGITS} are read")
-            if not _NUMBER.fullmatch(entry):
-                what = f"entry {j} is {f'{entry[:24]!r}, which is' if entry else 'blank, which is'} no number"
-                raise InputError(what, where=f"{file}:{i}", remedy="write finite decimals such as 0.15 or -1e-6, and no heading")
-    return tuple(tuple(_plain(entry) for entry in row) for row in rows)
-
-
-def _plain(entry: str) -> str:
-    """Without a plus or zeros before the number, which formulas do not have."""
-    sign, digits = ("-", entry[1:]) if entry[0] == "-" else ("", entry.lstrip("+"))
-    return sign + re.sub(r"^0+(?=[0-9])", "", digits)

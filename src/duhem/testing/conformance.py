@@ -9,7 +9,6 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from dis import opmap
 from functools import wraps
 from inspect import Parameter, signature, unwrap
@@ -19,7 +18,7 @@ from typing import Any, TypeAlias
 
 from numpy.typing import ArrayLike
 
-from duhem.errors import DuhemError, InputError
+from duhem.errors import DuhemError, InputError, meant
 from duhem.law.catalogue import attribute, load, load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
@@ -80,9 +79,7 @@ def check(name: str) -> Check:
 def _named(name: str, of_a_law: bool, of_states: bool = False, where: str = "") -> Check:
     known = registered(of_a_law, of_states)
     if name not in known:
-        near = "".join(f"; did you mean {each!r}?" for each in get_close_matches(name, known, n=1))
-        remedy = f"choose one of {', '.join(known)}{near}"
-        raise InputError(f"unknown check {name!r}", where=where or ("" if of_a_law else "without a law"), remedy=remedy)
+        raise InputError(f"unknown check {name!r}", where=where or ("" if of_a_law else "without a law"), remedy=meant(name, known))
     return known[name]
 
 

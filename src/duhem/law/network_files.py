@@ -1,7 +1,8 @@
-"""A network in a file of ``torch.export.save`` as a criterion file, read without PyTorch.
+"""A network in a file of ``torch.export.save`` or in an ONNX file as a criterion file; nothing in a file is executed.
 
-Such a file is an archive: the graph as JSON, and each weight as the bytes of its numbers.  It may hold pickles and compiled code too, which
-PyTorch runs when it loads the file; they are never opened here.  Each operator of PyTorch becomes operators of ONNX.
+That of PyTorch, which is read without PyTorch, is an archive: the graph as JSON, and each weight as the bytes of its numbers.  It may hold
+pickles and compiled code too, which PyTorch runs when it loads the file; they are never opened here.  Each operator of PyTorch becomes
+operators of ONNX.  An ONNX file is data alone.
 """
 
 from __future__ import annotations
@@ -16,12 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.errors import InputError
+from duhem.errors import InputError, MissingExtraError
 from duhem.expression.abbreviations import Stress
 from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile, read_from
-from duhem.law.network import SWITCH, GraphNode, Network, criterion_file, not_read
+from duhem.law.network import REMEDY, SWITCH, GraphNode, Network, criterion_file, not_read
 
-__all__ = ["pt2_network"]
+__all__ = ["onnx_network", "pt2_network"]
 
 Array = NDArray[Any]
 _MOST_BYTES = 50_000_000  # of the graph
@@ -188,3 +189,52 @@ def _argument(arg: Mapping[str, Any]) -> Any:
     if kind not in _ARGUMENTS:
         raise InputError(f"an operator takes {kind.removeprefix('as_')}", remedy="export the layers alone")
     return _ARGUMENTS[kind](value)
+
+
+# -- ONNX files --------------------------------------------------------------------------------------------------------
+
+
+_STANDARD = ("", "ai.onnx")
+_OLDEST = 7  # before, vectors are joined by other rules
+_SAID = 60  # letters of a name that a message repeats
+
+
+def onnx_network(file: str | os.PathLike[str], name: str, *, forces: Sequence[str] | Stress, level: str = "0", stem: str) -> LearnedFile:
+    """The criterion file of the network in an ONNX file: K is where its output is at most ``level``.
+
+    The last axis of its one input has the ``forces``, and its one output has one part.  InputError for anything else, with the node and
+    its operator; MissingExtraError without the package onnx.
+    """
+    try:
+        import onnx
+    except ImportError:
+        raise MissingExtraError("onnx", "learned") from None
+    with read_from(file, "export the network again"):
+        model = onnx.load(os.fspath(file))
+        onnx.checker.check_model(model)
+        _check_meaning(model, onnx.defs.onnx_opset_version())
+        return criterion_file(_onnx_graph(model.graph), Book({}, stem, forces), name, level)
+
+
+def _check_meaning(model: Any, newest: int) -> None:
+    """InputError where an operator may be another than what is read here: in another version, or by a function of the file."""
+    versions = [each.version for each in model.opset_import if each.domain in _STANDARD]
+    if odd := [x for x in versions if not _OLDEST <= x <= newest]:
+        what = f"the file has operators of version {odd[0]}, and those of versions {_OLDEST} to {newest} are read"
+        raise InputError(what, remedy="export the network again for such an opset")
+    if own := [each.name for each in model.functions if each.domain in _STANDARD]:
+        raise InputError(f"the file has a function of its own for the operator {own[0][:_SAID]}", remedy=REMEDY)
+
+
+def _onnx_graph(graph: Any) -> Network:
+    from onnx import helper, numpy_helper
+
+    weights = {each.name: numpy_helper.to_array(each) for each in graph.initializer}
+    shapes = {each.name: [axis.dim_value for axis in each.type.tensor_type.shape.dim] for each in graph.input if each.name not in weights}
+    nodes = []
+    for each in graph.node:
+        given = {x.name: helper.get_attribute_value(x) for x in each.attribute}
+        given = {x: numpy_helper.to_array(y) if x == "value" else y for x, y in given.items()}
+        operator = each.op_type if each.domain in _STANDARD else f"{each.domain}.{each.op_type}"
+        nodes.append(GraphNode(operator, [x or None for x in each.input], each.output[0], given, each.name))
+    return Network(nodes, weights, shapes, [each.name for each in graph.output])
