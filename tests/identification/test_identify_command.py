@@ -116,7 +116,7 @@ HEAD = "sigma_a,sigma_b,sigma_n\n"
         ("sigma_a,sigma_b,sigma_n,scatter\n0.2,0.01,-1,1\n0.1,0.1,-1,0\n", ":3", "scatter is not positive"),
         (b"\x89PNG\r\n\x1a\n\xff\xfe", ":1", "not text in UTF-8"),
         (b"sigma_a,sigma_b\x00,sigma_n\n", ":1", "binary"),
-        (None, "", "cannot be read: No such file"),
+        (None, "", "there is no such file"),
     ],
 )
 def test_tables_that_cannot_be_used(content, place, words, tmp_path, monkeypatch, capsys):

@@ -30,17 +30,9 @@ from duhem.expression.spelling import spelled
 from duhem.expression.vocabulary import MOST_ARGUMENTS, NODES, WORDS, symbol
 
 __all__ = [
-    "check_formula",
-    "check_size",
-    "own_text",
-    "parse_as_written",
-    "parse_expression",
-    "parse_graph",
-    "parse_relation",
-    "reread",
-    "too_long",
-    "written_out",
-]
+    "check_formula", "check_size", "own_text", "parse_as_written", "parse_expression", "parse_graph", "parse_relation", "reread",
+    "too_long", "written_out",
+]  # fmt: skip
 
 MOST_CHARACTERS = 20_000
 MOST_TOKENS = 4_000

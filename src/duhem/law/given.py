@@ -24,17 +24,9 @@ from duhem.expression.parse import parse_as_written, parse_relation, reread, wri
 from duhem.expression.vocabulary import COMPARISONS, adopted
 
 __all__ = [
-    "Relations",
-    "argument_names",
-    "called",
-    "given_formula",
-    "given_relation",
-    "listed",
-    "moved",
-    "moved_relations",
-    "relations",
+    "Relations", "argument_names", "called", "given_formula", "given_relation", "listed", "moved", "moved_relations", "relations",
     "text_of",
-]
+]  # fmt: skip
 
 
 def argument_names(function: Callable[..., Any]) -> list[str]:

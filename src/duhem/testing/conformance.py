@@ -37,17 +37,9 @@ from duhem.testing.routines.routine import Update
 from duhem.testing.run import ConformanceRun
 
 __all__ = [
-    "ACCURACY",
-    "RoutineChecks",
-    "assert_conforms",
-    "check",
-    "check_expected",
-    "checks_asked",
-    "checks_for",
-    "conformance",
-    "every_check",
+    "ACCURACY", "RoutineChecks", "assert_conforms", "check", "check_expected", "checks_asked", "checks_for", "conformance", "every_check",
     "violation",
-]
+]  # fmt: skip
 
 _Law = Criterion | str | Path | None
 

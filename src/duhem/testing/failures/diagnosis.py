@@ -40,25 +40,9 @@ from duhem.testing.failures.state_suggestions import beside_in_state, of_the_sta
 from duhem.testing.routines.origin import Origin
 
 __all__ = [
-    "CAUSES",
-    "CLEAR",
-    "FREE_CAUSES",
-    "IN_REGION",
-    "Part",
-    "Probe",
-    "Regions",
-    "as_expected",
-    "by_cause",
-    "constant",
-    "departure",
-    "diagnosed",
-    "diagnoses",
-    "instead",
-    "of_stress",
-    "region_of",
-    "suggested",
-    "suggests",
-]
+    "CAUSES", "CLEAR", "FREE_CAUSES", "IN_REGION", "Part", "Probe", "Regions", "as_expected", "by_cause", "constant", "departure",
+    "diagnosed", "diagnoses", "instead", "of_stress", "region_of", "suggested", "suggests",
+]  # fmt: skip
 
 # -- regions of stress -------------------------------------------------------------------------------------------------
 

@@ -84,7 +84,7 @@ class Target:
 class WorkPrecision(Study):
     """The rows in the order taken; ``reference`` the reference's own error by scene, or why there is none."""
 
-    printed_by: ClassVar[str] = "duhem.benchmark.work_precision.report"
+    printed_by: ClassVar[str] = "duhem.benchmark.work_precision_report"
 
     repeats: int
     rows: tuple[Measurement, ...]

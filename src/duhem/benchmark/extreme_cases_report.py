@@ -10,7 +10,7 @@ import os
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from duhem.benchmark.extreme_cases.stress import AXES, MOST, POOR, ExtremeCases, Tally
+from duhem.benchmark.extreme_cases import AXES, MOST, POOR, ExtremeCases, Tally
 from duhem.benchmark.study import report
 from duhem.law.units import UNIT
 from duhem.show import figure

@@ -26,8 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.benchmark.contenders import Contender, Specimen
-from duhem.benchmark.reference import NoReference, ReferenceIncrement
-from duhem.benchmark.work_precision.result import (
+from duhem.benchmark.measurement import (
     LIMIT,
     Measurement,
     Spread,
@@ -39,6 +38,7 @@ from duhem.benchmark.work_precision.result import (
     ratio,
     timed,
 )
+from duhem.benchmark.reference import NoReference, ReferenceIncrement
 from duhem.omitted import LeftOut
 from duhem.projection.closed_form import ClosedFormOptions
 from duhem.projection.increment import Increment

@@ -15,8 +15,8 @@ from importlib.util import find_spec
 import numpy as np
 
 from duhem.benchmark.contenders import Contender, Specimen
+from duhem.benchmark.measurement import Measurement, Target, at_most, measured, memory, ratio, timed
 from duhem.benchmark.reference import Drive, Driven, distance
-from duhem.benchmark.work_precision.result import Measurement, Target, at_most, measured, memory, ratio, timed
 from duhem.errors import DuhemError
 from duhem.omitted import LeftOut
 from duhem.path.integrators import INTEGRATORS

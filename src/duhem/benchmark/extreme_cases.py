@@ -3,7 +3,7 @@
 :func:`stress` notes of each answer whether it is finite, whether it lies in K, how many digits are right, and whether the method flagged
 it; bad input must be refused, with the argument and the index named.  :class:`StressCases` asks the same of each row of a campaign: a line
 for each case has a verdict (ok, wrong, flagged, ...) and these counts.  A case lies
-on one axis of difficulty; the module ``report`` prints the result.
+on one axis of difficulty; :mod:`duhem.benchmark.extreme_cases_report` prints the result.
 """
 
 from __future__ import annotations
@@ -35,20 +35,9 @@ from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Status
 
 __all__ = [
-    "AXES",
-    "MOST",
-    "POOR",
-    "ExtremeCase",
-    "ExtremeCases",
-    "Refusal",
-    "StressCases",
-    "Tally",
-    "aspect",
-    "cases",
-    "digits",
-    "refusals",
+    "AXES", "MOST", "POOR", "ExtremeCase", "ExtremeCases", "Refusal", "StressCases", "Tally", "aspect", "cases", "digits", "refusals",
     "stress",
-]
+]  # fmt: skip
 
 # -- the cases ---------------------------------------------------------------------------------------------------------
 
@@ -335,7 +324,7 @@ class Tally:
 class ExtremeCases(Study):
     """Rows in the order taken; ``refusals`` of input that cannot be used; ``reference`` the largest error of the reference."""
 
-    printed_by: ClassVar[str] = "duhem.benchmark.extreme_cases.report"
+    printed_by: ClassVar[str] = "duhem.benchmark.extreme_cases_report"
 
     rows: tuple[Tally, ...]
     refusals: tuple[Refusal, ...]

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Sequence
 from math import ceil, floor, log10
 from typing import TYPE_CHECKING
 
+from duhem.benchmark import increments as increment
+from duhem.benchmark import paths as path
+from duhem.benchmark import throughput
+from duhem.benchmark.measurement import Measurement, Spread, WorkPrecision
 from duhem.benchmark.study import report
-from duhem.benchmark.work_precision import increments as increment
-from duhem.benchmark.work_precision import paths as path
-from duhem.benchmark.work_precision import throughput
-from duhem.benchmark.work_precision.result import Measurement, Spread, WorkPrecision
 from duhem.show import figure
 from duhem.show.notation import latex_number
 from duhem.show.page import PAGE, Page, tied

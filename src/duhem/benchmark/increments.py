@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from duhem.benchmark.contenders import Contender, Specimen
+from duhem.benchmark.measurement import Measurement, largest_errors, timed
 from duhem.benchmark.reference import ReferenceIncrement
-from duhem.benchmark.work_precision.result import Measurement, largest_errors, timed
 from duhem.projection.cvxpy_method import CvxpyOptions
 from duhem.projection.increment import Increment
 from duhem.projection.projector import ACCURACY

@@ -1,4 +1,7 @@
-"""The scenes of a benchmark in turn; what is done when it is interrupted is kept."""
+"""Error against run time: one increment by every method and solver, a path by every integrator, and cost a point at scale.
+
+The scenes are taken in turn; what is done when a run is interrupted is kept.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +9,18 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from duhem.benchmark import increments as increment
+from duhem.benchmark import paths as path
+from duhem.benchmark import throughput
 from duhem.benchmark.contenders import Contender, Specimen, applicable
+from duhem.benchmark.measurement import Measurement, WorkPrecision
 from duhem.benchmark.reference import NoReference
 from duhem.benchmark.study import machine
-from duhem.benchmark.work_precision import increments as increment
-from duhem.benchmark.work_precision import paths as path
-from duhem.benchmark.work_precision import throughput
-from duhem.benchmark.work_precision.result import Measurement, WorkPrecision
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.omitted import LeftOut
 
-__all__ = ["SCENES", "bench"]
+__all__ = ["SCENES", "WorkPrecision", "bench"]
 
 SCENES = (increment.SCENE, path.SCENE, throughput.SCENE, throughput.CALLS, path.LONG)
 
