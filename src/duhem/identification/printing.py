@@ -14,8 +14,7 @@ from duhem.law.outline import outline, ray_ends
 from duhem.show import figure
 from duhem.show.notation import latex_name, latex_number
 from duhem.show.page import PAGE, Page
-from duhem.show.printing import draw, sheet, text
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, draw, sheet, text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 
 from duhem.show.junit import JUnitCase, JUnitSuite, Outcome, as_xml
 from duhem.show.page import PAGE
-from duhem.show.printing import Shown, plain, sheet, text
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, Shown, plain, sheet, text
 from duhem.testing.failures.failure import Failure, write_replays
 
 __all__ = ["FAILED", "MET", "PASSED", "SKIPPED", "UNMET", "Report", "as_dict", "as_junit"]
