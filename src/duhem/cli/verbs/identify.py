@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 
 import click
 
 from duhem.cli.arguments import complete_law, convex_option, format_option, read_fixed_formula, settings_option
-from duhem.cli.output import HELD, Progress, page, say, wrote
-from duhem.show.place import check_places
+from duhem.cli.output import HELD, Progress, as_json, check_outputs, page, say, wrote
 
 __all__ = ["identify"]
 
@@ -62,11 +60,8 @@ def identify(
     from duhem.show.printing import text
 
     family = read_fixed_formula(law, settings)
-    check_places([out, plot], [points, law])
+    check_outputs(plot, [out], [points, law])
     if plot is not None:
-        from duhem.show import figure
-
-        figure.check(plot)
         identification.printing.check(family)
     if inside:
         from duhem.regions.mending.by_parameters import within_region
@@ -80,7 +75,7 @@ def identify(
         done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed, convex=convex)
     if out is not None:
         done.to_toml(out)
-    say(text(done, page()) if form == "text" else json.dumps(done.to_dict(), indent=2, ensure_ascii=False))
+    say(text(done, page()) if form == "text" else as_json(done.to_dict()))
     if plot is not None:
         done.plot(plot)
     wrote("the fitted law", out)

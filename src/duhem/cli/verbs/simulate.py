@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from time import monotonic
-
 import click
 
 from duhem.cli.output import FAILED, HELD, INTERRUPTED, USAGE, Progress, say, wrote
@@ -56,13 +54,9 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
             say(f"{'not needed' if isinstance(part, LeftOut) else 'needed'}: {part.part} ({part.reason})")
         return HELD
     with Progress("simulating") as progress:
-        began = last = monotonic()
 
         def on_step(done: int, steps: int) -> None:
-            nonlocal last
-            if (now := monotonic()) - last > 0.2 and now - began > 1.0:
-                last = now
-                progress.show(f"{done} of {steps} {'points' if many else 'steps'}")
+            progress.often(lambda: f"{done} of {steps} {'points' if many else 'steps'}", after=1.0)
 
         try:
             chosen = looked_into(chosen)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -27,7 +26,7 @@ from duhem.cli.arguments import (
     report_format_option,
     settings_option,
 )
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, as_json, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
@@ -315,7 +314,7 @@ def _told(form: str, tested: Mapping[str, tuple[Report, str]], left_out: Mapping
         return as_junit({name: report for name, (report, _) in tested.items()})
     if form == "json":
         routines = {name: {**as_dict(report), "again": again} for name, (report, _) in tested.items()}
-        return json.dumps({"routines": routines, "left_out": left_out}, indent=2, ensure_ascii=False)
+        return as_json({"routines": routines, "left_out": left_out})
     parts = [f"{name}\n{report}\n{asked}\nagain: {again}" for name, (report, asked) in tested.items()]
     return "\n\n".join([*parts, *(f"{method} skipped: {why}" for method, why in left_out.items())])
 

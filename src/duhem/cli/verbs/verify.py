@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import glob
-import json
 import os
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -24,7 +23,7 @@ from duhem.cli.arguments import (
     report_format_option,
     settings_option,
 )
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, UNDECIDED, Progress, page, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, UNDECIDED, Progress, as_json, page, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
@@ -144,7 +143,7 @@ def verify(
         if interrupted:
             break
     if form == "json":  # one object, or a list of them where several laws are asked for
-        objects = ",\n".join(json.dumps(found.to_dict(), indent=2, ensure_ascii=False) for found in done)
+        objects = ",\n".join(as_json(found.to_dict()) for found in done)
         say(f"[\n{objects}\n]" if len(laws) > 1 else objects)
     elif form == "junit":
         from duhem.proof.report import as_suite
