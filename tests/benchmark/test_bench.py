@@ -21,8 +21,8 @@ from duhem.benchmark import paths, throughput
 from duhem.benchmark.contenders import Contender, Specimen, applicable
 from duhem.benchmark.measurement import Measurement, Spread, Target, WorkPrecision
 from duhem.benchmark.reference import Closest, Drive, NoReference, distance
+from duhem.benchmark.report import duration
 from duhem.benchmark.work_precision import bench
-from duhem.benchmark.work_precision_report import duration
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.omitted import LeftOut
@@ -453,13 +453,12 @@ def test_command_rejects(run: Run, arguments: tuple[str, ...], message: str) -> 
 
 
 def test_command_says_when_it_was_interrupted(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    from duhem.benchmark import increments as increment
 
     def stopped(*_: Any) -> Any:
         yield Measurement("increment", "closed-form", "", {"stress": 0.0, "slip": 0.0}, Spread(1.0, 1.0, 1.0, 1))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(increment, "rows", stopped)
+    monkeypatch.setattr(throughput, "single_rows", stopped)
     code, out, _ = run("bench", "--scene", "increment")
     assert code == 130
     assert "closed-form" in out and "Interrupted" in out

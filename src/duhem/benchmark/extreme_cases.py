@@ -3,7 +3,7 @@
 :func:`stress` notes of each answer whether it is finite, whether it lies in K, how many digits are right, and whether the method flagged
 it; bad input must be refused, with the argument and the index named.  :class:`StressCases` asks the same of each row of a campaign: a line
 for each case has a verdict (ok, wrong, flagged, ...) and these counts.  A case lies
-on one axis of difficulty; :mod:`duhem.benchmark.extreme_cases_report` prints the result.
+on one axis of difficulty; :mod:`duhem.benchmark.report` prints the result.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 
 from duhem.benchmark.contenders import Contender, Specimen, applicable
 from duhem.benchmark.reference import Closest, ReferenceIncrement, distance
-from duhem.benchmark.study import Study, machine
+from duhem.benchmark.study import Study
 from duhem.errors import DuhemError, InputError
 from duhem.expression.number import fraction
 from duhem.law.catalogue import load_formula
@@ -324,7 +324,7 @@ class Tally:
 class ExtremeCases(Study):
     """Rows in the order taken; ``refusals`` of input that cannot be used; ``reference`` the largest error of the reference."""
 
-    printed_by: ClassVar[str] = "duhem.benchmark.extreme_cases_report"
+    printed_by: ClassVar[str] = "duhem.benchmark.report"
 
     rows: tuple[Tally, ...]
     refusals: tuple[Refusal, ...]
@@ -350,7 +350,7 @@ class ExtremeCases(Study):
     def measured(self) -> dict[str, Any]:
         return {
             "interrupted": self.interrupted,
-            "reference": self.reference if math.isfinite(self.reference) else None,
+            "reference": self.reference,
             "rows": [asdict(row) for row in self.rows],
             "refusals": [asdict(refusal) for refusal in self.refusals],
             "silently_wrong": {m: {"stress": a, "slip": b} for m, (a, b) in self.silently_wrong.items()},
@@ -408,7 +408,6 @@ def stress(
     return ExtremeCases(
         law=law.name,
         subject=specimen.describe(),
-        machine=machine(),
         rows=tuple(rows),
         refusals=tuple(refused),
         reference=worst,

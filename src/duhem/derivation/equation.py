@@ -19,9 +19,8 @@ from duhem.expression.unevaluated import Verbatim
 from duhem.law.formula_law import Criterion
 from duhem.law.state import variables_of
 from duhem.omitted import LeftOut
-from duhem.show.notation import latex_name
 from duhem.show.page import Page
-from duhem.show.printing import Shown, latex, markdown, sheet, text
+from duhem.show.printing import Shown, latex, latex_name, markdown, sheet, text
 
 __all__ = ["STIFFNESSES", "Belongs", "Derivation", "Equation", "Names", "columns", "dot", "equal", "put"]
 

@@ -49,6 +49,7 @@ __all__ = [
     "definitions",
     "flow_of",
     "name_fault",
+    "swapped",
 ]  # fmt: skip
 
 
@@ -112,6 +113,14 @@ def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short:
     return (
         parse_expression(given, known, where=where, short=short) if isinstance(given, str) else given_formula(given, known.values(), where)
     )
+
+
+def swapped(
+    old: Mapping[str, sp.Symbol], domains: Mapping[str, Domain]
+) -> tuple[dict[sp.Symbol, sp.Symbol], tuple[tuple[str, sp.Symbol], ...]]:
+    """What takes the place of symbols over other domains of parameters, and every declared name with its symbol there."""
+    swap = {old[name]: new for name, domain in domains.items() if (new := domain.symbol(name)) != old[name]}
+    return swap, tuple((name, swap.get(x, x)) for name, x in old.items())
 
 
 def flow_of(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
@@ -247,6 +256,7 @@ class DeclaredLaw(Verbatim, Shown):
         return part
 
 
+_NAMED = {"unforced": "rate of", "rates": "rate of", "heat": "conductance to", "forces_of_rates": "force"}  # formulas by name, in words
 FORCES = ("sigma_a", "sigma_b")
 PRESSURE = "sigma_n"
 
@@ -348,7 +358,7 @@ class Criterion(DeclaredLaw):
             energy = as_expression(self.energy, known, f"energy of {self.name}", short)
             put(self, "written_energy", text_of(self.energy, energy, self.written_energy, known, short))
             put(self, "energy", energy)
-        for key, what in (("unforced", "rate of"), ("rates", "rate of"), ("heat", "conductance to"), ("forces_of_rates", "force")):
+        for key, what in _NAMED.items():
             given, texts = getattr(self, key), getattr(self, f"written_{key}")
             found = {name: as_expression(rate, known, f"{what} {name} of {self.name}", short) for name, rate in given.items()}
             written = {name: text_of(given[name], rate, texts.get(name, ""), known, short) for name, rate in found.items()}
@@ -484,15 +494,14 @@ class Criterion(DeclaredLaw):
 
 def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
     """The law over other domains, its expressions rewritten in the symbols that know the new signs."""
-    old = law.symbols()
-    new = {name: domain.symbol(name) for name, domain in domains.items()}
-    swap = {old[name]: new[name] for name in new if old[name] != new[name]}
-
-    known = tuple((name, swap.get(x, x)) for name, x in old.items())
+    swap, known = swapped(law.symbols(), domains)
 
     def here(expr: sp.Basic, text: str = "") -> sp.Basic:
         return moved(expr, text, swap, known)
 
+    named: dict[str, Any] = {
+        key: {name: here(x, getattr(law, f"written_{key}")[name]) for name, x in getattr(law, key).items()} for key in _NAMED
+    }
     constraints, texts = moved_relations(law.constraints, law.written_constraints, swap, known)
     return replace(
         law,
@@ -501,10 +510,7 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
         constraints=constraints,
         written_constraints=texts,
         energy=None if law.energy is None else here(law.energy, law.written_energy),
-        unforced={name: here(rate, law.written_unforced[name]) for name, rate in law.unforced.items()},
-        rates={name: here(rate, law.written_rates[name]) for name, rate in law.rates.items()},
-        heat={name: here(conductance, law.written_heat[name]) for name, conductance in law.heat.items()},
-        forces_of_rates={f: here(force, law.written_forces_of_rates[f]) for f, force in law.forces_of_rates.items()},
+        **named,
         flow=None if law.flow is None or law.potential else tuple(map(here, law.flow, law.written_flow or repeat(""))),
         surfaces=tuple(s.moved(here) for s in law.surfaces),
         closed_form=None if law.closed_form is None else converted(law.closed_form, here),

@@ -24,8 +24,7 @@ from duhem.screening.rows import counted
 from duhem.screening.summary import Summary
 from duhem.screening.table import read_lines
 from duhem.show import figure
-from duhem.show.notation import latex_name
-from duhem.show.printing import draw
+from duhem.show.printing import draw, latex_name
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

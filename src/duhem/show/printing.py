@@ -6,19 +6,25 @@ whatever can exist can be shown.
 A sheet is a result as titled fields, one table and notes, written as text, HTML or Markdown.  All text is text: what comes from a file is
 escaped here and nowhere else, so that a law named ``<script>`` is shown under that name and a ``$`` in a source begins no formula.
 Formulas are LaTeX made by SymPy.
+
+Names and numbers are written in formulas in one way, on paper and on figures alike.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from importlib import import_module
+from math import isfinite
 from typing import Any, ClassVar, NoReturn
 
 from duhem.show.page import PAGE, Page
 
-__all__ = ["Sheet", "Shown", "Typeset", "draw", "html", "latex", "markdown", "marked", "plain", "sheet", "text"]
+__all__ = [
+    "Sheet", "Shown", "Typeset", "draw", "finite", "html", "latex", "latex_name", "latex_number", "markdown", "marked", "plain", "sheet",
+    "text",
+]  # fmt: skip
 
 
 @singledispatch
@@ -52,6 +58,15 @@ def plain(result: object) -> dict[str, Any]:
     """The result in numbers, texts, lists and dictionaries of them, as JSON takes them."""
     made: dict[str, Any] = (_own(plain, result) or _unshown(result, "plain values"))(result)
     return made
+
+
+def finite(value: Any) -> Any:
+    """Dictionaries, lists, texts and numbers as JSON has them: what is not finite is none."""
+    if isinstance(value, Mapping):
+        return {key: finite(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [*map(finite, value)]
+    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 @singledispatch
@@ -201,3 +216,36 @@ def marked(text: str) -> str:
     from html import escape
 
     return "".join(f"\\{c}" if c in _MARKS else c for c in escape(" ".join(text.split()), quote=False))
+
+
+# -- names and numbers in formulas -------------------------------------------------------------------------------------
+
+
+_GREEK = {
+    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi", "pi", "rho",
+    "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega", "Gamma", "Delta", "Theta", "Lambda", "Xi", "Pi", "Sigma", "Upsilon", "Phi",
+    "Psi", "Omega",
+}  # fmt: skip
+
+
+def latex_name(name: str) -> str:
+    """``mu_a_plus`` as mu with index a and exponent +; Greek names as letters; other words upright."""
+    head, *rest = name.split("_")
+    digits = head.lstrip("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")
+    if digits.isdigit():
+        head, rest = head[: -len(digits)], [digits, *rest]
+    sign = {"plus": "+", "minus": "-"}.get(rest[-1]) if rest else None
+    rest = rest[:-1] if sign else rest
+    base = f"\\{head}" if head in _GREEK else head if len(head) == 1 else rf"\mathrm{{{head}}}"
+    inner = ",".join(r if r.isdigit() or len(r) == 1 else rf"\mathrm{{{r}}}" for r in rest)
+    index = f"_{{{inner}}}" if inner else ""
+    return base + index + (f"^{{{sign}}}" if sign else "")
+
+
+def latex_number(x: float, digits: int = 4) -> str:
+    """``x`` to some digits; where those need a power of ten, as one."""
+    mantissa, _, power = f"{x:.{digits}g}".partition("e")
+    if not power:
+        return mantissa
+    factor = {"1": "", "-1": "-"}.get(mantissa, rf"{mantissa} \cdot ")
+    return f"{factor}10^{{{int(power)}}}"
