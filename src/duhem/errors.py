@@ -52,10 +52,11 @@ def placed(where: str, *, about: str = "", unless_placed: bool = False) -> Itera
         raise InputError(about + fault.what, where=(unless_placed and fault.where) or where, remedy=fault.remedy) from None
 
 
-def meant(name: object, known: Iterable[str], otherwise: str = "") -> str:
-    """The remedy for an unknown name: the one that was probably meant, else ``otherwise``, or all that are ``known``."""
+def meant(name: object, known: Iterable[str], otherwise: str = "", *, both: bool = False) -> str:
+    """The remedy for an unknown name: the one that was probably meant, else (or ``both``) ``otherwise``, or all that are ``known``."""
     from difflib import get_close_matches
 
     every = tuple(known)
     near = get_close_matches(str(name)[:40], every, n=1)
-    return f"did you mean {near[0]!r}?" if near else otherwise or f"known are: {', '.join(every) or 'none'}"
+    otherwise = otherwise or f"known are: {', '.join(every) or 'none'}"
+    return f"did you mean {near[0]!r}?{f' {otherwise}' if both else ''}" if near else otherwise

@@ -70,7 +70,8 @@ def check(name: str) -> Check:
 def _named(name: str, of_a_law: bool, of_states: bool = False, where: str = "") -> Check:
     known = registered(of_a_law, of_states)
     if name not in known:
-        raise InputError(f"unknown check {name!r}", where=where or ("" if of_a_law else "without a law"), remedy=meant(name, known))
+        remedy = meant(name, known, f"choose one of {', '.join(known)}", both=True)
+        raise InputError(f"unknown check {name!r}", where=where or ("" if of_a_law else "without a law"), remedy=remedy)
     return known[name]
 
 

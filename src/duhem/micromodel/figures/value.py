@@ -267,6 +267,4 @@ class Recipe:
 
 def unknown(what: str, name: str, known: Mapping[str, object]) -> InputError:
     """The error for a name that is not among ``known``, with the nearest of them."""
-    every = f"there are: {', '.join(known)}"
-    hint = meant(name, known, every)
-    return InputError(f"unknown {what} {name[:60]!r}", remedy=hint if hint == every else f"{hint} {every}")
+    return InputError(f"unknown {what} {name[:60]!r}", remedy=meant(name, known, f"there are: {', '.join(known)}", both=True))
