@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression.given_array import columns, unmasked
-from duhem.expression.spelling import spelled
 from duhem.law.formula_law import Criterion
 from duhem.law.placed_toml import text_of
+from duhem.law.table_file import header_of
 
 __all__ = ["Points"]
 
@@ -30,8 +30,6 @@ Array = NDArray[np.float64]
 MOST_BYTES = 20_000_000
 _MOST_ROWS = 200_000
 _OPTIONAL = ("weight", "scatter")
-_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
-_COMMAS = "separate them by commas, and write decimals with points"
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,20 +94,7 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
     if not rows:
         raise InputError("the file is empty", where=where, remedy=f"give a header {','.join(names)} and one row per point")
     (first, header), *body = rows
-    header = [spelled(name.strip()) for name in header]
-    if twice := sorted({name for name in header if header.count(name) > 1}):
-        raise InputError(f"the column {twice[0]!r} is there twice", where=f"{where}:{first}", remedy="give each column its own name")
-    for mark, said in _SEPARATORS.items():
-        if mark == " " and len(header) > 1:
-            continue  # a name may hold a unit
-        words = [word.strip() for name in header for word in name.split(mark) if word.strip()]
-        if (set(names) - set(header)) & set(words) or (len(words) > len(header) and all(map(_is_number, words))):
-            raise InputError(f"the columns are separated by {said}", where=f"{where}:{first}", remedy=_COMMAS)
-    if odd := next((name for name in header if not name.isprintable()), None):
-        what = f"the column {odd[:40]!r} has an invisible character in its name"
-        raise InputError(what, where=f"{where}:{first}", remedy="write the name anew")
-    if all(map(_is_number, header)):
-        raise InputError("there is no header", where=f"{where}:{first}", remedy=f"write the names of the columns above, {','.join(names)}")
+    header = header_of(header, f"{where}:{first}", ",".join(names))
     _complete(header, names, header, f"{where}:{first}")
     if not body:
         raise InputError("there is no row below the header", where=where, remedy="give one row per point")
@@ -168,15 +153,6 @@ def _number(cell: str, name: str, where: str) -> float:
     except ValueError:
         shown = repr(cell.strip()[:30]) if cell.strip() else "empty"
         raise InputError(f"{name} is {shown}, not a number", where=where, remedy="write a number such as -1.5e6") from None
-
-
-def _is_number(text: str) -> bool:
-    """Whether it is one in any notation; a comma may stand for the point."""
-    try:
-        float(text.replace(",", "."))
-    except ValueError:
-        return False
-    return True
 
 
 def _of_columns(columns: Mapping[str, Array], lines: tuple[int, ...], law: Criterion, where: str) -> Points:

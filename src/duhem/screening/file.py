@@ -62,7 +62,7 @@ from duhem.law.convex import check_convex
 from duhem.law.criterion_file import SectionReader
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import Key, parsed, text_of
-from duhem.path.table_file import read_table
+from duhem.law.table_file import read_table
 from duhem.screening.campaign import Campaign, Claimed, Inquiry
 from duhem.screening.increments import Increments, Project, Trials
 from duhem.screening.rows import Draw, Given, Grid, LawName, RowBlock, Span, TableRows, cells_in_lines

@@ -30,7 +30,7 @@ from duhem.expression.spelling import spelled
 from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import text_of
-from duhem.path.table_file import cells_of, header_of
+from duhem.law.table_file import cells_of, header_of
 from duhem.show.place import parquet_packages
 
 __all__ = ["Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "cells_in_lines", "counted", "given"]

@@ -8,10 +8,10 @@ from os import PathLike
 from typing import TextIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.spelling import spelled
-from duhem.projection.result import Array
 
 __all__ = ["MOST_NUMBERS", "cells_of", "header_of", "read_table"]
 
@@ -21,7 +21,7 @@ _COMMAS = "separate numbers by commas, and write decimals with points"
 _SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 
 
-def read_table(file: str | PathLike[str], least: int = 2) -> tuple[list[str], Array]:
+def read_table(file: str | PathLike[str], least: int = 2) -> tuple[list[str], NDArray[np.float64]]:
     """The names in the header, and the rows (m, names) below it, ``least`` or more.  Blank lines and those that begin with # are left out.
 
     InputError names the line of whatever is no number; no more than ``MOST_NUMBERS`` are read.
@@ -40,7 +40,7 @@ def read_table(file: str | PathLike[str], least: int = 2) -> tuple[list[str], Ar
         raise InputError(f"the table cannot be read: {reason}", where=f"{file}", remedy="check its name and that it is CSV") from None
 
 
-def _read(stream: TextIO, where: str, least: int) -> tuple[list[str], Array]:
+def _read(stream: TextIO, where: str, least: int) -> tuple[list[str], NDArray[np.float64]]:
     header: list[str] = []
     numbers = array("d")
     line = 0
@@ -80,14 +80,15 @@ def cells_of(text: str, place: str) -> list[str]:
         raise InputError(f"this is not CSV: {fault}", where=place, remedy=_COMMAS) from None
 
 
-def header_of(cells: list[str], place: str) -> list[str]:
-    """The names of the columns; InputError where these are none, or one is there twice."""
+def header_of(cells: list[str], place: str, example: str = "such as time,u_a,u_b,sigma_n") -> list[str]:
+    """The names of the columns; InputError where these are none, or one is there twice, with an ``example`` of others."""
     names = [spelled(cell.strip()) for cell in cells]
     for mark, said in _SEPARATORS.items():
-        if mark in names[0]:
+        words = [word for name in names for word in name.split(mark) if word]
+        if (mark in names[0] and (mark != " " or len(names) == 1)) or (len(words) > len(names) and all(map(_is_number, words))):
             raise InputError(f"the columns are separated by {said}", where=place, remedy=_COMMAS)
     if all(map(_is_number, names)):
-        raise InputError("there is no header", where=place, remedy="write the names of the columns above, such as time,u_a,u_b,sigma_n")
+        raise InputError("there is no header", where=place, remedy=f"write the names of the columns above, {example}")
     if odd := next((name for name in names if not name.isprintable()), None):
         raise InputError(f"the column {odd[:40]!r} has an invisible character in its name", where=place, remedy="write the name anew")
     if twice := next((name for name in names if names.count(name) > 1), None):
@@ -96,8 +97,9 @@ def header_of(cells: list[str], place: str) -> list[str]:
 
 
 def _is_number(text: str) -> bool:
+    """Whether it is one in any notation; a comma may stand for the point."""
     try:
-        float(text)
+        float(text.replace(",", "."))
     except ValueError:
         return False
     return True
