@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 from array import array
+from collections.abc import Iterator
+from contextlib import contextmanager
 from os import PathLike
 from typing import TextIO
 
@@ -13,7 +15,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.spelling import spelled
 
-__all__ = ["MOST_NUMBERS", "cells_of", "header_of", "read_table"]
+__all__ = ["MOST_NUMBERS", "cells_of", "header_of", "lines_of", "read_table", "reading"]
 
 MOST_NUMBERS = 10_000_000  # of a path: five million knots in the plane, with some 100 bytes each before the first step
 _MOST_CHARACTERS = 100_000  # of a line
@@ -28,29 +30,39 @@ def read_table(file: str | PathLike[str], least: int = 2) -> tuple[list[str], ND
     """
     if not isinstance(file, (str, PathLike)):
         raise InputError(f"{type(file).__name__} is no name of a file", where="file", remedy="give the path of a table")
+    with reading(f"{file}"), open(file, encoding="utf-8-sig") as stream:
+        return _read(stream, f"{file}", least)
+
+
+@contextmanager
+def reading(file: str) -> Iterator[None]:
+    """InputError, with the file, where it cannot be read or is no text."""
     try:
-        with open(file, encoding="utf-8-sig") as stream:
-            return _read(stream, f"{file}", least)
+        yield
     except InputError:
         raise
     except UnicodeDecodeError:
-        raise InputError("this is not text in UTF-8", where=f"{file}", remedy="write the table as CSV") from None
+        raise InputError("this is not text in UTF-8", where=file, remedy="write the table as CSV") from None
     except (OSError, ValueError) as fault:
-        reason = getattr(fault, "strerror", None) or str(fault)
-        raise InputError(f"the table cannot be read: {reason}", where=f"{file}", remedy="check its name and that it is CSV") from None
+        reason = getattr(fault, "strerror", None) or " ".join(str(fault).split())[:200]
+        raise InputError(f"the table cannot be read: {reason}", where=file, remedy="check its name and kind") from None
+
+
+def lines_of(stream: TextIO, where: str) -> Iterator[tuple[str, str]]:
+    """The lines that are neither blank nor begin with #, each after its place; InputError where one is too long for a table."""
+    for number, text in enumerate(iter(lambda: stream.readline(_MOST_CHARACTERS + 1), ""), 1):
+        if len(text) > _MOST_CHARACTERS:
+            raise _no_csv(f"{where}:{number}")
+        if text.strip() and not text.lstrip().startswith("#"):
+            yield f"{where}:{number}", text
 
 
 def _read(stream: TextIO, where: str, least: int) -> tuple[list[str], NDArray[np.float64]]:
     header: list[str] = []
     numbers = array("d")
-    line = 0
-    while text := stream.readline(_MOST_CHARACTERS + 1):
-        line += 1
-        place = f"{where}:{line}"
-        if len(text) > _MOST_CHARACTERS or "\0" in text:
-            raise InputError("this line is not valid CSV", where=place, remedy="write the table as CSV")
-        if not text.strip() or text.lstrip().startswith("#"):
-            continue
+    for place, text in lines_of(stream, where):
+        if "\0" in text:
+            raise _no_csv(place)
         cells = cells_of(text, place)
         if not header:
             header = header_of(cells, place)
@@ -68,6 +80,10 @@ def _read(stream: TextIO, where: str, least: int) -> tuple[list[str], NDArray[np
         few = "two rows" if least == 2 else "one row"
         raise InputError(f"the table has fewer than {few}", where=where, remedy=f"give a header and at least {few}")
     return header, np.array(numbers).reshape(-1, len(header))
+
+
+def _no_csv(place: str) -> InputError:
+    return InputError("this line is not valid CSV", where=place, remedy="write the table as CSV")
 
 
 def cells_of(text: str, place: str) -> list[str]:
