@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
-__all__ = ["DuhemError", "InputError", "MissingExtraError", "meant", "placed", "words_of"]
+__all__ = ["DuhemError", "InputError", "MissingExtraError", "faults_at", "meant", "words_of"]
 
 
 class DuhemError(Exception):
@@ -28,6 +28,16 @@ class InputError(DuhemError, ValueError):
     """Something the caller wrote (a file, an option, an argument) cannot be used as it stands."""
 
 
+@contextmanager
+def faults_at(where: str | Callable[[], str], *, unless_placed: bool = False) -> Iterator[None]:
+    """An InputError of what is done here is told with this place, ``unless_placed`` for those that have one of their own."""
+    try:
+        yield
+    except InputError as fault:
+        place = fault.where if unless_placed and fault.where else where if isinstance(where, str) else where()
+        raise InputError(fault.what, where=place, remedy=fault.remedy) from None
+
+
 class MissingExtraError(DuhemError, ImportError):
     """An optional part is asked for and not installed; the remedy is the pip command."""
 
@@ -41,15 +51,6 @@ def words_of(fault: BaseException) -> str:
         return str(fault)
     except Exception:
         return ""
-
-
-@contextmanager
-def placed(where: str, *, about: str = "", unless_placed: bool = False) -> Iterator[None]:
-    """What is wrong within lies at ``where``, unless it says where itself and that is to be kept; ``about`` stands before what is wrong."""
-    try:
-        yield
-    except InputError as fault:
-        raise InputError(about + fault.what, where=(unless_placed and fault.where) or where, remedy=fault.remedy) from None
 
 
 def meant(name: object, known: Iterable[str], otherwise: str = "", *, both: bool = False) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from functools import cached_property, partial
@@ -18,7 +17,7 @@ from typing import Any, TypeVar
 
 import sympy as sp
 
-from duhem.errors import InputError, meant, placed
+from duhem.errors import InputError, faults_at, meant
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Stress
 from duhem.expression.indexed import Indexed, component
@@ -120,10 +119,6 @@ class SectionReader:
     def error(self, what: str, *path: Key, remedy: str) -> InputError:
         return InputError(what, where=self.place(*path), remedy=remedy)
 
-    def at(self, *path: Key, about: str = "") -> AbstractContextManager[None]:
-        """What is wrong within lies at that place."""
-        return placed(self.place(*path), about=about)
-
     def place(self, *path: Key) -> str:
         """file:line:column of a key, or the file where the key is not found."""
         return self.toml.place(*(key for key in path if key != ""))
@@ -218,7 +213,7 @@ class _CriterionReader(SectionReader):
         head = self.head(forces, pressure, domains, define) | self.state(variables, read, slots) | {"viscous": viscous}
         bounds = {key: getattr(whole, key) for key in ("g", "flow", "potential", "written", "written_flow")}
         domain = self.ranges(forces, pressure)
-        with placed(self.where):
+        with faults_at(self.where):
             law = Criterion(**head, **bounds, stress=stress, define=define, domain=domain, surfaces=surfaces)
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
@@ -282,7 +277,7 @@ class _CriterionReader(SectionReader):
             )
         if not (isinstance(given, dict) and {*given} == {"name", "kind"} and all(isinstance(x, str) for x in given.values())):
             raise self.error("stress is not a table of name and kind", "criterion", "stress", remedy=example)
-        with self.at("criterion", "stress"):
+        with faults_at(partial(self.place, "criterion", "stress")):
             return Stress(**given)
 
     def expected(self) -> Mapping[str, str]:
@@ -377,7 +372,7 @@ class _CriterionReader(SectionReader):
     def over(self, *path: Key, change: Callable[[str], T]) -> tuple[T, int, int]:
         """What is made of the text of a formula, and where that begins; a fault lies there."""
         text, line, column = super().formula(*path)
-        with placed(f"{self.where}:{line}:{column + 1}", unless_placed=True):
+        with faults_at(f"{self.where}:{line}:{column + 1}", unless_placed=True):
             return change(text), line, column
 
     def formula(self, *path: Key) -> tuple[str, int, int]:
@@ -410,8 +405,10 @@ class _CriterionReader(SectionReader):
             self.keys("domain", entry, ("min", "max"), inside=key)
             if name in found:
                 raise self.error(f"{name!r} has two ranges, in two spellings", "domain", key, remedy="give it one")
-            with self.at("domain", key, about=f"{name}: "):
+            try:
                 found[name] = Domain.between(entry.get("min"), entry.get("max"))
+            except InputError as fault:
+                raise self.error(f"{name}: {fault.what}", "domain", key, remedy=fault.remedy) from None
             if wrong := range_fault(name, found[name], forces, pressure):
                 raise self.error(wrong[0], "domain", key, remedy=wrong[1])
         return found
@@ -428,11 +425,13 @@ class _CriterionReader(SectionReader):
             raise self.error(f"the domain of {name} mixes {mixed}", section, name, remedy=remedy)
         if entry.get("positive", True) is not True:
             raise self.error(f"positive of {name} is not true", section, name, remedy="remove it, or write positive = true")
-        with self.at(section, name, about=f"{name}: "):
+        try:
             if "value" in entry:
                 return Domain.fixed(entry["value"])
             high = Domain.between(None, entry.get("max")).high
             return Domain(POSITIVE.low, high, positive=True) if "positive" in entry else Domain.between(entry.get("min"), high)
+        except InputError as fault:
+            raise self.error(f"{name}: {fault.what}", section, name, remedy=fault.remedy) from None
 
     def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions) -> Relations:
         given = self.document["criterion"].get("constraints", [])
@@ -489,7 +488,7 @@ class _CriterionReader(SectionReader):
             if flow:
                 raise self.error(f"{flow_name} and potential are both given", *at, remedy="remove one of them")
             potential, text = read(*at)
-            with self.at(*at):
+            with faults_at(partial(self.place, *at)):
                 flow_of(potential, forces)
             return YieldSurface(g, potential=text, written=written)
         if not flow:
