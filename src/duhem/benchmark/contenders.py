@@ -179,20 +179,24 @@ class Specimen:
         """The pressure sigma_n = -1 of the plain cases, in the unit of the parameters; None for a law without."""
         return None if self.law.pressure is None else -1.0
 
-    def question(self, trial: Array, pressure: Array | float | None, stiffness: Array | None = None) -> Increment:
+    def question(self, trial: Array, pressure: Array | float | None) -> Increment:
         """The checked increments."""
-        return increment(self.law, trial, pressure, self.stiffness if stiffness is None else stiffness, None)
+        return increment(self.law, trial, pressure, self.stiffness, None)
 
-    def reference(self, stiffness: Array | None = None, digits: int = 50) -> Closest:
+    @property
+    def unloaded(self) -> Increment:
+        """The increment without forces, whose law, formula and stiffness are those of all."""
+        return self.question(np.zeros((1, len(self.law.forces))), self.pressure)
+
+    def reference(self) -> Closest:
         """The closest point in many digits."""
-        question = self.question(np.zeros((1, len(self.law.forces))), self.pressure, stiffness)
-        symbol = None if self.law.pressure is None else self.law.symbols()[self.law.pressure]
-        return Closest(question.g, self.law.force_symbols(), symbol, question.stiffness.tolist(), digits)
+        question = self.unloaded
+        return Closest(question.g, self.law.force_symbols(), question.pressure_symbol, question.stiffness.tolist())
 
     def radius(self, direction: Array, pressure: float | None) -> float:
         """How far K reaches along ``direction`` from the origin, in doubles; 0 where the origin is outside, inf where it never ends."""
-        question = self.question(np.zeros((1, len(self.law.forces))), self.pressure)
-        others = {} if self.law.pressure is None or pressure is None else {self.law.symbols()[self.law.pressure]: pressure}
+        question = self.unloaded
+        others = {} if pressure is None or question.pressure_symbol is None else {question.pressure_symbol: pressure}
         (last,), (first,) = exits(question.g, self.law.force_symbols(), direction[None], _RADII, others)
         return 0.0 if last < _RADII[0] else float("inf") if last == first else float(last)
 

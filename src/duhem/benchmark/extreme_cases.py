@@ -379,7 +379,7 @@ def stress(
     if every < 1:
         raise InputError(f"every is {every}", where="every", remedy="give a whole number >= 1")
     specimen = Specimen.of(law, stiffness)
-    found, left_out = applicable(specimen.question(np.zeros((1, len(law.forces))), specimen.pressure), peers=peers)
+    found, left_out = applicable(specimen.unloaded, peers=peers)
     chosen = list(found if contenders is None else contenders)
     rows: list[Tally] = []
     refused: list[Refusal] = []
@@ -551,7 +551,7 @@ def _contender(law: Criterion, method: str) -> Contender | str:
     if method == "auto":
         chosen = Projector.of(specimen.law, specimen.stiffness).method
         return Contender(chosen.name, chosen, chosen.options_of({}))
-    reason = METHODS[method]().applies(specimen.question(np.zeros((1, len(law.forces))), specimen.pressure))
+    reason = METHODS[method]().applies(specimen.unloaded)
     return Contender.of(method, method) if reason is None else reason
 
 

@@ -61,9 +61,8 @@ def route(specimen: Specimen) -> Route:
     axes = np.eye(d)[: min(d, 2)]
     reach = min(r for r in (specimen.radius(sign * axis, specimen.pressure) for axis in axes for sign in (1, -1)) if r > 0)
     points = np.vstack([np.zeros(d), np.cumsum(_LENGTHS[:, None] * reach * ways, axis=0)]) / float(np.diagonal(specimen.stiffness).mean())
-    question = specimen.question(np.zeros((1, d)), specimen.pressure)
-    symbol = None if specimen.law.pressure is None else specimen.law.symbols()[specimen.law.pressure]
-    drive = Drive(question.g, specimen.law.force_symbols(), symbol, question.stiffness.tolist(), specimen.pressure)
+    question = specimen.unloaded
+    drive = Drive(question.g, specimen.law.force_symbols(), question.pressure_symbol, question.stiffness.tolist(), specimen.pressure)
     return Route(specimen, points, drive(points.tolist()))
 
 

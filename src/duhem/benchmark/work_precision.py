@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-import numpy as np
-
 from duhem.benchmark import paths as path
 from duhem.benchmark import throughput
 from duhem.benchmark.contenders import Contender, Specimen, applicable
@@ -52,8 +50,7 @@ def bench(
         if count < 1:
             raise InputError(f"{name} is {count}", where=name, remedy="give a whole number >= 1")
     specimen = Specimen.of(law, stiffness)
-    question = specimen.question(np.zeros((1, len(law.forces))), specimen.pressure)
-    found, left_out = applicable(question, throughput.TOLERANCES, peers)
+    found, left_out = applicable(specimen.unloaded, throughput.TOLERANCES, peers)
     chosen = list(found if contenders is None else contenders)
     rows: list[Measurement] = []
     reference: dict[str, float | str] = {}

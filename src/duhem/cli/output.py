@@ -27,6 +27,7 @@ __all__ = [
     "USAGE",
     "Progress",
     "as_json",
+    "aside",
     "check_outputs",
     "endless_page",
     "page",
@@ -59,7 +60,12 @@ def say(text: str) -> None:
 def wrote(what: str, file: str | None) -> None:
     """Say on standard error what was written to a file, if there is one; standard output holds results alone."""
     if file is not None:
-        click.echo(f"duhem: wrote {what} to {file}", err=True)
+        aside(f"wrote {what} to {file}")
+
+
+def aside(text: object) -> None:
+    """Say on standard error what is no result."""
+    click.echo(f"duhem: {text}", err=True)
 
 
 def as_json(value: Any) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from duhem.cli.arguments import modules_beside_the_user
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, as_json, page, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, as_json, aside, page, say, wrote
 
 if TYPE_CHECKING:
     from duhem.benchmark.extreme_cases import StressCases
@@ -100,7 +100,7 @@ def campaign(
         check_places([table, picture], asked.inputs)
         plane.check(asked, over)
     if resume and finished_csv(table):
-        click.echo(f"duhem: {table} is finished, but a CSV table does not store its campaign: duhem computes all rows again", err=True)
+        aside(f"{table} is finished, but a CSV table does not store its campaign: duhem computes all rows again")
     with Progress("starting") as progress:
         began, first = monotonic(), -1
 
@@ -112,7 +112,7 @@ def campaign(
 
         def on_start(dashboard: str) -> None:
             progress.show("")
-            click.echo(f"duhem: the cluster's dashboard is {dashboard}", err=True)
+            aside(f"the cluster's dashboard is {dashboard}")
 
         try:
             summary = entry.campaign(
@@ -120,7 +120,7 @@ def campaign(
             )
         except entry.StoppedCampaign as stop:
             progress.show("")
-            click.echo(f"duhem: {stop}", err=True)
+            aside(stop)
             return INTERRUPTED
     say(text(summary, page()))
     if picture is not None:

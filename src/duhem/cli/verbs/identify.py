@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import click
 
 from duhem.cli.arguments import complete_law, convex_option, format_option, read_fixed_formula, settings_option
-from duhem.cli.output import HELD, Progress, as_json, check_outputs, page, say, wrote
+from duhem.cli.output import HELD, Progress, as_json, aside, check_outputs, page, say, wrote
 
 __all__ = ["identify"]
 
@@ -70,7 +70,7 @@ def identify(
             whole, family = family, within_region(family)
         for name, own in family.parameters.items():
             if own != whole.parameters[name]:
-                click.echo(f"duhem: only {own.stated(name)} is tried, where K is proved convex", err=True)
+                aside(f"only {own.stated(name)} is tried, where K is proved convex")
     with Progress("identifying"):
         done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed, convex=convex)
     if out is not None:

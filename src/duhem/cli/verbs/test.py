@@ -26,7 +26,7 @@ from duhem.cli.arguments import (
     report_format_option,
     settings_option,
 )
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, as_json, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, as_json, aside, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ def test(
     tested, ended = _carry_out(routines, asked_for, most, options)
     say(_told(form, tested, left_out, again))
     if ended is not None and not isinstance(ended, KeyboardInterrupt):
-        click.echo(f"duhem: {ended}", err=True)
+        aside(ended)
     reports = [report for report, _ in tested.values()]
     if replay is not None:  # a test file for each cause, and for the increment that a routine does not come back from
         for file in (file for report in reports for file in report.write_replays(replay)):

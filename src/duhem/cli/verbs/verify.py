@@ -23,7 +23,7 @@ from duhem.cli.arguments import (
     report_format_option,
     settings_option,
 )
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, UNDECIDED, Progress, as_json, page, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, UNDECIDED, Progress, as_json, aside, page, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ def verify(
         write(report, as_page([article(*each) for each in zip(done, commands, texts, strict=True)]))
         wrote("the page", report)
         if lacking := without():
-            click.echo(f"duhem: {report} is {lacking}", err=True)
+            aside(f"{report} is {lacking}")
     came = ((found.criterion.name, {r.claim: r.verdict.value for r in found.results}, own) for found, own in zip(done, due, strict=True))
     return _code_of(came, strict=strict)
 
@@ -225,7 +225,7 @@ def _code_of(found: Iterable[tuple[str, Mapping[str, str | None], Mapping[str, s
             if (due := expected.get(claim)) is None:
                 codes.add(REFUTED if verdict == "refuted" else UNDECIDED if strict and verdict in ("undecided", "tested") else HELD)
             elif verdict not in (due, None):
-                click.echo(f"duhem: {law}: {claim} is {verdict}, where {due} is expected", err=True)
+                aside(f"{law}: {claim} is {verdict}, where {due} is expected")
                 codes.add(REFUTED)
     return REFUTED if REFUTED in codes else max(codes)
 
@@ -280,7 +280,7 @@ def _verify_each(
                 verdicts.append({line.claim: line.verdict for line in lines})
                 progress.show(f"{len(verdicts)} of {len(laws)} laws")
     except KeyboardInterrupt:
-        click.echo(f"duhem: interrupted after {len(verdicts)} of {len(laws)} laws", err=True)
+        aside(f"interrupted after {len(verdicts)} of {len(laws)} laws")
         return INTERRUPTED
     code = _code_of(zip(laws, verdicts, due, strict=True), strict=strict)
     return FAILED if any(None in each.values() for each in verdicts) else code
