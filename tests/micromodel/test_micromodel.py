@@ -19,10 +19,10 @@ from scipy.integrate import quad
 import duhem
 from duhem.derivation import Derivation
 from duhem.errors import InputError
-from duhem.micromodel import derivation, facets, profile
-from duhem.micromodel.profile import by_quadrature, simulate_profile
+from duhem.micromodel import derivation, facets
 from duhem.micromodel.wedge import associated_fit, coefficients, limit_point, slip_direction
 from duhem.proof.verdict import Verdict
+from tests.oracles.rough_profile import by_quadrature, reaction, simulate_profile
 
 STEEL = (np.pi / 4, np.arctan(0.25), 0.25, 0.25)  # the specimen of the paper at mu = 1/4
 EXACT = {"tan_alpha": "1", "tan_beta": "1/4", "mu_alpha": "1/4", "mu_beta": "1/4"}
@@ -246,7 +246,7 @@ def test_the_force_on_a_side_is_that_of_the_profile(slope: float, mu: float) -> 
     pressing, along = sp.Symbol("N", positive=True), sp.Symbol("S", real=True)
     at = {t: slope, x: mu, pressing: 1, along: mu}  # S = x N: Coulomb's law for slip along +t_a
     tangential, normal = (float(c.subs(at)) for c in derived["side_forces"].rhs)
-    np.testing.assert_allclose([tangential, 0, normal], -profile._reaction(np.array([slope]), np.array([mu]), 0.0)[0], atol=1e-15)
+    np.testing.assert_allclose([tangential, 0, normal], -reaction(np.array([slope]), np.array([mu]), 0.0)[0], atol=1e-15)
     force = dict(zip(derived["side_forces"].lhs, (tangential, normal), strict=True))
     coulomb = derived["coulomb"].relation
     assert abs(float((coulomb.lhs - coulomb.rhs).subs(at | force))) < 1e-15
