@@ -24,6 +24,7 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 __all__ = [
     "Vectors",
     "check_names",
+    "choice_option",
     "complete_claims",
     "complete_expected",
     "complete_law",
@@ -101,9 +102,14 @@ settings_option = click.option(
 )
 
 
+def choice_option(*names: str, of: Sequence[str], says: str, default: str = "") -> Callable[[_Command], _Command]:
+    """One ``of`` several words, the ``default`` or the first of them where it is left out."""
+    return click.option(*names, type=click.Choice(of), default=default or of[0], show_default=True, help=says)
+
+
 def format_option(*forms: str, says: str = "How to print it.") -> Callable[[_Command], _Command]:
     """``--format``, one of ``forms``, the first of them where it is left out."""
-    return click.option("--format", "form", type=click.Choice(forms), default=forms[0], show_default=True, help=says)
+    return choice_option("--format", "form", of=forms, says=says)
 
 
 report_format_option = format_option(
@@ -113,7 +119,7 @@ report_format_option = format_option(
 
 def convex_option(says: str) -> Callable[[_Command], _Command]:
     """``--convex``, which ``says`` what is asked of K."""
-    return click.option("--convex", type=click.Choice(CONVEX), default="ask", show_default=True, help=says)
+    return choice_option("--convex", of=CONVEX, says=says)
 
 
 def read_law(text: str) -> Law:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import click
 
-from duhem.cli.arguments import format_option, law_argument, modules_beside_the_user, read_settings, settings_option
+from duhem.cli.arguments import choice_option, format_option, law_argument, modules_beside_the_user, read_settings, settings_option
 from duhem.cli.output import HELD, UNDECIDED, Progress, as_json, check_outputs, page, say, wrote
 
 __all__ = ["mend"]
@@ -15,12 +15,10 @@ __all__ = ["mend"]
 @click.command()
 @law_argument
 @settings_option
-@click.option(
+@choice_option(
     "--by",
-    type=click.Choice(["auto", "parameters", "hull", "harmonics", "coefficients"]),
-    default="auto",
-    show_default=True,
-    help="How to mend the law. auto tries all ways, and takes the result whose largest change of the limit load is least.",
+    of=["auto", "parameters", "hull", "harmonics", "coefficients"],
+    says="How to mend the law. auto tries all ways, and takes the result whose largest change of the limit load is least.",
 )
 @click.option("--harmonics", type=click.IntRange(1, 16), default=8, show_default=True, help="Number of harmonics of the gauge.")
 @click.option("--out", metavar="FILE", help="Write the mended law to this criterion file.")

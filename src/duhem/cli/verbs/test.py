@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from duhem.cli.arguments import (
+    choice_option,
     complete_law,
     read_attribute,
     read_fixed_formula,
@@ -47,13 +48,7 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
 @click.argument("subject", metavar="LAW|MODULE:CALLABLE|UMAT", shell_complete=complete_law)
 @click.option("--law", metavar="LAW", shell_complete=complete_law, help="The law of the routine MODULE:CALLABLE or of the UMAT.")
 @settings_option
-@click.option(
-    "--profile",
-    type=click.Choice([*_EXAMPLES]),
-    default="dev",
-    show_default=True,
-    help="Number of cases: dev 30; ci 100, the same in each run; deep 2000.",
-)
+@choice_option("--profile", of=[*_EXAMPLES], says="Number of cases: dev 30; ci 100, the same in each run; deep 2000.")
 @click.option("--examples", type=click.IntRange(1), metavar="N", help="Number of cases, instead of that of the profile.")
 @click.option("--stiffness", metavar="K ...", help="Stiffness in quotes: one number per force, or the matrix row by row (default: random).")
 @click.option("--pressure", metavar="N", help="Pressure (normal stress) sigma_n <= 0 (default: random, if there is a law).")

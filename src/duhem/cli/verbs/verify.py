@@ -12,6 +12,7 @@ import click
 
 from duhem.cli.arguments import (
     check_names,
+    choice_option,
     complete_claims,
     complete_expected,
     laws_argument,
@@ -53,12 +54,11 @@ _ORDER = ("refuted", "undecided", "tested", "proved", "by_construction", "not_ap
 @report_format_option
 @click.option("--report", metavar="FILE", help="Also write an HTML page for people, with pictures and the derivation.")
 @click.option("--certificate", metavar="FILE", help="Also write the proofs to this JSON file, for duhem recheck.")
-@click.option(
+@choice_option(
     "--effort",
-    type=click.Choice(["quick", "normal", "thorough"]),
+    of=["quick", "normal", "thorough"],
     default="normal",
-    show_default=True,
-    help="Budget of steps for each claim: quick is an eighth of normal, thorough is eight times normal.",
+    says="Budget of steps for each claim: quick is an eighth of normal, thorough is eight times normal.",
 )
 @click.option(
     "--coupled",
