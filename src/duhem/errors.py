@@ -1,8 +1,11 @@
-"""The one exception users meet: what is wrong, where, and what to do about it."""
+"""The one exception users meet: what is wrong, where, and what to do about it; how it is told its place, and a name that was meant."""
 
 from __future__ import annotations
 
-__all__ = ["DuhemError", "InputError", "MissingExtraError", "words_of"]
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+
+__all__ = ["DuhemError", "InputError", "MissingExtraError", "faults_at", "meant", "words_of"]
 
 
 class DuhemError(Exception):
@@ -25,6 +28,16 @@ class InputError(DuhemError, ValueError):
     """Something the caller wrote (a file, an option, an argument) cannot be used as it stands."""
 
 
+@contextmanager
+def faults_at(where: str | Callable[[], str], *, unless_placed: bool = False) -> Iterator[None]:
+    """An InputError of what is done here is told with this place, ``unless_placed`` for those that have one of their own."""
+    try:
+        yield
+    except InputError as fault:
+        place = fault.where if unless_placed and fault.where else where if isinstance(where, str) else where()
+        raise InputError(fault.what, where=place, remedy=fault.remedy) from None
+
+
 class MissingExtraError(DuhemError, ImportError):
     """An optional part is asked for and not installed; the remedy is the pip command."""
 
@@ -38,3 +51,13 @@ def words_of(fault: BaseException) -> str:
         return str(fault)
     except Exception:
         return ""
+
+
+def meant(name: object, known: Iterable[str], otherwise: str = "", *, both: bool = False) -> str:
+    """The remedy for an unknown name: the one that was probably meant, else (or ``both``) ``otherwise``, or all that are ``known``."""
+    from difflib import get_close_matches
+
+    every = tuple(known)
+    near = get_close_matches(str(name)[:40], every, n=1)
+    otherwise = otherwise or f"known are: {', '.join(every) or 'none'}"
+    return f"did you mean {near[0]!r}?{f' {otherwise}' if both else ''}" if near else otherwise

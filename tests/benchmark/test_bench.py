@@ -17,12 +17,12 @@ import pytest
 import sympy as sp
 
 import duhem
+from duhem.benchmark import paths, throughput
 from duhem.benchmark.contenders import Contender, Specimen, applicable
-from duhem.benchmark.reference import Closest, NoReference, distance
-from duhem.benchmark.reference_path import Drive
-from duhem.benchmark.work_precision import bench, paths, throughput
-from duhem.benchmark.work_precision.report import duration
-from duhem.benchmark.work_precision.result import Measurement, Spread, Target, WorkPrecision
+from duhem.benchmark.measurement import Measurement, Spread, Target, WorkPrecision
+from duhem.benchmark.reference import Closest, Drive, NoReference, distance
+from duhem.benchmark.report import duration
+from duhem.benchmark.work_precision import bench
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.omitted import LeftOut
@@ -266,7 +266,7 @@ def test_json_has_every_row_with_its_spread(increments: WorkPrecision) -> None:
 
 @pytest.mark.slow
 def test_path_errors_fall_with_the_order_of_the_integrator(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("duhem.benchmark.work_precision.paths._SLOW", float("inf"))  # on a busy machine too
+    monkeypatch.setattr("duhem.benchmark.paths._SLOW", float("inf"))  # on a busy machine too
     law = coulomb()
     result = bench(law, scenes=("path",), repeats=1, steps=(64, 256))
     error = {(row.method, row.setting): row.error["stress"] for row in result.rows}
@@ -453,13 +453,12 @@ def test_command_rejects(run: Run, arguments: tuple[str, ...], message: str) -> 
 
 
 def test_command_says_when_it_was_interrupted(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    from duhem.benchmark.work_precision import increments as increment
 
     def stopped(*_: Any) -> Any:
         yield Measurement("increment", "closed-form", "", {"stress": 0.0, "slip": 0.0}, Spread(1.0, 1.0, 1.0, 1))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(increment, "rows", stopped)
+    monkeypatch.setattr(throughput, "single_rows", stopped)
     code, out, _ = run("bench", "--scene", "increment")
     assert code == 130
     assert "closed-form" in out and "Interrupted" in out

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import duhem
-from duhem.benchmark.contenders import Contender, Specimen, applicable
+from duhem.benchmark import throughput
+from duhem.benchmark.contenders import JAXMAT, PEERS, SLSQP, Contender, Peer, PeerOptions, Specimen, _moduli, _said, _surface, applicable
 from duhem.benchmark.extreme_cases import stress
-from duhem.benchmark.peers import JAXMAT, PEERS, SLSQP, Peer, PeerOptions, _moduli, _said, _surface
-from duhem.benchmark.work_precision import bench, throughput
-from duhem.benchmark.work_precision.result import Measurement, Spread
-from duhem.benchmark.work_precision.throughput import beside_peers
+from duhem.benchmark.measurement import Measurement, Spread
+from duhem.benchmark.throughput import beside_peers
+from duhem.benchmark.work_precision import bench
 from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
 from duhem.law.formula_law import Criterion

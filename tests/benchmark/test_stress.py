@@ -17,9 +17,7 @@ import pytest
 
 import duhem
 from duhem.benchmark.contenders import Contender, Specimen
-from duhem.benchmark.extreme_cases import AXES, cases, stress
-from duhem.benchmark.extreme_cases.cases import aspect
-from duhem.benchmark.extreme_cases.stress import ExtremeCases, Tally, digits, refusals
+from duhem.benchmark.extreme_cases import AXES, ExtremeCases, Tally, aspect, cases, digits, refusals, stress
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.closed_form import CLOSED_FORM, ClosedFormOptions

@@ -11,8 +11,8 @@ import argparse
 from collections.abc import Sequence
 
 import duhem
+from duhem.benchmark.contenders import PEERS
 from duhem.benchmark.extreme_cases import AXES, ExtremeCases, stress
-from duhem.benchmark.peers import PEERS
 from duhem.law.formula_law import Criterion
 
 # Parameters at which K is convex, unlike each other where there are two.

@@ -19,7 +19,7 @@ import duhem.law.builtin
 from duhem.errors import InputError
 from duhem.expression import mpmath_, numpy_
 from duhem.expression.balls import ball, enclose, precision
-from duhem.expression.parse import exact_number
+from duhem.expression.number import exact_number
 from duhem.law.builtin.lobes import lobe_law
 from duhem.law.curve_law import Law
 from duhem.law.domain import POSITIVE, Domain

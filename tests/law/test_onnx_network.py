@@ -14,7 +14,7 @@ from duhem import load
 from duhem.cli import cli
 from duhem.errors import InputError
 from duhem.expression import numpy_
-from duhem.law.onnx_network import onnx_network
+from duhem.law.network import onnx_network
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection

@@ -5,8 +5,8 @@ import tomllib
 
 import pytest
 
-from duhem.errors import InputError
-from duhem.law.placed_toml import meant, parsed, text_of
+from duhem.errors import InputError, meant
+from duhem.law.placed_toml import parsed, text_of
 
 
 def places(document, path=()):

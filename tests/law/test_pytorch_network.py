@@ -22,7 +22,7 @@ from duhem import load
 from duhem.cli import cli
 from duhem.errors import InputError
 from duhem.expression import numpy_
-from duhem.law.pt2_network import pt2_network
+from duhem.law.network import pt2_network
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection

@@ -428,9 +428,9 @@ def test_every_figure_is_drawn_and_the_same_each_time(name: str, tmp_path: Path)
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["44"], "unknown figure '44'; did you mean 4?"),
-        (["obliqe"], "did you mean oblique?"),
-        (["9", "--set", "mu_hgh=0.3"], "unknown parameter of figure 9 'mu_hgh'; did you mean mu_high?"),
+        (["44"], "unknown figure '44'; did you mean '4'?"),
+        (["obliqe"], "did you mean 'oblique'?"),
+        (["9", "--set", "mu_hgh=0.3"], "unknown parameter of figure 9 'mu_hgh'; did you mean 'mu_high'?"),
         (["9", "--set", "mu"], "not of the form NAME=VALUE"),
         (["9", "--set", "mu=0.2", "--set", "mu=0.3"], "mu is set twice"),
         (["9", "--set", "mu=x"], "'x' is not a number"),

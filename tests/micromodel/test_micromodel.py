@@ -19,10 +19,10 @@ from scipy.integrate import quad
 import duhem
 from duhem.derivation import Derivation
 from duhem.errors import InputError
-from duhem.micromodel import derivation, facets, profile, proofs
-from duhem.micromodel.profile import by_quadrature, simulate_profile
+from duhem.micromodel import derivation, facets
 from duhem.micromodel.wedge import associated_fit, coefficients, limit_point, slip_direction
 from duhem.proof.verdict import Verdict
+from tests.oracles.rough_profile import by_quadrature, reaction, simulate_profile
 
 STEEL = (np.pi / 4, np.arctan(0.25), 0.25, 0.25)  # the specimen of the paper at mu = 1/4
 EXACT = {"tan_alpha": "1", "tan_beta": "1/4", "mu_alpha": "1/4", "mu_beta": "1/4"}
@@ -163,7 +163,7 @@ def test_a_simulation_repeats_itself_and_checks_what_it_is_given() -> None:
 
 @pytest.mark.slow
 def test_everything_is_proved() -> None:
-    assert {name: evidence.verdict for name, evidence in proofs.proofs().items()} == dict.fromkeys(
+    assert {name: evidence.verdict for name, evidence in derivation.proofs().items()} == dict.fromkeys(
         (
             "reversal (14)",
             "difference (17)",
@@ -184,26 +184,26 @@ def test_the_apparent_coefficient_is_the_papers() -> None:
 @pytest.mark.slow
 def test_wrong_statements_are_not_proved(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     request.addfinalizer(facets.averages.cache_clear)
-    right = proofs._bracket()
+    right = derivation._bracket()
     swapped = right.subs({facets.SLOPE["alpha"]: facets.SLOPE["beta"], facets.SLOPE["beta"]: facets.SLOPE["alpha"]}, simultaneous=True)
-    monkeypatch.setattr(proofs, "_bracket", lambda: swapped)
-    assert proofs.difference().verdict is Verdict.UNDECIDED
-    monkeypatch.setattr(proofs, "_bracket", lambda: right - facets.MU["beta"])
-    assert proofs.implication().verdict is Verdict.UNDECIDED
+    monkeypatch.setattr(derivation, "_bracket", lambda: swapped)
+    assert derivation.difference().verdict is Verdict.UNDECIDED
+    monkeypatch.setattr(derivation, "_bracket", lambda: right - facets.MU["beta"])
+    assert derivation.implication().verdict is Verdict.UNDECIDED
     monkeypatch.undo()
     uneven = facets.K_N * facets.height("alpha") ** 2  # a force that differs between the sides
     facets.averages.cache_clear()
     monkeypatch.setattr(facets, "spring_force", lambda side: -uneven if side == "alpha" else -facets.K_N)
-    assert proofs.independence().verdict is Verdict.UNDECIDED
-    assert proofs.heights_cancel().verdict is Verdict.UNDECIDED
+    assert derivation.independence().verdict is Verdict.UNDECIDED
+    assert derivation.heights_cancel().verdict is Verdict.UNDECIDED
     with pytest.raises(duhem.DuhemError, match="could not be proved"):
         derivation.derive()
 
 
 def test_the_steps_of_the_star_shape_can_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    parts = proofs._parts
-    monkeypatch.setattr(proofs, "_parts", lambda t, u: (*parts(t, u)[:3], 2 * parts(t, u)[3]))
-    assert proofs.star_shaped().verdict is Verdict.UNDECIDED
+    parts = derivation._parts
+    monkeypatch.setattr(derivation, "_parts", lambda t, u: (*parts(t, u)[:3], 2 * parts(t, u)[3]))
+    assert derivation.star_shaped().verdict is Verdict.UNDECIDED
 
 
 @pytest.mark.slow
@@ -212,7 +212,7 @@ def test_the_steps_of_the_star_shape_can_fail(monkeypatch: pytest.MonkeyPatch) -
 def test_the_proved_statements_hold_at_exact_points(profile: dict[str, Fraction]) -> None:
     at = {s: sp.Rational(str(profile[s.name])) for s in (*facets.SLOPE.values(), *facets.MU.values())}
     plus, minus = facets.exact_coefficients({name: str(value) for name, value in profile.items()})
-    assert proofs.asymmetry().subs(at) == plus - minus
+    assert derivation.asymmetry().subs(at) == plus - minus
     if profile["tan_alpha"] >= profile["tan_beta"] and profile["mu_alpha"] >= profile["mu_beta"]:
         assert plus >= minus
 
@@ -246,7 +246,7 @@ def test_the_force_on_a_side_is_that_of_the_profile(slope: float, mu: float) -> 
     pressing, along = sp.Symbol("N", positive=True), sp.Symbol("S", real=True)
     at = {t: slope, x: mu, pressing: 1, along: mu}  # S = x N: Coulomb's law for slip along +t_a
     tangential, normal = (float(c.subs(at)) for c in derived["side_forces"].rhs)
-    np.testing.assert_allclose([tangential, 0, normal], -profile._reaction(np.array([slope]), np.array([mu]), 0.0)[0], atol=1e-15)
+    np.testing.assert_allclose([tangential, 0, normal], -reaction(np.array([slope]), np.array([mu]), 0.0)[0], atol=1e-15)
     force = dict(zip(derived["side_forces"].lhs, (tangential, normal), strict=True))
     coulomb = derived["coulomb"].relation
     assert abs(float((coulomb.lhs - coulomb.rhs).subs(at | force))) < 1e-15

@@ -7,8 +7,8 @@ import pytest
 
 import duhem
 from duhem import InputError, Path
+from duhem.law.table_file import MOST_NUMBERS, read_table
 from duhem.path import scene_file
-from duhem.path.table_file import MOST_NUMBERS, read_table
 
 HEAD = 'law = "coulomb"\nstiffness = 1.0\n[parameters]\nmu = 0.3\n[path]\n'
 HEX = "0x" + "f" * 4000
@@ -164,7 +164,7 @@ def test_a_table_is_read_with_comments_blank_lines_quotes_and_any_end_of_line(tm
 
 
 def test_a_table_has_an_end(tmp_path, monkeypatch):
-    monkeypatch.setattr("duhem.path.table_file.MOST_NUMBERS", 9)
+    monkeypatch.setattr("duhem.law.table_file.MOST_NUMBERS", 9)
     (tmp_path / "t.csv").write_text("u_a,u_b\n" + "0,1\n" * 5)
     with pytest.raises(InputError, match="more than 9 numbers"):
         read_table(tmp_path / "t.csv")

@@ -19,7 +19,7 @@ from duhem.cli import cli
 from duhem.path import scene as scenes
 from duhem.path import scene_file
 from duhem.path.integrators import INTEGRATORS
-from duhem.show.growing_file import beside
+from duhem.show.place import beside
 from tests.path.scenes import walk
 
 LINE = """\

@@ -16,7 +16,7 @@ from duhem.cli import cli
 from duhem.path import run as runs
 from duhem.path import scene as scenes
 from duhem.path import scene_file
-from duhem.show.growing_file import beside, rows_beside
+from duhem.show.place import beside, rows_beside
 from tests.long import long_but
 from tests.path.scenes import TABLE, walk
 

@@ -17,7 +17,7 @@ from duhem.cli import cli
 from duhem.path import scene, scene_file, state_path, state_steps
 from duhem.path.history import Interrupted
 from duhem.path.state_path import NoAnswer, StateHistory, state_history
-from duhem.show.growing_file import beside
+from duhem.show.place import beside
 from tests.path.states import NORTON, NUMBERS, ONE, SOFTENING
 from tests.path.states import PRAGER as HARDENING
 

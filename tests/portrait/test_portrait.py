@@ -15,14 +15,13 @@ from duhem.errors import InputError, MissingExtraError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import groups
 from duhem.portrait.lines import _turns, traced
-from duhem.portrait.marks import step
+from duhem.portrait.pictures import step
 from duhem.portrait.plane import named, usual
 from duhem.portrait.section import Numbered, View, numbered, section
 
 pytest.importorskip("matplotlib")
 
-from duhem.portrait.marks import _around, violation
-from duhem.portrait.pictures import _refuted, cut, plot, stated
+from duhem.portrait.pictures import _around, _refuted, cut, plot, stated, violation
 from tests.oracles.legible import faults
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}

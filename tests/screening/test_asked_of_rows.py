@@ -16,7 +16,8 @@ from duhem.screening import entry, file, pool
 from duhem.screening.campaign import Campaign, asked
 from duhem.screening.rows import Grid, LawName
 from duhem.show.printing import text
-from duhem.testing import RoutineChecks, inquiry
+from duhem.testing import RoutineChecks
+from duhem.testing.conformance import _bound
 from tests.campaigns import poisoned
 from tests.long import mostly_long
 from tests.screening import routines
@@ -109,7 +110,7 @@ def test_the_child_of_a_routine_that_forks_ends_where_the_routine_returns():
         return trial
 
     here = os.getpid()
-    inquiry._bound(forks, duhem.load("coulomb"))(0.0, 0.0, 0.0)
+    _bound(forks, duhem.load("coulomb"))(0.0, 0.0, 0.0)
     if os.getpid() != here:
         os._exit(1)
     assert os.wait()[1] == 0
@@ -153,7 +154,7 @@ def test_of_a_routine_that_never_answers_nothing_is_said_to_be_solved():
 def test_the_same_cases_are_drawn_whatever_was_loaded_before(tmp_path, monkeypatch):
     """A module of the package that a row loads, with numbers that Hypothesis would draw."""
     (tmp_path / "late.py").write_text(f"NUMBERS = {[*range(100, 1000)]}\n")
-    monkeypatch.setattr(inquiry, "__file__", str(tmp_path / "testing" / "inquiry.py"))
+    monkeypatch.setattr(sys.modules[RoutineChecks.__module__], "__file__", str(tmp_path / "testing" / "conformance.py"))
     seen = []
 
     def routine(trial, pressure, stiffness):

@@ -22,7 +22,7 @@ from duhem.screening import entry, file, pool, rows
 from duhem.screening.campaign import Campaign, Claimed, as_text, asked
 from duhem.screening.rows import Grid, LawName
 from duhem.screening.summary import Counts
-from duhem.show.growing_file import beside, rows_beside
+from duhem.show.place import beside, rows_beside
 from duhem.show.printing import text
 from tests.campaigns.screenings import AtOnce
 from tests.long import mostly_long

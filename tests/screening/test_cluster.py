@@ -14,7 +14,7 @@ import pytest
 
 import duhem
 from duhem import InputError, MissingExtraError
-from duhem.screening import cluster
+from duhem.screening import pool
 from duhem.screening.campaign import Campaign
 from duhem.screening.rows import Grid, LawName
 from tests.screening.poison import Poison
@@ -25,7 +25,7 @@ MU = Grid(LawName("coulomb"), (("mu", tuple(map(str, range(1, 13)))),))
 def test_without_the_extra_the_message_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(MissingExtraError, match=r"duhem\[cluster\]"):
-        cluster.Cluster(Campaign((MU,), Poison()), "tcp://127.0.0.1:1")
+        pool.Cluster(Campaign((MU,), Poison()), "tcp://127.0.0.1:1")
 
 
 def test_a_scheduler_and_workers_of_this_machine_are_not_both_asked():
@@ -48,15 +48,15 @@ def test_a_worker_keeps_no_pool_that_failed_and_few_of_campaigns_that_nobody_end
             if rows == [range(1, 1)]:
                 raise InputError("none")
 
-    monkeypatch.setattr(cluster, "Pool", Pool)
-    monkeypatch.setattr(cluster, "_distributed", lambda: SimpleNamespace(get_worker=lambda: dask_worker))
+    monkeypatch.setattr(pool, "Pool", Pool)
+    monkeypatch.setattr(pool, "_distributed", lambda: SimpleNamespace(get_worker=lambda: dask_worker))
     with pytest.raises(InputError):
-        cluster._asked(pickle.dumps("failed"), "0", 1, 1)
+        pool._asked(pickle.dumps("failed"), "0", 1, 1)
     assert ended == ["failed"]
     for name in ("a", "b", "a", "c", "a"):
-        assert cluster._asked(pickle.dumps(name), name, 1, 2)[0] == [name]
+        assert pool._asked(pickle.dumps(name), name, 1, 2)[0] == [name]
     assert ended == ["failed", "b"]
-    cluster._closed("a", dask_worker)
+    pool._closed("a", dask_worker)
     assert ended == ["failed", "b", "a"]
 
 
@@ -98,7 +98,7 @@ def test_a_cluster_gives_the_table_of_the_pool(scheduler):
     assert found.lines == duhem.campaign(campaign, workers=2).lines and len(found.lines) == 24
     assert {line.error for line in found.lines if line.row == 3} == {"its process ended by SIGABRT"}
     assert told[0].startswith("http://127.0.0.1")
-    with cluster.Cluster(campaign, place) as lame:
+    with pool.Cluster(campaign, place) as lame:
         texts = []
         for text in lame.texts([range(1, 13)]):
             texts.append(text)
@@ -111,9 +111,9 @@ def test_a_cluster_gives_the_table_of_the_pool(scheduler):
 @pytest.mark.long
 def test_no_scheduler_is_said():
     pytest.importorskip("distributed")
-    patience, cluster._PATIENCE = cluster._PATIENCE, "1s"
+    patience, pool._DASK_PATIENCE = pool._DASK_PATIENCE, "1s"
     try:
         with pytest.raises(InputError, match="the scheduler does not answer"):
-            cluster.Cluster(Campaign((MU,), Poison()), "tcp://127.0.0.1:9")
+            pool.Cluster(Campaign((MU,), Poison()), "tcp://127.0.0.1:9")
     finally:
-        cluster._PATIENCE = patience
+        pool._DASK_PATIENCE = patience

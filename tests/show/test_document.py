@@ -10,7 +10,7 @@ import pytest
 
 from duhem.show import document
 from duhem.show.document import Article, Block, Chapter, Columns, Display, Drawing, Lines, Paragraph, Sentences, Titled, as_page, themed
-from duhem.show.sheet import Typeset
+from duhem.show.printing import Typeset
 from tests.oracles.strict_html import Strict
 
 HOSTILE = "</title></style></pre><script>alert(1)</script><img src=x onerror=alert(2)>&amp;'\"\u202e\0"

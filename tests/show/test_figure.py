@@ -15,7 +15,7 @@ import pytest
 import duhem
 from duhem import Criterion, Path, simulate
 from duhem.benchmark.extreme_cases import AXES, ExtremeCases, Tally
-from duhem.benchmark.work_precision.result import Measurement, Spread, WorkPrecision
+from duhem.benchmark.measurement import Measurement, Spread, WorkPrecision
 from duhem.errors import InputError, MissingExtraError
 from duhem.micromodel.figures import FIGURES, Figure
 from duhem.path.picture import stress_path

@@ -11,10 +11,9 @@ import pytest
 import sympy as sp
 
 import duhem
-from duhem.benchmark.extreme_cases import AXES, ExtremeCases, Tally
-from duhem.benchmark.extreme_cases.stress import Refusal
+from duhem.benchmark.extreme_cases import AXES, ExtremeCases, Refusal, Tally
+from duhem.benchmark.measurement import Measurement, Spread, Target
 from duhem.benchmark.work_precision import WorkPrecision
-from duhem.benchmark.work_precision.result import Measurement, Spread, Target
 from duhem.micromodel.experiment import STEEL_ON_ALUMINIUM
 from duhem.omitted import LeftOut
 from duhem.projection import report as increment

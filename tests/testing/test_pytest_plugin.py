@@ -255,7 +255,7 @@ def update(trial, pressure, stiffness):
 WRONG = {
     "": "the marker duhem names no law; write for example @pytest.mark.duhem(law=",
     'law="coulom"': "unknown law 'coulom'; did you mean coulomb?",
-    'law="coulomb", checks="feasible"': "unknown check 'feasible'; choose one of *",
+    'law="coulomb", checks="feasible"': "unknown check 'feasible'; did you mean 'feasibility'[?] choose one of *",
     'law="coulomb", tolerance=1': "the marker duhem takes no 'tolerance'; it takes law, *",
     'law="coulomb", parameters={"nu": 1}': "*nu*",
     'law="coulomb", checks="slip", expected_failed_checks={"ray": "?"}': "ray is expected to fail, but is not selected; name it in checks",

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from duhem.testing import Case, conformance, violation
-from duhem.testing.failures.shrinking import simplified
+from duhem.testing.failures.failure import simplified
 from tests.oracles.mutant_routines import MUTANTS
 from tests.oracles.round_numbers import unrounded
 from tests.oracles.routines import DISK, nothing

@@ -13,12 +13,11 @@ from hypothesis import strategies as st
 import duhem
 from duhem.errors import InputError
 from duhem.testing import Case, Failure, Report, Step, check, conformance, pointwise, violation
-from duhem.testing.checks.query import NothingToCheck, Query
+from duhem.testing.checks.query import NothingToCheck, Query, Visited
 from duhem.testing.checks.registry import judged, registered, worst
-from duhem.testing.checks.visited import Visited
 from duhem.testing.conformance import every_check
 from duhem.testing.drawn.region import Region
-from duhem.testing.failures.causes import CAUSES, FREE_CAUSES, by_cause
+from duhem.testing.failures.diagnosis import CAUSES, FREE_CAUSES, by_cause
 from duhem.testing.routines.routine import Unfinished
 from duhem.testing.run import ConformanceRun
 from tests.long import long_but, mostly_long
@@ -284,7 +283,7 @@ def test_what_is_told_does_not_depend_on_the_clock(monkeypatch: pytest.MonkeyPat
         return str(report), len(calls)
 
     quick = told()
-    monkeypatch.setattr("duhem.testing.failures.shrinking.monotonic", count(step=1e6).__next__)  # days between two looks
+    monkeypatch.setattr("duhem.testing.failures.failure.monotonic", count(step=1e6).__next__)  # days between two looks
     assert told() == quick
     assert told(seconds=1.0)[1] < quick[1] and told(tries=0)[1] < quick[1]
 

@@ -179,7 +179,9 @@ def test_parameters_without_a_law_are_numbers_or_strategies_and_checks_have_name
 
     report = conformance(None, update, {"limit": decades(-3, 3)}, stiffness=decades(-1, 1).map(lambda k: [k, 2.0]), max_examples=4)
     assert report.ok and not any(sign == "seam" for sign in report.visited), str(report)
-    with pytest.raises(InputError, match="without a law: unknown check 'feasibility'; choose one of answers"):
+    with pytest.raises(
+        InputError, match="without a law: unknown check 'feasibility'; did you mean 'repeatability'\\? choose one of answers"
+    ):
         conformance(None, update, {"limit": 1.0}, stiffness=[1.0], checks="feasibility")
 
 

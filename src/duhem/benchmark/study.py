@@ -5,12 +5,13 @@ from __future__ import annotations
 import platform
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from duhem.omitted import LeftOut
 from duhem.projection.in_blocks import cores
 from duhem.show.page import Page
+from duhem.show.printing import finite
 from duhem.version import distribution
 
 __all__ = ["Study", "machine", "report"]
@@ -19,31 +20,6 @@ _PACKAGES = (
     "numpy", "scipy", "sympy", "mpmath", "cvxpy-base", "clarabel", "numba", "cvxopt", "ecos", "moreau", "osqp", "qoco", "scs", "jax",
     "jaxmat", "qpax", "proxsuite",
 )  # fmt: skip
-
-
-@dataclass(frozen=True, kw_only=True)
-class Study(ABC):
-    """``subject``: parameters and stiffness in words; ``machine`` as :func:`duhem.benchmark.study.machine` has it."""
-
-    law: str
-    subject: str
-    machine: dict[str, Any]
-    left_out: tuple[LeftOut, ...]
-    interrupted: bool
-
-    @property
-    @abstractmethod
-    def failed(self) -> bool:
-        """Whether nothing at all gave an answer."""
-
-    @abstractmethod
-    def measured(self) -> dict[str, Any]:
-        """What is its own, for JSON."""
-
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON; a number that is not finite is null."""
-        head = {"law": self.law, "subject": self.subject, "machine": self.machine}
-        return head | self.measured() | {"left_out": [part.to_dict() for part in self.left_out]}
 
 
 def machine() -> dict[str, Any]:
@@ -66,6 +42,31 @@ def _processor() -> str:
     except OSError:
         pass
     return platform.processor() or platform.machine()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study(ABC):
+    """``subject``: parameters and stiffness in words; ``machine`` as :func:`duhem.benchmark.study.machine` has it."""
+
+    law: str
+    subject: str
+    machine: dict[str, Any] = field(default_factory=machine)
+    left_out: tuple[LeftOut, ...]
+    interrupted: bool
+
+    @property
+    @abstractmethod
+    def failed(self) -> bool:
+        """Whether nothing at all gave an answer."""
+
+    @abstractmethod
+    def measured(self) -> dict[str, Any]:
+        """What is its own, for JSON."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON; a number that is not finite is null."""
+        head = {"law": self.law, "subject": self.subject, "machine": self.machine}
+        return dict(finite(head | self.measured() | {"left_out": [part.to_dict() for part in self.left_out]}))
 
 
 def report(study: Study, facts: Sequence[str], parts: Sequence[Sequence[str]], page: Page) -> str:

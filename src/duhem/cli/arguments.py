@@ -5,13 +5,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import click
 from click.shell_completion import CompletionItem
 
-from duhem.errors import DuhemError, InputError
+from duhem.errors import DuhemError, InputError, faults_at, meant
 from duhem.law.convex import CONVEX
 
 if TYPE_CHECKING:
@@ -25,6 +24,7 @@ _Command = TypeVar("_Command", bound=Callable[..., Any])
 __all__ = [
     "Vectors",
     "check_names",
+    "choice_option",
     "complete_claims",
     "complete_expected",
     "complete_law",
@@ -102,9 +102,14 @@ settings_option = click.option(
 )
 
 
+def choice_option(*names: str, of: Sequence[str], says: str, default: str = "") -> Callable[[_Command], _Command]:
+    """One ``of`` several words, the ``default`` or the first of them where it is left out."""
+    return click.option(*names, type=click.Choice(of), default=default or of[0], show_default=True, help=says)
+
+
 def format_option(*forms: str, says: str = "How to print it.") -> Callable[[_Command], _Command]:
     """``--format``, one of ``forms``, the first of them where it is left out."""
-    return click.option("--format", "form", type=click.Choice(forms), default=forms[0], show_default=True, help=says)
+    return choice_option("--format", "form", of=forms, says=says)
 
 
 report_format_option = format_option(
@@ -114,7 +119,7 @@ report_format_option = format_option(
 
 def convex_option(says: str) -> Callable[[_Command], _Command]:
     """``--convex``, which ``says`` what is asked of K."""
-    return click.option("--convex", type=click.Choice(CONVEX), default="ask", show_default=True, help=says)
+    return choice_option("--convex", of=CONVEX, says=says)
 
 
 def read_law(text: str) -> Law:
@@ -184,12 +189,10 @@ def read_settings(settings: Sequence[str], law: Law | None = None) -> dict[str, 
         name, value = read_pair(setting, where, "NAME=VALUE", "--set mu_a=0.15")
         if (name := spelled(name)) in values:
             raise InputError(f"{name} is set twice", where=where, remedy="set it once")
-        try:
+        with faults_at(where):
             values[name] = exact_number(value)
             if law is not None:
                 law.fix({name: values[name]})
-        except InputError as fault:
-            raise InputError(fault.what, where=where, remedy=fault.remedy) from None
     return values
 
 
@@ -218,9 +221,7 @@ def check_names(kind: str, names: Iterable[str], known: Iterable[str], choice: s
     every = tuple(known)
     for name in names:
         if name not in every:
-            near = get_close_matches(name, every, n=1)
-            remedy = f"did you mean {near[0]!r}?" if near else f"{choice}: {', '.join(every)}"
-            raise InputError(f"unknown {kind} {name!r}", where=where, remedy=remedy)
+            raise InputError(f"unknown {kind} {name!r}", where=where, remedy=meant(name, every, f"{choice}: {', '.join(every)}"))
 
 
 def _is_number(text: str) -> bool:
@@ -236,10 +237,8 @@ def _is_number(text: str) -> bool:
 def read_numbers(text: str, where: str) -> list[float]:
     from duhem.expression.number import exact_number
 
-    try:
+    with faults_at(where):
         return [float(exact_number(word)) for word in text.replace(",", " ").split()] or [float(exact_number(text))]
-    except InputError as fault:
-        raise InputError(fault.what, where=where, remedy=fault.remedy) from None
 
 
 def read_number(text: str, where: str) -> float:

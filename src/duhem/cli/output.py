@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable, Iterable
 from math import inf
 from threading import Event, Lock, Thread
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -16,7 +17,23 @@ from duhem.show.page import WIDTH, Page, terminal_width
 if TYPE_CHECKING:
     from duhem.proof.decide import Budget
 
-__all__ = ["FAILED", "HELD", "INTERRUPTED", "MEANINGS", "REFUTED", "UNDECIDED", "USAGE", "Progress", "endless_page", "page", "say", "wrote"]
+__all__ = [
+    "FAILED",
+    "HELD",
+    "INTERRUPTED",
+    "MEANINGS",
+    "REFUTED",
+    "UNDECIDED",
+    "USAGE",
+    "Progress",
+    "as_json",
+    "aside",
+    "check_outputs",
+    "endless_page",
+    "page",
+    "say",
+    "wrote",
+]
 
 HELD, REFUTED, USAGE, UNDECIDED, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
@@ -29,7 +46,7 @@ MEANINGS = {
     INTERRUPTED: "interrupted",
 }
 
-_TICK, _LONG = 1.0, 2.0  # seconds
+_TICK, _LONG, _PACE = 1.0, 2.0, 0.2  # seconds
 
 
 def say(text: str) -> None:
@@ -43,7 +60,30 @@ def say(text: str) -> None:
 def wrote(what: str, file: str | None) -> None:
     """Say on standard error what was written to a file, if there is one; standard output holds results alone."""
     if file is not None:
-        click.echo(f"duhem: wrote {what} to {file}", err=True)
+        aside(f"wrote {what} to {file}")
+
+
+def aside(text: object) -> None:
+    """Say on standard error what is no result."""
+    click.echo(f"duhem: {text}", err=True)
+
+
+def as_json(value: Any) -> str:
+    """A result for programs."""
+    import json
+
+    return json.dumps(value, indent=2, ensure_ascii=False)
+
+
+def check_outputs(plot: str | None, others: Iterable[str | None], inputs: Iterable[str]) -> None:
+    """InputError, before the work, where a picture or another file cannot be written, or would be written over an input."""
+    from duhem.show.place import check_places
+
+    check_places([*others, plot], inputs)
+    if plot is not None:
+        from duhem.show import figure
+
+        figure.check(plot)
 
 
 def page() -> Page:
@@ -62,6 +102,7 @@ class Progress:
     def __init__(self, what: str = "verifying") -> None:
         self.what = what
         self._tried: tuple[float, str, Budget] | None = None  # since when, what and at which cost
+        self._began, self._said = monotonic(), 0.0
         self._turn = Lock()
         self._ended, self._watch = Event(), Thread(target=self._watching, daemon=True)
 
@@ -80,6 +121,12 @@ class Progress:
         with self._turn:
             self._tried = None
             self._write(text)
+
+    def often(self, text: Callable[[], str], after: float = 0.0) -> None:
+        """Show what ``text`` says, a few times a second, and not before so many seconds have passed."""
+        if (now := monotonic()) - self._said > _PACE and now - self._began > after:
+            self._said = now
+            self.show(text())
 
     def tries(self, claim: str, method: str, steps: Budget) -> None:
         """Say which method tries which claim and, where it lasts, every second for how long and how many of its steps it has spent."""

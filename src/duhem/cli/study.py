@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import click
 
 from duhem.cli.arguments import complete_law, read_fixed_formula, read_numbers
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, Progress, page, say, wrote
-from duhem.show.place import check_places, write
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, Progress, as_json, check_outputs, page, say, wrote
+from duhem.show.place import write
 from duhem.version import __version__
 
 if TYPE_CHECKING:
@@ -42,17 +41,14 @@ def read_subject(law: str, settings: Sequence[str], stiffness: str | None) -> tu
 
 def carry_out(measure: Callable[[Progress], Study], json_file: str | None, plot: str | None, inputs: Sequence[str]) -> int:
     """Measure, print, write what is asked for, over none of the ``inputs``; the exit code."""
-    from duhem.show import figure
     from duhem.show.printing import draw, text
 
-    if plot is not None:
-        figure.check(plot)
-    check_places([json_file, plot], inputs)
+    check_outputs(plot, [json_file], inputs)
     with Progress("measuring") as progress:
         done = measure(progress)
     say(text(done, page()))
     if json_file is not None:
-        write(json_file, json.dumps({"duhem": __version__, **done.to_dict()}, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+        write(json_file, as_json({"duhem": __version__, **done.to_dict()}) + "\n")
     if plot is not None:
         draw(done, plot)
     wrote("the results", json_file)

@@ -14,14 +14,13 @@ from duhem.derivation.support_function import compression, rate_symbols
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import Stress
-from duhem.expression.parse import exact_number
+from duhem.expression.number import exact_number
 from duhem.expression.unevaluated import Verbatim
 from duhem.law.formula_law import Criterion
 from duhem.law.state import variables_of
 from duhem.omitted import LeftOut
-from duhem.show.notation import latex_name
 from duhem.show.page import Page
-from duhem.show.printing import Shown, latex, markdown, sheet, text
+from duhem.show.printing import Shown, latex, latex_name, markdown, sheet, text
 
 __all__ = ["STIFFNESSES", "Belongs", "Derivation", "Equation", "Names", "columns", "dot", "equal", "put"]
 

@@ -13,10 +13,8 @@ from duhem.derivation.equation import Derivation, Equation, Names, put
 from duhem.derivation.support_function import compression
 from duhem.derivation.typeset import Rows, Typesetter, by_name, positive_first
 from duhem.expression.vocabulary import Where
-from duhem.show.notation import latex_name
 from duhem.show.page import PAGE, Page
-from duhem.show.printing import latex, markdown, plain, sheet, text
-from duhem.show.sheet import Sheet, Typeset, marked
+from duhem.show.printing import Sheet, Typeset, latex, latex_name, markdown, marked, plain, sheet, text
 
 if TYPE_CHECKING:
     from duhem.show.document import Chapter

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import inspect
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 from typing import Any
 
@@ -141,13 +141,16 @@ def _power(node: Any, base: Atom, exponent: Atom) -> Atom:
     return cp.power(base, p, **_exact(cp.power))
 
 
+def _alike(args: Sequence[Atom]) -> list[Atom]:
+    """Scalars as they are, or else all as vectors of one length."""
+    shape = max((a.shape for a in args), key=len)
+    return [a if a.shape == shape else a * np.ones(shape) for a in args]
+
+
 def _stack(*args: Atom) -> tuple[Atom, dict[str, int]]:
     """The arguments of a norm over each other, and over which axis to take it: scalars, or vectors point by point."""
-    cp = _cp()
-    shape = max((a.shape for a in args), key=len)
-    if not shape:
-        return cp.hstack(args), {}
-    return cp.vstack([a if a.shape == shape else a * np.ones(shape) for a in args]), {"axis": 0}
+    alike = _alike(args)
+    return (_cp().vstack(alike), {"axis": 0}) if alike[0].shape else (_cp().hstack(alike), {})
 
 
 def _norm(_: sp.Basic, *args: Atom) -> Atom:
@@ -167,12 +170,10 @@ def _pnorm(node: sp.Basic, p: Atom, *args: Atom) -> Atom:
 
 
 def _eigmax(_: sp.Basic, *entries: Atom) -> Atom:
-    cp = _cp()
-    shape = max((a.shape for a in entries), key=len)
-    if not shape:
-        return cp.lambda_max(cp.bmat(rows(*entries)))
-    whole = [a if a.shape == shape else a * np.ones(shape) for a in entries]
-    return cp.hstack([cp.lambda_max(cp.bmat(rows(*(a[i] for a in whole)))) for i in range(shape[0])])
+    cp, whole = _cp(), _alike(entries)
+    if not whole[0].shape:
+        return cp.lambda_max(cp.bmat(rows(*whole)))
+    return cp.hstack([cp.lambda_max(cp.bmat(rows(*(a[i] for a in whole)))) for i in range(whole[0].shape[0])])
 
 
 def _where(node: sp.Basic, condition: Atom, a: Atom, b: Atom) -> Atom:

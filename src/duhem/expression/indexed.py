@@ -15,8 +15,8 @@ from itertools import accumulate
 from typing import NoReturn
 
 from duhem.errors import InputError
-from duhem.expression.build import nested
 from duhem.expression.spelling import spelled
+from duhem.expression.vocabulary import nested
 
 __all__ = ["Indexed", "WrittenOver", "component"]
 

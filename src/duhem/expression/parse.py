@@ -2,6 +2,9 @@
 
 Nothing in the text is ever executed.  Every fault is one :class:`duhem.errors.InputError` that names its place
 (file, line, column), the offending token, and the way out.
+
+Where definitions are too long to be written out, the formula is kept as a graph: each definition is read once, and its value made when
+it is asked for.
 """
 
 from __future__ import annotations
@@ -10,7 +13,6 @@ import ast
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import lru_cache
 from keyword import iskeyword
 from typing import Any
@@ -18,18 +20,18 @@ from typing import Any
 import sympy as sp
 from sympy.core.relational import Relational
 
-from duhem.errors import InputError
+from duhem.errors import InputError, meant
 from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, names_in
-from duhem.expression.build import AS_WRITTEN, EVALUATED, MOST_ARGUMENTS, UNMADE, Building, settled, unacceptable
-from duhem.expression.fold import fold
+from duhem.expression.build import AS_WRITTEN, EVALUATED, IN_RANGE, UNMADE, Building, settled, unacceptable
+from duhem.expression.fold import Graph, Shared, fold
 from duhem.expression.indexed import WrittenOver
 from duhem.expression.number import DECIMAL, exact_number
 from duhem.expression.spelling import spelled
-from duhem.expression.vocabulary import NODES, WORDS
+from duhem.expression.vocabulary import MOST_ARGUMENTS, NODES, WORDS, symbol
 
 __all__ = [
-    "check_formula", "check_size", "exact_number", "parse_as_written", "parse_expression", "parse_relation", "reread", "too_long",
-    "written_out",
+    "check_formula", "check_size", "own_text", "parse_as_written", "parse_expression", "parse_graph", "parse_relation", "reread",
+    "too_long", "written_out",
 ]  # fmt: skip
 
 MOST_CHARACTERS = 20_000
@@ -284,8 +286,8 @@ class _Reader:
         return ((self.place.made and self.place.made.abbreviation(token.start())) or token[0])[:24]
 
     def suggest(self, name: str, among: list[str], title: str) -> str:
-        near = get_close_matches(name[:40], [*among, *self.short.formulas, *sorted(self.short.words()), *WORDS, "pi"], n=1)
-        return f"did you mean {near[0]!r}?" if near else f"{title}: {', '.join(among) or 'nothing'}"
+        every = [*among, *self.short.formulas, *sorted(self.short.words()), *WORDS, "pi"]
+        return meant(name, every, f"{title}: {', '.join(among) or 'nothing'}")
 
     # -- syntax ------------------------------------------------------------------------------------------------
 
@@ -428,3 +430,30 @@ def _chain(node: ast.BinOp, family: tuple[type[ast.operator], ...]) -> tuple[ast
         tail.append((type(spine.op), spine.right))
         spine = spine.left
     return spine, tail[::-1]
+
+
+# -- formulas kept as graphs --------------------------------------------------------------------------------------------
+
+
+def parse_graph(text: str, known: Mapping[str, sp.Symbol], short: Abbreviations, *, where: str, line: int = 1, column: int = 0) -> Shared:
+    """The formula over the symbols ``known`` and the definitions of ``short``; InputError for anything outside the language."""
+    check_formula(text, [*known, *short.own], where=where, line=line, column=column, short=short.alone())
+    last = own_text(text, short)
+    nodes = tuple((name, short.own[name]) for name in short.used_by(last))
+    used = names_in(last).union(*(names_in(formula) for _, formula in nodes))
+    names = tuple(name for name in known if name in used)
+    return Shared(Graph(nodes, last, tuple(map(symbol, names)), _read), *(known[name] for name in names))
+
+
+def own_text(text: str, short: Abbreviations) -> str:
+    """The formula with its invariants written out, and the names of definitions left in."""
+    return written_out(text, short.alone())
+
+
+def _read(graph: Graph) -> sp.Expr:
+    """The formula in a form for doubles, each definition one object wherever its name stands."""
+    made: dict[str, sp.Expr] = {x.name: x for x in graph.names}
+    for name, text in graph.nodes:
+        made[name] = parse_as_written(text, made, IN_RANGE)
+        hash(made[name])  # kept by SymPy, the inner ones first
+    return parse_as_written(graph.last, made, IN_RANGE)

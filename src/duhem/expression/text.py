@@ -15,12 +15,12 @@ from sympy.core.relational import Relational
 from sympy.printing.str import StrPrinter
 
 from duhem.errors import InputError
-from duhem.expression.build import nested, settled
+from duhem.expression.build import settled
+from duhem.expression.fold import Shared
 from duhem.expression.inert_number import reckoned
 from duhem.expression.number import MOST_DIGITS
 from duhem.expression.parse import parse_expression, parse_relation
-from duhem.expression.shared import Shared
-from duhem.expression.vocabulary import Where
+from duhem.expression.vocabulary import Where, nested
 
 __all__ = ["faithful", "formula"]
 

@@ -9,7 +9,7 @@ comparisons.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, reduce
 from typing import Any
@@ -20,8 +20,8 @@ import sympy as sp
 from duhem.expression.elementary import ELEMENTARY
 
 __all__ = [
-    "COMPARISONS", "KINKS", "NODES", "UNDEFINED", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word", "adopted",
-    "defined_at", "deviator", "holds_at", "rows", "symbol",
+    "COMPARISONS", "KINKS", "MOST_ARGUMENTS", "NODES", "UNDEFINED", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word",
+    "adopted", "defined_at", "deviator", "holds_at", "nested", "rows", "symbol",
 ]  # fmt: skip
 
 
@@ -345,3 +345,13 @@ def holds_at(relation: sp.Basic, place: Mapping[sp.Symbol, sp.Expr]) -> bool:
         return relation.func(left, right) == sp.true
     except (ValueError, TypeError):  # SymPy compares nothing with what is no real number
         return False
+
+
+MOST_ARGUMENTS = 32  # of a word
+
+
+def nested(word: str, parts: Sequence[str]) -> str:
+    """The text of a ``max`` or ``min`` of any number of parts, within one another, as many at once as are read."""
+    while len(parts) > MOST_ARGUMENTS:
+        parts = [nested(word, parts[k : k + MOST_ARGUMENTS]) for k in range(0, len(parts), MOST_ARGUMENTS)]
+    return f"{word}({', '.join(parts)})"

@@ -36,7 +36,7 @@ def identify(
 
     ``points``: a CSV file, a mapping of columns or an array (m, d + 1), as :meth:`Points.of` reads them: forces and pressure (sigma_n <
     0 in compression) in one unit, and optionally ``weight`` or ``scatter``.  ``parameters`` fixes some values before the fit.  The fit
-    minimises the sum of rho(distance/scatter) over the points (:mod:`duhem.identification.fit`), where rho is the square or, with
+    minimises the sum of rho(distance/scatter) over the points (:mod:`duhem.identification.estimation`), where rho is the square or, with
     ``robust``, Huber's loss.  ``bootstrap`` samples with ``seed`` give percentile intervals; with 0 the intervals come from the
     covariance.
 

@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression.given_array import columns, unmasked
-from duhem.expression.spelling import spelled
 from duhem.law.formula_law import Criterion
+from duhem.law.placed_toml import text_of
+from duhem.law.table_file import header_of
 
 __all__ = ["Points"]
 
@@ -29,8 +30,6 @@ Array = NDArray[np.float64]
 MOST_BYTES = 20_000_000
 _MOST_ROWS = 200_000
 _OPTIONAL = ("weight", "scatter")
-_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
-_COMMAS = "separate them by commas, and write decimals with points"
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,20 +94,7 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
     if not rows:
         raise InputError("the file is empty", where=where, remedy=f"give a header {','.join(names)} and one row per point")
     (first, header), *body = rows
-    header = [spelled(name.strip()) for name in header]
-    if twice := sorted({name for name in header if header.count(name) > 1}):
-        raise InputError(f"the column {twice[0]!r} is there twice", where=f"{where}:{first}", remedy="give each column its own name")
-    for mark, said in _SEPARATORS.items():
-        if mark == " " and len(header) > 1:
-            continue  # a name may hold a unit
-        words = [word.strip() for name in header for word in name.split(mark) if word.strip()]
-        if (set(names) - set(header)) & set(words) or (len(words) > len(header) and all(map(_is_number, words))):
-            raise InputError(f"the columns are separated by {said}", where=f"{where}:{first}", remedy=_COMMAS)
-    if odd := next((name for name in header if not name.isprintable()), None):
-        what = f"the column {odd[:40]!r} has an invisible character in its name"
-        raise InputError(what, where=f"{where}:{first}", remedy="write the name anew")
-    if all(map(_is_number, header)):
-        raise InputError("there is no header", where=f"{where}:{first}", remedy=f"write the names of the columns above, {','.join(names)}")
+    header = header_of(header, f"{where}:{first}", ",".join(names))
     _complete(header, names, header, f"{where}:{first}")
     if not body:
         raise InputError("there is no row below the header", where=where, remedy="give one row per point")
@@ -124,23 +110,10 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
 
 
 def _text(file: str | PathLike[str]) -> str:
-    where = f"{fspath(file)}"
-    try:
-        with open(file, "rb") as stream:
-            data = stream.read(MOST_BYTES + 1)
-    except (OSError, ValueError) as fault:
-        reason = getattr(fault, "strerror", None) or str(fault)
-        raise InputError(f"the file cannot be read: {reason}", where=where, remedy="check its name and permissions") from None
-    if len(data) > MOST_BYTES:
-        raise InputError(f"the file is larger than {MOST_BYTES} bytes", where=where, remedy="is it a table of limit points?")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as fault:
-        line = data.count(b"\n", 0, fault.start) + 1
-        raise InputError("this is not text in UTF-8", where=f"{where}:{line}", remedy="write the points as CSV") from None
+    text = text_of(file, "table of limit points", MOST_BYTES)
     if "\0" in text:
-        what = "this is binary"
-        raise InputError(what, where=f"{where}:{text.count(chr(10), 0, text.index(chr(0))) + 1}", remedy="write the points as CSV")
+        line = text.count("\n", 0, text.index("\0")) + 1
+        raise InputError("this is binary", where=f"{fspath(file)}:{line}", remedy="write the points as CSV")
     return text
 
 
@@ -180,15 +153,6 @@ def _number(cell: str, name: str, where: str) -> float:
     except ValueError:
         shown = repr(cell.strip()[:30]) if cell.strip() else "empty"
         raise InputError(f"{name} is {shown}, not a number", where=where, remedy="write a number such as -1.5e6") from None
-
-
-def _is_number(text: str) -> bool:
-    """Whether it is one in any notation; a comma may stand for the point."""
-    try:
-        float(text.replace(",", "."))
-    except ValueError:
-        return False
-    return True
 
 
 def _of_columns(columns: Mapping[str, Array], lines: tuple[int, ...], law: Criterion, where: str) -> Points:

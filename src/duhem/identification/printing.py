@@ -12,10 +12,8 @@ from duhem.identification.result import Estimate, Identification
 from duhem.law.formula_law import Criterion
 from duhem.law.outline import outline, ray_ends
 from duhem.show import figure
-from duhem.show.notation import latex_name, latex_number
 from duhem.show.page import PAGE, Page
-from duhem.show.printing import draw, sheet, text
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, draw, latex_name, latex_number, sheet, text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from duhem.identification.points import Points
 from duhem.law.formula_law import Criterion
 from duhem.show.place import write
-from duhem.show.printing import Shown, draw
+from duhem.show.printing import Shown, draw, finite
 from duhem.version import __version__
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ class Identification(Shown):
     def to_dict(self) -> dict[str, Any]:
         """The result as one JSON object; what is unknown is None."""
         names = self.fitted
-        return {
+        found = {
             "duhem": __version__,
             "law": self.family.name,
             "points": len(self.points),
@@ -146,19 +146,20 @@ class Identification(Shown):
             "identifiable": not self.open,
             "robust": self.robust,
             "minimised": self.minimised,
-            "scatter": _known(self.level),
+            "scatter": self.level,
             "scatter_is": "given" if self.points.absolute else "estimated",
             "degrees_of_freedom": self.degrees_of_freedom,
             "chi_squared": self.chi_squared,
             "p_value": self.p_value,
-            "covariance": {"names": list(names), "matrix": [[_known(x) for x in row] for row in self.covariance.tolist()]},
+            "covariance": {"names": list(names), "matrix": self.covariance.tolist()},
             "bootstrap": {"draws": len(self.draws), "seed": self.seed},
-            "outlier_bound": _known(self.bound),
+            "outlier_bound": self.bound,
             "outliers": [{"row": o.row, "line": o.line, "distance": o.distance, "standardised": o.standardised} for o in self.outliers],
             "claims": {r.claim: r.verdict.value for r in self.verification.results},
             "generalized_standard": self.verification.generalized_standard,
             "dissipative": self.verification.dissipative,
         }
+        return dict(finite(found))
 
     def to_toml(self, file: str | PathLike[str]) -> None:
         """Write the law as a criterion file that ``duhem verify`` takes.  InputError if it cannot be written."""
@@ -169,7 +170,3 @@ class Identification(Shown):
     def plot(self, file: Any = None, *, ax: Any = None) -> Any:
         """Draw points, criterion and outliers on ``ax`` or a new sheet, into ``file``, a name or stream; the axes (extra ``plot``)."""
         return draw(self, file, ax=ax)
-
-
-def _known(x: float) -> float | None:
-    return float(x) if np.isfinite(x) else None

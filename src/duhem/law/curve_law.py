@@ -21,9 +21,9 @@ from duhem.expression import symbol
 from duhem.expression.abbreviations import NONE
 from duhem.expression.spelling import spelled
 from duhem.law.domain import POSITIVE, Domain, Domains
-from duhem.law.formula_law import FORCES, PRESSURE, Criterion, DeclaredLaw, as_expression
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion, DeclaredLaw, as_expression, swapped
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.law.given_text import argument_names, called, listed, moved, moved_relations, relations, text_of
+from duhem.law.given import argument_names, called, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
 
 __all__ = ["ANGLE", "Law", "ParametricCriterion", "closes", "parametric"]
@@ -121,9 +121,7 @@ class ParametricCriterion(DeclaredLaw):
     def fix(self, values: Mapping[str, Any] | None) -> ParametricCriterion:
         """The same law with some parameters fixed; a value outside its domain is an InputError."""
         domains = Domains(self.parameters).fixed(values, self.name)
-        old = self.symbols()
-        swap = {old[name]: domain.symbol(name) for name, domain in domains.items()}
-        known = tuple((name, swap.get(x, x)) for name, x in old.items())
+        swap, known = swapped(self.symbols(), domains)
         one, two, *flow = (moved(x, text, swap, known) for x, text in zip(self.components(), self.written, strict=True))
         constraints, texts = moved_relations(self.constraints, self.written_constraints, swap, known)
         part = replace(

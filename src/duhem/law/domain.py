@@ -12,8 +12,7 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression import symbol
-from duhem.expression.number import nearest_double
-from duhem.expression.parse import exact_number
+from duhem.expression.number import exact_number, nearest_double
 from duhem.expression.spelling import respelled
 from duhem.law.frozen_mapping import FrozenMapping
 

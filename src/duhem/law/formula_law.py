@@ -18,21 +18,19 @@ from typing import Any, ClassVar, NamedTuple, Self, overload
 import sympy as sp
 from sympy.core.relational import Relational
 
-from duhem.errors import InputError
+from duhem.errors import InputError, faults_at
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import NONE, Abbreviations, Stress
 from duhem.expression.branches import gradient
 from duhem.expression.build import greatest
-from duhem.expression.given import given_formula
-from duhem.expression.graph_text import own_text, parse_graph
+from duhem.expression.fold import Graph, Shared, graph_of
 from duhem.expression.inert_number import inert_exponent
-from duhem.expression.parse import check_formula, check_size, parse_expression, too_long, written_out
-from duhem.expression.shared import Graph, Shared, graph_of
+from duhem.expression.parse import check_formula, check_size, own_text, parse_expression, parse_graph, too_long, written_out
 from duhem.expression.spelling import respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains, by_name, cover, range_fault
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.law.given_text import argument_names, called, listed, moved, moved_relations, relations, text_of
+from duhem.law.given import argument_names, called, given_formula, listed, moved, moved_relations, relations, text_of
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, converted
 from duhem.law.state import NO_STATE, Variable, Variables, check_state, variables_of
@@ -51,6 +49,7 @@ __all__ = [
     "definitions",
     "flow_of",
     "name_fault",
+    "swapped",
 ]  # fmt: skip
 
 
@@ -93,10 +92,8 @@ class YieldSurface(Verbatim):
         if not isinstance(self.potential, str):
             raise InputError("the potential is no text", where=owner, remedy="write its formula as text")
         where = f"potential of {owner}"
-        try:
+        with faults_at(where, unless_placed=True):
             slip = flow_of(parse_expression(self.potential, known, where=where, short=short), forces)
-        except InputError as fault:
-            raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
         if flow not in (None, slip):
             raise InputError("a flow and a potential are both given", where=owner, remedy="remove one of them")
         return YieldSurface(g, slip, written_out(self.potential, short), written, written_flow)
@@ -112,10 +109,18 @@ class YieldSurface(Verbatim):
 
 
 def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
-    """Text, read over the symbols ``known``, or what :func:`duhem.expression.given.given_formula` makes of anything else."""
+    """Text, read over the symbols ``known``, or what :func:`duhem.law.given.given_formula` makes of anything else."""
     return (
         parse_expression(given, known, where=where, short=short) if isinstance(given, str) else given_formula(given, known.values(), where)
     )
+
+
+def swapped(
+    old: Mapping[str, sp.Symbol], domains: Mapping[str, Domain]
+) -> tuple[dict[sp.Symbol, sp.Symbol], tuple[tuple[str, sp.Symbol], ...]]:
+    """What takes the place of symbols over other domains of parameters, and every declared name with its symbol there."""
+    swap = {old[name]: new for name, domain in domains.items() if (new := domain.symbol(name)) != old[name]}
+    return swap, tuple((name, swap.get(x, x)) for name, x in old.items())
 
 
 def flow_of(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
@@ -251,6 +256,7 @@ class DeclaredLaw(Verbatim, Shown):
         return part
 
 
+_NAMED = {"unforced": "rate of", "rates": "rate of", "heat": "conductance to", "forces_of_rates": "force"}  # formulas by name, in words
 FORCES = ("sigma_a", "sigma_b")
 PRESSURE = "sigma_n"
 
@@ -352,7 +358,7 @@ class Criterion(DeclaredLaw):
             energy = as_expression(self.energy, known, f"energy of {self.name}", short)
             put(self, "written_energy", text_of(self.energy, energy, self.written_energy, known, short))
             put(self, "energy", energy)
-        for key, what in (("unforced", "rate of"), ("rates", "rate of"), ("heat", "conductance to"), ("forces_of_rates", "force")):
+        for key, what in _NAMED.items():
             given, texts = getattr(self, key), getattr(self, f"written_{key}")
             found = {name: as_expression(rate, known, f"{what} {name} of {self.name}", short) for name, rate in given.items()}
             written = {name: text_of(given[name], rate, texts.get(name, ""), known, short) for name, rate in found.items()}
@@ -488,15 +494,14 @@ class Criterion(DeclaredLaw):
 
 def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
     """The law over other domains, its expressions rewritten in the symbols that know the new signs."""
-    old = law.symbols()
-    new = {name: domain.symbol(name) for name, domain in domains.items()}
-    swap = {old[name]: new[name] for name in new if old[name] != new[name]}
-
-    known = tuple((name, swap.get(x, x)) for name, x in old.items())
+    swap, known = swapped(law.symbols(), domains)
 
     def here(expr: sp.Basic, text: str = "") -> sp.Basic:
         return moved(expr, text, swap, known)
 
+    named: dict[str, Any] = {
+        key: {name: here(x, getattr(law, f"written_{key}")[name]) for name, x in getattr(law, key).items()} for key in _NAMED
+    }
     constraints, texts = moved_relations(law.constraints, law.written_constraints, swap, known)
     return replace(
         law,
@@ -505,10 +510,7 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
         constraints=constraints,
         written_constraints=texts,
         energy=None if law.energy is None else here(law.energy, law.written_energy),
-        unforced={name: here(rate, law.written_unforced[name]) for name, rate in law.unforced.items()},
-        rates={name: here(rate, law.written_rates[name]) for name, rate in law.rates.items()},
-        heat={name: here(conductance, law.written_heat[name]) for name, conductance in law.heat.items()},
-        forces_of_rates={f: here(force, law.written_forces_of_rates[f]) for f, force in law.forces_of_rates.items()},
+        **named,
         flow=None if law.flow is None or law.potential else tuple(map(here, law.flow, law.written_flow or repeat(""))),
         surfaces=tuple(s.moved(here) for s in law.surfaces),
         closed_form=None if law.closed_form is None else converted(law.closed_form, here),

@@ -13,10 +13,8 @@ from duhem.expression.text import formula
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion, YieldSurface
-from duhem.show.notation import latex_name
 from duhem.show.page import tied
-from duhem.show.printing import latex, plain, sheet
-from duhem.show.sheet import Sheet, Typeset
+from duhem.show.printing import Sheet, Typeset, latex, latex_name, plain, sheet
 
 __all__ = ["as_dict", "as_latex", "as_sheet", "number_in_short", "number_in_words", "stated"]
 

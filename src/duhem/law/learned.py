@@ -1,6 +1,7 @@
 """A learned law as a criterion file with its numbers beside it: networks and polynomials, from arrays as NumPy keeps them.
 
-Each number is written in all of its decimals, so that the law is the network in the exact values of its weights.
+Each number is written in all of its decimals, so that the law is the network in the exact values of its weights; a table is read as the
+texts that stand in it, as of any law.
 """
 
 from __future__ import annotations
@@ -13,17 +14,19 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from decimal import Decimal
 from itertools import count
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from duhem.errors import InputError
 from duhem.expression.abbreviations import Stress
-from duhem.expression.number import MOST_DIGITS
+from duhem.expression.number import DECIMAL, MOST_DIGITS
+from duhem.law.placed_toml import text_of
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["MOST_NUMBERS", "Book", "LearnedFile", "arrays_of", "check_numbers", "exact", "learned", "read_from"]
+__all__ = ["MOST_NUMBERS", "Book", "LearnedFile", "arrays_of", "check_numbers", "exact", "learned", "read_from", "table_beside"]
 
 Arrays = Mapping[str, "NDArray[Any]"]
 _ACTIVATIONS = {"softplus": "softplus", "relu": "pos", "tanh": "tanh"}
@@ -178,3 +181,45 @@ def exact(x: np.generic) -> str:
         remedy = "round such numbers, or save the arrays as 32-bit floats"
         raise InputError(f"{float(x):.3g} has more than {MOST_DIGITS} digits, written exactly", remedy=remedy)
     return told
+
+
+# -- tables of numbers beside a criterion file -------------------------------------------------------------------------
+
+_MOST_BYTES = 50_000_000  # of a table
+_NUMBER = re.compile(rf"[+-]?{DECIMAL}", re.ASCII)
+
+
+def table_beside(folder: Path | None, given: str, where: str) -> tuple[tuple[str, ...], ...]:
+    """The rows of the table in a file of ``folder``; InputError, at ``where`` or in the table, for what is no table of numbers.
+
+    Entries are decimals between commas; there is no heading, every row is as long as the first, and nothing is left blank.
+    """
+    place = Path(given)
+    if folder is None:
+        raise InputError("a table stands in a file beside the law, and the law is in none", where=where, remedy="read the law from a file")
+    if place.is_absolute() or ".." in place.parts:
+        raise InputError(f"{given[:60]!r} is not beside the law", where=where, remedy="put the table in the folder of the criterion file")
+    file = folder / place
+    rows = tuple(tuple(entry.strip() for entry in line.split(",")) for line in text_of(file, "table of numbers", _MOST_BYTES).splitlines())
+    if not rows:
+        raise InputError("the table is empty", where=f"{file}", remedy="write rows of numbers with commas between them")
+    if len(rows) * len(rows[0]) > MOST_NUMBERS:
+        raise InputError("the table is too large", where=f"{file}", remedy=f"at most {MOST_NUMBERS} numbers are read")
+    for i, row in enumerate(rows, 1):
+        if len(row) != len(rows[0]):
+            what = f"the row has {len(row)} entries, and the first has {len(rows[0])}"
+            raise InputError(what, where=f"{file}:{i}", remedy="make all rows as long, without blank lines")
+        for j, entry in enumerate(row, 1):
+            if len(entry) > MOST_DIGITS:
+                what = f"entry {j} has {len(entry)} characters"
+                raise InputError(what, where=f"{file}:{i}", remedy=f"at most {MOST_DIGITS} are read")
+            if not _NUMBER.fullmatch(entry):
+                what = f"entry {j} is {f'{entry[:24]!r}, which is' if entry else 'blank, which is'} no number"
+                raise InputError(what, where=f"{file}:{i}", remedy="write finite decimals such as 0.15 or -1e-6, and no heading")
+    return tuple(tuple(_plain(entry) for entry in row) for row in rows)
+
+
+def _plain(entry: str) -> str:
+    """Without a plus or zeros before the number, which formulas do not have."""
+    sign, digits = ("-", entry[1:]) if entry[0] == "-" else ("", entry.lstrip("+"))
+    return sign + re.sub(r"^0+(?=[0-9])", "", digits)

@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from os import PathLike
 from typing import Any
 
 from duhem.errors import InputError
 
-__all__ = ["Key", "PlacedToml", "meant", "parsed", "text_of"]
+__all__ = ["Key", "PlacedToml", "parsed", "text_of"]
 
 Key = str | int  # of a table by name, of an array by number
 _Path = tuple[Key, ...]
@@ -41,13 +40,6 @@ def text_of(path: str | PathLike[str], kind: str, most_bytes: int, *, absent: st
     except UnicodeDecodeError as fault:
         line = data.count(b"\n", 0, fault.start) + 1
         raise InputError("this is not text in UTF-8", where=f"{path}:{line}", remedy=f"is it a {kind}?") from None
-
-
-def meant(name: str, allowed: Iterable[str]) -> str:
-    """The remedy for an unknown name: the one that was probably meant, or all there are."""
-    known = tuple(allowed)
-    near = get_close_matches(name, known, n=1)
-    return f"did you mean {near[0]!r}?" if near else f"known are: {', '.join(known) or 'none'}"
 
 
 @dataclass(frozen=True)

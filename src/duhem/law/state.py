@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.shared import graph_of
+from duhem.expression.fold import graph_of
 from duhem.law.domain import REAL, Domain
 from duhem.law.frozen_mapping import FrozenMapping
 

@@ -17,7 +17,7 @@ from duhem.errors import InputError
 from duhem.expression.given_array import unlabelled, unmasked
 from duhem.expression.spelling import spelled
 from duhem.law.formula_law import Criterion
-from duhem.path.table_file import MOST_NUMBERS, read_table
+from duhem.law.table_file import MOST_NUMBERS, read_table
 from duhem.projection.result import Array
 
 __all__ = [

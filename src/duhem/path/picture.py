@@ -18,9 +18,7 @@ from duhem.path.history import Histories, History, Tabled
 from duhem.path.state_path import StateHistory
 from duhem.projection.result import Array, Status
 from duhem.show import figure
-from duhem.show.notation import latex_name
-from duhem.show.printing import draw, sheet
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, draw, latex_name, sheet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

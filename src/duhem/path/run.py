@@ -16,9 +16,9 @@ from duhem.expression.given_array import in_order
 from duhem.law.catalogue import load_formula
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
+from duhem.law.table_file import MOST_NUMBERS
 from duhem.path import step_formulas
 from duhem.path.loading import Path, Paths, checked_count, given_numbers
-from duhem.path.table_file import MOST_NUMBERS
 from duhem.projection.declared_ranges import refused
 from duhem.projection.increment import Convexity, Increment, posed, setting
 from duhem.projection.increment import increment as checked

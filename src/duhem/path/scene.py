@@ -28,8 +28,22 @@ from duhem.path.state_path import NoAnswer, StateHistory, recalled
 from duhem.path.state_question import StateQuestion
 from duhem.projection.result import NOT_SHOWN, Array, Status
 from duhem.show import figure
-from duhem.show.growing_file import DAMAGED, MARK, UNREADABLE, GrowingFile, another, beside, check_growing, check_kept
-from duhem.show.place import AnyPath, check_parquet, check_place, check_places, parquet_packages, written
+from duhem.show.place import (
+    DAMAGED,
+    MARK,
+    UNREADABLE,
+    AnyPath,
+    GrowingFile,
+    another,
+    beside,
+    check_growing,
+    check_kept,
+    check_parquet,
+    check_place,
+    check_places,
+    parquet_packages,
+    written,
+)
 
 __all__ = [
     "GrowingTable",

@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from duhem.errors import InputError
+from duhem.errors import InputError, meant
 from duhem.expression import holds_at
 from duhem.expression.spelling import spelled
 from duhem.law.catalogue import load_formula, load_named
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import simple_points
-from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
+from duhem.law.placed_toml import PlacedToml, parsed, text_of
 from duhem.law.state import evolves, prescribed
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import Path, Paths, paths_from_csv, spread

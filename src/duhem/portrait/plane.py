@@ -15,7 +15,7 @@ from duhem.errors import InputError
 from duhem.expression.spelling import spelled
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.formula_law import Criterion
-from duhem.show.notation import latex_name, latex_number
+from duhem.show.printing import latex_name, latex_number
 
 __all__ = ["DEVIATORIC", "MERIDIAN", "Plane", "elsewhere", "named", "oblique", "usual"]
 

@@ -24,7 +24,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.portrait.lines import Line, Vertex, Window, closed, level_lines, normals, region, traced
 from duhem.portrait.plane import Plane
-from duhem.proof.certificate import admitted_values
+from duhem.proof.facts.formula_subject import admitted_values
 
 __all__ = [
     "MARGIN", "NOTHING", "SLENDER", "Arrow", "Framed", "Numbered", "Switch", "View", "beside", "framed", "missed", "numbered", "section",

@@ -13,8 +13,7 @@ from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import crossed
 from duhem.projection.result import Array, Projection, Status
 from duhem.show.page import PAGE, Page
-from duhem.show.printing import plain, sheet
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, plain, sheet
 from duhem.version import __version__
 
 __all__ = ["as_dict", "as_sheet", "json", "text"]

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import chain
+from collections.abc import Iterable
 from typing import Any
 
-import sympy as sp
-
 from duhem.errors import InputError
-from duhem.expression import holds_at
-from duhem.expression.shared import graph_of
+from duhem.expression.fold import graph_of
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion, YieldSurface
-from duhem.law.parameter_domain import simple_points
 from duhem.law.state import Variable
-from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.subject import plain_choices, rationals
+from duhem.proof.facts.formula_subject import admitted_values
 from duhem.proof.kernel.certificate import SCHEMA, digest
 from duhem.proof.statement import texts
 from duhem.proof.verdict import ClaimResult
 
-__all__ = ["admitted_values", "certificate", "law_as_text"]
+__all__ = ["certificate", "law_as_text"]
 
 
 def law_as_text(law: Law) -> dict[str, Any]:
@@ -73,27 +67,6 @@ def _bound(law: Criterion, stated: Criterion | YieldSurface) -> dict[str, Any]:
     own = flow if stated.potential is None else {"potential": stated.potential}
     viscous = {"viscous": True} if stated is law and law.viscous else {}
     return {"g": g, "flow": None if stated.flow is None else own, **define, **viscous}
-
-
-def admitted_values(law: Law) -> Mapping[str, str] | None:
-    """Parameter values inside the domain, which show that a claim over it is not empty; None where no exact ones were found."""
-    table = law.symbols()
-    free = [table[name] for name, domain in law.parameters.items() if domain.value is None]
-    given = [*(r for x in free for r in law.parameters[x.name].relations(x)), *law.constraints]
-    for point in chain(simple_points(law), map(rationals, plain_choices(free, given)), _sought(law)):
-        whole = {table[n]: d.value for n, d in law.parameters.items() if d.value is not None} | dict(point)
-        if all(holds_at(r, whole) for r in given):
-            return {x.name: str(value) for x, value in whole.items()}
-    return None
-
-
-def _sought(law: Law) -> Iterator[Mapping[sp.Symbol, sp.Rational]]:
-    """Where constraints leave no plain ones."""
-    if isinstance(law, Criterion) and not law.forces_of_rates:
-        subject = FormulaSubject(law)
-        for found in subject.choices(1):
-            values = rationals(subject.values_at(found, subject.nowhere))
-            yield {x: value for x, value in values.items() if x.name in law.parameters}
 
 
 def _domain(domain: Domain) -> dict[str, Any]:

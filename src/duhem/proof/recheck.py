@@ -17,8 +17,7 @@ from duhem.proof.kernel.parameter_tree import SCHEMA as OF_PAVINGS
 from duhem.proof.kernel.parameter_tree import TreeLeaf, recheck_tree
 from duhem.proof.kernel.term import NotWritten
 from duhem.show.page import PAGE, Page, printable
-from duhem.show.printing import Shown, plain, sheet, text
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, Shown, plain, sheet, text
 
 __all__ = ["Recheck", "RecheckedRegion", "as_dict", "as_sheet", "as_text", "document_of", "recheck"]
 

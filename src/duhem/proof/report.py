@@ -17,8 +17,7 @@ from duhem.proof.verification import Verification
 from duhem.show.document import Block, Chapter, Columns, Paragraph, Sentences, Titled
 from duhem.show.junit import JUnitCase, JUnitSuite, Outcome
 from duhem.show.page import PAGE, Page, tied
-from duhem.show.printing import sheet, text
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, sheet, text
 from duhem.version import __version__
 
 __all__ = [

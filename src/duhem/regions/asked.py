@@ -14,7 +14,8 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.proof import verification
-from duhem.proof.certificate import admitted_values, law_as_text
+from duhem.proof.certificate import law_as_text
+from duhem.proof.facts.formula_subject import admitted_values
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection, row_of, rules_of
 from duhem.proof.kernel.parameter_cells import at_values, proof_fails

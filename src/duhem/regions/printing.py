@@ -20,10 +20,8 @@ from duhem.regions.numbers import written_root
 from duhem.regions.paved import PavedRegion
 from duhem.regions.result import FoundRegion, ParameterRegion
 from duhem.show import figure
-from duhem.show.notation import latex_name
 from duhem.show.page import PAGE, Page
-from duhem.show.printing import draw, latex, plain, sheet, text
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, draw, latex, latex_name, plain, sheet, text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,7 +13,8 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
-from duhem.proof.certificate import admitted_values, law_as_text
+from duhem.proof.certificate import law_as_text
+from duhem.proof.facts.formula_subject import admitted_values
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.parameter_cells import SCHEMA, ParameterCell
 from duhem.proof.kernel.real_root import RealRoot

@@ -12,10 +12,9 @@ from duhem.errors import InputError
 from duhem.law.curve_law import Law
 from duhem.screening import file
 from duhem.screening.campaign import Campaign, Claimed, Inquiry, VerdictLine, lines_of, number_of
-from duhem.screening.cluster import Cluster
 from duhem.screening.file import Means
 from duhem.screening.increments import Project
-from duhem.screening.pool import Pool
+from duhem.screening.pool import Cluster, Pool
 from duhem.screening.rows import given
 from duhem.screening.summary import Counts, Summary
 from duhem.screening.table import GrowingLines, check_table, read_lines, stands, write_table

@@ -20,6 +20,7 @@ from duhem.law.parameter_domain import check_fixed
 from duhem.projection.increment import increment
 from duhem.projection.result import Array, Projection, Status
 from duhem.screening.campaign import Answer
+from duhem.show.printing import finite
 
 __all__ = ["Increments", "Project", "Trials"]
 
@@ -94,7 +95,7 @@ class Increments:
         trial, pressure = self._drawn(formula) if self.trials is None else self.trials.of(formula)
         done = self.project(formula, trial, pressure, self.stiffness, method=self.method, convex=self.convex)
         flagged = np.flatnonzero(~np.isin(done.status, (Status.STICK, Status.SLIP)))
-        witness = json.dumps(_witness(done, flagged, trial, pressure), allow_nan=False)
+        witness = json.dumps(finite(_witness(done, flagged, trial, pressure)), allow_nan=False)
         verdict = "flagged" if flagged.size else "ok"
         yield "increments", verdict, done.method, None, witness, len(trial), round(monotonic() - began, 6)
 
@@ -118,18 +119,13 @@ def _witness(done: Projection, flagged: Any, trial: Array, pressure: Array | Non
     found = {status.name.lower(): int(np.count_nonzero(done.status == status)) for status in Status}
     return {
         "statuses": {name: count for name, count in found.items() if count},
-        "residuals": {name: _number(np.max(values)) for name, values in asdict(done.residuals).items()},
-        "dissipation": {"sum": _number(np.sum(done.dissipation)), "least": _number(np.min(done.dissipation))},
+        "residuals": {name: float(np.max(values)) for name, values in asdict(done.residuals).items()},
+        "dissipation": {"sum": float(np.sum(done.dissipation)), "least": float(np.min(done.dissipation))},
         "worst": {
             "trial": trial[at].tolist(),
             "pressure": None if pressure is None else float(pressure[at]),
-            "stress": [_number(x) for x in done.stress[at]],
+            "stress": done.stress[at].tolist(),
             "status": Status(done.status[at]).name.lower(),
-            "residual": _number(worst[at]),
+            "residual": float(worst[at]),
         },
     }
-
-
-def _number(x: Any) -> float | None:
-    """As JSON has it: none where it is not finite."""
-    return float(x) if np.isfinite(x) else None

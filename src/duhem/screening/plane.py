@@ -15,18 +15,16 @@ from itertools import chain
 from statistics import median
 from typing import TYPE_CHECKING, NamedTuple
 
-from duhem.errors import InputError
+from duhem.errors import InputError, meant
 from duhem.expression.number import exact_number, nearest_double
 from duhem.law.catalogue import load
-from duhem.law.placed_toml import meant
 from duhem.law.units import stress_powers, unit_in_words
 from duhem.screening.campaign import Campaign, VerdictLine
 from duhem.screening.rows import counted
 from duhem.screening.summary import Summary
 from duhem.screening.table import read_lines
 from duhem.show import figure
-from duhem.show.notation import latex_name
-from duhem.show.printing import draw
+from duhem.show.printing import draw, latex_name
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -23,14 +23,14 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.errors import InputError, MissingExtraError
+from duhem.errors import InputError
 from duhem.expression import holds_at
 from duhem.expression.number import exact_number, exact_text, ratio
 from duhem.expression.spelling import spelled
 from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import text_of
-from duhem.path.table_file import cells_of, header_of
+from duhem.law.table_file import cells_of, header_of, lines_of, reading
 from duhem.show.place import parquet_packages
 
 __all__ = ["Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "cells_in_lines", "counted", "given"]
@@ -38,7 +38,6 @@ __all__ = ["Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "Table
 _FINENESS = 10**6  # equal parts of a range, at whose ends values are drawn
 _TRIES = 1_000
 
-_MOST_CHARACTERS = 100_000  # of a line
 _TOGETHER = 8_192  # of Parquet, read together
 
 
@@ -261,15 +260,8 @@ def cells_in_lines(file: str) -> tuple[tuple[str, ...], bytes]:
     InputError where there is no header or no row, or the file cannot be read.  Blank lines of CSV and those that begin with # are
     left out.
     """
-    try:
+    with reading(file):
         names, text = _from_parquet(file) if file.endswith(".parquet") else _from_csv(file)
-    except (InputError, MissingExtraError):
-        raise
-    except UnicodeDecodeError:
-        raise InputError("this is not text in UTF-8", where=file, remedy="write the table as CSV") from None
-    except (OSError, ValueError) as fault:
-        reason = getattr(fault, "strerror", None) or " ".join(str(fault).split())[:200]
-        raise InputError(f"the table cannot be read: {reason}", where=file, remedy="check its name and kind") from None
     if not text:
         raise InputError("the table has no rows", where=file, remedy="give a header and at least one row")
     return names, text
@@ -279,12 +271,7 @@ def _from_csv(file: str) -> tuple[tuple[str, ...], bytes]:
     lines = bytearray()
     names: tuple[str, ...] = ()
     with open(file, encoding="utf-8-sig") as stream:
-        for number, text in enumerate(iter(lambda: stream.readline(_MOST_CHARACTERS + 1), ""), 1):
-            place = f"{file}:{number}"
-            if len(text) > _MOST_CHARACTERS:
-                raise InputError("this line is not valid CSV", where=place, remedy="write the table as CSV")
-            if not text.strip() or text.lstrip().startswith("#"):
-                continue
+        for place, text in lines_of(stream, file):
             if not names:
                 names = tuple(header_of(cells_of(text.rstrip("\r\n"), place), place))
                 continue

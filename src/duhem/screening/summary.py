@@ -16,8 +16,7 @@ from typing import Any, ClassVar
 from duhem.screening.campaign import Campaign, Claimed, VerdictLine
 from duhem.screening.rows import counted
 from duhem.show.page import PAGE, Page, tied
-from duhem.show.printing import Shown, plain, sheet, text
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, Shown, plain, sheet, text
 
 __all__ = ["AGAINST", "Counts", "Summary", "alone", "as_dict", "as_sheet", "as_text"]
 

@@ -13,8 +13,7 @@ from typing import Any, Self
 
 from duhem.errors import InputError
 from duhem.screening.campaign import Campaign, VerdictLine, lines_of, number_of
-from duhem.show.growing_file import DAMAGED, GrowingFile, beside, check_growing
-from duhem.show.place import AnyPath, check_parquet, check_place, parquet_packages, written
+from duhem.show.place import DAMAGED, AnyPath, GrowingFile, beside, check_growing, check_parquet, check_place, parquet_packages, written
 from duhem.version import __version__
 
 __all__ = ["GrowingLines", "check_table", "finished_csv", "read_lines", "stands", "write_table"]

@@ -17,7 +17,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from duhem.errors import MissingExtraError
 from duhem.show.page import printable
-from duhem.show.sheet import Typeset
+from duhem.show.printing import Typeset
 from duhem.version import __version__
 
 __all__ = [

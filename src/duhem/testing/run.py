@@ -21,24 +21,19 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.law_in_state import LawInState, Places
-from duhem.testing.checks.query import NoReply, NothingToCheck, Query, Raised, named_by
+from duhem.testing.checks.query import NoReply, NothingToCheck, Query, Raised, Visited, named_by
 from duhem.testing.checks.registry import Check, judged, registered
-from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import RunOptions, numbers
 from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.strategies import cases, histories, pressures
 from duhem.testing.drawn.values import Strategy, admitted
-from duhem.testing.failures.causes import as_expected, by_cause, of_stress
-from duhem.testing.failures.diagnosis import IN_REGION, departure, diagnosed, instead
-from duhem.testing.failures.failure import Failure, drawn_again
-from duhem.testing.failures.regions import Regions, region_of
+from duhem.testing.failures.diagnosis import IN_REGION, Regions, as_expected, by_cause, departure, diagnosed, instead, of_stress, region_of
+from duhem.testing.failures.failure import RAISED, Failure, drawn_again, least_case, shortened, simplified
 from duhem.testing.failures.report import Report
-from duhem.testing.failures.shrinking import RAISED, least_case, shortened, simplified
 from duhem.testing.failures.suggestions import needs_the_run
 from duhem.testing.routines.material import Material, stateless
-from duhem.testing.routines.origin import Origin, named, origin
-from duhem.testing.routines.routine import Unfinished, Update
+from duhem.testing.routines.routine import Origin, Unfinished, Update, named, origin
 
 __all__ = ["ConformanceRun"]
 

@@ -24,11 +24,11 @@ from duhem.law.formula_law import Criterion
 from duhem.law.placed_toml import text_of
 from duhem.projection.increment import check_associated
 from duhem.projection.result import Projection, Status
-from duhem.proof.certificate import admitted_values, law_as_text
+from duhem.proof.certificate import law_as_text
+from duhem.proof.facts.formula_subject import admitted_values
 from duhem.proof.verification import ClaimResult, verify
 from duhem.show.place import write
-from duhem.show.printing import Shown, plain, sheet
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, Shown, plain, sheet
 from duhem.testing.drawn.region import Region
 
 __all__ = ["TOLERANCE", "Differences", "Entry", "Project", "SnapshotFile", "differences", "snapshot"]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from duhem.cli.arguments import format_option, group_option
-from duhem.cli.output import Progress, endless_page, say
+from duhem.cli.output import Progress, as_json, endless_page, say
 
 if TYPE_CHECKING:
     from duhem.law.atlas.entry import AtlasEntry
@@ -43,9 +43,7 @@ def atlas(group: str | None, form: str, file: str | None) -> None:
             atlas_sheet(laws, file, progress.show)
         say(file)
     elif form == "json":
-        import json
-
-        say(json.dumps([law.to_dict() for law in laws], indent=2, ensure_ascii=False))
+        say(as_json([law.to_dict() for law in laws]))
     else:
         say(_markdown(laws) if form == "markdown" else _text(laws))
 

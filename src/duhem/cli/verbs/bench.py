@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import settings_option
+from duhem.cli.arguments import choice_option, settings_option
 from duhem.cli.output import Progress
 from duhem.cli.study import carry_out, flagship_argument, json_option, peers_option, read_subject, stiffness_option
 
@@ -16,33 +17,22 @@ if TYPE_CHECKING:
 
 __all__ = ["bench"]
 
+_count_option = partial(click.option, type=click.IntRange(1), show_default=True)
+
 
 @click.command()
 @flagship_argument
 @settings_option
-@click.option(
+@choice_option(
     "--scene",
-    type=click.Choice(["increment", "path", "throughput", "project", "paths", "all"]),
+    of=["increment", "path", "throughput", "project", "paths", "all"],
     default="all",
-    show_default=True,
-    help="What to measure. increment: one increment; path: a loading path; throughput: many increments at once; project: the same "
+    says="What to measure. increment: one increment; path: a loading path; throughput: many increments at once; project: the same "
     "through duhem.project; paths: many steps through duhem.simulate.",
 )
 @stiffness_option
-@click.option(
-    "--repeats",
-    type=click.IntRange(1),
-    default=5,
-    show_default=True,
-    help="Number of runs of each measurement (fewer for slow ones, more for small batches).",
-)
-@click.option(
-    "--points",
-    type=click.IntRange(1),
-    default=1_000_000,
-    show_default=True,
-    help="Number of increments for throughput and project, and of steps for paths.",
-)
+@_count_option("--repeats", default=5, help="Number of runs of each measurement (fewer for slow ones, more for small batches).")
+@_count_option("--points", default=1_000_000, help="Number of increments for throughput and project, and of steps for paths.")
 @peers_option
 @json_option
 @click.option("--plot", metavar="FILE", help="Draw run time over error with logarithmic axes (.png, .pdf, .svg, ...).")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from duhem.cli.arguments import modules_beside_the_user
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, page, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, as_json, aside, page, say, wrote
 
 if TYPE_CHECKING:
     from duhem.benchmark.extreme_cases import StressCases
@@ -101,22 +100,19 @@ def campaign(
         check_places([table, picture], asked.inputs)
         plane.check(asked, over)
     if resume and finished_csv(table):
-        click.echo(f"duhem: {table} is finished, but a CSV table does not store its campaign: duhem computes all rows again", err=True)
+        aside(f"{table} is finished, but a CSV table does not store its campaign: duhem computes all rows again")
     with Progress("starting") as progress:
-        began, last, first = monotonic(), 0.0, -1
+        began, first = monotonic(), -1
 
         def on_row(done: int, rows: int) -> None:
-            nonlocal last, first
-            now = monotonic()
+            nonlocal first
             first = done - 1 if first < 0 else first
-            if now - last > 0.2:
-                last = now
-                rate = (done - first) / max(now - began, 1e-9)
-                progress.show(f"{done} of {rows} rows, {rate:.1f} a second, {_duration((rows - done) / rate)} left")
+            rate = (done - first) / max(monotonic() - began, 1e-9)
+            progress.often(lambda: f"{done} of {rows} rows, {rate:.1f} a second, {_duration((rows - done) / rate)} left")
 
         def on_start(dashboard: str) -> None:
             progress.show("")
-            click.echo(f"duhem: the cluster's dashboard is {dashboard}", err=True)
+            aside(f"the cluster's dashboard is {dashboard}")
 
         try:
             summary = entry.campaign(
@@ -124,7 +120,7 @@ def campaign(
             )
         except entry.StoppedCampaign as stop:
             progress.show("")
-            click.echo(f"duhem: {stop}", err=True)
+            aside(stop)
             return INTERRUPTED
     say(text(summary, page()))
     if picture is not None:
@@ -156,7 +152,7 @@ def _alone(asked: Campaign, row: int) -> int:
         raise InputError(f"there is no row {row} among {len(asked)}", where=f"--row {row}", remedy="give the number of one of them")
     with Pool(asked, 1) as pool:
         lines = [line for text in pool.texts([range(row, row + 1)]) for line in lines_of(text)]
-    say(json.dumps([line._asdict() for line in lines], indent=2, ensure_ascii=False))
+    say(as_json([line._asdict() for line in lines]))
     return FAILED if lines[0].error else REFUTED if any(line.verdict in AGAINST for line in lines) else HELD
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import read_number, read_pair
+from duhem.cli.arguments import format_option, read_number, read_pair
 from duhem.cli.output import HELD, endless_page, say
 from duhem.errors import InputError
 from duhem.show.page import tied
@@ -32,9 +32,7 @@ __all__ = ["figures"]
     help="The folder for the files. It is created if it does not exist.",
 )
 @click.option("--set", "settings", metavar="NAME=VALUE", multiple=True, help="Change a parameter of the figures. Repeatable.")
-@click.option(
-    "--format", "form", type=click.Choice(["png", "pdf", "svg"]), default="png", show_default=True, help="The form of the pictures."
-)
+@format_option("png", "pdf", "svg", says="The form of the pictures.")
 @click.option("--data", is_flag=True, help="Write the numbers as CSV instead of pictures.")
 @click.option("--list", "listing", is_flag=True, help="Only list the figures with their parameters.")
 def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: str, data: bool, listing: bool) -> int:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 
 import click
 
 from duhem.cli.arguments import complete_law, convex_option, format_option, read_fixed_formula, settings_option
-from duhem.cli.output import HELD, Progress, page, say, wrote
-from duhem.show.place import check_places
+from duhem.cli.output import HELD, Progress, as_json, aside, check_outputs, page, say, wrote
 
 __all__ = ["identify"]
 
@@ -62,11 +60,8 @@ def identify(
     from duhem.show.printing import text
 
     family = read_fixed_formula(law, settings)
-    check_places([out, plot], [points, law])
+    check_outputs(plot, [out], [points, law])
     if plot is not None:
-        from duhem.show import figure
-
-        figure.check(plot)
         identification.printing.check(family)
     if inside:
         from duhem.regions.mending.by_parameters import within_region
@@ -75,12 +70,12 @@ def identify(
             whole, family = family, within_region(family)
         for name, own in family.parameters.items():
             if own != whole.parameters[name]:
-                click.echo(f"duhem: only {own.stated(name)} is tried, where K is proved convex", err=True)
+                aside(f"only {own.stated(name)} is tried, where K is proved convex")
     with Progress("identifying"):
         done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed, convex=convex)
     if out is not None:
         done.to_toml(out)
-    say(text(done, page()) if form == "text" else json.dumps(done.to_dict(), indent=2, ensure_ascii=False))
+    say(text(done, page()) if form == "text" else as_json(done.to_dict()))
     if plot is not None:
         done.plot(plot)
     wrote("the fitted law", out)

@@ -33,8 +33,7 @@ def import_(file: str, kind: str | None, out: str, stress: str | None, forces: s
     from duhem.expression.abbreviations import Stress
     from duhem.expression.number import exact_number
     from duhem.law.learned import arrays_of, learned
-    from duhem.law.onnx_network import onnx_network
-    from duhem.law.pt2_network import pt2_network
+    from duhem.law.network import onnx_network, pt2_network
 
     if (stress is None) == (forces is None):
         raise InputError("the inputs are not named", where="--stress", remedy="give either --stress or --forces")

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 
 import click
 
-from duhem.cli.arguments import format_option, law_argument, modules_beside_the_user, read_settings, settings_option
-from duhem.cli.output import HELD, UNDECIDED, Progress, page, say, wrote
-from duhem.show.place import check_places
+from duhem.cli.arguments import choice_option, format_option, law_argument, modules_beside_the_user, read_settings, settings_option
+from duhem.cli.output import HELD, UNDECIDED, Progress, as_json, check_outputs, page, say, wrote
 
 __all__ = ["mend"]
 
@@ -17,12 +15,10 @@ __all__ = ["mend"]
 @click.command()
 @law_argument
 @settings_option
-@click.option(
+@choice_option(
     "--by",
-    type=click.Choice(["auto", "parameters", "hull", "harmonics", "coefficients"]),
-    default="auto",
-    show_default=True,
-    help="How to mend the law. auto tries all ways, and takes the result whose largest change of the limit load is least.",
+    of=["auto", "parameters", "hull", "harmonics", "coefficients"],
+    says="How to mend the law. auto tries all ways, and takes the result whose largest change of the limit load is least.",
 )
 @click.option("--harmonics", type=click.IntRange(1, 16), default=8, show_default=True, help="Number of harmonics of the gauge.")
 @click.option("--out", metavar="FILE", help="Write the mended law to this criterion file.")
@@ -42,16 +38,12 @@ def mend(law: str, settings: Sequence[str], by: str, harmonics: int, out: str | 
     from duhem.regions.mending import mend as mended
     from duhem.show.printing import text
 
-    check_places([out, plot], [law])
-    if plot is not None:
-        from duhem.show.figure import check
-
-        check(plot)
+    check_outputs(plot, [out], [law])
     with modules_beside_the_user(law), Progress("mending"):
         done = mended(law, by, read_settings(settings), harmonics=harmonics)
     if out is not None:
         done.to_toml(out)
-    say(text(done, page()) if form == "text" else json.dumps(done.to_dict(out), indent=2, ensure_ascii=False))
+    say(text(done, page()) if form == "text" else as_json(done.to_dict(out)))
     if plot is not None:
         done.plot(plot)
     wrote("the mended law", out)

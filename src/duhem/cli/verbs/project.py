@@ -8,6 +8,7 @@ import click
 
 from duhem.cli.arguments import (
     Vectors,
+    choice_option,
     convex_option,
     format_option,
     law_argument,
@@ -37,7 +38,7 @@ __all__ = ["project"]
 @click.option(
     "--stiffness", metavar="K ...", default="1", show_default=True, help="One number, one number per force, or the matrix row by row."
 )
-@click.option("--method", type=click.Choice(["auto", *METHODS]), default="auto", show_default=True, help="The method of solution.")
+@choice_option("--method", of=["auto", *METHODS], says="The method of solution.")
 @convex_option("ask: look for a proof that K is convex; require: reject the law without such a proof; assume: do not look for one.")
 @click.option("--tangent", is_flag=True, help="Add the consistent tangents (derivatives of the new stress).")
 @format_option("text", "json", says="For people or for programs.")

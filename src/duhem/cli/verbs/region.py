@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 
 import click
 
 from duhem.cli.arguments import format_option, law_argument, modules_beside_the_user, read_law, read_pair, read_settings, settings_option
-from duhem.cli.output import HELD, INTERRUPTED, UNDECIDED, Progress, page, say, wrote
+from duhem.cli.output import HELD, INTERRUPTED, UNDECIDED, Progress, as_json, check_outputs, page, say, wrote
 from duhem.errors import InputError
-from duhem.show.place import check_places
 
 __all__ = ["region"]
 
@@ -57,11 +55,7 @@ def region(
     from duhem import regions
     from duhem.show.printing import latex, text
 
-    check_places([plot, certificate], [law])
-    if plot is not None:
-        from duhem.show import figure
-
-        figure.check(plot)
+    check_outputs(plot, [certificate], [law])
     ranges = dict(read_pair(one, f"--over {one}", "NAME=LOW:HIGH", "--over K=0.5:1") for one in over)
     if clash := sorted({*ranges} & {*read_settings(settings)}):
         raise InputError(f"{clash[0]} is both set and given a range", where=f"--over {clash[0]}", remedy="remove one of them")
@@ -71,7 +65,7 @@ def region(
     if form == "text":
         say(text(found, page()))
     else:
-        say(latex(found) if form == "latex" else json.dumps(found.to_dict(), indent=2, ensure_ascii=False))
+        say(latex(found) if form == "latex" else as_json(found.to_dict()))
     if plot is not None:
         found.plot(plot)
     if certificate is not None:

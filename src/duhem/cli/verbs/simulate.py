@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from time import monotonic
-
 import click
 
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, USAGE, Progress, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, USAGE, Progress, aside, say, wrote
 
 __all__ = ["simulate"]
 
@@ -44,7 +42,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
         chosen = scene_file.read(scene)
     except scene_file.SceneFaults as fault:
         for each in fault.faults:
-            click.echo(f"duhem: {each}", err=True)
+            aside(each)
         return USAGE
     table = chosen.table if out is None else out  # an empty name is refused, not taken for none
     figure = chosen.plot if plot is None else plot
@@ -56,13 +54,9 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
             say(f"{'not needed' if isinstance(part, LeftOut) else 'needed'}: {part.part} ({part.reason})")
         return HELD
     with Progress("simulating") as progress:
-        began = last = monotonic()
 
         def on_step(done: int, steps: int) -> None:
-            nonlocal last
-            if (now := monotonic()) - last > 0.2 and now - began > 1.0:
-                last = now
-                progress.show(f"{done} of {steps} {'points' if many else 'steps'}")
+            progress.often(lambda: f"{done} of {steps} {'points' if many else 'steps'}", after=1.0)
 
         try:
             chosen = looked_into(chosen)
@@ -70,17 +64,15 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
                 came = perform_many(chosen, table, resume, say, on_step)
                 progress.show("")
                 if came.stationary:
-                    click.echo(f"duhem: in the slips of {came.stationary} of {came.points} points, {NOT_SHOWN}", err=True)
+                    aside(f"in the slips of {came.stationary} of {came.points} points, {NOT_SHOWN}")
                 if came.ended:
-                    click.echo(
-                        f"duhem: {came.ended} points end early, at a step without a reliable answer or outside a declared range", err=True
-                    )
+                    aside(f"{came.ended} points end early, at a step without a reliable answer or outside a declared range")
                 wrote(f"the histories of {came.points} points", table)
                 return FAILED if came.ended else HELD
             history = perform(chosen, table, resume, on_step)
         except Stopped as stop:
             progress.show("")
-            click.echo(f"duhem: {stop}", err=True)
+            aside(stop)
             return INTERRUPTED
     if table is None:
         say(history.to_text().removesuffix("\n"))
@@ -89,5 +81,5 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     wrote(f"the history of {len(history)} knots", table)
     wrote("the picture", figure)
     if (remark := history.remark()) is not None:
-        click.echo(f"duhem: {remark}", err=True)
+        aside(remark)
     return HELD

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from duhem.cli.arguments import (
+    choice_option,
     complete_law,
     read_attribute,
     read_fixed_formula,
@@ -27,7 +27,7 @@ from duhem.cli.arguments import (
     report_format_option,
     settings_option,
 )
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, as_json, aside, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,13 +48,7 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
 @click.argument("subject", metavar="LAW|MODULE:CALLABLE|UMAT", shell_complete=complete_law)
 @click.option("--law", metavar="LAW", shell_complete=complete_law, help="The law of the routine MODULE:CALLABLE or of the UMAT.")
 @settings_option
-@click.option(
-    "--profile",
-    type=click.Choice([*_EXAMPLES]),
-    default="dev",
-    show_default=True,
-    help="Number of cases: dev 30; ci 100, the same in each run; deep 2000.",
-)
+@choice_option("--profile", of=[*_EXAMPLES], says="Number of cases: dev 30; ci 100, the same in each run; deep 2000.")
 @click.option("--examples", type=click.IntRange(1), metavar="N", help="Number of cases, instead of that of the profile.")
 @click.option("--stiffness", metavar="K ...", help="Stiffness in quotes: one number per force, or the matrix row by row (default: random).")
 @click.option("--pressure", metavar="N", help="Pressure (normal stress) sigma_n <= 0 (default: random, if there is a law).")
@@ -160,7 +154,7 @@ def test(
     tested, ended = _carry_out(routines, asked_for, most, options)
     say(_told(form, tested, left_out, again))
     if ended is not None and not isinstance(ended, KeyboardInterrupt):
-        click.echo(f"duhem: {ended}", err=True)
+        aside(ended)
     reports = [report for report, _ in tested.values()]
     if replay is not None:  # a test file for each cause, and for the increment that a routine does not come back from
         for file in (file for report in reports for file in report.write_replays(replay)):
@@ -214,7 +208,7 @@ def _material(subject: str, own: bool, of_umat: Mapping[str, Any], places: Mappi
 
 def _is_umat(subject: str) -> bool:
     """Whether it is a source or a library."""
-    from duhem.testing.foreign.built import SOURCES
+    from duhem.testing.foreign.abaqus import SOURCES
 
     return subject.lower().endswith(SOURCES + _LIBRARIES)
 
@@ -315,7 +309,7 @@ def _told(form: str, tested: Mapping[str, tuple[Report, str]], left_out: Mapping
         return as_junit({name: report for name, (report, _) in tested.items()})
     if form == "json":
         routines = {name: {**as_dict(report), "again": again} for name, (report, _) in tested.items()}
-        return json.dumps({"routines": routines, "left_out": left_out}, indent=2, ensure_ascii=False)
+        return as_json({"routines": routines, "left_out": left_out})
     parts = [f"{name}\n{report}\n{asked}\nagain: {again}" for name, (report, asked) in tested.items()]
     return "\n\n".join([*parts, *(f"{method} skipped: {why}" for method, why in left_out.items())])
 

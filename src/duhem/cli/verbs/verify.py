@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import glob
-import json
 import os
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -13,6 +12,7 @@ import click
 
 from duhem.cli.arguments import (
     check_names,
+    choice_option,
     complete_claims,
     complete_expected,
     laws_argument,
@@ -24,7 +24,7 @@ from duhem.cli.arguments import (
     report_format_option,
     settings_option,
 )
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, UNDECIDED, Progress, page, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, UNDECIDED, Progress, as_json, aside, page, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
@@ -54,12 +54,11 @@ _ORDER = ("refuted", "undecided", "tested", "proved", "by_construction", "not_ap
 @report_format_option
 @click.option("--report", metavar="FILE", help="Also write an HTML page for people, with pictures and the derivation.")
 @click.option("--certificate", metavar="FILE", help="Also write the proofs to this JSON file, for duhem recheck.")
-@click.option(
+@choice_option(
     "--effort",
-    type=click.Choice(["quick", "normal", "thorough"]),
+    of=["quick", "normal", "thorough"],
     default="normal",
-    show_default=True,
-    help="Budget of steps for each claim: quick is an eighth of normal, thorough is eight times normal.",
+    says="Budget of steps for each claim: quick is an eighth of normal, thorough is eight times normal.",
 )
 @click.option(
     "--coupled",
@@ -144,7 +143,7 @@ def verify(
         if interrupted:
             break
     if form == "json":  # one object, or a list of them where several laws are asked for
-        objects = ",\n".join(json.dumps(found.to_dict(), indent=2, ensure_ascii=False) for found in done)
+        objects = ",\n".join(as_json(found.to_dict()) for found in done)
         say(f"[\n{objects}\n]" if len(laws) > 1 else objects)
     elif form == "junit":
         from duhem.proof.report import as_suite
@@ -164,7 +163,7 @@ def verify(
         write(report, as_page([article(*each) for each in zip(done, commands, texts, strict=True)]))
         wrote("the page", report)
         if lacking := without():
-            click.echo(f"duhem: {report} is {lacking}", err=True)
+            aside(f"{report} is {lacking}")
     came = ((found.criterion.name, {r.claim: r.verdict.value for r in found.results}, own) for found, own in zip(done, due, strict=True))
     return _code_of(came, strict=strict)
 
@@ -226,7 +225,7 @@ def _code_of(found: Iterable[tuple[str, Mapping[str, str | None], Mapping[str, s
             if (due := expected.get(claim)) is None:
                 codes.add(REFUTED if verdict == "refuted" else UNDECIDED if strict and verdict in ("undecided", "tested") else HELD)
             elif verdict not in (due, None):
-                click.echo(f"duhem: {law}: {claim} is {verdict}, where {due} is expected", err=True)
+                aside(f"{law}: {claim} is {verdict}, where {due} is expected")
                 codes.add(REFUTED)
     return REFUTED if REFUTED in codes else max(codes)
 
@@ -281,7 +280,7 @@ def _verify_each(
                 verdicts.append({line.claim: line.verdict for line in lines})
                 progress.show(f"{len(verdicts)} of {len(laws)} laws")
     except KeyboardInterrupt:
-        click.echo(f"duhem: interrupted after {len(verdicts)} of {len(laws)} laws", err=True)
+        aside(f"interrupted after {len(verdicts)} of {len(laws)} laws")
         return INTERRUPTED
     code = _code_of(zip(laws, verdicts, due, strict=True), strict=strict)
     return FAILED if any(None in each.values() for each in verdicts) else code

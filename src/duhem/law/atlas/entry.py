@@ -15,8 +15,7 @@ from typing import Any
 from duhem.errors import InputError
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.placed_toml import parsed
-from duhem.show.printing import Shown, plain, sheet
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, Shown, plain, sheet
 
 __all__ = ["ASKED", "Atlas", "AtlasEntry", "as_dict", "as_sheet", "as_sheet_of_one", "atlas", "entries", "entry", "file_of", "groups"]
 

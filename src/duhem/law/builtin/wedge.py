@@ -10,7 +10,7 @@ coefficients positive and dimensionless, mu_alpha tan_alpha < 1 and mu_beta tan_
 
 Verdicts: the law dissipates in every direction, but the slip is not normal to the boundary, and near the limits of sliding
 the curve is dented.  At given values the boundary is shown to be smooth; that it is star-shaped about zero, hence simple, for
-all values is proved by duhem.micromodel.proofs.  On t_a it reduces to the coefficients of Eqs. (13), (15).
+all values is proved by duhem.micromodel.derivation.  On t_a it reduces to the coefficients of Eqs. (13), (15).
 
 Source: N. Antoni, J.-L. Ligier, P. Saffré and J. Pastor (2007), Int. J. Eng. Sci. 45, 587-600, section 2 (announced there).
 """

@@ -192,6 +192,13 @@ _DRAWN = 24
 _FINE = 4  # times denser still for the derivative of the limit curve
 
 
+def _stress_plane(*layers: Layer) -> Panel:
+    """The plane of both forces over the pressure, with its axes."""
+    axes = Rule("sigma_a = 0", "x", 0.0), Rule("sigma_b = 0", "y", 0.0)
+    a, b = (Axis(f"sigma_{i}/|sigma_n|", rf"$\sigma_{i}\,/\,|\sigma_n|$") for i in "ab")
+    return Panel(a, b, (*axes, *layers), equal=True)
+
+
 def boundary(law: Criterion, parameters: Mapping[str, float], angle: ArrayLike, pressure: float = -1.0) -> Array:
     """Points (n, 2) where the rays at ``angle`` (n,), in rad from the first force, leave K(sigma_n = ``pressure``).
 
@@ -331,17 +338,10 @@ def criterion(
     outside = boundary(law, parameters, around) * 1.5
     slipped = Projector.of(law, 1.0, parameters, "newton")(outside, -1.0)
     direction = slipped.slip / np.linalg.norm(slipped.slip, axis=1, keepdims=True)
-    panel = Panel(
-        Axis("sigma_a/|sigma_n|", r"$\sigma_a\,/\,|\sigma_n|$"),
-        Axis("sigma_b/|sigma_n|", r"$\sigma_b\,/\,|\sigma_n|$"),
-        (
-            Rule("sigma_a = 0", "x", 0.0),
-            Rule("sigma_b = 0", "y", 0.0),
-            Arrows("slip direction", slipped.stress, direction, 0.17 * reach, None, "slip direction"),
-            Curve("asymmetric", asymmetric[:, 0], asymmetric[:, 1], 0, "asymmetric, Eq. (35)"),
-            Curve("isotropic", isotropic[:, 0], isotropic[:, 1], 1, rf"isotropic, $\mu = {mu_isotropic:g}$"),
-        ),
-        equal=True,
+    panel = _stress_plane(
+        Arrows("slip direction", slipped.stress, direction, 0.17 * reach, None, "slip direction"),
+        Curve("asymmetric", asymmetric[:, 0], asymmetric[:, 1], 0, "asymmetric, Eq. (35)"),
+        Curve("isotropic", isotropic[:, 0], isotropic[:, 1], 1, rf"isotropic, $\mu = {mu_isotropic:g}$"),
     )
     ends = boundary(law, parameters, np.pi * np.array([0.0, 1.0, 0.5, 1.5]))
     names = ("along +a", "along -a", "along +b", "along -b")
@@ -448,24 +448,17 @@ def oblique(tan_alpha: float = 1.0, tan_beta: float = 0.25, mu_alpha: float = 0.
     fit = nearest.parameters()
     slip = slip_direction(phi)
     normal = _normals(limit_point(2.0 * np.pi * np.arange(_FINE * _SLIPS) / (_FINE * _SLIPS), *profile))[::_FINE]
-    theta = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))  # increases with phi: proved in duhem.micromodel.proofs
+    theta = np.unwrap(np.arctan2(points[:, 1], points[:, 0]))  # increases with phi: proved in duhem.micromodel.derivation
     off_curve = np.degrees(_turn(slip, normal))
     at_fit, off_fit = _fitted_slip(associated, fit, points, theta, phi)
     fitted = boundary(associated, fit, np.linspace(0.0, 2.0 * np.pi, 721))
     drawn = slice(0, None, _SLIPS // _DRAWN)
     closed = np.vstack([points, points[:1]])
     reach = 0.22 * float(np.abs(points).max())
-    stresses = Panel(
-        Axis("sigma_a/|sigma_n|", r"$\sigma_a\,/\,|\sigma_n|$"),
-        Axis("sigma_b/|sigma_n|", r"$\sigma_b\,/\,|\sigma_n|$"),
-        (
-            Rule("sigma_a = 0", "x", 0.0),
-            Rule("sigma_b = 0", "y", 0.0),
-            Arrows("slip direction", points[drawn], slip[drawn], reach, None, "slip direction"),
-            Curve("limit curve", closed[:, 0], closed[:, 1], 0, "limit curve"),
-            Curve("best associated law", fitted[:, 0], fitted[:, 1], 1, "best associated law"),
-        ),
-        equal=True,
+    stresses = _stress_plane(
+        Arrows("slip direction", points[drawn], slip[drawn], reach, None, "slip direction"),
+        Curve("limit curve", closed[:, 0], closed[:, 1], 0, "limit curve"),
+        Curve("best associated law", fitted[:, 0], fitted[:, 1], 1, "best associated law"),
     )
     angles = Panel(
         Axis("angle of traction", r"angle of the traction to $t_a$", "deg", (0.0, 360.0), 45.0),

@@ -8,13 +8,12 @@ import io
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.errors import InputError
+from duhem.errors import InputError, meant
 from duhem.show.page import Page
 
 __all__ = [
@@ -268,6 +267,4 @@ class Recipe:
 
 def unknown(what: str, name: str, known: Mapping[str, object]) -> InputError:
     """The error for a name that is not among ``known``, with the nearest of them."""
-    near = get_close_matches(name[:40], list(known), n=1)
-    hint = f"did you mean {near[0]}? " if near else ""
-    return InputError(f"unknown {what} {name[:60]!r}", remedy=f"{hint}there are: {', '.join(known)}")
+    return InputError(f"unknown {what} {name[:60]!r}", remedy=meant(name, known, f"there are: {', '.join(known)}", both=True))

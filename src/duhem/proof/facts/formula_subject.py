@@ -23,14 +23,16 @@ from duhem.expression import UNDEFINED, Atan2, Where, defined_at, holds_at
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, plain_switches, smooth_below, thick
 from duhem.expression.number import fraction, rational
 from duhem.expression.text import formula
+from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
+from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.subject import Point, Subject, Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.in_state import Dissipating, power_of_rates
 from duhem.proof.statement import Face, Problem, state
 
-__all__ = ["FormulaSubject", "RateSubject"]
+__all__ = ["FormulaSubject", "RateSubject", "admitted_values"]
 
 _QUESTION_STEPS = 8_000_000
 _MARGIN = Fraction(1, 2**20)  # larger than the boxes in which corners are held
@@ -376,3 +378,24 @@ def _on_either_side(problem: Problem, obligation: Obligation) -> tuple[Place, Pl
     points = _plain_points(problem, symbols)
     above, below = ([p for p in points if (side * expr.subs(p)).is_positive] for side in (1, -1))
     return (above[0], below[0]) if above and below else None
+
+
+def admitted_values(law: Law) -> Mapping[str, str] | None:
+    """Parameter values inside the domain, which show that a claim over it is not empty; None where no exact ones were found."""
+    table = law.symbols()
+    free = [table[name] for name, domain in law.parameters.items() if domain.value is None]
+    given = [*(r for x in free for r in law.parameters[x.name].relations(x)), *law.constraints]
+    for point in chain(simple_points(law), map(rationals, plain_choices(free, given)), _in_the_slice(law)):
+        whole = {table[n]: d.value for n, d in law.parameters.items() if d.value is not None} | dict(point)
+        if all(holds_at(r, whole) for r in given):
+            return {x.name: str(value) for x, value in whole.items()}
+    return None
+
+
+def _in_the_slice(law: Law) -> Iterator[Mapping[sp.Symbol, sp.Rational]]:
+    """Where constraints leave no plain ones."""
+    if isinstance(law, Criterion) and not law.forces_of_rates:
+        subject = FormulaSubject(law)
+        for found in subject.choices(1):
+            values = rationals(subject.values_at(found, subject.nowhere))
+            yield {x: value for x, value in values.items() if x.name in law.parameters}

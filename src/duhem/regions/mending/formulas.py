@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from duhem.expression.build import MOST_ARGUMENTS
+from duhem.expression.vocabulary import nested
 
 __all__ = ["decimal", "greatest", "linear", "times", "total"]
 
@@ -30,9 +30,7 @@ def times(*factors: str | tuple[str, int]) -> str:
 def greatest(terms: Iterable[str]) -> str:
     """The greatest of terms, of so many at once as a word may have."""
     found = list(terms)
-    while len(found) > 1:
-        found = [f"max({', '.join(found[i : i + MOST_ARGUMENTS])})" for i in range(0, len(found), MOST_ARGUMENTS)]
-    return found[0]
+    return nested("max", found) if len(found) > 1 else found[0]
 
 
 def linear(row: Sequence[float], forces: Sequence[str]) -> str:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.rays import exits
 from duhem.law.formula_law import Criterion
-from duhem.proof.certificate import admitted_values
+from duhem.proof.facts.formula_subject import admitted_values
 
 __all__ = ["NO_DISTANCE", "Distance", "ScaledLaw", "around", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
 

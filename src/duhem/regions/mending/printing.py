@@ -12,9 +12,7 @@ from duhem.expression.text import formula
 from duhem.regions.mending.limit_load import around, limit_loads, plain_values
 from duhem.regions.mending.result import Mended, Tried
 from duhem.show import figure
-from duhem.show.notation import latex_name
-from duhem.show.printing import draw, sheet
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, draw, latex_name, sheet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

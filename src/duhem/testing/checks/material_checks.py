@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from duhem.projection.result import Array
-from duhem.testing.checks import law_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register)
+from duhem.testing.checks import law_checks, routine_checks  # noqa: F401 (they register)
 from duhem.testing.checks.history import FINER, HistoryQuery
 from duhem.testing.checks.query import NothingToCheck
 from duhem.testing.checks.registry import Finding, enter, register, registered, worst
@@ -58,7 +58,7 @@ def repeatability(h: HistoryQuery) -> Finding:
     here, back = h.beyond, np.arange(len(case))[::-1]
     load = None if case.pressure is None else case.pressure[back]
     again = h.counted(h.start.rows(back), case.trial[back], load, rows=back).rows(back)
-    return run_checks.compared(h, here.stress, again.stress, 2.0 * h.error(h.start.stress, case.trial, here.stress))
+    return routine_checks.compared(h, here.stress, again.stress, 2.0 * h.error(h.start.stress, case.trial, here.stress))
 
 
 _as_of_a_law(
@@ -286,7 +286,7 @@ def subdivision(h: HistoryQuery) -> Finding:
 def associated_symmetry(h: HistoryQuery) -> Finding:
     if h.here.tangent is None:
         raise NothingToCheck("the routine returns no tangent")
-    return Finding(*tangent_checks.asymmetry(h, h.whitened(h.here.tangent)))
+    return Finding(*routine_checks.asymmetry(h, h.whitened(h.here.tangent)))
 
 
 for _name, _said in (

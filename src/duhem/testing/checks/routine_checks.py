@@ -3,17 +3,20 @@
 sigma = argmin over K(sigma_n) of |sigma_tr - sigma|, |s| = (s . k^-1 s)^1/2, slip = k^-1 (sigma_tr - sigma).  Each tolerance
 follows from sigma = sigma* + e, |e| <= u, with sigma* the exact answer; a few units in the last place are added for the
 rounding of the check itself.
+
+Then what is asked of a run as a whole, that it visited something, that its routine keeps nothing between calls and spoils nothing; and
+what a consistent tangent is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import NothingToCheck, Query, Reply
+from duhem.testing.checks.query import NothingToCheck, Query, Reply, Visited
 from duhem.testing.checks.registry import Finding, register, worst
 
 __all__: list[str] = []
@@ -381,3 +384,214 @@ def homogeneity(q: Query) -> Finding:
 def path(q: Query) -> Finding:
     losses = np.array([_loss(q, found) for found in q.along_the_path()])
     return worst(np.cumsum(losses, axis=0)) if len(losses) else Finding(*np.zeros((2, len(q.case))))
+
+
+# -- a run as a whole --------------------------------------------------------------------------------------------------
+
+_LEAST_SEEN = 0.01  # of the increments without a law, whose sizes are drawn by what the routine itself shows
+_MOST = 0.75  # of the increments that slip: who gives up more has shown what is left, not the rule
+_ALONE = 3  # cases, in one of which a row is asked in a call of its own
+_APART = 5  # cases, in one of which some rows are asked in calls of one size, one after the other
+_CROWD, _MANY = 5, 300  # the case of a run in which some rows are asked so often in one call: more than the 256 of a block
+
+
+def _visited(visited: Visited) -> str | None:
+    shares = visited.shares
+    found = visited.searched
+    if raised := [said for said in found if said not in ("range", "none")]:
+        return f"the search for the elastic range failed: {raised[0]}"
+    least = 0.0 if visited.forces else _LEAST_SEEN
+    missing = [name for name in ("slip", "stick")[: 1 if visited.creeps else 2] if shares and shares[name] <= least]
+    if not missing:
+        given_up = f"{visited.given_up:.2%} of the slipping increments are flagged as not solved, and therefore not tested"
+        unknown = "no elastic range was found, so that the size of the increments says nothing of the routine (in Python: scale=STRAIN)"
+        return given_up if visited.given_up > _MOST else unknown if found and not found["range"] else None
+    few = f"only {shares[missing[0]]:.2g} of them " if shares[missing[0]] else "nothing "
+    what = few + {"slip": "slipped", "stick": "stuck"}[missing[0]]
+    seen = ", ".join(f"{name} {share:.3g}" for name, share in shares.items())
+    return f"{what} in {visited.increments} increments; visited: {seen}"
+
+
+@register(
+    statement="the run contains increments that stick and increments that slip, and the routine solves most of those that slip",
+    formula="sigma_tr in K(sigma_n) for some, and not for others",
+    source="if nothing slips, a test passes for any routine",
+    tolerance="flagged increments do not count; at most three in four of the slipping increments may be flagged",
+    whole=_visited,
+)
+def vacuity(q: Query) -> Finding:
+    none = np.zeros(len(q.here.trial))
+    return Finding(none, none)
+
+
+@register(
+    statement="the same increment has the same answer, alone, together with others, and after others",
+    formula="P(sigma_tr) = P(sigma_tr)",
+    source="state that is kept between calls or shared between rows makes an answer depend on the order of the calls",
+    tolerance="2 u",
+    again=True,
+)
+def repeatability(q: Query) -> Finding:
+    return compared(q, q.here.stress, q.again.stress, 2.0 * q.unit(q.here), _asked_otherwise(q))
+
+
+def _asked_otherwise(q: Query) -> Iterator[tuple[Array, str]]:
+    """Yield further answers to the trial, each with words on how it was asked."""
+    if q.by_turns(_APART):
+        _, close, *trials, _, last = q.apart
+        here = q.here
+        sticks = q.region.surely_inside(close.trial, q.pressure) & (q.length(here.stress - here.trial) <= q.unit(here))
+        yield here.stress + np.where(sticks[:, None], close.stress - close.trial, 0.0), " of a trial stress close by, which sticks as well"
+        for found in (*trials, last):
+            yield found.stress, " when asked in calls of one size, one after the other"
+    if q.turn == _CROWD and len(q.case) > 1:  # copies of one increment do not tell one row from another
+        crowd = q.ask(*[q.case.trial] * -(-_MANY // len(q.case)))
+        for found in crowd:
+            yield found.stress, f" when asked in a call of {len(crowd) * len(q.case)} increments"
+
+
+def compared(q: Query, here: Array, again: Array, allowed: Array, otherwise: Iterable[tuple[Array, str]] = ()) -> Finding:
+    """The stresses answered to the trial, and those when asked again and ``otherwise``; of one row that asked alone too."""
+    apart, how = q.length(_apart(again, here)), np.full(len(here), "", dtype=object)
+    if q.by_turns(_ALONE):
+        row, alone = q.alone
+        at = slice(row, row + 1)
+        if isinstance(alone, str):
+            apart[row], how[row], otherwise = np.inf, f"; asked as one increment alone, {alone}", ()
+        elif not (off := q.length(_apart(alone.stress, here[at]))[0]) <= apart[row]:
+            apart[row], how[row] = off, " between the answer among others and that to the increment alone"
+    for stress, asked in otherwise:
+        farther = q.length(_apart(stress, here))
+        worse = ~(farther <= apart)
+        apart, how = np.where(worse, farther, apart), np.where(worse, asked, how)
+    said = [f"measured {x:.3g}, allowed {most:.3g}{more}" for x, most, more in zip(apart, allowed, how, strict=True)]
+    return Finding(apart, allowed, np.array(said, dtype=object))
+
+
+def _apart(one: Array, other: Array) -> Array:
+    """Return their difference, 0 where neither is finite: a nan twice is the same answer."""
+    return np.where(~np.isfinite(one) & ~np.isfinite(other), 0.0, one - other)
+
+
+@register(
+    statement="the routine does not change its inputs and its earlier answers, and writes to no other memory",
+    formula="sigma_tr, sigma_n and k after the call are those before it, and so are the answers to the calls before",
+    source="the caller uses the trial stress, the pressure and the stiffness again, and keeps one answer during the next call",
+    tolerance="none: to the last bit; of C and Fortran, all arguments that are not returned, and 64 bytes either side of each array; "
+    "an answer may be the array that was given",
+)
+def inputs(q: Query) -> Finding:
+    none = np.zeros(len(q.here.trial))
+    if q.some.by_turns(_APART):
+        _ = q.some.apart
+    return Finding((q.overwritten != "").astype(np.float64), none, "overwritten: " + q.overwritten)
+
+
+# -- the consistent tangent --------------------------------------------------------------------------------------------
+
+_RESOLVED = 0.05  # of k: differences that disagree by more do not tell
+_LEAST_STEP = 320.0  # times u: the shortest step of which rounding leaves a difference as good as that
+_FINER = 12  # steps, each a quarter of the one before: the last is some thousand roundings long
+
+
+@register(
+    statement="the consistent tangent is symmetric and has eigenvalues in [0, k]",
+    formula="C = C^T, 0 <= x . C x <= x . k x",
+    source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
+    tolerance="d^2 (accuracy + 8 eps), in the metric of k",
+)
+def tangent(q: Query) -> Finding:
+    c, finite = _tangent(q)
+    off, allowed = _beyond(q, c)
+    return Finding(np.where(finite, off, np.inf), allowed)
+
+
+def _beyond(q: Query, c: Array) -> tuple[Array, Array]:
+    """Return by how much tangents are not symmetric or leave [0, k] (N,), and by how much they may."""
+    eigen = np.linalg.eigvalsh(0.5 * (c + np.swapaxes(c, 1, 2)))
+    off, allowed = asymmetry(q, c)
+    return np.maximum(off, np.maximum(-eigen.min(axis=1), eigen.max(axis=1) - 1.0)), allowed
+
+
+def asymmetry(q: Query, c: Array) -> tuple[Array, Array]:
+    """Return by how much tangents (N, d, d) in the metric of k are not symmetric (N,), and by how much they may be."""
+    return np.abs(c - np.swapaxes(c, 1, 2)).max(axis=(1, 2)), np.full(len(c), c.shape[1] ** 2 * (q.accuracy + 8.0 * _EPS))
+
+
+@register(
+    statement="the consistent tangent agrees with finite differences of the routine where these are accurate (not near a flat point of K)",
+    formula="C du = d sigma",
+    source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
+    tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "
+    "|sigma_tr| + |sigma|, or 320 u where they disagree by k/20 and neither way agrees with the tangent; what they are off by there, where "
+    "smaller steps one way come ten times closer (K may be thinner than h), or where at all of them the two ways disagree by a quarter "
+    "of it (no slope); any in [0, k] within 4 u of the boundary, where it jumps",
+    again=True,
+)
+def slope(q: Query) -> Finding:
+    here, (c, finite) = q.here, _tangent(q)
+    u = q.unit(here)
+    h = np.sqrt(u * (q.length(here.trial) + q.length(here.stress)))
+    h = np.where(h > 0.0, h, 1e5 * u)  # no stress at all: small beside K
+    h = np.where(h > 0.0, h, 1.0)
+    worst = np.where(finite, 0.0, np.inf)
+    rows, d = np.arange(len(c)), len(q.axes)
+    for i in range(d) if q.whole is None else [(q.rows + q.turn) % d]:  # of some rows among others, one axis each
+        axis, column = np.broadcast_to(q.axes[i], (len(c), d)), c[rows, :, i]
+        slopes, step, kink = _differences(q, h, axis), h, np.ones(len(c), dtype=np.bool_)
+        off, spread, near = _misses(slopes, column)
+        ratio = off / (2.0 * spread + 16.0 * u / h + 8.0 * _EPS)
+        if (unresolved := q.sound & (ratio <= 1.0) & (spread > _RESOLVED) & (near > _RESOLVED) & (_LEAST_STEP * u < h)).any():
+            least = np.where(unresolved, _LEAST_STEP * u, h)
+            off_then, spread, _ = _misses(_differences(q, least, axis), column)
+            seen = unresolved & (spread <= _RESOLVED)
+            off, step = np.where(seen, off_then, off), np.where(seen, least, h)
+            ratio = np.where(seen, off / (2.0 * spread + 16.0 / _LEAST_STEP + 8.0 * _EPS), ratio)
+        for _ in range(_FINER):
+            if not (q.sound & ~(ratio <= 1.0)).any():
+                break
+            step = step / 4.0
+            slopes = _differences(q, step, axis)
+            near = _misses(slopes, column)[2]
+            ratio = np.where(near <= off / 10.0, np.minimum(ratio, 1.0), ratio)
+            kink &= np.linalg.norm(slopes[:2].mean(axis=0) - slopes[2:].mean(axis=0), axis=1) >= off / 4.0
+        ratio = np.where(kink, np.minimum(ratio, 1.0), ratio)
+        worst = np.maximum(worst, ratio)
+    if (q.sound & finite & ~(worst <= 1.0)).any():
+        off, allowed = _beyond(q, c)
+        worst = np.where(finite & (off <= allowed) & _at_the_end(q), np.minimum(worst, 1.0), worst)
+    return Finding(worst, np.ones(len(worst)))
+
+
+def _misses(slopes: Array, column: Array) -> tuple[Array, Array, Array]:
+    """Of slopes (4, N, d): what a column (N, d) misses of their mean, what they differ from it, what it misses of the nearer way."""
+    middle, apart = slopes.mean(axis=0), np.linalg.norm(slopes - column, axis=2)
+    spread = np.linalg.norm(slopes - middle, axis=2).max(axis=0)
+    return np.linalg.norm(column - middle, axis=1), spread, np.minimum(apart[:2].max(axis=0), apart[2:].max(axis=0))
+
+
+def _at_the_end(q: Query) -> NDArray[np.bool_]:
+    """Where the trial lies within 4 u of the end of K and comes back so near: k from inside, and outside what curvature makes of it."""
+    here, (n, d) = q.here, q.case.trial.shape
+    u = q.unit(here)
+    ways = np.vstack([q.axes, -q.axes])
+    around = (here.trial[:, None, :] + 4.0 * u[:, None, None] * ways).reshape(n * 2 * d, d)
+    outside = (q.region.level(around, np.repeat(q.pressure, 2 * d)) > 0.0).reshape(n, 2 * d).any(axis=1)
+    return np.asarray((q.length(here.stress - here.trial) <= 4.0 * u) & (outside | (u == 0.0)))
+
+
+def _differences(q: Query, h: Array, axis: Array) -> Array:
+    """Slopes (4, N, d) of the routine along an axis a row (N, d), in the metric of k, by differences at h and h/2, either way."""
+    here, shares = q.here, (1.0, 0.5, -1.0, -0.5)
+    found = q.ask(*(here.trial + s * h[:, None] * axis for s in shares))
+    return np.stack([q.shadow(beside.stress - here.stress) / (s * h[:, None]) for s, beside in zip(shares, found, strict=True)])
+
+
+def _tangent(q: Query) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the routine's tangents (N, d, d) in the metric of k, with 0 in place of those that are not finite, and which are (N,)."""
+    given = q.here.tangent
+    if given is None:
+        raise NothingToCheck("the routine returns no tangent")
+    c = q.whitened(given)
+    finite = np.asarray(np.isfinite(c).all(axis=(1, 2)))
+    return np.where(finite[:, None, None], c, 0.0), finite

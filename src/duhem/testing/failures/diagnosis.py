@@ -6,38 +6,112 @@ A suggestion is a few lines: what the routine may be doing, and what it would re
 was returned, to within the accuracy the routine is held to, at the failing increment and at every other one beside it that
 is wrong, three at the least; so nothing is said of a routine that only resembles one.  Where others beside it are right, and would not be
 if the routine did so everywhere, that is said.
+
+A second mistake often shows where a first one does not: where a check fails in several regions of stress (at tips, near zero, at repeated
+principal stresses, in tension, elsewhere), each is asked for its reason.  One failure is likely the cause of others: it is told once, with
+the checks that it explains, expected or not.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
+from itertools import chain
 from math import isnan
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.testing.checks.history import HistoryQuery
-from duhem.testing.checks.query import NoReply, Query, Reply
+from duhem.testing.checks.query import NEAR, NoReply, Query, Reply
+from duhem.testing.checks.registry import Check, violated
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
-from duhem.testing.failures.causes import likeliest_first
 from duhem.testing.failures.failure import Departure, Failure
-from duhem.testing.failures.regions import region_of
 from duhem.testing.failures.state_suggestions import beside_in_state, of_the_state
-from duhem.testing.routines.origin import Origin
+from duhem.testing.routines.routine import Origin
 
 __all__ = [
-    "CLEAR", "IN_REGION", "Part", "Probe", "constant", "departure", "diagnosed", "diagnoses", "instead", "suggested",
-    "suggests",
+    "CAUSES", "CLEAR", "FREE_CAUSES", "IN_REGION", "Part", "Probe", "Regions", "as_expected", "by_cause", "constant", "departure",
+    "diagnosed", "diagnoses", "instead", "of_stress", "region_of", "suggested", "suggests",
 ]  # fmt: skip
+
+# -- regions of stress -------------------------------------------------------------------------------------------------
+
+
+_AXES = {axis: i for i, axes in enumerate(("x1", "y2", "z3")) for axis in axes}
+
+
+def region_of(query: Query, reply: Reply, thin: bool = True) -> NDArray[np.object_]:
+    """The region (N,) of each increment, by its trial stress, and at the tip of a cone by the answer too; the ``thin`` ones first."""
+    trial, answer = reply.trial, reply.stress
+    found, size = np.full(len(trial), "elsewhere", dtype=object), query.length(trial)
+    apex = (query.pressure == 0.0) & (query.case.pressure is not None)
+    asked, given = (_tensors(query.tails, stress) for stress in (trial, answer))
+    if asked is not None and given is not None:
+        principal = np.linalg.eigvalsh(asked)
+        scale, apart = np.abs(principal).max(axis=1), np.diff(principal, axis=1)
+        found[principal.sum(axis=1) > NEAR * scale] = "in tension"
+        found[(apart <= NEAR * scale[:, None]).any(axis=1) & thin] = "at repeated principal stresses"
+        known = np.asarray(np.isfinite(given).all(axis=(1, 2)))
+        ends = np.linalg.eigvalsh(np.where(known[:, None, None], given, asked))
+        apex |= known & (np.ptp(ends, axis=1) <= NEAR * scale) & (apart > NEAR * scale[:, None]).any(axis=1)
+    found[size <= NEAR * np.median(size)] = "near zero"
+    found[apex] = "at the tip"
+    return found
+
+
+def _tensors(tails: Sequence[str], stresses: Array) -> Array | None:
+    """Stresses (N, d) as tensors (N, 3, 3), by the ends of their names, such as xx, xy or 1; None where these tell no tensor."""
+    axes = [(tail[0], tail[-1]) for tail in tails if len(tail) in (1, 2)]
+    if len(tails) < 3 or len(axes) < len(tails) or not {*chain(*axes)} <= {*_AXES}:
+        return None
+    found = np.zeros((len(stresses), 3, 3))
+    for (one, other), column in zip(axes, stresses.T, strict=True):
+        found[:, _AXES[one], _AXES[other]] = found[:, _AXES[other], _AXES[one]] = column
+    return found
+
+
+class Regions:
+    """Of one check, by region: how many increments were ``judged``, how many ``failed``, and the one that fails ``worst``."""
+
+    def __init__(self, check: Check) -> None:
+        self.check, self.judged, self.failed = check, Counter[str](), Counter[str]()
+        self.worst: dict[str, tuple[float, Case]] = {}
+
+    def add(self, query: Query) -> None:
+        """Count the increments of a case."""
+        query = query.some if self.check.again else query
+        finding, bad, counts = violated(self.check, query)
+        of, shown = region_of(query, query.here), query.case if finding.case is None else finding.case
+        self.judged.update(of[counts].tolist())
+        self.failed.update(of[bad].tolist())
+        for i in np.flatnonzero(bad).tolist():
+            most = float(np.nan_to_num(finding.measured[i] / (finding.allowed[i] or 1.0), nan=np.inf))
+            if of[i] not in self.worst or most > self.worst[of[i]][0]:
+                self.worst[of[i]] = most, shown.row(i)
+
+    def __iter__(self) -> Iterator[tuple[str, Case]]:
+        """Each region in which it fails, and the worst case there."""
+        return ((name, case) for name, (_, case) in self.worst.items())
+
+    def __str__(self) -> str:
+        """Where it fails, and where not; "" where that says nothing."""
+        order = sorted(self.judged, key=lambda name: (-self.failed[name] / self.judged[name], name))
+        return ", ".join(map(self.of, order)) if len(order) > 1 and self.failed else ""
+
+    def of(self, name: str) -> str:
+        """How many increments of a region fail, in words."""
+        return f"{self.failed[name]} of {self.judged[name]} {name}"
+
 
 Part: TypeAlias = Literal["stress", "slip", "multiplier", "tangent"]
 
@@ -378,3 +452,135 @@ def instead(failure: Failure, asked: Callable[[Case], Query], accused: bool, kno
 
 def _part(failure: Failure) -> Part:
     return _PARTS.get(failure.check.name, "stress")
+
+
+# -- causes ------------------------------------------------------------------------------------------------------------
+
+
+_STRESS = (  # of a stress that is not the closest point, what says most of it first
+    "feasibility", "idempotence", "homogeneity", "stiffness-scale", "complementarity", "variational-inequality", "dissipation", "ray",
+    "non-expansiveness", "firmness", "potential", "path",
+)  # fmt: skip
+_OUTPUTS = ("slip", "energy", "multiplier", "slope", "tangent")
+_SHAPE = (
+    "variational-inequality", "non-expansiveness", "firmness", "potential", "ray", "idempotence", "complementarity", "tangent", "slope",
+)  # fmt: skip
+
+# The checks that may be the cause, the likeliest first, and those that fail with each.  What is said of the stress comes before what is
+# returned beside it.
+CAUSES: Mapping[str, tuple[str, ...]] = {
+    "vacuity": (),
+    "answers": (*_STRESS, *_OUTPUTS, "repeatability"),  # without a stress, they cannot pass
+    "origin": _SHAPE,  # if K does not contain the origin, the closest point has none of these properties
+    "convexity": _SHAPE,  # if K is not convex, the closest point is not unique and has none of these properties
+    "smoothness": (),  # a corner of K affects no other check
+    "repeatability": (*_STRESS, *_OUTPUTS),  # an answer that depends on earlier calls cannot satisfy them
+    "inputs": (),  # an answer may be right although the routine has changed its inputs
+    **{name: _STRESS[i + 1 :] for i, name in enumerate(_STRESS)},  # each of them follows if the stress is the closest point
+    "slip": ("energy",),  # the balance of energy uses the returned slip
+    "energy": (),
+    "multiplier": (),
+    "slope": ("tangent",),  # a tangent that is not the slope of the stress need be neither symmetric nor bounded
+    "tangent": (),  # where it is the slope of the stress, the stress derives from no potential
+}
+_STATES = ("kept-state", "stress-of-the-state", "admissibility", "loading", "flow", "evolution", "law-dissipation")
+_FREE_STRESS = (*_STATES, "rest", "slip", "stored-energy", "dissipation", "energy", "slope", "subdivision")
+_ASSOCIATED = ("associated-symmetry", "associated-non-expansiveness", "associated-potential", "associated-ray")
+# The same of the checks that need no law, the likeliest cause first.
+FREE_CAUSES: Mapping[str, tuple[str, ...]] = {
+    "answers": ("repeatability", "elasticity", "vacuity", "rate", *_FREE_STRESS, *_ASSOCIATED),
+    "repeatability": ("elasticity", "vacuity", "rate", *_FREE_STRESS, *_ASSOCIATED),
+    "inputs": (),
+    "elasticity": ("vacuity", *_FREE_STRESS, "isotropic-plastic-work"),
+    "vacuity": (),
+    **{name: (*_STATES[i + 1 :], *_FREE_STRESS[len(_STATES) :]) for i, name in enumerate(_STATES)},
+    "rate": ("energy", "subdivision"),
+    "dissipation": ("energy", "isotropic-plastic-work", "associated-potential"),
+    "rest": ("slip", "stored-energy", "energy", "subdivision", *_ASSOCIATED),
+    "slip": ("dissipation", "energy"),
+    "stored-energy": ("energy",),
+    "energy": (),
+    "slope": ("associated-symmetry",),
+    "subdivision": (),
+}
+_TABLES = {True: CAUSES, False: FREE_CAUSES}  # with a law, and without
+_UNSYMMETRIC = {"potential", "firmness", "variational-inequality"}  # a stress without a potential has no symmetric slope
+
+
+def by_cause(failures: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
+    """Return the failures that are likely causes, the likeliest first, and those that they explain.
+
+    The diagnosis that explains most failures of a kind is taken first, and they are one; the others are ordered by the table.
+    """
+    left, failed = sorted(failures, key=likeliest_first), {f.check.name for f in failures}
+    roots: list[Failure] = []
+    explained: list[Failure] = []
+    while left:
+        root = left[0]
+        of_a_kind = [f for f in left if _kind(f) == _kind(root)]
+        met = Counter(name for f in of_a_kind for name in f.diagnoses)
+        if met and _kind(root):
+            told = max(met, key=lambda name: met[name])  # of equals the first met
+            root = next(f for f in of_a_kind if told in f.diagnoses)
+            root = replace(root, diagnoses={told: root.diagnoses[told], **({} if root.check.of_a_law else root.diagnoses)})
+        behind = [f for f in left if f.check != root.check and _explains(root, f, failed)]
+        names = tuple(f.check.name for f in behind)
+        roots.append(replace(root, explains=names))
+        explained += behind
+        left = [f for f in left if f.check.name not in (root.check.name, *names)]
+    return tuple(sorted(roots, key=likeliest_first)), tuple(explained)
+
+
+def as_expected(
+    reasons: Mapping[str, str], failed: Collection[str], passed: Collection[str], left_out: Mapping[str, str], of_a_law: bool
+) -> tuple[dict[str, str], dict[str, str], dict[str, str]]:
+    """Return the checks that failed as expected, those that passed though they had to fail, and those left out, each with the reason.
+
+    ``reasons`` are those for which checks are known to fail.  Which of the checks that a cause explains fail with it depends on the
+    cases that were drawn, so that they may fail or pass.
+    """
+    causes = [name for name in reasons if name in failed]
+    explained = {name: cause for cause in causes[::-1] for name in _explained_by(cause, failed, of_a_law)}
+    likely = {name: f"likely for the same reason as [{cause}]" for name, cause in explained.items()}
+    met = {name: why for name, why in {**likely, **reasons}.items() if name in failed}
+    unmet = {name: why for name, why in reasons.items() if name in passed and name not in likely}
+    vain = reasons.keys() - likely.keys()
+    told = {name: f"{why}; so it is expected to fail in vain" if name in vain else why for name, why in left_out.items()}
+    return met, unmet, told
+
+
+def _explained_by(check: str, failed: Collection[str], of_a_law: bool) -> tuple[str, ...]:
+    """Return the checks that may fail for the reason for which ``check`` does, by the tables; ``failed`` are all that failed with it."""
+    behind = _TABLES[of_a_law].get(check, ())
+    turned = _UNSYMMETRIC & {check, *behind} & set(failed)
+    return (*behind, "tangent") if check in _STRESS and turned and "slope" not in failed else behind
+
+
+def likeliest_first(failure: Failure) -> tuple[int, int]:
+    """Return a key that sorts failures, the likeliest cause first."""
+    order = [*_TABLES[failure.check.of_a_law], failure.check.name]
+    return _kind(failure), order.index(failure.check.name)
+
+
+def of_stress(failure: Failure) -> bool:
+    """Return whether a failure is one of the stress itself, not of what is returned beside it or of the calls."""
+    return failure.check.of_a_law and failure.check.name in _STRESS
+
+
+def _kind(failure: Failure) -> int:
+    """Return 0 for causes of all, 1 for those of stresses, 2 for those of what is returned beside them; without a law always 0."""
+    if not failure.check.of_a_law:
+        return 0
+    name = failure.check.name
+    return 1 if of_stress(failure) else 0 if name in _TABLES[True] and name not in _OUTPUTS else 2
+
+
+def _explains(root: Failure, other: Failure, failed: set[str]) -> bool:
+    name = other.check.name
+    if _kind(root) == 1:  # a diagnosis may have put it before a check that ranks higher
+        return name in _STRESS or (name == "tangent" and "slope" not in failed and bool(failed & _UNSYMMETRIC))
+    if root.diagnoses.keys() & other.diagnoses.keys():
+        return True
+    if root.diagnoses and other.diagnoses and not root.check.of_a_law:
+        return False  # another mistake
+    return name in _TABLES[root.check.of_a_law].get(root.check.name, ())

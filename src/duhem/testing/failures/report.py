@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 from typing import Any, ClassVar
 
 from duhem.show.junit import JUnitCase, JUnitSuite, Outcome, as_xml
 from duhem.show.page import PAGE
-from duhem.show.printing import Shown, plain, sheet, text
-from duhem.show.sheet import Sheet
+from duhem.show.printing import Sheet, Shown, finite, plain, sheet, text
 from duhem.testing.failures.failure import Failure, write_replays
 
 __all__ = ["FAILED", "MET", "PASSED", "SKIPPED", "UNMET", "Report", "as_dict", "as_junit"]
@@ -31,7 +29,7 @@ class Report(Shown):
     ``failures`` are likely causes, the likeliest first; ``explained`` are those of the checks that a cause explains.
     ``expected``: the checks that failed as was expected, with the reason given, or with the expected one that explains them;
     ``unexpected``: those that passed though they were expected to fail, and no other that was expected and failed explains them.
-    ``visited``: shares of the drawn increments (:class:`duhem.testing.checks.visited.Visited`), and ``decades`` the first and last
+    ``visited``: shares of the drawn increments (:class:`duhem.testing.checks.query.Visited`), and ``decades`` the first and last
     power of ten of what was drawn, in ``examples`` cases by ``seed``.  ``tried``: by the name of a
     check, how many of what it looked at more than the increments, such as the pairs of stresses of convexity; ``needs``: by that name,
     what it lacked where these are 0.  ``most_flagged``: the share that may be flagged, None for any.
@@ -151,24 +149,16 @@ class Report(Shown):
 def as_dict(report: Report) -> dict[str, Any]:
     """Return everything a report holds, with what shows each failure again; a number that is not finite is None."""
     told = {name: part for name, part in vars(report).items() if name not in ("points", "interrupted", "needs", "unfinished")}
-    return {**_plainly(told), "ok": report.ok, "increments": report.points}
+    told |= {name: [*map(_failure, told[name])] for name in ("failures", "explained")}
+    return {**finite(told), "ok": report.ok, "increments": report.points}
 
 
-def _plainly(part: Any) -> Any:
-    """Return numbers, texts, lists and dictionaries."""
-    if isinstance(part, Failure):
-        shown = ("trial", "pressure", "stiffness", "returned", "closest")
-        departure = None if part.departure is None else {name: getattr(part.departure, name) for name in shown}
-        said = {name: getattr(part, name) for name in ("message", "diagnosis", "where", "explains")}
-        said |= {name: getattr(part.check, name) for name in ("statement", "formula")}
-        return _plainly(
-            {"check": part.check.name, **said, "parameters": part.case.parameters, "departure": departure, "replay": part.replay()}
-        )
-    if isinstance(part, Mapping):
-        return {name: _plainly(each) for name, each in part.items()}
-    if isinstance(part, tuple):
-        return [*map(_plainly, part)]
-    return None if isinstance(part, float) and not isfinite(part) else part
+def _failure(failure: Failure) -> dict[str, Any]:
+    shown = ("trial", "pressure", "stiffness", "returned", "closest")
+    departure = None if failure.departure is None else {name: getattr(failure.departure, name) for name in shown}
+    said = {name: getattr(failure, name) for name in ("message", "diagnosis", "where", "explains")}
+    said |= {name: getattr(failure.check, name) for name in ("statement", "formula")}
+    return {"check": failure.check.name, **said, "parameters": failure.case.parameters, "departure": departure, "replay": failure.replay()}
 
 
 text.register(Report, lambda report, page=PAGE: str(report))  # lines of code to see a failure again stay as they are, however wide

@@ -1,8 +1,12 @@
-"""Criterion and scene files as tests: a node a claim, and one for a run."""
+"""Criterion and scene files as tests: a node a claim, and one for a run.
+
+What cannot be asked is a test that errs: where a module or a run ended instead, the results of others would be hidden.
+"""
 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from pathlib import Path
@@ -20,9 +24,8 @@ from duhem.proof.report import sentences
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import Verification, verify, wanted_claims
 from duhem.show.page import Page
-from duhem.testing.in_pytest.items import UnusableTest, group
 
-__all__ = ["TomlTests"]
+__all__ = ["TomlTests", "UnusableTest", "group", "group_marks"]
 
 LookedInto: TypeAlias = Callable[[Scene], Scene]
 """As :func:`duhem.api.histories.looked_into`, which this room does not know."""
@@ -121,3 +124,38 @@ class SceneTest(pytest.Item):
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
         return self.path, None, f"{self.path.name}: simulate"
+
+
+# -- what the tests of duhem carry -------------------------------------------------------------------------------------
+
+
+def group(item: pytest.Item, name: str) -> None:
+    """Mark a test; with ``--dist loadgroup`` those of one ``name`` ask for one worker (xdist 3.8 splits them under pytest 9.2)."""
+    item.add_marker("duhem")
+    for mark in group_marks(item.config, name):
+        item.add_marker(mark)
+
+
+def group_marks(config: pytest.Config, name: str) -> list[pytest.MarkDecorator]:
+    """Return the marker of a group; none without xdist, which alone knows it."""
+    if not config.pluginmanager.hasplugin("xdist"):
+        return []
+    return [pytest.mark.xdist_group(re.sub(r"[][@]", "-", name))]  # xdist looks for brackets and @ itself
+
+
+class UnusableTest(pytest.Item):
+    """A marker or file of which no test can be made, and the line that says why."""
+
+    def __init__(self, *, said: str, line: int | None = None, **whole: Any) -> None:
+        super().__init__(**whole)
+        self.said, self.line = said, line
+        group(self, self.nodeid)
+
+    def setup(self) -> None:
+        pytest.fail(self.said, pytrace=False)
+
+    def runtest(self) -> None:
+        """There is nothing to run."""
+
+    def reportinfo(self) -> tuple[Path, int | None, str]:
+        return self.path, self.line, self.name

@@ -21,7 +21,7 @@ from duhem.testing.conformance import check_expected, checks_asked, conformance
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import RunOptions, check_share
 from duhem.testing.failures.report import MET, PASSED, SKIPPED, UNMET, Report
-from duhem.testing.in_pytest.items import UnusableTest, group, group_marks
+from duhem.testing.in_pytest.collected_files import UnusableTest, group, group_marks
 from duhem.testing.routines.routine import Update
 
 __all__ = ["PROFILES", "check_items", "checked", "names_of_checks"]

@@ -15,9 +15,8 @@ from importlib.util import find_spec
 import numpy as np
 
 from duhem.benchmark.contenders import Contender, Specimen
-from duhem.benchmark.reference import distance
-from duhem.benchmark.reference_path import Drive, Driven
-from duhem.benchmark.work_precision.result import Measurement, Target, at_most, measured, memory, ratio, timed
+from duhem.benchmark.measurement import Measurement, Target, at_most, measured, memory, ratio, timed
+from duhem.benchmark.reference import Drive, Driven, distance
 from duhem.errors import DuhemError
 from duhem.omitted import LeftOut
 from duhem.path.integrators import INTEGRATORS
@@ -62,9 +61,8 @@ def route(specimen: Specimen) -> Route:
     axes = np.eye(d)[: min(d, 2)]
     reach = min(r for r in (specimen.radius(sign * axis, specimen.pressure) for axis in axes for sign in (1, -1)) if r > 0)
     points = np.vstack([np.zeros(d), np.cumsum(_LENGTHS[:, None] * reach * ways, axis=0)]) / float(np.diagonal(specimen.stiffness).mean())
-    question = specimen.question(np.zeros((1, d)), specimen.pressure)
-    symbol = None if specimen.law.pressure is None else specimen.law.symbols()[specimen.law.pressure]
-    drive = Drive(question.g, specimen.law.force_symbols(), symbol, question.stiffness.tolist(), specimen.pressure)
+    question = specimen.unloaded
+    drive = Drive(question.g, specimen.law.force_symbols(), question.pressure_symbol, question.stiffness.tolist(), specimen.pressure)
     return Route(specimen, points, drive(points.tolist()))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import tracemalloc
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -84,7 +83,7 @@ class Target:
 class WorkPrecision(Study):
     """The rows in the order taken; ``reference`` the reference's own error by scene, or why there is none."""
 
-    printed_by: ClassVar[str] = "duhem.benchmark.work_precision.report"
+    printed_by: ClassVar[str] = "duhem.benchmark.report"
 
     repeats: int
     rows: tuple[Measurement, ...]
@@ -96,25 +95,13 @@ class WorkPrecision(Study):
         return bool(self.rows) and all(row.failure is not None for row in self.rows)
 
     def measured(self) -> dict[str, Any]:
-        plain = {
+        return {
             "repeats": self.repeats,
             "interrupted": self.interrupted,
             "reference": self.reference,
             "rows": [asdict(row) for row in self.rows],
             "targets": [asdict(target) | {"holds": target.holds} for target in self.targets],
         }
-        return {key: _finite(value) for key, value in plain.items()}
-
-
-def _finite(value: Any) -> Any:
-    match value:
-        case dict():
-            return {key: _finite(inner) for key, inner in value.items()}
-        case list() | tuple():
-            return [_finite(inner) for inner in value]
-        case float():
-            return value if math.isfinite(value) else None
-    return value
 
 
 def timed(

@@ -1,25 +1,24 @@
-"""The scenes of a benchmark in turn; what is done when it is interrupted is kept."""
+"""Error against run time: one increment by every method and solver, a path by every integrator, and cost a point at scale.
+
+The scenes are taken in turn; what is done when a run is interrupted is kept.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-import numpy as np
-
+from duhem.benchmark import paths as path
+from duhem.benchmark import throughput
 from duhem.benchmark.contenders import Contender, Specimen, applicable
+from duhem.benchmark.measurement import Measurement, WorkPrecision
 from duhem.benchmark.reference import NoReference
-from duhem.benchmark.study import machine
-from duhem.benchmark.work_precision import increments as increment
-from duhem.benchmark.work_precision import paths as path
-from duhem.benchmark.work_precision import throughput
-from duhem.benchmark.work_precision.result import Measurement, WorkPrecision
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.omitted import LeftOut
 
-__all__ = ["SCENES", "bench"]
+__all__ = ["SCENES", "WorkPrecision", "bench"]
 
-SCENES = (increment.SCENE, path.SCENE, throughput.SCENE, throughput.CALLS, path.LONG)
+SCENES = (throughput.SINGLE, path.SCENE, throughput.SCENE, throughput.CALLS, path.LONG)
 
 
 def bench(
@@ -51,16 +50,15 @@ def bench(
         if count < 1:
             raise InputError(f"{name} is {count}", where=name, remedy="give a whole number >= 1")
     specimen = Specimen.of(law, stiffness)
-    question = specimen.question(np.zeros((1, len(law.forces))), specimen.pressure)
-    found, left_out = applicable(question, increment.TOLERANCES, peers)
+    found, left_out = applicable(specimen.unloaded, throughput.TOLERANCES, peers)
     chosen = list(found if contenders is None else contenders)
     rows: list[Measurement] = []
     reference: dict[str, float | str] = {}
 
     def increments() -> Iterator[Measurement]:
-        work = increment.exercise(specimen)
-        reference[increment.SCENE] = work.residual
-        yield from increment.rows(work, chosen, repeats)
+        work = throughput.exercise(specimen)
+        reference[throughput.SINGLE] = work.residual
+        yield from throughput.single_rows(work, chosen, repeats)
 
     def paths() -> Iterator[Measurement]:
         work = path.route(specimen)
@@ -68,7 +66,7 @@ def bench(
         yield from path.rows(work, repeats, left_out, tuple(steps))
 
     runs: dict[str, Callable[[], Iterator[Measurement]]] = {
-        increment.SCENE: increments,
+        throughput.SINGLE: increments,
         path.SCENE: paths,
         throughput.SCENE: lambda: throughput.rows(throughput.Load.of(specimen, points, left_out), chosen, repeats),
         throughput.CALLS: lambda: throughput.call_rows(throughput.Load.of(specimen, points), chosen, repeats),
@@ -90,7 +88,6 @@ def bench(
     return WorkPrecision(
         law=law.name,
         subject=specimen.describe(),
-        machine=machine(),
         repeats=repeats,
         rows=tuple(rows),
         targets=(

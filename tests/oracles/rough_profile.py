@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.micromodel.wedge import limit_point
 
-__all__ = ["Measured", "by_quadrature", "simulate_profile"]
+__all__ = ["Measured", "by_quadrature", "reaction", "simulate_profile"]
 
 Array = NDArray[np.float64]
 Heights = Callable[[np.random.Generator, int], Array]
@@ -69,7 +69,7 @@ def simulate_profile(
     u = places - edges[wedge]
     climbing = u < h[wedge] / rise
     z = np.where(climbing, u * rise, (lengths[wedge] - u) * fall)
-    force = _reaction(np.where(climbing, rise, -fall), np.where(climbing, mu_alpha, mu_beta), phi)
+    force = reaction(np.where(climbing, rise, -fall), np.where(climbing, mu_alpha, mu_beta), phi)
     pressed = (clearance + z)[:, None] * force / force[:, 2:]  # the spring sets the vertical part
     sums = np.stack([np.bincount(wedge, weights=column, minlength=wedges) for column in pressed.T], axis=1)
     tangential, vertical = -sums[:, :2], sums[:, 2]
@@ -99,7 +99,7 @@ def by_quadrature(
     limit_point(phi, alpha, beta, mu_alpha, mu_beta)
     total = np.zeros(3)
     for slope, mu in ((np.tan(alpha), mu_alpha), (-np.tan(beta), mu_beta)):
-        force = _reaction(np.asarray([slope]), np.asarray([mu]), phi)[0]
+        force = reaction(np.asarray([slope]), np.asarray([mu]), phi)[0]
 
         def side(h: float, run: float = 1 / abs(slope)) -> float:
             inner, _ = quad(lambda u: clearance + u / run, 0.0, h * run)
@@ -110,7 +110,7 @@ def by_quadrature(
     return np.asarray(-total[:2] / total[2])
 
 
-def _reaction(slope: Array, mu: Array, phi: float) -> Array:
+def reaction(slope: Array, mu: Array, phi: float) -> Array:
     """Direction (n, 3) of the force of a side on the end of a spring that slips at angle phi: n/|n| - mu v/|v|."""
     one, zero = np.ones_like(slope), np.zeros_like(slope)
     normal = np.stack([-slope, zero, one], axis=1)
