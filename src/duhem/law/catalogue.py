@@ -146,11 +146,14 @@ def summary(name: str) -> str:
     return f"from {point.dist.name}" if point and point.dist else ""
 
 
-def template(name: str) -> str:
-    """A criterion file to start from, with every key explained; it loads and verifies as it stands."""
+def template(name: str, kind: str = "law", file: Path = Path(__file__).with_name("template.toml")) -> str:
+    """A criterion file to start from, with every key explained; it loads and verifies as it stands.  InputError for what cannot name one.
+
+    Another ``file`` has NAME where its name stands, and is called a ``kind``.
+    """
     if not re.fullmatch(r"[A-Za-z0-9][\w.-]{0,60}", name):
-        raise InputError(f"{name[:60]!r} cannot name a law", remedy="use letters, digits, hyphens and underscores")
-    return Path(__file__).with_name("template.toml").read_text("utf-8").replace("NAME", name)
+        raise InputError(f"{name[:60]!r} cannot name a {kind}", remedy="use letters, digits, hyphens and underscores")
+    return file.read_text("utf-8").replace("NAME", name)
 
 
 def _built_in() -> Mapping[str, str]:
