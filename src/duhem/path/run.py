@@ -24,7 +24,7 @@ from duhem.projection.increment import Convexity, Increment, posed, setting
 from duhem.projection.increment import increment as checked
 from duhem.projection.result import Array
 
-__all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "columns", "energy", "kept_knots", "times"]
+__all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "by_point", "columns", "energy", "kept_knots", "times"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,15 +232,21 @@ def as_paths(path: Path | Paths) -> Paths:
     return Paths(path.values[None], np.ones((1, path.values.shape[1])), pressure, path.time, path.timed)
 
 
-def _members(
-    law: Criterion, stiffness: ArrayLike | None, parameters: Mapping[str, Any] | None, n: int
-) -> tuple[tuple[Increment, ...], NDArray[np.intp]]:
-    """The checked question of each distinct set of parameters, and which set each of the ``n`` points has."""
+def by_point(parameters: Mapping[str, Any] | None, n: int) -> tuple[dict[str, Any], dict[str, Array]]:
+    """The numbers of ``n`` points by name, and those of them that each point has of its own (N,)."""
     given = dict(by_name(parameters))
     each = {name: given_numbers(value, name) for name, value in given.items() if np.ndim(value)}
     if wrong := next((name for name, array in each.items() if array.shape != (n,)), None):
         what = f"{wrong} has the shape {each[wrong].shape} for {n} points"
         raise InputError(what, where=f"parameter {wrong}", remedy=f"give one number, or ({n},)")
+    return given, each
+
+
+def _members(
+    law: Criterion, stiffness: ArrayLike | None, parameters: Mapping[str, Any] | None, n: int
+) -> tuple[tuple[Increment, ...], NDArray[np.intp]]:
+    """The checked question of each distinct set of parameters, and which set each of the ``n`` points has."""
+    given, each = by_point(parameters, n)
     if not each:
         return (setting(law, stiffness, given),), np.zeros(n, dtype=np.intp)
     sets, own = np.unique(np.stack(list(each.values()), axis=1), axis=0, return_inverse=True)

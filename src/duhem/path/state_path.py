@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,24 +48,10 @@ class StateHistory(Tabled):
     ``numbers`` are those of its parameters, (1,) or (N,), and ``accuracy`` what was asked for; None of a history that was read.
     """
 
-    printed_by: ClassVar[str] = "duhem.path.picture"
-
-    law: str
     variables: tuple[str, ...]
-    forces: tuple[str, ...]
     stresses: tuple[str, ...]
-    pressure_name: str | None
-    time: Array
     state: Array
     force: Array
-    stress: Array
-    pressure: Array
-    multiplier: Array
-    psi: Array
-    dissipation: Array
-    work: Array
-    numerical: Array
-    balance: Array
     residual: Array
     held: NDArray[np.bool_]
     entropy: Array | None
@@ -73,9 +59,6 @@ class StateHistory(Tabled):
     tangent: Array | None
     status: NDArray[np.int8]
     reached: NDArray[np.intp]
-    method: str
-    why: str
-    timed: bool = True
     accuracy: float | None = None
     source: Criterion | None = None
     numbers: Mapping[str, Array] | None = None
@@ -133,16 +116,17 @@ class StateHistory(Tabled):
         """Draw stress path, hysteresis loops and energies of one path, as :meth:`duhem.History.plot` does, without K, which may change."""
         return draw(self, file, **options)
 
-    def _table(self) -> tuple[tuple[str, ...], list[Array]]:
+    def to_array(self) -> Array:
+        """The table as one array (m, columns); of many paths point by point, each knot by knot, with nan where it did not come."""
         pressure = [] if self.pressure_name is None else [self.pressure]
         warm = [] if self.entropy is None or self.heat is None else [self.entropy, self.heat]
         others = self.stress[..., [self.stresses.index(name) for name in self._others()]]
         states = [self.state, self.force, others, *pressure, self.multiplier, *(getattr(self, name) for name in _SUMS), *warm]
         if not self.many:
-            return self.columns(), [self.time, *states]
-        n, m = self.psi.shape  # point by point, each knot by knot, with nan where it did not come
+            return np.column_stack([self.time, *states])
+        n, m = self.psi.shape
         labels = [np.repeat(np.arange(n, dtype=np.float64), m), np.tile(self.time, n)]
-        return self.columns(), [*labels, *(each.reshape(n * m, -1) for each in states)]
+        return np.column_stack([*labels, *(each.reshape(n * m, -1) for each in states)])
 
     def remark(self) -> str | None:
         """Where bounds held variables, in sentences; None where none did."""

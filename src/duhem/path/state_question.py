@@ -11,15 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression.number import exact_number
 from duhem.expression.numpy_ import compiled
 from duhem.expression.spelling import respelled
 from duhem.law.catalogue import load_formula
-from duhem.law.domain import Domain, by_name
+from duhem.law.domain import Domain, Domains
 from duhem.law.formula_law import Criterion
 from duhem.path.compiled_state import StateLoop
 from duhem.path.loading import Path, Paths, checked_count, given_numbers
-from duhem.path.run import MOST_THREADS, Run, as_paths, kept_knots
+from duhem.path.run import MOST_THREADS, Run, as_paths, by_point, kept_knots
 from duhem.path.state_step import KKT, Advanced, StateLaw
 from duhem.projection.declared_ranges import refused
 from duhem.projection.increment import stiffness_of
@@ -224,28 +223,18 @@ def inside(domain: Domain, values: Array) -> NDArray[np.bool_]:
     return np.asarray(((values > low) if domain.positive else (values >= low)) & (values <= high))
 
 
-def _numbers(law: Criterion, given: Mapping[str, Any] | None, n: int) -> dict[str, Array]:
+def _numbers(law: Criterion, parameters: Mapping[str, Any] | None, n: int) -> dict[str, Array]:
     """The numbers of each parameter, (1,) or (N,), inside the domain and the constraints."""
-    found: dict[str, Array] = {}
-    for name, value in by_name(given).items():
-        if name in law.variables:
-            raise InputError(
-                f"{name} is a variable of {law.name}", where="parameters", remedy=f"state={{{name!r}: ...}} says where it begins"
-            )
-        if not np.ndim(value):
-            law.fix({name: value})
-            found[name] = np.array([float(exact_number(value))])
-            continue
-        found[name] = given_numbers(value, name)
-        if found[name].shape != (n,):
-            raise InputError(
-                f"{name} has the shape {found[name].shape} for {n} points", where="parameters", remedy=f"give one number, or ({n},)"
-            )
-        for end in (found[name].min(), found[name].max()):
-            law.fix({name: float(end)})
-    for name, domain in law.parameters.items():
-        if name not in law.variables and domain.value is not None:
-            found[name] = np.array([float(domain.value)])
+    given, each = by_point(parameters, n)
+    if taken := next((name for name in given if name in law.variables), None):
+        remedy = f"state={{{taken!r}: ...}} says where it begins"
+        raise InputError(f"{taken} is a variable of {law.name}", where="parameters", remedy=remedy)
+    domains = Domains(law.parameters)
+    for end in (np.min, np.max):
+        domains.fixed({name: float(end(values)) for name, values in each.items()}, law.name)
+    alike = domains.fixed({name: value for name, value in given.items() if name not in each}, law.name)
+    found = {name: np.array([float(own.value)]) for name, own in alike.items() if own.value is not None} | each
+    found = {name: values for name, values in found.items() if name not in law.variables}
     if missing := [name for name in law.parameters if name not in found and name not in law.variables]:
         remedy = f"give parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}"
         raise InputError(f"no value is given for {', '.join(missing)}", where=f"parameters of {law.name}", remedy=remedy)
