@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from duhem.law import catalogue
@@ -113,4 +112,4 @@ KIND_KEYS: Mapping[str, str] = {  # a kind before the key where it means somethi
 
 def template(name: str) -> str:
     """A scene to start from, with every section explained; it runs as it stands.  InputError for what cannot name a file."""
-    return catalogue.template(name, "scene", Path(__file__).with_name("template.toml"))
+    return catalogue.template(name, "scene", __file__)
