@@ -155,7 +155,7 @@ WRONG = {
     "a shape": (lambda: Paths.linear([1.0, 2.0]), "give (N, m, d)"),
     "a number that is none": (lambda: Paths.linear([[0.0, np.nan]]), "points[0, 1] is nan"),
     "a pressure of another shape": (lambda: Paths.linear(np.zeros((3, 4, 2)), pressure=np.zeros(3)), "(3, 1)"),
-    "a gap": (lambda: Paths.linear(np.zeros((2, 3)), pressure=[-1.0, 1.0, -1.0]), "pressure[0, 1] is 1.0 > 0"),
+    "a gap": (lambda: Paths.linear(np.zeros((2, 3)), pressure=[-1.0, 1.0, -1.0]), "pressure[1] is 1.0 > 0"),
     "no multiples": (lambda: Paths.scaled(Path.linear([0, 1]), np.ones((2, 2, 2))), "give (N,) or (N, 1)"),
     "a path in their place": (lambda: Paths.scaled([[0, 1]], [1.0]), "Path.linear"),
     "parameters for others": (lambda: _run(parameters={"mu": np.ones(4)}), "give one number, or (3,)"),
