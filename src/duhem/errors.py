@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-__all__ = ["DuhemError", "InputError", "MissingExtraError", "words_of"]
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+__all__ = ["DuhemError", "InputError", "MissingExtraError", "faults_at", "words_of"]
 
 
 class DuhemError(Exception):
@@ -23,6 +26,16 @@ class DuhemError(Exception):
 
 class InputError(DuhemError, ValueError):
     """Something the caller wrote (a file, an option, an argument) cannot be used as it stands."""
+
+
+@contextmanager
+def faults_at(where: str | Callable[[], str], *, unless_placed: bool = False) -> Iterator[None]:
+    """An InputError of what is done here is told with this place, ``unless_placed`` for those that have one of their own."""
+    try:
+        yield
+    except InputError as fault:
+        place = fault.where if unless_placed and fault.where else where if isinstance(where, str) else where()
+        raise InputError(fault.what, where=place, remedy=fault.remedy) from None
 
 
 class MissingExtraError(DuhemError, ImportError):

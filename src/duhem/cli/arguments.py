@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 import click
 from click.shell_completion import CompletionItem
 
-from duhem.errors import DuhemError, InputError
+from duhem.errors import DuhemError, InputError, faults_at
 from duhem.law.convex import CONVEX
 
 if TYPE_CHECKING:
@@ -184,12 +184,10 @@ def read_settings(settings: Sequence[str], law: Law | None = None) -> dict[str, 
         name, value = read_pair(setting, where, "NAME=VALUE", "--set mu_a=0.15")
         if (name := spelled(name)) in values:
             raise InputError(f"{name} is set twice", where=where, remedy="set it once")
-        try:
+        with faults_at(where):
             values[name] = exact_number(value)
             if law is not None:
                 law.fix({name: values[name]})
-        except InputError as fault:
-            raise InputError(fault.what, where=where, remedy=fault.remedy) from None
     return values
 
 
@@ -236,10 +234,8 @@ def _is_number(text: str) -> bool:
 def read_numbers(text: str, where: str) -> list[float]:
     from duhem.expression.number import exact_number
 
-    try:
+    with faults_at(where):
         return [float(exact_number(word)) for word in text.replace(",", " ").split()] or [float(exact_number(text))]
-    except InputError as fault:
-        raise InputError(fault.what, where=where, remedy=fault.remedy) from None
 
 
 def read_number(text: str, where: str) -> float:

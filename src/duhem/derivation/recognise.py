@@ -380,8 +380,8 @@ class _BallReader:
         (up, p, offset), (down, p_below, offset_below) = sides[1], sides[-1]
         if sp.cancel(p - p_below) != 0 or sp.cancel(offset - offset_below) != 0:
             raise UnreadError
-        weights = (self._root(self._positive(w), p) for w in (up, down))
-        return self._normalised(Side(*weights, row, -constant)), p, offset
+        up, down = (self._root(self._positive(w), p) for w in (up, down))
+        return self._normalised(Side(up, down, row, -constant)), p, offset
 
     def _leaf(self, form: sp.Expr) -> Side:
         row, constant = self._affine(form)
@@ -394,8 +394,9 @@ class _BallReader:
             return leaf
         size = abs(lead)
         up, down = (leaf.up, leaf.down) if lead.is_positive else (leaf.down, leaf.up)
-        weights = [sp.cancel(up * size)] * 2 if leaf.symmetric else [sp.cancel(up * size), sp.cancel(down * size)]
-        return Side(*weights, tuple(sp.cancel(c / lead) for c in leaf.row), sp.cancel(leaf.offset / lead))
+        return Side(
+            sp.cancel(up * size), sp.cancel(down * size), tuple(sp.cancel(c / lead) for c in leaf.row), sp.cancel(leaf.offset / lead)
+        )
 
     def _quadratic(self, a: sp.Expr) -> tuple[Tree, sp.Expr, sp.Expr]:
         """The square completed: x . A x + b . x + c = (x - x0) . A (x - x0) + c - x0 . A x0."""

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 import sympy as sp
 
-from duhem.errors import InputError
+from duhem.errors import InputError, faults_at
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Stress
 from duhem.expression.graph_text import parse_graph
@@ -214,10 +214,8 @@ class _CriterionReader(SectionReader):
         head = self.head(forces, pressure, domains, define) | self.state(variables, read, slots) | {"viscous": viscous}
         bounds = {key: getattr(whole, key) for key in ("g", "flow", "potential", "written", "written_flow")}
         domain = self.ranges(forces, pressure)
-        try:
+        with faults_at(self.where):
             law = Criterion(**head, **bounds, stress=stress, define=define, domain=domain, surfaces=surfaces)
-        except InputError as fault:
-            raise InputError(fault.what, where=self.where, remedy=fault.remedy) from None
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
 
@@ -280,10 +278,8 @@ class _CriterionReader(SectionReader):
             )
         if not (isinstance(given, dict) and {*given} == {"name", "kind"} and all(isinstance(x, str) for x in given.values())):
             raise self.error("stress is not a table of name and kind", "criterion", "stress", remedy=example)
-        try:
+        with faults_at(partial(self.place, "criterion", "stress")):
             return Stress(**given)
-        except InputError as fault:
-            raise self.error(fault.what, "criterion", "stress", remedy=fault.remedy) from None
 
     def expected(self) -> Mapping[str, str]:
         """The verdicts by claim that are no failure."""
@@ -377,10 +373,8 @@ class _CriterionReader(SectionReader):
     def over(self, *path: Key, change: Callable[[str], T]) -> tuple[T, int, int]:
         """What is made of the text of a formula, and where that begins; a fault lies there."""
         text, line, column = super().formula(*path)
-        try:
+        with faults_at(f"{self.where}:{line}:{column + 1}", unless_placed=True):
             return change(text), line, column
-        except InputError as fault:
-            raise InputError(fault.what, where=fault.where or f"{self.where}:{line}:{column + 1}", remedy=fault.remedy) from None
 
     def formula(self, *path: Key) -> tuple[str, int, int]:
         """A formula without indices, and where it begins."""
@@ -490,10 +484,8 @@ class _CriterionReader(SectionReader):
             if flow:
                 raise self.error(f"{flow_name} and potential are both given", *at, remedy="remove one of them")
             potential, text = read(*at)
-            try:
+            with faults_at(partial(self.place, *at)):
                 flow_of(potential, forces)
-            except InputError as fault:
-                raise self.error(fault.what, *at, remedy=fault.remedy) from None
             return YieldSurface(g, potential=text, written=written)
         if not flow:
             return YieldSurface(g, written=written)

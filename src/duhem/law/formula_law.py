@@ -18,7 +18,7 @@ from typing import Any, ClassVar, NamedTuple, Self, overload
 import sympy as sp
 from sympy.core.relational import Relational
 
-from duhem.errors import InputError
+from duhem.errors import InputError, faults_at
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import NONE, Abbreviations, Stress
 from duhem.expression.branches import gradient
@@ -93,10 +93,8 @@ class YieldSurface(Verbatim):
         if not isinstance(self.potential, str):
             raise InputError("the potential is no text", where=owner, remedy="write its formula as text")
         where = f"potential of {owner}"
-        try:
+        with faults_at(where, unless_placed=True):
             slip = flow_of(parse_expression(self.potential, known, where=where, short=short), forces)
-        except InputError as fault:
-            raise InputError(fault.what, where=fault.where or where, remedy=fault.remedy) from None
         if flow not in (None, slip):
             raise InputError("a flow and a potential are both given", where=owner, remedy="remove one of them")
         return YieldSurface(g, slip, written_out(self.potential, short), written, written_flow)

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from duhem.errors import InputError
+from duhem.errors import InputError, faults_at
 from duhem.expression.given_array import unlabelled, unmasked
 from duhem.expression.spelling import spelled
 from duhem.law.formula_law import Criterion
@@ -237,10 +237,8 @@ def _from_rows(
     times = at.get(spelled(time))
     if times is not None and at.keys() >= _OF_A_HISTORY and np.array_equal(times, np.arange(len(rows))):
         times = None
-    try:
+    with faults_at(where):
         return Path.linear(np.stack([at[n] for n in names], axis=1), pressure=load, time=times, control=control)
-    except InputError as fault:
-        raise InputError(fault.what, where=where, remedy=fault.remedy) from None
 
 
 def displacements(header: Sequence[str], where: str, columns: Sequence[str] | None) -> tuple[str, ...]:
@@ -468,7 +466,7 @@ def spread(file: str | PathLike[str], law: Criterion, path: Path | Paths) -> tup
     n, one = len(rows), np.ones(len(rows))
     by = np.stack([column.get("scale", one) * column.get(scale, one) for scale in scales[1:]], axis=1)
     load = column[law.pressure][:, None] if law.pressure in column else None
-    try:
+    with faults_at(f"{file}"):
         if isinstance(path, Path):
             paths = Paths.scaled(path, by, pressure=load)
         elif len(path) != n:
@@ -476,8 +474,6 @@ def spread(file: str | PathLike[str], law: Criterion, path: Path | Paths) -> tup
         else:
             given = Paths.linear(path.values, pressure=path.pressure if load is None else load, time=path.time)
             paths = replace(given, factor=path.factor * by, timed=path.timed)
-    except InputError as fault:
-        raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None
     return paths, {name: column[name] for name in law.parameters if name in column}
 
 
@@ -520,7 +516,5 @@ def paths_from_csv(
     load: Array | float | None = None if isinstance(pressure, str) else pressure
     if isinstance(pressure, str) and spelled(pressure) in header:
         load = rows[:, header.index(spelled(pressure))].reshape(len(starts), m)
-    try:
+    with faults_at(f"{file}"):
         return Paths.linear(values, pressure=load, time=first.time if first.timed else None)
-    except InputError as fault:
-        raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.errors import InputError
+from duhem.errors import InputError, faults_at
 from duhem.expression.numpy_ import compiled
 from duhem.expression.spelling import respelled
 from duhem.law.catalogue import load_formula
@@ -117,10 +117,8 @@ class StateQuestion:
             if name not in names or (name == law.temperature and not own.adiabatic):
                 what = f"{name!r} is not a variable that begins somewhere"
                 raise InputError(what, where="state", remedy=f"these are: {', '.join(names)}")
-            try:
+            with faults_at("state"):
                 numbers = given_numbers(value, name)
-            except InputError as fault:
-                raise InputError(fault.what, where="state", remedy=fault.remedy) from None
             if numbers.shape not in ((), (len(begun),)):
                 raise InputError(f"{name} has the shape {numbers.shape}", where="state", remedy="give one number, or one a point")
             begun[:, own.names.index(name)] = numbers

@@ -51,11 +51,12 @@ import os
 import sys
 from collections.abc import Callable, Collection, Iterable, Mapping
 from decimal import Decimal
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import Any, TypedDict, Unpack
 
-from duhem.errors import InputError
+from duhem.errors import InputError, faults_at
 from duhem.expression.number import exact_number, exact_text, fraction
 from duhem.expression.spelling import spelled
 from duhem.law.convex import check_convex
@@ -222,19 +223,14 @@ class _CampaignReader(SectionReader):
             if not os.path.isfile(beside):
                 raise self.error(f"there is no file {text[:60]!r}", *path, remedy=f"it is looked for in {os.path.abspath(folder)}")
             return LawName(text, beside)
-        try:
+        with faults_at(partial(self.place, *path)):
             load_named(text)
-        except InputError as fault:
-            raise self.error(fault.what, *path, remedy=fault.remedy) from None
         return LawName(text)
 
     def law(self, name: LawName, i: int) -> Law:
         """The law whose parameters are given values: what is wrong in its file is wrong with all its rows."""
-        try:
+        with faults_at(partial(self.place, "rows", i, "law"), unless_placed=True):
             return name.law()
-        except InputError as fault:
-            place = fault.where or self.place("rows", i, "law")
-            raise InputError(fault.what, where=place, remedy=fault.remedy) from None
 
     def known(self, law: Law, name: str, *path: Key) -> None:
         if name not in law.parameters:
@@ -247,10 +243,8 @@ class _CampaignReader(SectionReader):
         return tuple((spelled(name), self.number(value, "rows", i, "set", name)) for name, value in given.items())
 
     def number(self, value: Any, *path: Key) -> str:
-        try:
+        with faults_at(partial(self.place, *path)):
             return exact_text(value)
-        except InputError as fault:
-            raise self.error(fault.what, *path, remedy=fault.remedy) from None
 
     def axes(self, i: int, law: Law) -> tuple[tuple[str, tuple[str, ...]], ...]:
         given = self.value("rows", i, "grid")
@@ -383,10 +377,8 @@ class _CampaignReader(SectionReader):
         method, convex = given.get("method", "auto"), given.get("convex", "ask")
         if method not in ("auto", *METHODS):
             raise self.error(f"unknown method {str(method)[:40]!r}", "increments", "method", remedy=meant(f"{method}", ("auto", *METHODS)))
-        try:
+        with faults_at(partial(self.place, "increments", "convex")):
             check_convex(convex)
-        except InputError as fault:
-            raise self.error(fault.what, "increments", "convex", remedy=fault.remedy) from None
         how = {"stiffness": self.stiffness(given), "method": method, "convex": convex}
         if "table" in given:
             table = str(folder / self.string("increments", "table"))
