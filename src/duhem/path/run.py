@@ -20,11 +20,13 @@ from duhem.path import step_formulas
 from duhem.path.loading import Path, Paths, checked_count, given_numbers
 from duhem.path.table_file import MOST_NUMBERS
 from duhem.projection.declared_ranges import refused
-from duhem.projection.increment import Convexity, Increment, posed, setting
+from duhem.projection.increment import Convexity, Increment, setting
 from duhem.projection.increment import increment as checked
 from duhem.projection.result import Array
 
-__all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "by_point", "columns", "energy", "kept_knots", "times"]
+__all__ = [
+    "MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "by_point", "check_pressure", "columns", "energy", "kept_knots", "times",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,13 +172,7 @@ class Batch:
         if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
             raise InputError(f"{steps} steps are too many", where="substeps", remedy=f"take at most {MOST_NUMBERS // d} in all")
         stress, knots = _start(known, run.stress, n), kept_knots(run.keep, steps)
-        load = paths.pressure
-        if load is not None and (out := np.argwhere(refused(known, load))).size:
-            point, knot = out[0].tolist()
-            name = known.pressure or ""
-            what = f"pressure[{point}, {knot}] is {load[point, knot]}, outside the range of {known.domain[name].stated(name)}"
-            raise InputError(what, where="paths", remedy="keep to the range, or declare a wider one in the law's domain")
-        posed(members[0], np.zeros((1, d)), None if load is None else load[0, :1])
+        check_pressure(known, paths.pressure)
         return cls(
             paths=paths,
             substeps=substeps,
@@ -230,6 +226,18 @@ def as_paths(path: Path | Paths) -> Paths:
         return path
     pressure = None if path.pressure is None else path.pressure[None]
     return Paths(path.values[None], np.ones((1, path.values.shape[1])), pressure, path.time, path.timed)
+
+
+def check_pressure(law: Criterion, load: Array | None) -> None:
+    """InputError where the pressures (N, m) of points at knots are missing, are none of the law's, or lie outside its range."""
+    if (law.pressure is None) != (load is None):
+        what = f"{law.name} has no pressure" if law.pressure is None else f"{law.name} needs the pressure {law.pressure}"
+        raise InputError(what, where="pressure", remedy="remove it" if law.pressure is None else "give pressure= in the path")
+    if load is not None and (out := np.argwhere(refused(law, load))).size:
+        point, knot = out[0].tolist()
+        name = law.pressure or ""
+        what = f"pressure[{point}, {knot}] is {load[point, knot]}, outside the range of {law.domain[name].stated(name)}"
+        raise InputError(what, where="path", remedy="keep to the range, or declare a wider one in the law's domain")
 
 
 def by_point(parameters: Mapping[str, Any] | None, n: int) -> tuple[dict[str, Any], dict[str, Array]]:

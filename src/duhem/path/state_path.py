@@ -16,6 +16,7 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.law.state import prescribed
 from duhem.path.history import SUMS, Checkpoint, Due, Interrupted, LeftDomain, Tabled
+from duhem.path.loading import Path
 from duhem.path.run import Run
 from duhem.path.state_question import StateQuestion, inside
 from duhem.path.state_step import KKT
@@ -175,8 +176,8 @@ def state_history(
 
     Raises :class:`NoAnswer` for one path with a step that is not solved; of many such a point ends there, and its status says so.
     """
-    question = StateQuestion.of(run)
-    size = _BLOCK if question.accuracy is None else 1  # of which each has parts of its own
+    question, alone = StateQuestion.of(run), isinstance(run.path, Path)
+    size = _BLOCK if question.run.accuracy is None else 1  # of which each has parts of its own
     n, parts = len(question.paths), []
     steps = len(question.paths.time) - 1
     for first in range(0, n, size):
@@ -187,19 +188,19 @@ def state_history(
         due = Due(checkpoint)
         try:
             for done in block.advanced():
-                if on_step is not None and question.alone:
+                if on_step is not None and alone:
                     on_step(done, steps)
-                if question.alone and done < steps:
+                if alone and done < steps:
                     due(block.so_far)
         except KeyboardInterrupt:
-            raise Interrupted(block.so_far() if question.alone else None) from None
+            raise Interrupted(block.so_far() if alone else None) from None
         parts.append(block.history())
-        if on_step is not None and not question.alone:
+        if on_step is not None and not alone:
             on_step(int(which[-1]) + 1, n)
     kept = [name for name in (*_LONG, "status", "reached") if getattr(parts[0], name) is not None]
     joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in kept}
     whole = replace(parts[0], **joined)
-    if not question.alone:
+    if not alone:
         return whole
     one = whole.point(0)
     if (reached := int(one.reached)) < steps:
@@ -235,7 +236,7 @@ class _Block:
             **dict.fromkeys((*_SUMS, "residual", "entropy", "heat"), ()),
             "tangent": (own.observables, own.observables),
         }  # fmt: skip
-        self.arrays = {name: np.full((n, m, *shape), np.nan) for name, shape in shapes.items() if name != "tangent" or question.tangent}
+        self.arrays = {name: np.full((n, m, *shape), np.nan) for name, shape in shapes.items() if name != "tangent" or question.run.tangent}
         self.held = np.zeros((n, m, own.internal), dtype=np.bool_)
         self.status, self.reached = np.full(n, Status.STICK, dtype=np.int8), np.zeros(n, dtype=np.intp)
         self.left, self.lost = "", np.inf
@@ -256,7 +257,7 @@ class _Block:
             and 1 <= n <= len(here.time)
             and all(np.array_equal(getattr(start, name), getattr(here, name)[:n]) for name in ("time", "pressure"))
             and np.array_equal(start.state[0], here.state[0])
-            and not (question.tangent and start.tangent is None)
+            and not (question.run.tangent and start.tangent is None)
         )
         if same:
             path, own = np.array([question.paths.at(k)[0] for k in range(n)]), question.law
@@ -283,14 +284,14 @@ class _Block:
             who, base = self.which[alive], self.arrays["state"][alive, k - 1]
             to, dt = question.drive(k, who), float(time[k] - time[k - 1]) if own.timed else 1.0
             with np.errstate(all="ignore"):
-                if question.method == "implicit":
+                if question.run.method == "implicit":
                     given, others = to(1.0)
-                    made = implicit(question, base, given, dt, others, question.tangent)
-                elif question.accuracy is None:
+                    made = implicit(question, base, given, dt, others, question.run.tangent)
+                elif question.run.accuracy is None:
                     made = extrapolated(question, base, to, dt)
                 else:
                     psi = self.arrays["psi"][alive[0], :k]
-                    made = accurate(question, base, to, dt, question.accuracy, float(np.abs(psi - psi[0]).max()))
+                    made = accurate(question, base, to, dt, question.run.accuracy, float(np.abs(psi - psi[0]).max()))
             alive = self._take(made, k, alive)
             yield k
 
@@ -326,7 +327,7 @@ class _Block:
             a[name][go, k] = a[name][go, k - 1] + gain
         a["balance"][go, k] = work - (a["psi"][go, k] - a["psi"][go, k - 1]) - warmed - dissipation - numerical
         a["residual"][go, k], self.held[go, k] = part.worst, part.held
-        if self.question.tangent:
+        if self.question.run.tangent:
             a["tangent"][go, k] = part.tangent
         moved = (part.flow != 0.0).any(axis=1)
         self.status[go], self.reached[go] = np.where(moved, Status.SLIP, Status.STICK), k
@@ -356,10 +357,10 @@ class _Block:
             held=self.held[:, knots],
             status=self.status,
             reached=self.reached,
-            method=question.method,
+            method=question.run.method,
             why=question.why,
             timed=question.paths.timed,
-            accuracy=question.accuracy,
+            accuracy=question.run.accuracy,
             source=law,
             numbers=question.others,
             **arrays,

@@ -18,9 +18,8 @@ from duhem.law.domain import Domain, Domains
 from duhem.law.formula_law import Criterion
 from duhem.path.compiled_state import StateLoop
 from duhem.path.loading import Path, Paths, checked_count, given_numbers
-from duhem.path.run import MOST_THREADS, Run, as_paths, by_point, kept_knots
+from duhem.path.run import MOST_THREADS, Run, as_paths, by_point, check_pressure, kept_knots
 from duhem.path.state_step import KKT, Advanced, StateLaw
-from duhem.projection.declared_ranges import refused
 from duhem.projection.increment import stiffness_of
 from duhem.projection.result import Array
 
@@ -35,22 +34,18 @@ Drive = Callable[[float], tuple[Array, Sequence[Array]]]
 
 @dataclass(frozen=True, eq=False)
 class StateQuestion:
-    """What is asked of a law with a state, checked: ``begun`` (N, n) is the first state, ``others`` (N,) the numbers of its formulas.
+    """The run of a law with a state, checked: ``begun`` (N, n) is the first state, ``others`` (N,) the numbers of its formulas.
 
-    ``arc`` is the path itself where it is round between its knots.
+    ``arc`` is the path itself where it is round between its knots; ``knots`` are those that are kept.
     """
 
+    run: Run
     law: StateLaw
     paths: Paths
     others: Mapping[str, Array]
     begun: Array
     arc: Path | None
-    method: str
-    accuracy: float | None
-    alone: bool
     knots: NDArray[np.intp]
-    tangent: bool
-    compiled: bool
 
     @classmethod
     def of(cls, run: Run) -> StateQuestion:
@@ -70,14 +65,16 @@ class StateQuestion:
             raise InputError(what, where="projection", remedy="remove it")
         checked_count(run.substeps, "substeps", 1)
         checked_count(run.threads, "threads", 1, MOST_THREADS)
-        accuracy = None if run.accuracy is None else _accuracy(run)
+        if run.accuracy is not None and (not isinstance(run.accuracy, int | float) or not _FINEST <= run.accuracy < 1.0):
+            raise InputError(f"accuracy = {str(run.accuracy)[:40]}", where="accuracy", remedy=f"give a number from {_FINEST:g} to 1")
+        if run.accuracy is not None and run.method != "extrapolated":
+            raise InputError(f"an {run.method} step has no accuracy", where="accuracy", remedy='use method="extrapolated"')
         if run.tangent and run.method == "extrapolated":
             raise InputError("an extrapolated step has no tangent here", where="tangent", remedy='use method="implicit"')
         stressed = isinstance(path, Path) and path.control == "stress"
         if law.energy is not None and run.stiffness is not None:
             raise InputError(f"{law.name} has an energy", where="stiffness", remedy="remove the stiffness: the energy has it")
         stiffness = None if law.energy is not None else stiffness_of(law, run.stiffness)[0]
-        alone = isinstance(path, Path)
         if isinstance(path, Path):
             knots = np.arange((len(path.time) - 1) * run.substeps + 1)
             if run.keep != 1:
@@ -92,19 +89,11 @@ class StateQuestion:
             raise InputError(f"the path has {width} columns", where="path", remedy=f"give one for each of {names}{warm}")
         if own.timed and not path.timed:
             raise InputError(f"{law.name} depends on the rate, and the path states no times", where="path", remedy="give time=")
-        if (law.pressure is None) != (path.pressure is None):
-            what = f"{law.name} has no pressure" if law.pressure is None else f"{law.name} needs the pressure {law.pressure}"
-            raise InputError(what, where="pressure", remedy="remove it" if law.pressure is None else "give pressure= in the path")
         fine = path.refined(run.substeps)
         paths, arc = as_paths(fine), fine if isinstance(fine, Path) and fine.arc is not None else None
-        if paths.pressure is not None and refused(law, paths.pressure).any():
-            name = law.pressure or ""
-            what = f"a pressure lies outside the range of {law.domain[name].stated(name)}"
-            raise InputError(what, where="path", remedy="keep to the range, or declare a wider one in the law's domain")
+        check_pressure(law, paths.pressure)
         others = _numbers(law, run.parameters, len(paths))
-        begun = np.zeros((len(paths), len(own.names)))
-        made = cls(own, paths, others, begun, arc, run.method, accuracy, alone, knots, run.tangent, run.compiled)
-        return made._started(run.state)
+        return cls(run, own, paths, others, np.zeros((len(paths), len(own.names))), arc, knots)._started(run.state)
 
     def _started(self, given: Mapping[str, Any] | None) -> StateQuestion:
         """The question with the state at the first knot, checked."""
@@ -180,7 +169,7 @@ class StateQuestion:
     @cached_property
     def loop(self) -> StateLoop | None:
         """Machine code for the steps, where that was asked for and the law has some; MissingExtraError without numba."""
-        return StateLoop.of(self.law) if self.compiled and not self.tangent else None
+        return StateLoop.of(self.law) if self.run.compiled and not self.run.tangent else None
 
     def advance(self, base: Array, given: Array, dt: float, others: Sequence[Array], tangent: bool) -> Advanced:
         """A step, by machine code where there is some."""
@@ -199,20 +188,11 @@ class StateQuestion:
             how = f"Newton's method on the residual of the step, which is no minimum: the law has {' and '.join(what)}"
         if self.loop is not None:
             how = f"{how}, compiled"
-        if self.accuracy is not None:
-            how = f"{how}; parts of steps with an estimated error of at most {self.accuracy:g}"
+        if self.run.accuracy is not None:
+            how = f"{how}; parts of steps with an estimated error of at most {self.run.accuracy:g}"
         if own.exchange is not None:
             return f"{how}; heat flows from {', '.join(own.law.heat)}"
         return f"{how}; adiabatic" if own.adiabatic else how
-
-
-def _accuracy(run: Run) -> float:
-    """The accuracy asked for; InputError where it is none, or nothing has one."""
-    if not isinstance(run.accuracy, int | float) or not _FINEST <= run.accuracy < 1.0:
-        raise InputError(f"accuracy = {str(run.accuracy)[:40]}", where="accuracy", remedy=f"give a number from {_FINEST:g} to 1")
-    if run.method != "extrapolated":
-        raise InputError(f"an {run.method} step has no accuracy", where="accuracy", remedy='use method="extrapolated"')
-    return float(run.accuracy)
 
 
 def inside(domain: Domain, values: Array) -> NDArray[np.bool_]:
