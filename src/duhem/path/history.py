@@ -19,8 +19,8 @@ from duhem.show.place import AnyPath, parquet_packages, written
 from duhem.show.printing import Shown, draw
 
 __all__ = [
-    "STATES", "SUMS", "Checkpoint", "Due", "H", "Histories", "History", "Interrupted", "LeftDomain", "LeftPrecision", "Recorded", "Tabled",
-    "columns",
+    "STATES", "SUMS", "Checkpoint", "Due", "EndedEarly", "H", "Histories", "History", "Interrupted", "LeftDomain", "LeftPrecision",
+    "Recorded", "Tabled", "columns",
 ]  # fmt: skip
 
 SUMS = ("multiplier", "psi", "dissipation", "work", "numerical", "balance")
@@ -261,25 +261,25 @@ class Interrupted(KeyboardInterrupt):
         super().__init__(f"interrupted after {done}")
 
 
-class LeftPrecision(InputError):
-    """A run whose numbers grew beyond double precision; ``history`` is what was done before."""
+class EndedEarly(InputError):
+    """A run that cannot go on to the end of its path; ``history`` is what was done before."""
+
+    def __init__(self, history: Any, what: str, remedy: str) -> None:
+        self.history = history
+        super().__init__(what, where=f"path, step {len(history)}", remedy=remedy)
+
+
+class LeftPrecision(EndedEarly):
+    """A run whose numbers grew beyond double precision."""
 
     def __init__(self, history: Any, time: float) -> None:
-        self.history = history
-        super().__init__(
-            f"stress, slip or energies overflow or underflow on the way to time {time:g}",
-            where=f"path, step {len(history)}",
-            remedy="use other units, so that the numbers have a moderate size",
-        )
+        what = f"stress, slip or energies overflow or underflow on the way to time {time:g}"
+        super().__init__(history, what, "use other units, so that the numbers have a moderate size")
 
 
-class LeftDomain(InputError):
-    """A run whose stress leaves a range of forces that the law declares; ``history`` is what was done before."""
+class LeftDomain(EndedEarly):
+    """A run whose stress leaves a range of forces that the law declares."""
 
     def __init__(self, history: Any, crossed: str, time: float) -> None:
-        self.history = history
-        super().__init__(
-            f"at time {time:g} {crossed}, where {history.law} is not declared",
-            where=f"path, step {len(history)}",
-            remedy="stay inside the range, or declare a wider one in the law's domain",
-        )
+        what = f"at time {time:g} {crossed}, where {history.law} is not declared"
+        super().__init__(history, what, "stay inside the range, or declare a wider one in the law's domain")

@@ -22,7 +22,7 @@ from types import MappingProxyType
 import numpy as np
 
 from duhem.path import exact
-from duhem.path.closest import Closest, closest_by, closest_points, shape_by, vouched
+from duhem.path.closest import Closest, closest_by, shape_by, vouched
 from duhem.path.exact import Piece
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Knot, Which
@@ -119,7 +119,8 @@ STEPS: Mapping[str, Stepping] = MappingProxyType(
 
 def _why(method: str, plan: Plan) -> str:
     """How the closest point is found."""
-    return f"{closest_points(Share.alone(plan), plan.projection)[1]}{STEPS[method].said}"
+    block = Share.alone(plan)
+    return f"{closest_by(block, plan.projection, shape_by(block, plan.projection))[1]}{STEPS[method].said}"
 
 
 def _advance(method: str, plan: Plan, ledger: Ledger) -> Iterator[int]:

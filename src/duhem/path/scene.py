@@ -20,11 +20,11 @@ from duhem.law.shapes import Interval
 from duhem.law.state import evolves
 from duhem.omitted import LeftOut
 from duhem.path.batch_run import parts
-from duhem.path.history import H, Histories, History, Interrupted, LeftDomain, LeftPrecision, Tabled, columns
+from duhem.path.history import EndedEarly, H, Histories, History, Interrupted, Tabled, columns
 from duhem.path.loading import Path, Paths
 from duhem.path.run import Batch, Plan, Run
 from duhem.path.simulate import driven
-from duhem.path.state_path import NoAnswer, StateHistory, recalled
+from duhem.path.state_path import StateHistory, recalled
 from duhem.path.state_question import StateQuestion
 from duhem.projection.result import NOT_SHOWN, Array, Status
 from duhem.show import figure
@@ -252,7 +252,7 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
             raise Stopped(f"{done}; name a table with --out to keep what is done") from None
         kept = keep(stop.history, table, fingerprint)
         raise Stopped(f"{done}, kept in {kept}; continue with --resume") from None
-    except (LeftPrecision, LeftDomain, NoAnswer) as fault:
+    except EndedEarly as fault:
         if table is None:
             raise
         kept = keep(fault.history, table, fingerprint)

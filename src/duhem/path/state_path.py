@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.law.state import prescribed
-from duhem.path.history import SUMS, Checkpoint, Due, Interrupted, LeftDomain, Tabled
+from duhem.path.history import SUMS, Checkpoint, Due, EndedEarly, Interrupted, LeftDomain, Tabled
 from duhem.path.loading import Path
 from duhem.path.run import Run
 from duhem.path.state_question import StateQuestion, inside
@@ -148,11 +148,10 @@ class StateHistory(Tabled):
 _LONG = ("state", "force", "stress", "pressure", "multiplier", *_SUMS, "residual", "held", "entropy", "heat", "tangent")
 
 
-class NoAnswer(InputError):
-    """A run with a step whose optimality conditions were not met; ``history`` is what was done before."""
+class NoAnswer(EndedEarly):
+    """A run with a step whose optimality conditions were not met."""
 
     def __init__(self, history: StateHistory, time: float, residual: float) -> None:
-        self.history = history
         if np.isnan(residual):
             why = "its parts, however short, do not come to the accuracy"
         elif residual <= KKT:
@@ -163,7 +162,7 @@ class NoAnswer(InputError):
             why = "the formulas of its optimality conditions have no value there"
         what = f"the step to time {time:g} has no answer: {why}"
         remedy = "take more substeps; duhem verify says whether energy and criterion are convex, without which there may be no answer"
-        super().__init__(what, where=f"path, step {len(history)}", remedy=remedy)
+        super().__init__(history, what, remedy)
 
 
 def state_history(
@@ -315,20 +314,14 @@ class _Block:
         go, part = alive[good], made.end.of(good)
         dissipation, work, numerical, warmed, heat = (x[good] for x in made.added)
         a = self.arrays
-        a["state"][go, k], a["force"][go, k], a["stress"][go, k] = part.chi, part.forces, part.observed
-        a["psi"][go, k], a["entropy"][go, k] = part.psi, part.entropy
-        for name, gain in (
-            ("multiplier", made.multiplier[good]),
-            ("dissipation", dissipation),
-            ("work", work),
-            ("numerical", numerical),
-            ("heat", heat),
-        ):
-            a[name][go, k] = a[name][go, k - 1] + gain
-        a["balance"][go, k] = work - (a["psi"][go, k] - a["psi"][go, k - 1]) - warmed - dissipation - numerical
-        a["residual"][go, k], self.held[go, k] = part.worst, part.held
-        if self.question.run.tangent:
-            a["tangent"][go, k] = part.tangent
+        ends = {"state": part.chi, "force": part.forces, "stress": part.observed, "psi": part.psi, "entropy": part.entropy}
+        ends |= {"residual": part.worst, "tangent": part.tangent}
+        gains = {"multiplier": made.multiplier[good], "dissipation": dissipation, "work": work, "numerical": numerical, "heat": heat}
+        ends |= {name: a[name][go, k - 1] + gain for name, gain in gains.items()}
+        ends["balance"] = work - (part.psi - a["psi"][go, k - 1]) - warmed - dissipation - numerical
+        for name, array in a.items():
+            array[go, k] = ends[name]
+        self.held[go, k] = part.held
         moved = (part.flow != 0.0).any(axis=1)
         self.status[go], self.reached[go] = np.where(moved, Status.SLIP, Status.STICK), k
         return go
