@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from duhem.errors import InputError
+from duhem.errors import InputError, faults_at
 from duhem.expression.given_array import in_order
 from duhem.law.catalogue import load_formula
 from duhem.law.domain import by_name
@@ -25,7 +25,8 @@ from duhem.projection.increment import increment as checked
 from duhem.projection.result import Array
 
 __all__ = [
-    "MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "by_point", "check_pressure", "columns", "energy", "kept_knots", "times",
+    "MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "by_point", "check_pressure", "columns", "energy", "kept_knots",
+    "stress_at_start", "times",
 ]  # fmt: skip
 
 
@@ -75,13 +76,7 @@ class Plan:
             what = f"{type(path).__name__} is no loading path"
             raise InputError(what, where="path", remedy="make one with Path.linear(points, pressure=...) or Path.from_csv(file)")
         fine = path.refined(run.substeps)
-        d = len(known.forces)
-        if fine.values.shape[1] != d:
-            raise InputError(
-                f"the path has {fine.values.shape[1]} columns and {known.name} the {d} forces {', '.join(known.forces)}",
-                where="path",
-                remedy="give one column for each force",
-            )
+        _check_columns(known, fine.values)
         increment = checked(known, fine.values, fine.pressure, run.stiffness, run.parameters)
         compliance = np.asarray(np.linalg.inv(increment.stiffness))
         return cls(replace(increment, convexity=run.convexity), fine, run.projection, compliance)
@@ -163,15 +158,13 @@ class Batch:
         assert isinstance(paths, Paths)
         n = len(paths)
         d = len(known.forces)
-        if paths.values.shape[2] != d:
-            what = f"the paths have {paths.values.shape[2]} columns and {known.name} the {d} forces {', '.join(known.forces)}"
-            raise InputError(what, where="paths", remedy="give one column for each force")
+        _check_columns(known, paths.values)
         members, own = _members(known, run.stiffness, run.parameters, n)
         checked_count(substeps, "substeps", 1)
         checked_count(run.threads, "threads", 1, MOST_THREADS)
         if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
             raise InputError(f"{steps} steps are too many", where="substeps", remedy=f"take at most {MOST_NUMBERS // d} in all")
-        stress, knots = _start(known, run.stress, n), kept_knots(run.keep, steps)
+        stress, knots = stress_at_start(known, run.stress, n), kept_knots(run.keep, steps)
         check_pressure(known, paths.pressure)
         return cls(
             paths=paths,
@@ -226,6 +219,12 @@ def as_paths(path: Path | Paths) -> Paths:
         return path
     pressure = None if path.pressure is None else path.pressure[None]
     return Paths(path.values[None], np.ones((1, path.values.shape[1])), pressure, path.time, path.timed)
+
+
+def _check_columns(law: Criterion, values: Array) -> None:
+    if values.shape[-1] != len(law.forces):
+        what = f"the path has {values.shape[-1]} columns and {law.name} the {len(law.forces)} forces {', '.join(law.forces)}"
+        raise InputError(what, where="path", remedy="give one column for each force")
 
 
 def check_pressure(law: Criterion, load: Array | None) -> None:
@@ -287,11 +286,13 @@ def _first_bad(law: Criterion, stiffness: ArrayLike | None, given: Mapping[str, 
     return None
 
 
-def _start(law: Criterion, given: ArrayLike | None, n: int) -> Array:
+def stress_at_start(law: Criterion, given: ArrayLike | None, n: int) -> Array:
+    """The stress of ``n`` points at the first knot, (n, d) or (1, d), 0 where none is given; InputError where it does not fit the law."""
     d = len(law.forces)
     if given is None:
         return np.zeros((1, d))
-    stress = given_numbers(in_order(given, law.forces, "stress"), "stress")
+    with faults_at("stress"):
+        stress = given_numbers(in_order(given, law.forces, "stress"), "stress")
     if stress.shape not in ((d,), (n, d)):
         raise InputError(f"stress has the shape {stress.shape}", where="stress", remedy=f"give ({d},) or ({n}, {d})")
     return stress.reshape(-1, d)

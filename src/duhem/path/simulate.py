@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
-from duhem.expression.given_array import in_order
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.law.state import evolves
@@ -21,7 +20,7 @@ from duhem.path.history import Checkpoint, Due, H, Histories, History, Interrupt
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, Paths, checked_count
-from duhem.path.run import MOST_THREADS, Batch, Plan, Run, Share, columns, times
+from duhem.path.run import MOST_THREADS, Batch, Plan, Run, Share, columns, stress_at_start, times
 from duhem.path.state_path import StateHistory, state_history
 from duhem.path.step_formulas import booked
 from duhem.projection.declared_ranges import beyond, crossed
@@ -174,15 +173,7 @@ def _begun(plan: Plan, run: Run, start: History | None) -> Array:
 def first_stress(plan: Plan, given: ArrayLike | None) -> Array:
     """The stress at the first knot (d,), 0 where none is given; InputError where it does not fit the law, or lies outside K."""
     law = plan.increment.law
-    d = len(law.forces)
-    try:
-        stress = np.zeros(d) if given is None else np.array(in_order(given, law.forces, "stress"), dtype=np.float64)
-    except InputError:
-        raise
-    except (TypeError, ValueError):
-        raise InputError("the initial stress is not made of numbers", where="stress", remedy=f"give {d} numbers") from None
-    if stress.shape != (d,) or not np.isfinite(stress).all():
-        raise InputError("the initial stress does not fit the law or is not finite", where="stress", remedy=f"give {d} numbers")
+    stress = np.array(stress_at_start(law, given, 1)[0])
     if _outside(plan, stress[None]) is not None:
         remedy = "give one inside K" if given is not None else "zero stress is not admissible: give stress= inside K"
         raise InputError(f"the initial stress {stress.tolist()} lies outside K", where="stress", remedy=remedy)
