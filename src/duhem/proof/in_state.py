@@ -44,8 +44,7 @@ def epigraph(law: Criterion, *, of_heat: bool = False) -> Criterion | None:
     if law.energy is None or (of_heat and law.temperature is None):
         return None
     taken, height = law.symbols(), _unused(law)
-    moving = [law.temperature] if of_heat else variables_of(law).mechanical()
-    plain = [name for name in moving if name is not None and law.parameters[name].value is None]
+    plain = [name for name, own in law.variables.items() if own.temperature == of_heat and law.parameters[name].value is None]
     rest = {name: own for name, own in law.parameters.items() if name not in plain}
     psi = law.energy.xreplace({taken[name]: sp.Symbol(name, real=True) for name in plain})
     g = _above(-psi if of_heat else psi, law.written_energy and f"{'-' * of_heat}({law.written_energy})", height)
