@@ -19,11 +19,10 @@ from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Interval
 from duhem.law.state import evolves
 from duhem.omitted import LeftOut
-from duhem.path.batch_run import parts
 from duhem.path.history import EndedEarly, H, Histories, History, Interrupted, Tabled, columns
 from duhem.path.loading import Path, Paths
 from duhem.path.run import Batch, Plan, Run
-from duhem.path.simulate import driven
+from duhem.path.simulate import driven, parts
 from duhem.path.state_path import StateHistory, recalled
 from duhem.path.state_question import StateQuestion
 from duhem.projection.result import NOT_SHOWN, Array, Status
