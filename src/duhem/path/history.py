@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
 from duhem.path.run import Plan
 from duhem.projection.result import NOT_SHOWN, Array, Status
 from duhem.show.place import AnyPath, parquet_packages, written
@@ -20,7 +21,7 @@ from duhem.show.printing import Shown, draw
 
 __all__ = [
     "STATES", "SUMS", "Checkpoint", "Due", "EndedEarly", "H", "Histories", "History", "Interrupted", "LeftDomain", "LeftPrecision",
-    "Recorded", "Tabled", "columns",
+    "Recorded", "Tabled", "columns", "names_of",
 ]  # fmt: skip
 
 SUMS = ("multiplier", "psi", "dissipation", "work", "numerical", "balance")
@@ -225,6 +226,11 @@ class Histories(Recorded):
             for number, *row in block.tolist():
                 lines.write(f"{int(number)},{','.join(map(repr, row))}\n")
             yield lines.getvalue()
+
+
+def names_of(law: Criterion) -> dict[str, Any]:
+    """What a history says of its law."""
+    return {"law": law.name, "forces": law.forces, "pressure_name": law.pressure}
 
 
 H = TypeVar("H", bound=Tabled)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.law.state import prescribed
-from duhem.path.history import SUMS, Checkpoint, Due, EndedEarly, Interrupted, LeftDomain, Tabled
+from duhem.path.history import SUMS, Checkpoint, Due, EndedEarly, Interrupted, LeftDomain, Tabled, names_of
 from duhem.path.loading import Path
 from duhem.path.run import Run
 from duhem.path.state_question import StateQuestion, inside
@@ -340,11 +340,9 @@ class _Block:
         arrays.setdefault("tangent", None)  # type: ignore[arg-type]
         pressures = np.stack([question.paths.pressure_at(k, self.which) for k in knots.tolist()], axis=1)
         return StateHistory(
-            law=law.name,
+            **names_of(law),
             variables=own.names,
-            forces=law.forces,
             stresses=tuple(prescribed(law)),
-            pressure_name=law.pressure,
             time=question.paths.time[knots],
             pressure=pressures,
             held=self.held[:, knots],
