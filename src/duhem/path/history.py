@@ -21,7 +21,7 @@ from duhem.show.printing import Shown, draw
 
 __all__ = [
     "STATES", "SUMS", "Checkpoint", "Due", "EndedEarly", "H", "Histories", "History", "Interrupted", "LeftDomain", "LeftPrecision",
-    "Recorded", "Tabled", "columns", "names_of",
+    "Recorded", "Tabled", "columns", "told_of",
 ]  # fmt: skip
 
 SUMS = ("multiplier", "psi", "dissipation", "work", "numerical", "balance")
@@ -228,9 +228,9 @@ class Histories(Recorded):
             yield lines.getvalue()
 
 
-def names_of(law: Criterion) -> dict[str, Any]:
-    """What a history says of its law."""
-    return {"law": law.name, "forces": law.forces, "pressure_name": law.pressure}
+def told_of(law: Criterion, **states: Any) -> dict[str, Any]:
+    """What a history says of its law, and its ``states``."""
+    return {"law": law.name, "forces": law.forces, "pressure_name": law.pressure, **states}
 
 
 H = TypeVar("H", bound=Tabled)

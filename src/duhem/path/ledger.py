@@ -9,7 +9,7 @@ from operator import add
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.path.history import SUMS, Histories, History, names_of
+from duhem.path.history import SUMS, Histories, History, told_of
 from duhem.path.loading import Which
 from duhem.path.rows import Stepped
 from duhem.path.run import Plan, Share, energy, times
@@ -106,14 +106,13 @@ class Ledger(_Sums):
         law, path, n = plan.increment.law, plan.path, self.done
         stress, slip = self.stress[:n], self.slip[:n]
         return History(
-            **names_of(law),
             time=path.time[:n],
             timed=path.timed,
             displacement=path.values[:n] if path.control == "displacement" else slip + times(stress, plan.compliance),
             slip=slip,
             stress=stress,
             pressure=plan.increment.pressure[:n],
-            **{name: getattr(self, name)[:n] for name in SUMS},
+            **told_of(law, **{name: getattr(self, name)[:n] for name in SUMS}),
             method=method,
             why=why,
             plan=plan,

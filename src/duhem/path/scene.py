@@ -19,7 +19,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Interval
 from duhem.law.state import evolves
 from duhem.omitted import LeftOut
-from duhem.path.history import SUMS, EndedEarly, H, Histories, History, Interrupted, Tabled, columns, names_of
+from duhem.path.history import SUMS, EndedEarly, H, Histories, History, Interrupted, Tabled, columns, told_of
 from duhem.path.loading import Path, Paths
 from duhem.path.run import Batch, Plan, Run
 from duhem.path.simulate import driven, parts
@@ -341,7 +341,6 @@ def history_of(plan: Plan, column: dict[str, Array]) -> History:
     law, n = plan.increment.law, len(column["time"])
     tails = [force.removeprefix("sigma_") for force in law.forces]
     return History(
-        **names_of(law),
         time=column["time"],
         timed=plan.path.timed,
         displacement=np.stack([column[f"u_{t}"] for t in tails], axis=1),
@@ -349,7 +348,7 @@ def history_of(plan: Plan, column: dict[str, Array]) -> History:
         stress=np.stack([column[f] for f in law.forces], axis=1),
         pressure=column[law.pressure] if law.pressure else np.zeros(n),
         multiplier=column["lambda"],
-        **{name: column[name] for name in SUMS[1:]},
+        **told_of(law, **{name: column[name] for name in SUMS[1:]}),
         method="",
         why="",
         plan=plan,

@@ -20,7 +20,7 @@ from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.law.state import evolves
 from duhem.path.closest import closest_by, outside, shape_by
-from duhem.path.history import STATES, SUMS, Checkpoint, Due, H, Histories, History, Interrupted, LeftDomain, LeftPrecision, names_of
+from duhem.path.history import STATES, SUMS, Checkpoint, Due, H, Histories, History, Interrupted, LeftDomain, LeftPrecision, told_of
 from duhem.path.integrators import INTEGRATORS, STEPS
 from duhem.path.ledger import Ledger, States
 from duhem.path.loading import Path, Paths, Which, between, checked_count
@@ -359,12 +359,11 @@ def _room(batch: Batch, first: int, last: int, method: str) -> Histories:
     law, n, r = batch.law, last - first, len(batch.knots)
     d = len(law.forces)
     return Histories(
-        **names_of(law),
         points=np.arange(first, last),
         knots=batch.knots,
         time=between(batch.paths.time, batch.substeps)[batch.knots],
         timed=batch.paths.timed,
-        **{name: np.empty((n, r, d) if name in ("displacement", "slip", "stress") else (n, r)) for name in STATES},
+        **told_of(law, **{name: np.empty((n, r, d) if name in ("displacement", "slip", "stress") else (n, r)) for name in STATES}),
         status=np.empty(n, dtype=np.int8),
         reached=np.empty(n, dtype=np.intp),
         method=method,

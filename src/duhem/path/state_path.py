@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.law.state import prescribed
-from duhem.path.history import SUMS, Checkpoint, Due, EndedEarly, Interrupted, LeftDomain, Tabled, names_of
+from duhem.path.history import SUMS, Checkpoint, Due, EndedEarly, Interrupted, LeftDomain, Tabled, told_of
 from duhem.path.loading import Path
 from duhem.path.run import Run
 from duhem.path.state_question import StateQuestion, inside
@@ -340,7 +340,6 @@ class _Block:
         arrays.setdefault("tangent", None)  # type: ignore[arg-type]
         pressures = np.stack([question.paths.pressure_at(k, self.which) for k in knots.tolist()], axis=1)
         return StateHistory(
-            **names_of(law),
             variables=own.names,
             stresses=tuple(prescribed(law)),
             time=question.paths.time[knots],
@@ -354,5 +353,5 @@ class _Block:
             accuracy=question.run.accuracy,
             source=law,
             numbers=question.others,
-            **arrays,
+            **told_of(law, **arrays),
         )
