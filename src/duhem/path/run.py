@@ -141,14 +141,12 @@ class Batch:
     ``own`` (N,) which of them each point has; ``stress`` (N, d) or (1, d) at the first knot in Pa; ``knots`` (r,) those that are kept.
     """
 
+    run: Run
     paths: Paths
-    substeps: int
     members: tuple[Increment, ...]
     own: NDArray[np.intp]
     stress: Array
     knots: NDArray[np.intp]
-    projection: str
-    compiled: bool
     compliance: Array
 
     @classmethod
@@ -167,14 +165,12 @@ class Batch:
         stress, knots = stress_at_start(known, run.stress, n), kept_knots(run.keep, steps)
         check_pressure(known, paths.pressure)
         return cls(
+            run=run,
             paths=paths,
-            substeps=substeps,
             members=tuple(replace(member, convexity=run.convexity) for member in members),
             own=own,
             stress=stress,
             knots=knots,
-            projection=run.projection,
-            compiled=run.compiled,
             compliance=np.asarray(np.linalg.inv(members[0].stiffness)),
         )
 
@@ -185,7 +181,7 @@ class Batch:
     @property
     def steps(self) -> int:
         """Of each point."""
-        return (len(self.paths.time) - 1) * self.substeps
+        return (len(self.paths.time) - 1) * self.run.substeps
 
     @property
     def numbers(self) -> int:
@@ -204,7 +200,7 @@ class Batch:
 
     def block(self, first: int, last: int, halves: int = 1) -> Share:
         """The points from ``first`` to before ``last``; each step of their paths in ``halves`` parts."""
-        return self._share(self.paths.part(first, last).refined(self.substeps).refined(halves), first, last)
+        return self._share(self.paths.part(first, last).refined(self.run.substeps).refined(halves), first, last)
 
     def _share(self, paths: Paths, first: int, last: int) -> Share:
         used, own = np.unique(self.own[first:last], return_inverse=True)

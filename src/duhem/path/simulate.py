@@ -280,7 +280,7 @@ def check(batch: Batch) -> None:
     for first, last in batch.blocks():
         share = batch.start(first, last)
         with np.errstate(all="ignore"):  # what is not finite is found
-            bad = outside(share, batch.projection, share.stress, 0, np.arange(len(share))) | beyond(batch.law, share.stress)
+            bad = outside(share, batch.run.projection, share.stress, 0, np.arange(len(share))) | beyond(batch.law, share.stress)
         if bad.any():
             at = int(np.argmax(bad))
             what = f"the initial stress {share.stress[at].tolist()} of point {first + at} lies outside K or a declared range"
@@ -290,16 +290,16 @@ def check(batch: Batch) -> None:
 def _filled(batch: Batch, block: Share, method: str, out: Histories) -> str:
     """Fill the histories of one block but for what is prescribed; it says how."""
     if method not in STEPS:
-        return [_alone(block, i, batch.projection, method, out) for i in range(len(block))][-1]
-    shape, points = shape_by(block, batch.projection), np.arange(len(block))
-    at, why = closest_by(block, batch.projection, shape, batch.compiled)
-    if batch.compiled and method == "implicit":
+        return [_alone(block, i, batch.run.projection, method, out) for i in range(len(block))][-1]
+    shape, points = shape_by(block, batch.run.projection), np.arange(len(block))
+    at, why = closest_by(block, batch.run.projection, shape, batch.run.compiled)
+    if batch.run.compiled and method == "implicit":
         from duhem.path import compiled_run
 
         if shape is not None and compiled_run.reason(block, shape) is None:
             compiled_run.fill(block, shape, out)
             return f"{why}, compiled"
-        if (left := compiled_run.looped(block, batch.projection, out)) is not None:
+        if (left := compiled_run.looped(block, batch.run.projection, out)) is not None:
             points, why = left, f"{why}, compiled"
     if points.size:
         _abreast(block, points, STEPS[method].by_arrays(block, at), out)
@@ -361,7 +361,7 @@ def _room(batch: Batch, first: int, last: int, method: str) -> Histories:
     return Histories(
         points=np.arange(first, last),
         knots=batch.knots,
-        time=between(batch.paths.time, batch.substeps)[batch.knots],
+        time=between(batch.paths.time, batch.run.substeps)[batch.knots],
         timed=batch.paths.timed,
         **told_of(law, **{name: np.empty((n, r, d) if name in ("displacement", "slip", "stress") else (n, r)) for name in STATES}),
         status=np.empty(n, dtype=np.int8),
