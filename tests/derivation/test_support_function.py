@@ -292,8 +292,8 @@ def test_a_claim_that_is_undefined_or_infinite_is_no_claim() -> None:
     long_at(
         [0],
         [
-            (Side, "polar", lambda self, c: self.up * Pos(c[0]) + self.down * Neg(c[0]), "antoni2007"),
-            (Holder, "polar", lambda self, c: Norm(*c), "box"),
+            (Side, "polar", lambda self, c: self.up * Pos(c[self.row]) + self.down * Neg(c[self.row]), "antoni2007"),
+            (Holder, "polar", lambda self, c: Norm(*c.values()), "box"),
             (Polytope, "polar", lambda self, d: sp.Max(*self._products(d)[1:]), "tresca"),
         ],
     ),

@@ -211,7 +211,7 @@ def test_a_stress_path_inside_k_makes_no_slip_and_one_that_leaves_it_is_refused(
         ({"parameters": [0.1, 0.2]}, "map each name to a value"),
         ({"path": Path.linear([0.0, 1.0], pressure=-1.0)}, "1 columns"),
         ({"stress": [1.0, 0.0]}, "outside K"),
-        ({"stress": [np.nan, 0.0]}, "not finite"),
+        ({"stress": [np.nan, 0.0]}, r"stress\[0\] is nan; give finite numbers"),
         ({"stiffness": -1.0}, "not positive"),
         ({"parameters": {}}, "no value"),
         ({"path": Path.linear([[0, 0], [1, 1]])}, "needs the pressure"),

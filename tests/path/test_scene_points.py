@@ -239,7 +239,7 @@ def test_a_signal_ends_a_process_as_ctrl_c_does(folder, sent):
     """It is stopped at its first step, by itself; the campaign `killed` does so from outside, at moments of chance."""
     code = (
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # what a shell starts beside itself ignores it
-        "import os, sys; from duhem.path import batch_run; from duhem.__main__ import main; parts = batch_run.parts\n"
+        "import os, sys; from duhem.path.simulate import parts; from duhem.__main__ import main\n"
         "def first(*a, **k):\n"
         "    for part in parts(*a, **k):\n"
         f"        yield part; os.kill(os.getpid(), {int(sent)})\n"

@@ -35,76 +35,6 @@ __all__ = ["derive"]
 CRITERION, FLOW, POTENTIAL = "Criterion", "Evolution law", "Dissipation potential"
 STEP, LINE = "Incremental problem", "Reduction to one direction"
 
-_SECTIONS: Mapping[str, Sequence[tuple[str, str, str]]] = {  # by section: number, name and sentence of each equation
-    STATE: (
-        ("21", "decomposition", "displacement = elastic (reversible) part + inelastic part (slip)"),
-        ("24", "state_variables", "observable and internal state variables; no temperature and no further internal variable"),
-        ("30", "free_energy", "stored energy, quadratic in the elastic part u - u_in"),
-        ("D1", "free_energy_convex", "psi_C is strictly convex in u - u_in: leading minors of its Hessian, the stiffness (Sylvester)"),
-        ("25", "state_law", "sigma = d psi_C/d u"),
-        ("31", "state_law_elastic", "the same in the elastic part: sigma = k u_e"),
-        ("19", "elastic_slip", "the same solved for the elastic part, the reversible slip before the macroscopic one"),
-        (
-            "26",
-            "thermodynamic_forces",
-            "the force Y = -d psi_C/d u_in that drives the slip is the stress itself (difference expanded to 0)",
-        ),
-    ),
-    DISSIPATION: (
-        ("22", "clausius_duhem", "second principle at the interface; isothermal, so the whole dissipation is the intrinsic one"),
-        ("23", "intrinsic_dissipation", "D = sigma . du/dt - dpsi_C/dt by the chain rule; the entropy term dT_C/dt s_C is zero"),
-        ("D2", "reduced_dissipation", "what is left of (23) once the state law (25) holds: the power of the stress on the slip rate"),
-    ),
-    CRITERION: (
-        ("35", "criterion", "the limit criterion, as declared"),
-        ("35'", "criterion_branches", "the same, branch by branch: each kink of the formula resolved on either side"),
-        ("32", "admissible_set", "the admissible stresses"),
-        ("33", "dual_potential", "dual pseudo-potential: the indicator of K"),
-        ("34", "indicator", "zero on K, infinite outside"),
-    ),
-    FLOW: (
-        ("28", "evolution_inclusion", "the slip rate is a subgradient of the indicator, that is an element of the normal cone of K"),
-        ("D3", "normal_cone", "what (28) says, for every tau in K: maximal dissipation; at an interior point the cone is {0}"),
-        ("D4", "normal", "outward normal n = dg/dsigma"),
-        ("36", "normality", "normality rule where g is differentiable, n of (D4)"),
-    ),
-    POTENTIAL: (
-        ("D9", "stress_of_slip", "the stress that attains the supremum: the evolution law (28) solved for sigma, at nonzero slip rate"),
-        ("D9'", "fenchel_equality", "D = sigma . d = I_K(sigma) + Phi_C(d) on the evolution law (Fenchel), and I_K = 0 on K"),
-        ("D10", "gauge", "gauge of K about its centre: K = {gamma_K <= 1}"),
-        ("D11", "biconjugate", "polar of the polar, read afresh from (D8), so that Phi** = Phi: "),
-    ),
-    STEP: (
-        ("D13", "trial_stress", "stress if nothing slipped over the step: u at its end, u_in at its beginning"),
-        ("D14", "step_objective", "the stress minimises J over K: the closest point to the trial stress in the metric of k^-1"),
-        ("D15", "step_stationarity", "gradient of the Lagrangian J + Delta_lambda g: k^-1 (sigma_trial - sigma) = Delta_lambda dg/dsigma"),
-        ("D16", "step_complementarity", "the step slips only if it ends on the boundary"),
-        ("D17", "step_slip", "slip over the step: the trial stress in excess, released"),
-        (
-            "D18",
-            "step_energy",
-            "work = change of stored energy + dissipation + a numerical part that is never negative, for every step size",
-        ),
-    ),
-}
-_SAID = {name: (number, section, said) for section, rows in _SECTIONS.items() for number, name, said in rows}
-_IN_STATE = {  # sentences of a law with a state, where its forces are more than a stress and its rates more than a slip
-    "admissible_set": "the admissible forces",
-    "evolution_inclusion": "the rates that the multiplier gives are a subgradient of the indicator, an element of the normal cone of K",
-    "normal": "outward normal n = dg/dY",
-    "normality": "normality rule where g is differentiable, n of (D4)",
-    "stress_of_slip": "the forces that attain the supremum: the evolution law (28) solved for them, at nonzero rates",
-    "fenchel_equality": "D = Y . rates = I_K(Y) + Phi_C(rates) on the evolution law (Fenchel), and I_K = 0 on K",
-}
-
-
-def _stated(name: str, relation: sp.Basic, more: str = "", names: Names | None = None) -> Equation:
-    """The equation of that name with its number, section and sentence, and what ``more`` there is to say."""
-    number, section, sentence = _SAID[name]
-    if names is not None and names.state is not None:
-        sentence = _IN_STATE.get(name, sentence)
-    return Equation(number, name, relation, sentence + more, section)
-
 
 def _energy(names: Names, strain: Iterable[sp.Expr]) -> sp.Expr:
     """1/2 strain . k strain; of u - u_in it is the free energy psi_C (Antoni et al. 2007, Eq. 30)."""
@@ -125,25 +55,33 @@ def _state_equations(names: Names) -> Iterator[Equation]:
     forces = [sp.factor_terms(-psi.diff(x)) for x in p]
     if any(sp.expand(a - b) != 0 for a, b in zip(stress, forces, strict=True)):
         raise ArithmeticError("dpsi/du and -dpsi/du_in differ")
-    yield _stated("decomposition", columns(u, map(add, names.elastic, p)))
-    yield _stated("state_variables", equal(sp.Symbol("chi"), sp.Tuple(*u, *p)))
-    yield _stated("free_energy", equal(sp.Symbol("psi_C", real=True), psi))
+    note = "displacement = elastic (reversible) part + inelastic part (slip)"
+    yield Equation("21", "decomposition", columns(u, map(add, names.elastic, p)), note, STATE)
+    note = "observable and internal state variables; no temperature and no further internal variable"
+    yield Equation("24", "state_variables", equal(sp.Symbol("chi"), sp.Tuple(*u, *p)), note, STATE)
+    note = "stored energy, quadratic in the elastic part u - u_in"
+    yield Equation("30", "free_energy", equal(sp.Symbol("psi_C", real=True), psi), note, STATE)
     minors = [sp.StrictGreaterThan(names.stiffness[:i, :i].det(), 0, evaluate=False) for i in range(1, len(u) + 1)]
-    yield _stated("free_energy_convex", sp.And(*minors, evaluate=False))
-    yield _stated("state_law", columns(names.forces, stress))
-    yield _stated(
-        "state_law_elastic", columns(names.forces, [sp.factor_terms(_energy(names, names.elastic).diff(e)) for e in names.elastic])
-    )
+    note = "psi_C is strictly convex in u - u_in: leading minors of its Hessian, the stiffness (Sylvester)"
+    yield Equation("D1", "free_energy_convex", sp.And(*minors, evaluate=False), note, STATE)
+    yield Equation("25", "state_law", columns(names.forces, stress), "sigma = d psi_C/d u", STATE)
+    pulled = [sp.factor_terms(_energy(names, names.elastic).diff(e)) for e in names.elastic]
+    yield Equation("31", "state_law_elastic", columns(names.forces, pulled), "the same in the elastic part: sigma = k u_e", STATE)
     if len(u) == 1:
-        yield _stated("elastic_slip", columns(names.elastic, [names.forces[0] / names.stiffness[0]]))
-    yield _stated("thermodynamic_forces", columns(names.forces, forces))
+        note = "the same solved for the elastic part, the reversible slip before the macroscopic one"
+        yield Equation("19", "elastic_slip", columns(names.elastic, [names.forces[0] / names.stiffness[0]]), note, STATE)
+    note = "the force Y = -d psi_C/d u_in that drives the slip is the stress itself (difference expanded to 0)"
+    yield Equation("26", "thermodynamic_forces", columns(names.forces, forces), note, STATE)
     change, power = dot([sp.factor_terms(psi.diff(x)) for x in (*u, *p)], (*v, *d)), dot(names.forces, v)
-    yield _stated("clausius_duhem", sp.GreaterThan(names.power, 0, evaluate=False))
-    yield _stated("intrinsic_dissipation", equal(names.power, power - change))
+    note = "second principle at the interface; isothermal, so the whole dissipation is the intrinsic one"
+    yield Equation("22", "clausius_duhem", sp.GreaterThan(names.power, 0, evaluate=False), note, DISSIPATION)
+    note = "D = sigma . du/dt - dpsi_C/dt by the chain rule; the entropy term dT_C/dt s_C is zero"
+    yield Equation("23", "intrinsic_dissipation", equal(names.power, power - change), note, DISSIPATION)
     reduced = dot(names.forces, d)
     if sp.expand((power - change - reduced).xreplace(dict(zip(names.forces, stress, strict=True)))) != 0:
         raise ArithmeticError("the Clausius-Duhem inequality does not reduce to the power of the stress on the slip rate")
-    yield _stated("reduced_dissipation", equal(names.power, reduced))
+    note = "what is left of (23) once the state law (25) holds: the power of the stress on the slip rate"
+    yield Equation("D2", "reduced_dissipation", equal(names.power, reduced), note, DISSIPATION)
 
 
 # -- laws of several surfaces -----------------------------------------------------------------------------------------
@@ -197,6 +135,11 @@ def _step_of_surfaces(names: Names) -> Iterator[Equation]:
 # -- laws of one surface ----------------------------------------------------------------------------------------------
 
 
+def _either(names: Names, alone: str, in_state: str) -> str:
+    """What is said of a law without a state, or of one with, where forces are more than a stress and rates more than a slip."""
+    return alone if names.state is None else in_state
+
+
 def _rooted(expr: sp.Expr) -> sp.Expr:
     """Norms written as square roots."""
     return expr.replace(Norm, lambda *args: sp.sqrt(sp.Add(*[a**2 for a in args])))
@@ -212,30 +155,38 @@ def _evolution_equations(names: Names, found: Pieces | None) -> Iterator[Equatio
     """Equations 28 and 32 to 36."""
     law, forces = names.law, names.forces
     inside = sp.LessThan(law.g, 0, evaluate=False)
-    yield _stated("criterion", equal(sp.Symbol("g"), law.g))
+    yield Equation("35", "criterion", equal(sp.Symbol("g"), law.g), "the limit criterion, as declared", CRITERION)
     if found is not None and len(found.values) > 1:
-        yield _stated("criterion_branches", equal(sp.Symbol("g"), found.joined([_rooted(v) for v in found.values])))
+        note = "the same, branch by branch: each kink of the formula resolved on either side"
+        yield Equation("35'", "criterion_branches", equal(sp.Symbol("g"), found.joined([*map(_rooted, found.values)])), note, CRITERION)
     admissible = sp.ConditionSet(sp.Tuple(*forces), inside, sp.S.UniversalSet)
     frozen = ["pressure"] * bool(law.pressure) + [name for name in law.variables if law.symbols()[name] in law.g.free_symbols]
-    more = f" at frozen {', '.join(frozen)}" if frozen else ""
-    yield _stated("admissible_set", equal(sp.Symbol("K"), admissible), more, names)
+    note = f"the admissible {_either(names, 'stresses', 'forces')}" + (f" at frozen {', '.join(frozen)}" if frozen else "")
+    yield Equation("32", "admissible_set", equal(sp.Symbol("K"), admissible), note, CRITERION)
     indicator = sp.Function("I_K")(*forces)
     if law.associated:
-        yield _stated("dual_potential", equal(sp.Function("Phi_C_star")(*forces), indicator))
-    yield _stated("indicator", equal(indicator, sp.Piecewise((sp.S.Zero, inside), (sp.oo, True), evaluate=False)))
+        dual = equal(sp.Function("Phi_C_star")(*forces), indicator)
+        yield Equation("33", "dual_potential", dual, "dual pseudo-potential: the indicator of K", CRITERION)
+    indicated = equal(indicator, sp.Piecewise((sp.S.Zero, inside), (sp.oo, True), evaluate=False))
+    yield Equation("34", "indicator", indicated, "zero on K, infinite outside", CRITERION)
     if not law.associated:
         yield from _own_flow(names) if law.flow is not None else _flow_of_surfaces(names)
         return
     plastic = names.plastic
-    yield _stated("evolution_inclusion", Belongs(sp.Tuple(*plastic), sp.Function("N_K")(*forces)), names=names)
-    yield _stated("normal_cone", sp.LessThan(dot(plastic, map(sub, names.other, forces)), 0, evaluate=False))
+    note = _either(names, "the slip rate is", "the rates that the multiplier gives are") + " a subgradient of the indicator, "
+    note += _either(names, "that is an element of the normal cone of K", "an element of the normal cone of K")
+    yield Equation("28", "evolution_inclusion", Belongs(sp.Tuple(*plastic), sp.Function("N_K")(*forces)), note, FLOW)
+    note = "what (28) says, for every tau in K: maximal dissipation; at an interior point the cone is {0}"
+    yield Equation("D3", "normal_cone", sp.LessThan(dot(plastic, map(sub, names.other, forces)), 0, evaluate=False), note, FLOW)
     if found is None:
         return
     met = seams(law, found)
     normal = [found.joined([g[i] for g in found.gradients]) for i in range(len(forces))]
-    yield _stated("normal", columns(names.normal, normal), _smoothness(names, found, met), names)
+    note = f"outward normal n = dg/d{_either(names, 'sigma', 'Y')}"
+    yield Equation("D4", "normal", columns(names.normal, normal), note + _smoothness(names, found, met), FLOW)
     given = [names.multiplier * n for n in names.normal]
-    yield _stated("normality", _rates(names, given, names.multiplier), names=names)
+    note = "normality rule where g is differentiable, n of (D4)"
+    yield Equation("36", "normality", _rates(names, given, names.multiplier), note, FLOW)
     yield _complementarity(names)
     yield from _corners(names, found, met)
     yield from _dissipation(names, found)
@@ -395,15 +346,21 @@ def _potential_equations(names: Names, support: SupportFunction) -> Iterator[Equ
     if support.maximiser is not None:
         attained = columns(names.forces, [part.xreplace(own) for part in support.maximiser])
         free = "; K is unbounded along the directions of (D7), and any multiple of those may be added" if support.domain else ""
-        yield _stated("stress_of_slip", attained, free if names.state is not None else "", names)
+        note = "the stress that attains the supremum: the evolution law (28) solved for sigma, at nonzero slip rate"
+        if names.state is not None:
+            note = f"the forces that attain the supremum: the evolution law (28) solved for them, at nonzero rates{free}"
+        yield Equation("D9", "stress_of_slip", attained, note, POTENTIAL)
     beside = dot(names.forces, names.beside)
     more = "; then what the rates without a multiplier dissipate" if beside != 0 else ""
-    yield _stated("fenchel_equality", equal(names.power, value + beside), more, names)
+    note = _either(names, "D = sigma . d = I_K(sigma) + Phi_C(d)", "D = Y . rates = I_K(Y) + Phi_C(rates)")
+    note += " on the evolution law (Fenchel), and I_K = 0 on K"
+    yield Equation("D9'", "fenchel_equality", equal(names.power, value + beside), note + more, POTENTIAL)
     gauge = sp.Function("gamma_K")(*names.forces)
-    yield _stated("gauge", equal(gauge, support.gauge))
+    yield Equation("D10", "gauge", equal(gauge, support.gauge), "gauge of K about its centre: K = {gamma_K <= 1}", POTENTIAL)
     back = biconjugate(names.law, support)
     if back is not None and back.agrees:
-        yield _stated("biconjugate", equal(gauge, back.gauge), back.how)
+        note = f"polar of the polar, read afresh from (D8), so that Phi** = Phi: {back.how}"
+        yield Equation("D11", "biconjugate", equal(gauge, back.gauge), note, POTENTIAL)
     frozen = names.law.pressure and names.law.symbols()[names.law.pressure]
     if frozen and not support.domain and support.radius.subs(frozen, 0) == 0:
         note = f"at {frozen} = 0 K is this one point, and the normal cone is the whole space"
@@ -413,7 +370,9 @@ def _potential_equations(names: Names, support: SupportFunction) -> Iterator[Equ
 def _increment_equations(names: Names, found: Pieces | None) -> Iterator[Equation]:
     """The closest-point step in the metric of k^-1 with its optimality conditions; every line from the Lagrangian."""
     law, forces = names.law, names.forces
-    yield _stated("trial_stress", columns(names.trial, names.stiffness * sp.Matrix(list(map(sub, names.total, names.inelastic)))))
+    unslipped = columns(names.trial, names.stiffness * sp.Matrix(list(map(sub, names.total, names.inelastic))))
+    note = "stress if nothing slipped over the step: u at its end, u_in at its beginning"
+    yield Equation("D13", "trial_stress", unslipped, note, STEP)
     compliance, gap = names.stiffness.inv(), sp.Matrix(list(map(sub, names.trial, forces)))
     slip = compliance * gap
     if not law.associated and law.flow is None:
@@ -423,15 +382,18 @@ def _increment_equations(names: Names, found: Pieces | None) -> Iterator[Equatio
         yield Equation("D14", "step_stress", columns(forces, moved), "own flow: a fixed point, not a projection", STEP)
     else:
         distance = (gap.T * compliance * gap)[0] / 2
-        yield _stated("step_objective", equal(sp.Function("J")(*forces), distance))
+        note = "the stress minimises J over K: the closest point to the trial stress in the metric of k^-1"
+        yield Equation("D14", "step_objective", equal(sp.Function("J")(*forces), distance), note, STEP)
         if found is not None:
             slopes = [
                 found.joined([sp.factor_terms(distance.diff(f)) + (names.step * value).diff(f) for value in found.values]) for f in forces
             ]
-            yield _stated("step_stationarity", columns(slopes, [sp.S.Zero] * len(forces)))
+            note = "gradient of the Lagrangian J + Delta_lambda g: k^-1 (sigma_trial - sigma) = Delta_lambda dg/dsigma"
+            yield Equation("D15", "step_stationarity", columns(slopes, [sp.S.Zero] * len(forces)), note, STEP)
     if law.associated or law.flow is not None:
-        yield _stated("step_complementarity", _complementary([law.g], [names.step]))
-    yield _stated("step_slip", columns(names.slip_step, slip))
+        both = _complementary([law.g], [names.step])
+        yield Equation("D16", "step_complementarity", both, "the step slips only if it ends on the boundary", STEP)
+    yield Equation("D17", "step_slip", columns(names.slip_step, slip), "slip over the step: the trial stress in excess, released", STEP)
     yield _energy_identity(names)
 
 
@@ -444,7 +406,8 @@ def _energy_identity(names: Names) -> Equation:
     stress = dict(zip(names.forces, names.stiffness * sp.Matrix(list(ends)), strict=True))
     if sp.expand((work - slipped).xreplace(stress) - stored - lost) != 0:
         raise ArithmeticError("the discrete energy identity does not hold")
-    return _stated("step_energy", equal(work, sp.Symbol("Delta_psi_C", real=True) + slipped + lost))
+    note = "work = change of stored energy + dissipation + a numerical part that is never negative, for every step size"
+    return Equation("D18", "step_energy", equal(work, sp.Symbol("Delta_psi_C", real=True) + slipped + lost), note, STEP)
 
 
 @dataclass(frozen=True)

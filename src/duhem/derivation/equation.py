@@ -11,7 +11,7 @@ from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 
 from duhem.derivation.support_function import compression, rate_symbols
-from duhem.errors import InputError
+from duhem.errors import InputError, faults_at
 from duhem.expression import symbol
 from duhem.expression.abbreviations import Stress
 from duhem.expression.number import exact_number
@@ -270,10 +270,8 @@ class Equation(Verbatim, Shown):
 
 
 def _number(name: str, value: Any) -> sp.Rational:
-    try:
+    with faults_at(name):
         return exact_number(value)
-    except InputError as fault:
-        raise InputError(fault.what, where=name, remedy=fault.remedy) from None
 
 
 @dataclass(frozen=True, repr=False)

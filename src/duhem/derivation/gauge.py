@@ -9,9 +9,9 @@ Reference throughout: R. T. Rockafellar, Convex Analysis, Princeton 1970.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import combinations, pairwise
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
 
 import sympy as sp
 
@@ -48,34 +48,45 @@ class Gauge(ABC):
         """The theorems that give the polar, in the order of their use."""
 
 
+Coordinates = Mapping[Exprs, sp.Expr]  # of each row: what stands for it in x, or in d
+
+
 @dataclass(frozen=True)
 class Side:
-    """One coordinate: up * pos(y) + down * neg(y), up and down > 0; its unit ball is [-1/down, 1/up]."""
+    """One coordinate y = row . x - offset: up * pos(y) + down * neg(y), up and down > 0; its unit ball is [-1/down, 1/up]."""
 
     up: sp.Expr
     down: sp.Expr
-
-    size = 1
+    row: Exprs
+    offset: sp.Expr
 
     @property
     def symmetric(self) -> bool:
         return self.up == self.down
 
-    def value(self, y: Sequence[sp.Expr]) -> sp.Expr:
-        return _two_sided(y[0], self.up, self.down)
+    @property
+    def sides(self) -> tuple[Side, ...]:
+        return (self,)
 
-    def polar(self, c: Sequence[sp.Expr]) -> sp.Expr:
-        return _two_sided(c[0], 1 / self.up, 1 / self.down)
+    def scaled(self, factor: sp.Expr) -> Side:
+        return replace(self, up=self.up * factor, down=self.down * factor)
 
-    def maximiser(self, c: Sequence[sp.Expr]) -> Exprs:
-        return (Where(c[0] >= 0, 1 / self.up, -1 / self.down),)
+    def value(self, y: Coordinates) -> sp.Expr:
+        return _two_sided(y[self.row], self.up, self.down)
 
-    def weighted_maximiser(self, c: Sequence[sp.Expr], q: sp.Expr) -> Exprs:
+    def polar(self, c: Coordinates) -> sp.Expr:
+        return _two_sided(c[self.row], 1 / self.up, 1 / self.down)
+
+    def maximiser(self, c: Coordinates) -> Exprs:
+        return (Where(c[self.row] >= 0, 1 / self.up, -1 / self.down),)
+
+    def weighted_maximiser(self, c: Coordinates, q: sp.Expr) -> Exprs:
         """polar**(q - 1) times the maximiser, without the sign of c."""
+        along = c[self.row]
         if self.symmetric and q == 2:
-            return (c[0] / self.up**2,)
+            return (along / self.up**2,)
         less = sp.cancel(q - 1)
-        return (Pos(c[0]) ** less / self.up**q - Neg(c[0]) ** less / self.down**q,)
+        return (Pos(along) ** less / self.up**q - Neg(along) ** less / self.down**q,)
 
     @property
     def steps(self) -> tuple[str, ...]:
@@ -90,8 +101,13 @@ class Holder:
     parts: tuple[Side | Holder, ...]
 
     @property
-    def size(self) -> int:
-        return sum(part.size for part in self.parts)
+    def sides(self) -> tuple[Side, ...]:
+        """Its coordinates, in order."""
+        return tuple(side for part in self.parts for side in part.sides)
+
+    def scaled(self, factor: sp.Expr) -> Holder:
+        """``factor`` times the gauge."""
+        return Holder(self.p, tuple(part.scaled(factor) for part in self.parts))
 
     @property
     def q(self) -> sp.Expr:
@@ -100,35 +116,26 @@ class Holder:
             return sp.oo
         return sp.S.One if self.p is sp.oo else sp.cancel(self.p / (self.p - 1))
 
-    def _split(self, y: Sequence[sp.Expr]) -> list[Sequence[sp.Expr]]:
-        cut = [0]
-        for part in self.parts:
-            cut.append(cut[-1] + part.size)
-        return [y[i:j] for i, j in pairwise(cut)]
+    def value(self, y: Coordinates) -> sp.Expr:
+        return _power_norm(self.p, [_unsigned(part, part.value(y), y, self.p, False) for part in self.parts])
 
-    def value(self, y: Sequence[sp.Expr]) -> sp.Expr:
-        blocks = zip(self.parts, self._split(y), strict=True)
-        return _power_norm(self.p, [_unsigned(part, part.value(z), z, self.p, False) for part, z in blocks])
+    def polar(self, c: Coordinates) -> sp.Expr:
+        return _power_norm(self.q, [_unsigned(part, part.polar(c), c, self.q, True) for part in self.parts])
 
-    def polar(self, c: Sequence[sp.Expr]) -> sp.Expr:
-        blocks = zip(self.parts, self._split(c), strict=True)
-        return _power_norm(self.q, [_unsigned(part, part.polar(z), z, self.q, True) for part, z in blocks])
-
-    def maximiser(self, c: Sequence[sp.Expr]) -> Exprs:
-        blocks, q = self._split(c), self.q
+    def maximiser(self, c: Coordinates) -> Exprs:
+        q, points = self.q, [part.maximiser(c) for part in self.parts]
         if q == 1:
-            return tuple(y for part, z in zip(self.parts, blocks, strict=True) for y in part.maximiser(z))
-        sizes = [part.polar(z) for part, z in zip(self.parts, blocks, strict=True)]
+            return tuple(y for point in points for y in point)
+        sizes = [part.polar(c) for part in self.parts]
         if q is sp.oo:
             marks = [[sp.S.One if i == j else sp.S.Zero for j in range(len(sizes))] for i in range(len(sizes))]
             most = greatest(*sizes)
-            chosen = [_at_greatest(most, sizes, mark) for mark in marks]
-            return tuple(w * y for w, part, z in zip(chosen, self.parts, blocks, strict=True) for y in part.maximiser(z))
+            return tuple(_at_greatest(most, sizes, mark) * y for mark, point in zip(marks, points, strict=True) for y in point)
         total = self.polar(c) if q == 2 else sp.Add(*[s**q for s in sizes]) ** sp.cancel((q - 1) / q)
         found: list[sp.Expr] = []
-        for size, part, z in zip(sizes, self.parts, blocks, strict=True):
+        for size, part, point in zip(sizes, self.parts, points, strict=True):
             raised = size ** sp.cancel(q - 1)
-            weighted = part.weighted_maximiser(z, q) if isinstance(part, Side) else tuple(raised * y for y in part.maximiser(z))
+            weighted = part.weighted_maximiser(c, q) if isinstance(part, Side) else tuple(raised * y for y in point)
             found += [y / total for y in weighted]
         return tuple(found)
 
@@ -150,16 +157,23 @@ class Holder:
 
 @dataclass(frozen=True)
 class Separable(Gauge):
-    """tree(rows x) with linearly independent rows; a direction all rows ignore leaves the gauge unchanged."""
+    """A tree of coordinates with linearly independent rows, without their offsets; a direction all rows ignore leaves it unchanged."""
 
     tree: Side | Holder
-    rows: sp.ImmutableMatrix
+
+    @property
+    def rows(self) -> sp.ImmutableMatrix:
+        """Of its coordinates."""
+        return sp.ImmutableMatrix([list(side.row) for side in self.tree.sides])
+
+    def _named(self, entries: sp.Matrix) -> Coordinates:
+        return dict(zip((side.row for side in self.tree.sides), entries, strict=True))
 
     def value(self, x: Sequence[sp.Expr]) -> sp.Expr:
-        return self.tree.value(list(self.rows * sp.Matrix(list(x))))
+        return self.tree.value(self._named(self.rows * sp.Matrix(list(x))))
 
-    def _coordinates(self, d: Sequence[sp.Expr]) -> list[sp.Expr]:
-        return list(_right_inverse(self.rows).T * sp.Matrix(list(d)))
+    def _coordinates(self, d: Sequence[sp.Expr]) -> Coordinates:
+        return self._named(_right_inverse(self.rows).T * sp.Matrix(list(d)))
 
     def polar(self, d: Sequence[sp.Expr]) -> sp.Expr:
         return self.tree.polar(self._coordinates(d))
@@ -287,10 +301,10 @@ def _two_sided(y: sp.Expr, up: sp.Expr, down: sp.Expr) -> sp.Expr:
     return up * sp.Abs(y) if up == down else up * Pos(y) + down * Neg(y)
 
 
-def _unsigned(part: Side | Holder, size: sp.Expr, y: Sequence[sp.Expr], p: sp.Expr, polar: bool) -> sp.Expr:
+def _unsigned(part: Side | Holder, size: sp.Expr, y: Coordinates, p: sp.Expr, polar: bool) -> sp.Expr:
     """``size``, or where the norm does not see the sign the shorter signed form."""
     if isinstance(part, Side) and part.symmetric and p == 2:
-        return y[0] / part.up if polar else y[0] * part.up
+        return y[part.row] / part.up if polar else y[part.row] * part.up
     return size
 
 

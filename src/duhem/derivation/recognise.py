@@ -67,23 +67,6 @@ class UnreadError(Exception):
 
 
 @dataclass(frozen=True)
-class Leaf:
-    """The gauge ``side`` of row . x - offset."""
-
-    side: Side
-    row: Row
-    offset: sp.Expr
-
-
-@dataclass(frozen=True)
-class Node:
-    """The p-norm of its parts."""
-
-    p: sp.Expr
-    parts: tuple[Leaf | Node, ...]
-
-
-@dataclass(frozen=True)
 class Form:
     """sqrt((x - centre) . matrix (x - centre)) for a form that is not diagonal."""
 
@@ -98,14 +81,7 @@ class Facets:
     arms: tuple[tuple[Row, sp.Expr], ...]
 
 
-Tree = Leaf | Node | Form | Facets
-
-
-def scaled(tree: Leaf | Node, factor: sp.Expr) -> Leaf | Node:
-    """``factor`` times the gauge."""
-    if isinstance(tree, Node):
-        return Node(tree.p, tuple(scaled(part, factor) for part in tree.parts))
-    return Leaf(Side(tree.side.up * factor, tree.side.down * factor), tree.row, tree.offset)
+Tree = Side | Holder | Form | Facets
 
 
 def independent(rows: sp.Matrix) -> bool:
@@ -119,22 +95,22 @@ def assemble(tree: Tree, radius: sp.Expr) -> tuple[Gauge, Row, sp.Expr, sp.Expr]
         return Quadratic(tree.matrix), tree.centre, radius, sp.S.One
     if isinstance(tree, Facets):
         return _polytope([(row, limit * radius) for row, limit in tree.arms])
-    leaves = list(_leaves(tree))
+    leaves = tree.sides
     rows = sp.ImmutableMatrix([list(leaf.row) for leaf in leaves])
     if independent(rows):
         offsets = sp.Matrix([leaf.offset for leaf in leaves])
         gram = rows * rows.T
         centre = (rows.T * gram.inv() * offsets).applyfunc(sp.cancel) if any(offsets) else sp.zeros(rows.cols, 1)
-        return Separable(_tree_of(tree), rows), tuple(centre), radius, sp.factor(gram.det())
-    if not isinstance(tree, Node) or not all(isinstance(p, Leaf) and p.side.symmetric and p.offset == 0 for p in tree.parts):
+        return Separable(tree), tuple(centre), radius, sp.factor(gram.det())
+    if not isinstance(tree, Holder) or not all(isinstance(p, Side) and p.symmetric and p.offset == 0 for p in tree.parts):
         raise UnreadError
     if tree.p == 2:
-        weights = sp.diag(*[leaf.side.up**2 for leaf in leaves])
+        weights = sp.diag(*[leaf.up**2 for leaf in leaves])
         matrix = sp.ImmutableMatrix(rows.T * weights * rows).applyfunc(sp.cancel)
         kept = list(matrix.rref(simplify=True)[1])  # its rank at general values; at special ones it may be less
         return Quadratic(matrix), (sp.S.Zero,) * rows.cols, radius, sp.factor(matrix[kept, kept].det())
     if tree.p is sp.oo:
-        return _polytope([(tuple(sign * c for c in leaf.row), radius / leaf.side.up) for leaf in leaves for sign in (1, -1)])
+        return _polytope([(tuple(sign * c for c in leaf.row), radius / leaf.up) for leaf in leaves for sign in (1, -1)])
     if tree.p == 1:
         return _polytope([(row, radius) for row in _signed_sums(leaves)])
     raise UnreadError
@@ -152,21 +128,9 @@ def _polytope(arms: Sequence[tuple[Row, sp.Expr]]) -> tuple[Gauge, Row, sp.Expr,
     return ball, (sp.S.Zero,) * rows.cols, radius, sp.S.One
 
 
-def _leaves(tree: Leaf | Node) -> Iterator[Leaf]:
-    if isinstance(tree, Leaf):
-        yield tree
-    else:
-        for part in tree.parts:
-            yield from _leaves(part)
-
-
-def _tree_of(tree: Leaf | Node) -> Side | Holder:
-    return tree.side if isinstance(tree, Leaf) else Holder(tree.p, tuple(_tree_of(part) for part in tree.parts))
-
-
-def _signed_sums(leaves: Sequence[Leaf]) -> Iterator[Row]:
+def _signed_sums(leaves: Sequence[Side]) -> Iterator[Row]:
     """A sum of absolute values is the greatest of these."""
-    rows = [[leaf.side.up * c for c in leaf.row] for leaf in leaves]
+    rows = [[leaf.up * c for c in leaf.row] for leaf in leaves]
     for signs in product((1, -1), repeat=len(rows)):
         row = tuple(sp.Add(*[s * v for s, v in zip(signs, column, strict=True)]) for column in zip(*rows, strict=True))
         if any(row):
@@ -287,7 +251,7 @@ class _BallReader:
         if len(trees) < len(balls):
             raise UnreadError
         parts = tuple(self._block(self._multiplied(tree, 1 / self._positive(radius))) for tree, radius in balls)
-        return Node(sp.oo, parts), sp.S.One
+        return Holder(sp.oo, parts), sp.S.One
 
     def _paired(self, arms: list[tuple[sp.Expr, sp.Expr]]) -> list[tuple[sp.Expr, sp.Expr]]:
         """Opposite linear arms with the same bound joined again into an absolute value."""
@@ -319,8 +283,8 @@ class _BallReader:
             return Facets(tuple(facets)), sp.S.One
         limits = [(row, sp.Min(*side[1]), sp.Min(*side[-1])) for row, side in sides.items()]
         radius = limits[0][1] if len({limit for _, *both in limits for limit in both}) == 1 else sp.S.One
-        leaves = tuple(Leaf(Side(radius / high, radius / low), row, sp.S.Zero) for row, high, low in limits)
-        return (leaves[0] if len(leaves) == 1 else Node(sp.oo, leaves)), radius
+        leaves = tuple(Side(radius / high, radius / low, row, sp.S.Zero) for row, high, low in limits)
+        return (leaves[0] if len(leaves) == 1 else Holder(sp.oo, leaves)), radius
 
     # -- one expression as a power of a gauge -------------------------------------------------------------------
 
@@ -336,12 +300,12 @@ class _BallReader:
                 return self._leaf(a.args[0]), sp.S.One, sp.S.Zero
             return self._one_sided(a)
         if isinstance(a, Norm):
-            return Node(sp.Integer(2), tuple(self._member(x) for x in a.args)), sp.S.One, sp.S.Zero
+            return Holder(sp.Integer(2), tuple(self._member(x) for x in a.args)), sp.S.One, sp.S.Zero
         if isinstance(a, sp.Max):
             try:
                 return self._one_sided(a)
             except UnreadError:
-                return Node(sp.oo, tuple(self._member(x) for x in a.args)), sp.S.One, sp.S.Zero
+                return Holder(sp.oo, tuple(self._member(x) for x in a.args)), sp.S.One, sp.S.Zero
         if self._is_polynomial(a) and sp.Poly(a, *self.forces).total_degree() == 2:
             return self._quadratic(a)
         if isinstance(a, sp.Pow) and not a.exp.has(*self.forces):
@@ -358,15 +322,15 @@ class _BallReader:
             return self._sum(a)
         raise UnreadError
 
-    def _member(self, x: sp.Expr) -> Leaf | Node:
+    def _member(self, x: sp.Expr) -> Side | Holder:
         """An argument of a norm: what counts is its absolute value."""
         tree, p, offset = self.power(x if x.is_nonnegative else sp.Abs(x))
         if p != 1 or offset != 0:
             raise UnreadError
         return self._block(tree)
 
-    def _block(self, tree: Tree) -> Leaf | Node:
-        if not isinstance(tree, Leaf | Node):
+    def _block(self, tree: Tree) -> Side | Holder:
+        if not isinstance(tree, Side | Holder):
             raise UnreadError
         return tree
 
@@ -387,8 +351,8 @@ class _BallReader:
         if p != 1:
             self._positive(p - 1)
         blocks = [self._block(tree) for tree, _, _ in read]
-        parts = [part for block in blocks for part in (block.parts if isinstance(block, Node) and block.p == p else (block,))]
-        return Node(p, tuple(parts)), p, sp.Add(*[offset for _, _, offset in read])
+        parts = [part for block in blocks for part in (block.parts if isinstance(block, Holder) and block.p == p else (block,))]
+        return Holder(p, tuple(parts)), p, sp.Add(*[offset for _, _, offset in read])
 
     def _one_sided(self, a: sp.Expr) -> tuple[Tree, sp.Expr, sp.Expr]:
         """One kink, linear or a power on both sides of it: a one-dimensional gauge, from the one-sided branches."""
@@ -416,22 +380,23 @@ class _BallReader:
         (up, p, offset), (down, p_below, offset_below) = sides[1], sides[-1]
         if sp.cancel(p - p_below) != 0 or sp.cancel(offset - offset_below) != 0:
             raise UnreadError
-        side = Side(*(self._root(self._positive(w), p) for w in (up, down)))
-        return self._normalised(Leaf(side, row, -constant)), p, offset
+        up, down = (self._root(self._positive(w), p) for w in (up, down))
+        return self._normalised(Side(up, down, row, -constant)), p, offset
 
-    def _leaf(self, form: sp.Expr) -> Leaf:
+    def _leaf(self, form: sp.Expr) -> Side:
         row, constant = self._affine(form)
-        return self._normalised(Leaf(Side(sp.S.One, sp.S.One), row, -constant))
+        return self._normalised(Side(sp.S.One, sp.S.One, row, -constant))
 
-    def _normalised(self, leaf: Leaf) -> Leaf:
+    def _normalised(self, leaf: Side) -> Side:
         """The leading coefficient of the row moved into the weights where its sign is known."""
         lead = next(c for c in leaf.row if c != 0)
         if lead == 1 or not (lead.is_positive or lead.is_negative):
             return leaf
         size = abs(lead)
-        up, down = (leaf.side.up, leaf.side.down) if lead.is_positive else (leaf.side.down, leaf.side.up)
-        side = Side(sp.cancel(up * size), sp.cancel(down * size)) if not leaf.side.symmetric else Side(*[sp.cancel(up * size)] * 2)
-        return Leaf(side, tuple(sp.cancel(c / lead) for c in leaf.row), sp.cancel(leaf.offset / lead))
+        up, down = (leaf.up, leaf.down) if lead.is_positive else (leaf.down, leaf.up)
+        return Side(
+            sp.cancel(up * size), sp.cancel(down * size), tuple(sp.cancel(c / lead) for c in leaf.row), sp.cancel(leaf.offset / lead)
+        )
 
     def _quadratic(self, a: sp.Expr) -> tuple[Tree, sp.Expr, sp.Expr]:
         """The square completed: x . A x + b . x + c = (x - x0) . A (x - x0) + c - x0 . A x0."""
@@ -448,9 +413,9 @@ class _BallReader:
             for i in seen:
                 weight = self._root(self._positive(matrix[i, i]), sp.Integer(2))
                 row = tuple(sp.S.One if j == i else sp.S.Zero for j in range(n))
-                leaves.append(Leaf(Side(weight, weight), row, -slope[i] / (2 * matrix[i, i])))
+                leaves.append(Side(weight, weight, row, -slope[i] / (2 * matrix[i, i])))
             constant -= sp.Add(*[slope[i] ** 2 / (4 * matrix[i, i]) for i in seen])
-            return (leaves[0] if len(leaves) == 1 else Node(sp.Integer(2), tuple(leaves))), sp.Integer(2), constant
+            return (leaves[0] if len(leaves) == 1 else Holder(sp.Integer(2), tuple(leaves))), sp.Integer(2), constant
         whole = self._semidefinite(matrix)
         if not any(slope):
             centre = sp.zeros(n, 1)
@@ -478,7 +443,7 @@ class _BallReader:
     def _multiplied(self, tree: Tree, factor: sp.Expr) -> Tree:
         if isinstance(tree, Form):
             return Form(tree.matrix * factor**2, tree.centre)
-        return scaled(self._block(tree), factor)
+        return self._block(tree).scaled(factor)
 
     def _present(self, a: sp.Expr) -> set[sp.Symbol]:
         return a.free_symbols & set(self.forces)

@@ -146,11 +146,14 @@ def summary(name: str) -> str:
     return f"from {point.dist.name}" if point and point.dist else ""
 
 
-def template(name: str) -> str:
-    """A criterion file to start from, with every key explained; it loads and verifies as it stands."""
+def template(name: str, kind: str = "law", of: str = __file__) -> str:
+    """The file to start from that stands beside a module, of a law with every key explained: it loads and verifies as it stands.
+
+    InputError for what cannot name a ``kind``.
+    """
     if not re.fullmatch(r"[A-Za-z0-9][\w.-]{0,60}", name):
-        raise InputError(f"{name[:60]!r} cannot name a law", remedy="use letters, digits, hyphens and underscores")
-    return Path(__file__).with_name("template.toml").read_text("utf-8").replace("NAME", name)
+        raise InputError(f"{name[:60]!r} cannot name a {kind}", remedy="use letters, digits, hyphens and underscores")
+    return Path(of).with_name("template.toml").read_text("utf-8").replace("NAME", name)
 
 
 def _built_in() -> Mapping[str, str]:

@@ -400,25 +400,19 @@ class _CriterionReader(SectionReader):
         found: dict[str, Domain] = {}
         for key, entry in self.table("domain", required=False).items():
             name = spelled(key)
-            if not isinstance(entry, dict):
-                raise self.error(f"the range of {name} is not a table", "domain", key, remedy=f"write {name} = {{ min = -100 }}")
-            self.keys("domain", entry, ("min", "max"), inside=key)
             if name in found:
                 raise self.error(f"{name!r} has two ranges, in two spellings", "domain", key, remedy="give it one")
-            try:
-                found[name] = Domain.between(entry.get("min"), entry.get("max"))
-            except InputError as fault:
-                raise self.error(f"{name}: {fault.what}", "domain", key, remedy=fault.remedy) from None
+            found[name] = self.domain(key, entry, "domain", ("min", "max"))
             if wrong := range_fault(name, found[name], forces, pressure):
                 raise self.error(wrong[0], "domain", key, remedy=wrong[1])
         return found
 
-    def domain(self, name: str, entry: Any, section: str = "parameters") -> Domain:
+    def domain(self, name: str, entry: Any, section: str = "parameters", allowed: Sequence[str] = _PARAMETER) -> Domain:
         if not isinstance(entry, dict):
-            number = isinstance(entry, (int, Decimal)) and not isinstance(entry, bool)
-            remedy = f"write {name} = {{ value = {entry} }}" if number else f"write {name} = {{ positive = true }}"
-            raise self.error(f"the domain of {name} is not a table", section, name, remedy=remedy)
-        self.keys(section, entry, _PARAMETER, inside=name)
+            number = isinstance(entry, (int, Decimal)) and not isinstance(entry, bool) and "value" in allowed
+            meant = f"value = {entry}" if number else "positive = true" if "positive" in allowed else "min = -100"
+            raise self.error(f"the domain of {name} is not a table", section, name, remedy=f"write {name} = {{ {meant} }}")
+        self.keys(section, entry, allowed, inside=name)
         if ("value" in entry and len(entry) > 1) or ("positive" in entry and "min" in entry):
             mixed = " and ".join(entry)
             remedy = "use positive = true, or min and max, or value, or {} for every real number"
@@ -447,11 +441,15 @@ class _CriterionReader(SectionReader):
 
     def rate_potential(self, forces: Sequence[sp.Symbol], read: Reading) -> YieldSurface:
         """The potential of [dissipation], whose gradient by the forces the rates are."""
-        potential, written = read("dissipation", "potential")
-        if not potential.free_symbols & set(forces):
-            remedy = f"use at least one of {', '.join(map(str, forces))}"
-            raise self.error("the potential does not depend on any force", "dissipation", "potential", remedy=remedy)
+        potential, written = self.of_forces("the potential", "dissipation", "potential", forces=forces, read=read)
         return YieldSurface(potential, written=written)
+
+    def of_forces(self, what: str, *path: Key, forces: Sequence[sp.Symbol], read: Reading) -> tuple[sp.Expr, str]:
+        """The formula at a place, which depends on a force, and its text."""
+        formula, written = read(*path)
+        if not formula.free_symbols & set(forces):
+            raise self.error(f"{what} does not depend on any force", *path, remedy=f"use at least one of {', '.join(map(str, forces))}")
+        return formula, written
 
     def whole(self, forces: Sequence[sp.Symbol], read: Reading, slots: Slots) -> YieldSurface:
         """The one surface of a law without [[surface]]: g and potential in [criterion], or [flow]."""
@@ -479,10 +477,7 @@ class _CriterionReader(SectionReader):
         self, section: tuple[Key, ...], flow: tuple[Key, ...], flow_name: str, forces: Sequence[sp.Symbol], read: Reading, slots: Slots
     ) -> YieldSurface:
         """The g and potential of a section with the flow at a place, if it has one."""
-        g, written = read(*section, "g")
-        if not g.free_symbols & set(forces):
-            remedy = f"use at least one of {', '.join(map(str, forces))}"
-            raise self.error("g does not depend on any force", *section, "g", remedy=remedy)
+        g, written = self.of_forces("g", *section, "g", forces=forces, read=read)
         if "potential" in self.value(*section):
             at = (*section, "potential")
             if flow:

@@ -49,10 +49,6 @@ class Variables(FrozenMapping[str, Variable]):
 
     __slots__ = ()
 
-    def mechanical(self) -> tuple[str, ...]:
-        """All but the temperature."""
-        return tuple(name for name, own in self.items() if not own.temperature)
-
     def temperature(self) -> str | None:
         """The name of the temperature, if there is one."""
         return next((name for name, own in self.items() if own.temperature), None)

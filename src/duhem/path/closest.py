@@ -30,7 +30,6 @@ __all__ = [
     "ClosestPoints",
     "ShapeNumbers",
     "closest_by",
-    "closest_points",
     "outside",
     "shape_by",
     "shape_name",
@@ -136,13 +135,8 @@ def shape_by(block: Share, method: str) -> ShapeNumbers | None:
     return shape_numbers(block) if method in ("auto", "closed-form") else None
 
 
-def closest_points(block: Share, method: str, compiled: bool = False) -> tuple[Closest, str]:
-    """The closest points of a block's rows, and the name of the method."""
-    return closest_by(block, method, shape_by(block, method), compiled)
-
-
 def closest_by(block: Share, method: str, shape: ShapeNumbers | None, compiled: bool = False) -> tuple[Closest, str]:
-    """The same where it is known by which shape."""
+    """The closest points of a block's rows by its shape (:func:`shape_by`), and the name of the method."""
     if shape is None:
         return _by_projection(block, method, compiled)
     law = block.members[0].law
@@ -174,7 +168,7 @@ def vouched(at: Closest) -> Closest:
 
 def outside(block: Share, method: str, stress: Array, knot: Knot, which: Which) -> NDArray[np.bool_]:
     """Which of the stresses (n, d) of a block's rows lie outside K by more than rounding."""
-    found = closest_points(block, method)[0](stress, knot, which).stress
+    found = closest_by(block, method, shape_by(block, method))[0](stress, knot, which).stress
     size = np.maximum(np.abs(stress).max(axis=1), np.abs(found).max(axis=1))
     return np.asarray(~(np.abs(found - stress).max(axis=1) <= _TOLERANCE * size))
 

@@ -24,7 +24,7 @@ from duhem.law.shapes import Interval
 from duhem.path import step_formulas
 from duhem.path.closest import LOST, ClosestPoints, ShapeNumbers, shape_by
 from duhem.path.history import SUMS, Histories
-from duhem.path.integrators import steps, stretch
+from duhem.path.integrators import STEPS, stretch
 from duhem.path.ledger import Ledger, States
 from duhem.path.loading import Paths, Which
 from duhem.path.run import Plan, Share, columns
@@ -384,7 +384,7 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """One path by the loop that is made for its law."""
     if isinstance(made := _loop(plan.increment, plan.projection), str):
         raise _missing(made)
-    both, paths, one = steps("implicit", plan), Share.alone(plan).paths, np.zeros(1, dtype=np.intp)
+    both, paths, one = STEPS["implicit"].steps(plan), Share.alone(plan).paths, np.zeros(1, dtype=np.intp)
     values, m = plan.path.values, len(plan.path.values)
     anchor, ahead = ledger.anchor, _STEPS
     while ledger.done < m:

@@ -44,7 +44,8 @@ def elementary(plan: Plan) -> str | None:
         return "the stiffness couples the forces"
     if not plan.path.constant_pressure:
         return "the pressure changes along the path"
-    if plan.path.arc is not None and not _round(plan):
+    k = np.diagonal(plan.stiffness)
+    if plan.path.arc is not None and not (isinstance(plan.increment.law.closed_form, Disk) and k[0] == k[1]):
         return "the path is an arc, and the disk or the stiffness is not isotropic"
     return None
 
@@ -54,11 +55,6 @@ def _affine(load: Array, pressure: Array) -> bool:
     i, j = int(np.argmin(pressure)), int(np.argmax(pressure))
     line = load[i] + (load[j] - load[i]) * (pressure - pressure[i]) / (pressure[j] - pressure[i])
     return bool((np.abs(load - line) <= 1e-14 * np.abs(load).max()).all())
-
-
-def _round(plan: Plan) -> bool:
-    k = np.diagonal(plan.stiffness)
-    return isinstance(plan.increment.law.closed_form, Disk) and bool(k[0] == k[1])
 
 
 def why(plan: Plan) -> str:

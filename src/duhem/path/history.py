@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -14,34 +13,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
 from duhem.path.run import Plan
 from duhem.projection.result import NOT_SHOWN, Array, Status
-from duhem.show.place import AnyPath, parquet_packages, write, written
+from duhem.show.place import AnyPath, parquet_packages, written
 from duhem.show.printing import Shown, draw
 
 __all__ = [
-    "STATES", "SUMS", "Checkpoint", "Due", "H", "Histories", "History", "Interrupted", "LeftDomain", "LeftPrecision", "Recorded", "Tabled",
-    "columns",
+    "STATES", "SUMS", "Checkpoint", "Due", "EndedEarly", "H", "Histories", "History", "Interrupted", "LeftDomain", "LeftPrecision",
+    "Recorded", "Tabled", "columns", "told_of",
 ]  # fmt: skip
 
 SUMS = ("multiplier", "psi", "dissipation", "work", "numerical", "balance")
 STATES = ("displacement", "slip", "stress", "pressure", *SUMS)  # in the order of the tables' columns
 
 
-@dataclass(frozen=True, eq=False)
-class Recorded:
-    """What is written down of a law at the knots of one path or of many: ``displacement``, ``slip`` and ``stress`` (..., d), others (...).
+@dataclass(frozen=True, eq=False, repr=False)
+class Tabled(Shown, ABC):
+    """What is kept of a law at the knots of one path or of many, and its table; ``stress`` (..., o), numbers (...).
 
     ``forces`` and ``pressure_name`` are the law's names; ``method`` and ``why`` say how it was integrated; ``time`` is in s, or
-    counts the steps of a path that is not ``timed``.  The states and their units are those of :class:`History`.
+    counts the steps of a path that is not ``timed``.
     """
 
     law: str
     forces: tuple[str, ...]
     pressure_name: str | None
     time: Array
-    displacement: Array
-    slip: Array
     stress: Array
     pressure: Array
     multiplier: Array
@@ -54,6 +52,48 @@ class Recorded:
     why: str
     timed: bool = field(default=True, kw_only=True)
 
+    printed_by: ClassVar[str] = "duhem.path.picture"
+
+    @abstractmethod
+    def columns(self) -> tuple[str, ...]:
+        """The names of the table's columns, in order."""
+
+    @abstractmethod
+    def to_array(self) -> Array:
+        """The table as one array (m, columns)."""
+
+    def to_dict(self) -> dict[str, Array]:
+        """Columns by name, as ``pandas.DataFrame`` takes them."""
+        return dict(zip(self.columns(), self.to_array().T, strict=True))
+
+    def rows(self) -> Iterator[str]:
+        """The lines of the table below its header, one or some at a time."""
+        return (",".join(map(repr, row)) + "\n" for row in self.to_array().tolist())
+
+    def to_text(self) -> str:
+        """The table as comma-separated text; every number is read back to the last bit."""
+        return "".join([",".join(self.columns()), "\n", *self.rows()])
+
+    def to_csv(self, file: AnyPath, *, above: str = "") -> None:
+        """Write :meth:`to_text`, under a line ``above`` if one is given.  Raises InputError if the file cannot be written."""
+        with written(file) as beside, open(beside, "w", encoding="utf-8", newline="") as stream:
+            stream.write((f"{above}\n" if above else "") + ",".join(self.columns()) + "\n")
+            stream.writelines(self.rows())
+
+    def to_parquet(self, file: AnyPath) -> None:
+        """Write the table as Parquet; MissingExtraError without pyarrow (extra ``parquet``), InputError as :meth:`to_csv`."""
+        pyarrow, parquet = parquet_packages()
+        with written(file) as beside:
+            parquet.write_table(pyarrow.table(self.to_dict()), beside)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Recorded(Tabled):
+    """Of a law whose steps are closest points also ``displacement`` and ``slip`` (..., d), with the units of :class:`History`."""
+
+    displacement: Array
+    slip: Array
+
     def columns(self) -> tuple[str, ...]:
         """The names of the table's columns, in order."""
         return columns(self.forces, self.pressure_name)
@@ -63,43 +103,8 @@ class Recorded:
         return [getattr(self, name) for name in STATES if name != "pressure" or self.pressure_name]
 
 
-class Tabled(Shown, ABC):
-    """A history of one path as a table."""
-
-    law: str
-    time: Array
-    method: str
-    why: str
-
-    @abstractmethod
-    def _table(self) -> tuple[tuple[str, ...], list[Array]]:
-        """The names of the columns, and what stands in them."""
-
-    def to_array(self) -> Array:
-        """The table as one array (m, columns)."""
-        return np.column_stack(self._table()[1])
-
-    def to_dict(self) -> dict[str, Array]:
-        """Columns by name, as ``pandas.DataFrame`` takes them."""
-        return dict(zip(self._table()[0], self.to_array().T, strict=True))
-
-    def to_text(self) -> str:
-        """The table as comma-separated text; every number is read back to the last bit."""
-        return "".join(",".join(row) + "\n" for row in [self._table()[0], *(map(repr, row) for row in self.to_array().tolist())])
-
-    def to_csv(self, file: str | os.PathLike[str], *, above: str = "") -> None:
-        """Write :meth:`to_text`, under a line ``above`` if one is given.  Raises InputError if the file cannot be written."""
-        write(file, (f"{above}\n" if above else "") + self.to_text())
-
-    def to_parquet(self, file: str | os.PathLike[str]) -> None:
-        """Write the table as Parquet; MissingExtraError without pyarrow (extra ``parquet``), InputError as :meth:`to_csv`."""
-        pyarrow, parquet = parquet_packages()
-        with written(file) as beside:
-            parquet.write_table(pyarrow.table(self.to_dict()), beside)
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class History(Recorded, Tabled):
+class History(Recorded):
     """The states of a law at the m knots of a path, knot 0 being the start.
 
     ``displacement`` u, ``slip`` u_in (m, d) in m; ``stress`` sigma (m, d), ``pressure`` sigma_n (m,) in Pa;
@@ -111,8 +116,6 @@ class History(Recorded, Tabled):
     the question that was answered, from which :func:`duhem.path.trajectory.trajectory` finds what lies between the knots.
     """
 
-    printed_by: ClassVar[str] = "duhem.path.picture"
-
     plan: Plan | None = field(default=None)
 
     def __repr__(self) -> str:
@@ -122,8 +125,9 @@ class History(Recorded, Tabled):
     def __len__(self) -> int:
         return len(self.time)
 
-    def _table(self) -> tuple[tuple[str, ...], list[Array]]:
-        return self.columns(), [self.time, *self.tabled()]
+    def to_array(self) -> Array:
+        """The table as one array (m, columns)."""
+        return np.column_stack([self.time, *self.tabled()])
 
     def stationary(self) -> int:
         """How many steps slip to a stationary point, on a K that was asked about and not shown to be convex under their pressure."""
@@ -158,8 +162,8 @@ def columns(forces: tuple[str, ...], pressure: str | None) -> tuple[str, ...]:
 _ROWS = 65_536  # of a table, written together
 
 
-@dataclass(frozen=True, eq=False)
-class Histories(Recorded, Shown):
+@dataclass(frozen=True, eq=False, repr=False)
+class Histories(Recorded):
     """The states of a law at N points and the r kept knots of their paths, the first and the last among them.
 
     ``points`` (N,) and ``knots`` (r,) are the numbers of points and knots, ``time`` (r,).  ``displacement``, ``slip``, ``stress``
@@ -174,8 +178,6 @@ class Histories(Recorded, Shown):
     knots: NDArray[np.intp]
     status: NDArray[np.int8]
     reached: NDArray[np.intp]
-
-    printed_by: ClassVar[str] = "duhem.path.picture"
 
     def __repr__(self) -> str:
         early = f", {self.ended_early()} ended early" if self.ended_early() else ""
@@ -225,11 +227,10 @@ class Histories(Recorded, Shown):
                 lines.write(f"{int(number)},{','.join(map(repr, row))}\n")
             yield lines.getvalue()
 
-    def to_csv(self, file: AnyPath) -> None:
-        """Write the table as comma-separated text, every number to the last bit.  InputError if the file cannot be written."""
-        with written(file) as beside, open(beside, "w", encoding="utf-8", newline="") as stream:
-            stream.write(",".join(self.columns()) + "\n")
-            stream.writelines(self.rows())
+
+def told_of(law: Criterion, **states: Any) -> dict[str, Any]:
+    """What a history says of its law, and its ``states``."""
+    return {"law": law.name, "forces": law.forces, "pressure_name": law.pressure, **states}
 
 
 H = TypeVar("H", bound=Tabled)
@@ -266,25 +267,25 @@ class Interrupted(KeyboardInterrupt):
         super().__init__(f"interrupted after {done}")
 
 
-class LeftPrecision(InputError):
-    """A run whose numbers grew beyond double precision; ``history`` is what was done before."""
+class EndedEarly(InputError):
+    """A run that cannot go on to the end of its path; ``history`` is what was done before."""
+
+    def __init__(self, history: Any, what: str, remedy: str) -> None:
+        self.history = history
+        super().__init__(what, where=f"path, step {len(history)}", remedy=remedy)
+
+
+class LeftPrecision(EndedEarly):
+    """A run whose numbers grew beyond double precision."""
 
     def __init__(self, history: Any, time: float) -> None:
-        self.history = history
-        super().__init__(
-            f"stress, slip or energies overflow or underflow on the way to time {time:g}",
-            where=f"path, step {len(history)}",
-            remedy="use other units, so that the numbers have a moderate size",
-        )
+        what = f"stress, slip or energies overflow or underflow on the way to time {time:g}"
+        super().__init__(history, what, "use other units, so that the numbers have a moderate size")
 
 
-class LeftDomain(InputError):
-    """A run whose stress leaves a range of forces that the law declares; ``history`` is what was done before."""
+class LeftDomain(EndedEarly):
+    """A run whose stress leaves a range of forces that the law declares."""
 
     def __init__(self, history: Any, crossed: str, time: float) -> None:
-        self.history = history
-        super().__init__(
-            f"at time {time:g} {crossed}, where {history.law} is not declared",
-            where=f"path, step {len(history)}",
-            remedy="stay inside the range, or declare a wider one in the law's domain",
-        )
+        what = f"at time {time:g} {crossed}, where {history.law} is not declared"
+        super().__init__(history, what, "stay inside the range, or declare a wider one in the law's domain")

@@ -16,13 +16,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
 from types import MappingProxyType
+from typing import ClassVar
 
 import numpy as np
 
 from duhem.path import exact
-from duhem.path.closest import Closest, closest_by, closest_points, shape_by, vouched
+from duhem.path.closest import Closest, closest_by, shape_by, vouched
 from duhem.path.exact import Piece
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Knot, Which
@@ -30,7 +30,7 @@ from duhem.path.rows import ManyRows, OneRow, RowsFound, Step, Stepped, Vector, 
 from duhem.path.run import Plan, Share
 from duhem.projection.in_blocks import FEW
 
-__all__ = ["INTEGRATORS", "STEPS", "Integrator", "Stepping", "steps", "stretch"]
+__all__ = ["INTEGRATORS", "STEPS", "Integrator", "Stepping", "stretch"]
 
 Rows = ManyRows | OneRow
 _MOST_AHEAD = 4096
@@ -101,9 +101,35 @@ class Stepping:
     step: Callable[[Rows], Step]
     said: str = ""
 
+    piece: ClassVar[None] = None  # the knots are all that is known
+
     def by_arrays(self, block: Share, at: Closest) -> Step:
         """The step of a block's points, by arrays."""
         return by_arrays(self.step(ManyRows(block, at)))
+
+    def why(self, plan: Plan) -> str:
+        """How the closest point is found."""
+        block = Share.alone(plan)
+        return f"{closest_by(block, plan.projection, shape_by(block, plan.projection))[1]}{self.said}"
+
+    def steps(self, plan: Plan) -> tuple[Step, Step | None]:
+        """The step of one path, of several rows and of one; None for this where arrays do it."""
+        block = Share.alone(plan, self.halves)
+        shape = shape_by(block, plan.projection)
+        at, _ = closest_by(block, plan.projection, shape)
+        point = closest_point(block, plan.projection, shape, at)
+        return self.by_arrays(block, vouched(at)), None if point is None else self.step(OneRow(block, point))
+
+    def advance(self, plan: Plan, ledger: Ledger) -> Iterator[int]:
+        """Fill the ledger row by row; yields the number of rows done.  Stretches without slip are taken in blocks."""
+        made = self.steps(plan)
+        anchor, ahead = ledger.anchor, 1
+        while ledger.done < len(plan.path.values):
+            if stretch(plan, ledger, made, anchor, ahead):
+                anchor, ahead = ledger.done - 1, 1
+            else:
+                ahead = min(2 * ahead, _MOST_AHEAD)
+            yield ledger.done
 
 
 STEPS: Mapping[str, Stepping] = MappingProxyType(
@@ -112,36 +138,6 @@ STEPS: Mapping[str, Stepping] = MappingProxyType(
         "extrapolated": Stepping(2, extrapolated, ", extrapolated from whole and half steps"),
     }
 )
-
-
-# -- along one path ------------------------------------------------------------------------------------------------------
-
-
-def _why(method: str, plan: Plan) -> str:
-    """How the closest point is found."""
-    return f"{closest_points(Share.alone(plan), plan.projection)[1]}{STEPS[method].said}"
-
-
-def _advance(method: str, plan: Plan, ledger: Ledger) -> Iterator[int]:
-    """Fill the ledger row by row; yields the number of rows done.  Stretches without slip are taken in blocks."""
-    made = steps(method, plan)
-    anchor, ahead = ledger.anchor, 1
-    while ledger.done < len(plan.path.values):
-        if stretch(plan, ledger, made, anchor, ahead):
-            anchor, ahead = ledger.done - 1, 1
-        else:
-            ahead = min(2 * ahead, _MOST_AHEAD)
-        yield ledger.done
-
-
-def steps(method: str, plan: Plan) -> tuple[Step, Step | None]:
-    """The step of one path, of several rows and of one; None for this where arrays do it."""
-    way = STEPS[method]
-    block = Share.alone(plan, way.halves)
-    shape = shape_by(block, plan.projection)
-    at, _ = closest_by(block, plan.projection, shape)
-    point = closest_point(block, plan.projection, shape, at)
-    return way.by_arrays(block, vouched(at)), None if point is None else way.step(OneRow(block, point))
 
 
 def stretch(plan: Plan, ledger: Ledger, made: tuple[Step, Step | None], anchor: int, ahead: int) -> bool:
@@ -182,7 +178,4 @@ class Integrator:
     piece: Callable[[Plan], Piece] | None = None
 
 
-INTEGRATORS: Mapping[str, Integrator] = MappingProxyType(
-    {name: Integrator(partial(_why, name), partial(_advance, name)) for name in STEPS}
-    | {"exact": Integrator(exact.why, exact.advance, exact.piece)}
-)
+INTEGRATORS: Mapping[str, Integrator | Stepping] = MappingProxyType({**STEPS, "exact": Integrator(exact.why, exact.advance, exact.piece)})

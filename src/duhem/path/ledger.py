@@ -9,7 +9,7 @@ from operator import add
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.path.history import SUMS, Histories, History
+from duhem.path.history import SUMS, Histories, History, told_of
 from duhem.path.loading import Which
 from duhem.path.rows import Stepped
 from duhem.path.run import Plan, Share, energy, times
@@ -26,20 +26,26 @@ _STATES = ("slip", "stress", *SUMS)
 
 
 @dataclass(eq=False)
-class Ledger:
-    """The run so far: rows up to ``done`` hold states and accumulated quantities, as in :class:`duhem.path.history.History`.
+class _Sums:
+    """Stress and slip, and what is added up: of one path, or of many points."""
 
-    Of one path they are the first axis, of many points the second.  ``added`` are the four sums that steps add to.
-    """
-
-    stress: Array
     slip: Array
+    stress: Array
     multiplier: Array
     psi: Array
     dissipation: Array
     work: Array
     numerical: Array
     balance: Array
+
+
+@dataclass(eq=False)
+class Ledger(_Sums):
+    """The run so far: rows up to ``done`` hold states and accumulated quantities, as in :class:`duhem.path.history.History`.
+
+    Of one path they are the first axis, of many points the second.  ``added`` are the four sums that steps add to.
+    """
+
     added: Array
     compliance: Array
     done: int = 1
@@ -49,18 +55,8 @@ class Ledger:
         """Room for m knots, at the first of them; ``displacement`` and ``stress`` (d,) of one path, (n, d) of many points."""
         *each, d = stress.shape
         added = np.zeros((4, *each, m))
-        blank = cls(
-            stress=np.empty((*each, m, d)),
-            slip=np.empty((*each, m, d)),
-            multiplier=added[0],
-            psi=np.zeros((*each, m)),
-            dissipation=added[1],
-            work=added[2],
-            numerical=added[3],
-            balance=np.zeros((*each, m)),
-            added=added,
-            compliance=compliance,
-        )
+        sums = dict(zip(_ADDED[1:5], added, strict=True)) | {name: np.zeros((*each, m)) for name in ("psi", "balance")}
+        blank = cls(np.empty((*each, m, d)), np.empty((*each, m, d)), **sums, added=added, compliance=compliance)
         blank.stress[..., 0, :], blank.psi[..., 0] = stress, energy(stress, compliance)
         blank.slip[..., 0, :] = displacement - times(stress, compliance)
         return blank
@@ -110,16 +106,13 @@ class Ledger:
         law, path, n = plan.increment.law, plan.path, self.done
         stress, slip = self.stress[:n], self.slip[:n]
         return History(
-            law=law.name,
-            forces=law.forces,
-            pressure_name=law.pressure,
             time=path.time[:n],
             timed=path.timed,
             displacement=path.values[:n] if path.control == "displacement" else slip + times(stress, plan.compliance),
             slip=slip,
             stress=stress,
             pressure=plan.increment.pressure[:n],
-            **{name: getattr(self, name)[:n] for name in SUMS},
+            **told_of(law, **{name: getattr(self, name)[:n] for name in SUMS}),
             method=method,
             why=why,
             plan=plan,
@@ -144,17 +137,9 @@ class Ledger:
 
 
 @dataclass(eq=False)
-class States:
+class States(_Sums):
     """Where n points are: their states as in :class:`Histories`, and the knot from which each has not slipped."""
 
-    slip: Array
-    stress: Array
-    multiplier: Array
-    psi: Array
-    dissipation: Array
-    work: Array
-    numerical: Array
-    balance: Array
     anchor_stress: Array
     anchor: Array
     status: NDArray[np.int8]

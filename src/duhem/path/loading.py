@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from duhem.errors import InputError
+from duhem.errors import InputError, faults_at
 from duhem.expression.given_array import unlabelled, unmasked
 from duhem.expression.spelling import spelled
 from duhem.law.formula_law import Criterion
@@ -99,7 +99,8 @@ class Path:
         if (back := np.flatnonzero(np.diff(times) <= 0.0)).size:
             i = int(back[0]) + 1
             raise InputError(f"time[{i}] = {times[i]} is not greater than {times[i - 1]}", where="path", remedy="give increasing times")
-        return cls(values, _pressure(pressure, m), times, control, timed=time is not None)
+        load = _pressures(pressure, 1, m)
+        return cls(values, None if load is None else np.array(np.broadcast_to(load[0], (m,))), times, control, timed=time is not None)
 
     @classmethod
     def cycle(
@@ -195,31 +196,7 @@ class Path:
         history whose times count its rows, 0, 1, 2 and so on, states none either: so it is written where the path stated none.
         """
         header, rows = read_table(file)
-        return cls.from_rows(header, rows, f"{file}", columns=columns, pressure=pressure, time=time, control=control)
-
-    @classmethod
-    def from_rows(
-        cls,
-        header: Sequence[str],
-        rows: Array,
-        where: str,
-        *,
-        columns: Sequence[str] | None = None,
-        pressure: str | float | None = "sigma_n",
-        time: str = "time",
-        control: Control = "displacement",
-    ) -> Path:
-        """The same from a table that is read: its names and rows, and ``where`` it is from."""
-        names = displacements(header, where, columns)
-        at = {name: rows[:, i] for i, name in enumerate(header)}
-        load = at.get(spelled(pressure)) if isinstance(pressure, str) else pressure
-        times = at.get(spelled(time))
-        if times is not None and at.keys() >= _OF_A_HISTORY and np.array_equal(times, np.arange(len(rows))):
-            times = None
-        try:
-            return cls.linear(np.stack([at[n] for n in names], axis=1), pressure=load, time=times, control=control)
-        except InputError as fault:
-            raise InputError(fault.what, where=where, remedy=fault.remedy) from None
+        return _from_rows(header, rows, f"{file}", columns, pressure, time, control)
 
     def refined(self, substeps: int) -> Path:
         """The same path with every step cut into ``substeps`` equal ones."""
@@ -248,6 +225,20 @@ class Path:
     def constant_pressure(self) -> bool:
         """Whether K stays the same along the path."""
         return self.pressure is None or bool((self.pressure == self.pressure[0]).all())
+
+
+def _from_rows(
+    header: Sequence[str], rows: Array, where: str, columns: Sequence[str] | None, pressure: str | float | None, time: str, control: Control
+) -> Path:
+    """The path of a table that is read: its names and rows, and ``where`` it is from."""
+    names = displacements(header, where, columns)
+    at = {name: rows[:, i] for i, name in enumerate(header)}
+    load = at.get(spelled(pressure)) if isinstance(pressure, str) else pressure
+    times = at.get(spelled(time))
+    if times is not None and at.keys() >= _OF_A_HISTORY and np.array_equal(times, np.arange(len(rows))):
+        times = None
+    with faults_at(where):
+        return Path.linear(np.stack([at[n] for n in names], axis=1), pressure=load, time=times, control=control)
 
 
 def displacements(header: Sequence[str], where: str, columns: Sequence[str] | None) -> tuple[str, ...]:
@@ -291,20 +282,6 @@ def _number(given: Any, what: str) -> float:
     if array.ndim:
         raise InputError(f"{what} has the shape {array.shape}", where="path", remedy="give one number")
     return float(array)
-
-
-def _pressure(given: ArrayLike | None, m: int) -> Array | None:
-    if given is None:
-        return None
-    array = given_numbers(given, "pressure")
-    if array.shape not in ((), (m,)):
-        raise InputError(f"pressure has the shape {array.shape} for {m} points", where="path", remedy="give one number, or one per point")
-    if (bad := np.flatnonzero(np.atleast_1d(array) > 0.0)).size:
-        value = np.atleast_1d(array)[bad[0]]
-        raise InputError(
-            f"pressure{f'[{bad[0]}]' if array.ndim else ''} is {value} > 0", where="path", remedy="sigma_n <= 0 in compression"
-        )
-    return np.array(np.broadcast_to(array, (m,)))
 
 
 def checked_count(given: Any, what: str, least: int, most: int = MOST_NUMBERS) -> None:
@@ -458,19 +435,19 @@ def _doubles(given: Any, what: str) -> Array:
 
 
 def _pressures(given: ArrayLike | None, n: int, m: int) -> Array | None:
+    """The pressure of n points at m knots, with one row or one column where all are alike."""
     if given is None:
         return None
     load = _doubles(given, "pressure")
-    load = load.reshape((1,) * (2 - load.ndim) + load.shape) if load.ndim < 2 else load
-    if load.ndim != 2 or load.shape[0] not in (1, n) or load.shape[1] not in (1, m):
+    rows = load.reshape((1,) * (2 - load.ndim) + load.shape) if load.ndim < 2 else load
+    if rows.ndim != 2 or rows.shape[0] not in (1, n) or rows.shape[1] not in (1, m):
         what = f"pressure has the shape {np.shape(given)} for {n} points and {m} knots"
-        raise InputError(what, where="paths", remedy=f"give one number, ({m},), ({n}, 1) or ({n}, {m})")
+        raise InputError(what, where="path", remedy=f"give one number, ({m},), ({n}, 1) or ({n}, {m})")
     if load.size and load.max() > 0.0:
-        i, j = np.argwhere(load > 0.0)[0].tolist()
-        raise InputError(
-            f"pressure[{i}, {j}] is {load[i, j]} > 0", where="paths", remedy="sigma_n <= 0 in compression, 0 where contact is open"
-        )
-    return load
+        at = np.argwhere(load > 0.0)[0].tolist()
+        remedy = "sigma_n <= 0 in compression, 0 where contact is open"
+        raise InputError(f"pressure{at or ''} is {load[tuple(at)]} > 0", where="path", remedy=remedy)
+    return rows
 
 
 def spread(file: str | PathLike[str], law: Criterion, path: Path | Paths) -> tuple[Paths, Mapping[str, Array]]:
@@ -489,7 +466,7 @@ def spread(file: str | PathLike[str], law: Criterion, path: Path | Paths) -> tup
     n, one = len(rows), np.ones(len(rows))
     by = np.stack([column.get("scale", one) * column.get(scale, one) for scale in scales[1:]], axis=1)
     load = column[law.pressure][:, None] if law.pressure in column else None
-    try:
+    with faults_at(f"{file}"):
         if isinstance(path, Path):
             paths = Paths.scaled(path, by, pressure=load)
         elif len(path) != n:
@@ -497,8 +474,6 @@ def spread(file: str | PathLike[str], law: Criterion, path: Path | Paths) -> tup
         else:
             given = Paths.linear(path.values, pressure=path.pressure if load is None else load, time=path.time)
             paths = replace(given, factor=path.factor * by, timed=path.timed)
-    except InputError as fault:
-        raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None
     return paths, {name: column[name] for name in law.parameters if name in column}
 
 
@@ -509,7 +484,7 @@ def paths_from_csv(
     columns: Sequence[str] | None = None,
     pressure: str | float | None = "sigma_n",
     time: str = "time",
-    control: str = "displacement",
+    control: Control = "displacement",
 ) -> Paths:
     """A table of one row a knot, as :meth:`duhem.Path.from_csv` reads one, in which the column ``point`` tells points apart.
 
@@ -531,7 +506,7 @@ def paths_from_csv(
             "the points do not have the same number of consecutive rows", where=f"{file}", remedy="sort by point, then by time"
         )
     m = int(sizes[0])
-    first = Path.from_rows(header, rows[:m], f"{file}", columns=columns, pressure=pressure, time=time)
+    first = _from_rows(header, rows[:m], f"{file}", columns, pressure, time, control)
     names = displacements(header, f"{file}", columns)
     values = np.stack([rows[:, header.index(n)] for n in names], axis=1).reshape(len(starts), m, len(names))
     if (at := header.index(spelled(time)) if spelled(time) in header else None) is not None:
@@ -541,7 +516,5 @@ def paths_from_csv(
     load: Array | float | None = None if isinstance(pressure, str) else pressure
     if isinstance(pressure, str) and spelled(pressure) in header:
         load = rows[:, header.index(spelled(pressure))].reshape(len(starts), m)
-    try:
+    with faults_at(f"{file}"):
         return Paths.linear(values, pressure=load, time=first.time if first.timed else None)
-    except InputError as fault:
-        raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None

@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from duhem.errors import InputError
+from duhem.errors import InputError, faults_at
 from duhem.expression.given_array import in_order
 from duhem.law.catalogue import load_formula
 from duhem.law.domain import by_name
@@ -20,11 +20,14 @@ from duhem.law.table_file import MOST_NUMBERS
 from duhem.path import step_formulas
 from duhem.path.loading import Path, Paths, checked_count, given_numbers
 from duhem.projection.declared_ranges import refused
-from duhem.projection.increment import Convexity, Increment, posed, setting
+from duhem.projection.increment import Convexity, Increment, setting
 from duhem.projection.increment import increment as checked
 from duhem.projection.result import Array
 
-__all__ = ["MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "columns", "energy", "kept_knots", "times"]
+__all__ = [
+    "MOST_THREADS", "Batch", "Plan", "Run", "Share", "as_paths", "by_point", "check_pressure", "columns", "energy", "kept_knots",
+    "stress_at_start", "times",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,13 +76,7 @@ class Plan:
             what = f"{type(path).__name__} is no loading path"
             raise InputError(what, where="path", remedy="make one with Path.linear(points, pressure=...) or Path.from_csv(file)")
         fine = path.refined(run.substeps)
-        d = len(known.forces)
-        if fine.values.shape[1] != d:
-            raise InputError(
-                f"the path has {fine.values.shape[1]} columns and {known.name} the {d} forces {', '.join(known.forces)}",
-                where="path",
-                remedy="give one column for each force",
-            )
+        _check_columns(known, fine.values)
         increment = checked(known, fine.values, fine.pressure, run.stiffness, run.parameters)
         compliance = np.asarray(np.linalg.inv(increment.stiffness))
         return cls(replace(increment, convexity=run.convexity), fine, run.projection, compliance)
@@ -144,14 +141,12 @@ class Batch:
     ``own`` (N,) which of them each point has; ``stress`` (N, d) or (1, d) at the first knot in Pa; ``knots`` (r,) those that are kept.
     """
 
+    run: Run
     paths: Paths
-    substeps: int
     members: tuple[Increment, ...]
     own: NDArray[np.intp]
     stress: Array
     knots: NDArray[np.intp]
-    projection: str
-    compiled: bool
     compliance: Array
 
     @classmethod
@@ -161,31 +156,21 @@ class Batch:
         assert isinstance(paths, Paths)
         n = len(paths)
         d = len(known.forces)
-        if paths.values.shape[2] != d:
-            what = f"the paths have {paths.values.shape[2]} columns and {known.name} the {d} forces {', '.join(known.forces)}"
-            raise InputError(what, where="paths", remedy="give one column for each force")
+        _check_columns(known, paths.values)
         members, own = _members(known, run.stiffness, run.parameters, n)
         checked_count(substeps, "substeps", 1)
         checked_count(run.threads, "threads", 1, MOST_THREADS)
         if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
             raise InputError(f"{steps} steps are too many", where="substeps", remedy=f"take at most {MOST_NUMBERS // d} in all")
-        stress, knots = _start(known, run.stress, n), kept_knots(run.keep, steps)
-        load = paths.pressure
-        if load is not None and (out := np.argwhere(refused(known, load))).size:
-            point, knot = out[0].tolist()
-            name = known.pressure or ""
-            what = f"pressure[{point}, {knot}] is {load[point, knot]}, outside the range of {known.domain[name].stated(name)}"
-            raise InputError(what, where="paths", remedy="keep to the range, or declare a wider one in the law's domain")
-        posed(members[0], np.zeros((1, d)), None if load is None else load[0, :1])
+        stress, knots = stress_at_start(known, run.stress, n), kept_knots(run.keep, steps)
+        check_pressure(known, paths.pressure)
         return cls(
+            run=run,
             paths=paths,
-            substeps=substeps,
             members=tuple(replace(member, convexity=run.convexity) for member in members),
             own=own,
             stress=stress,
             knots=knots,
-            projection=run.projection,
-            compiled=run.compiled,
             compliance=np.asarray(np.linalg.inv(members[0].stiffness)),
         )
 
@@ -196,7 +181,7 @@ class Batch:
     @property
     def steps(self) -> int:
         """Of each point."""
-        return (len(self.paths.time) - 1) * self.substeps
+        return (len(self.paths.time) - 1) * self.run.substeps
 
     @property
     def numbers(self) -> int:
@@ -215,7 +200,7 @@ class Batch:
 
     def block(self, first: int, last: int, halves: int = 1) -> Share:
         """The points from ``first`` to before ``last``; each step of their paths in ``halves`` parts."""
-        return self._share(self.paths.part(first, last).refined(self.substeps).refined(halves), first, last)
+        return self._share(self.paths.part(first, last).refined(self.run.substeps).refined(halves), first, last)
 
     def _share(self, paths: Paths, first: int, last: int) -> Share:
         used, own = np.unique(self.own[first:last], return_inverse=True)
@@ -232,15 +217,39 @@ def as_paths(path: Path | Paths) -> Paths:
     return Paths(path.values[None], np.ones((1, path.values.shape[1])), pressure, path.time, path.timed)
 
 
-def _members(
-    law: Criterion, stiffness: ArrayLike | None, parameters: Mapping[str, Any] | None, n: int
-) -> tuple[tuple[Increment, ...], NDArray[np.intp]]:
-    """The checked question of each distinct set of parameters, and which set each of the ``n`` points has."""
+def _check_columns(law: Criterion, values: Array) -> None:
+    if values.shape[-1] != len(law.forces):
+        what = f"the path has {values.shape[-1]} columns and {law.name} the {len(law.forces)} forces {', '.join(law.forces)}"
+        raise InputError(what, where="path", remedy="give one column for each force")
+
+
+def check_pressure(law: Criterion, load: Array | None) -> None:
+    """InputError where the pressures (N, m) of points at knots are missing, are none of the law's, or lie outside its range."""
+    if (law.pressure is None) != (load is None):
+        what = f"{law.name} has no pressure" if law.pressure is None else f"{law.name} needs the pressure {law.pressure}"
+        raise InputError(what, where="pressure", remedy="remove it" if law.pressure is None else "give pressure= in the path")
+    if load is not None and (out := np.argwhere(refused(law, load))).size:
+        point, knot = out[0].tolist()
+        name = law.pressure or ""
+        what = f"pressure[{point}, {knot}] is {load[point, knot]}, outside the range of {law.domain[name].stated(name)}"
+        raise InputError(what, where="path", remedy="keep to the range, or declare a wider one in the law's domain")
+
+
+def by_point(parameters: Mapping[str, Any] | None, n: int) -> tuple[dict[str, Any], dict[str, Array]]:
+    """The numbers of ``n`` points by name, and those of them that each point has of its own (N,)."""
     given = dict(by_name(parameters))
     each = {name: given_numbers(value, name) for name, value in given.items() if np.ndim(value)}
     if wrong := next((name for name, array in each.items() if array.shape != (n,)), None):
         what = f"{wrong} has the shape {each[wrong].shape} for {n} points"
         raise InputError(what, where=f"parameter {wrong}", remedy=f"give one number, or ({n},)")
+    return given, each
+
+
+def _members(
+    law: Criterion, stiffness: ArrayLike | None, parameters: Mapping[str, Any] | None, n: int
+) -> tuple[tuple[Increment, ...], NDArray[np.intp]]:
+    """The checked question of each distinct set of parameters, and which set each of the ``n`` points has."""
+    given, each = by_point(parameters, n)
     if not each:
         return (setting(law, stiffness, given),), np.zeros(n, dtype=np.intp)
     sets, own = np.unique(np.stack(list(each.values()), axis=1), axis=0, return_inverse=True)
@@ -273,11 +282,13 @@ def _first_bad(law: Criterion, stiffness: ArrayLike | None, given: Mapping[str, 
     return None
 
 
-def _start(law: Criterion, given: ArrayLike | None, n: int) -> Array:
+def stress_at_start(law: Criterion, given: ArrayLike | None, n: int) -> Array:
+    """The stress of ``n`` points at the first knot, (n, d) or (1, d), 0 where none is given; InputError where it does not fit the law."""
     d = len(law.forces)
     if given is None:
         return np.zeros((1, d))
-    stress = given_numbers(in_order(given, law.forces, "stress"), "stress")
+    with faults_at("stress"):
+        stress = given_numbers(in_order(given, law.forces, "stress"), "stress")
     if stress.shape not in ((d,), (n, d)):
         raise InputError(f"stress has the shape {stress.shape}", where="stress", remedy=f"give ({d},) or ({n}, {d})")
     return stress.reshape(-1, d)

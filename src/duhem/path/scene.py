@@ -19,12 +19,11 @@ from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Interval
 from duhem.law.state import evolves
 from duhem.omitted import LeftOut
-from duhem.path.batch_run import parts
-from duhem.path.history import H, Histories, History, Interrupted, LeftDomain, LeftPrecision, Tabled, columns
+from duhem.path.history import SUMS, EndedEarly, H, Histories, History, Interrupted, Tabled, columns, told_of
 from duhem.path.loading import Path, Paths
 from duhem.path.run import Batch, Plan, Run
-from duhem.path.simulate import driven
-from duhem.path.state_path import NoAnswer, StateHistory, recalled
+from duhem.path.simulate import driven, parts
+from duhem.path.state_path import StateHistory, recalled
 from duhem.path.state_question import StateQuestion
 from duhem.projection.result import NOT_SHOWN, Array, Status
 from duhem.show import figure
@@ -266,7 +265,7 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
             raise Stopped(f"{done}; name a table with --out to keep what is done") from None
         kept = keep(stop.history, table, fingerprint)
         raise Stopped(f"{done}, kept in {kept}; continue with --resume") from None
-    except (LeftPrecision, LeftDomain, NoAnswer) as fault:
+    except EndedEarly as fault:
         if table is None:
             raise
         kept = keep(fault.history, table, fingerprint)
@@ -356,9 +355,6 @@ def history_of(plan: Plan, column: dict[str, Array]) -> History:
     law, n = plan.increment.law, len(column["time"])
     tails = [force.removeprefix("sigma_") for force in law.forces]
     return History(
-        law=law.name,
-        forces=law.forces,
-        pressure_name=law.pressure,
         time=column["time"],
         timed=plan.path.timed,
         displacement=np.stack([column[f"u_{t}"] for t in tails], axis=1),
@@ -366,7 +362,7 @@ def history_of(plan: Plan, column: dict[str, Array]) -> History:
         stress=np.stack([column[f] for f in law.forces], axis=1),
         pressure=column[law.pressure] if law.pressure else np.zeros(n),
         multiplier=column["lambda"],
-        **{name: column[name] for name in ("psi", "dissipation", "work", "numerical", "balance")},
+        **told_of(law, **{name: column[name] for name in SUMS[1:]}),
         method="",
         why="",
         plan=plan,

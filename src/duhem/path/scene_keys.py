@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from duhem.errors import InputError
+from duhem.law import catalogue
 from duhem.law.convex import CONVEX
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import CONTROLS
@@ -113,48 +112,4 @@ KIND_KEYS: Mapping[str, str] = {  # a kind before the key where it means somethi
 
 def template(name: str) -> str:
     """A scene to start from, with every section explained; it runs as it stands.  InputError for what cannot name a file."""
-    if not re.fullmatch(r"[A-Za-z0-9][\w.-]{0,60}", name):
-        raise InputError(f"{name[:60]!r} cannot name a scene", remedy="use letters, digits, hyphens and underscores")
-    return _TEMPLATE.replace("NAME", name)
-
-
-_TEMPLATE = """\
-# A scene for duhem: a law along a loading path.  Run it with:  duhem simulate NAME.toml
-# To see what it needs:  duhem simulate NAME.toml --explain
-
-law = "antoni2007"                        # a name (duhem list, duhem atlas), or a criterion file beside this one: "mine.toml"
-stiffness = [1e9, 2e9]                    # Pa/m: a number, one number per force, or a symmetric matrix [[k_aa, k_ab], [k_ab, k_bb]]
-# stress = [0, 0]                         # Pa, the initial stress
-
-[parameters]                              # a number for each parameter without a value
-mu_a_plus = 0.2
-mu_a_minus = 0.08
-mu_b_plus = 0.12
-mu_b_minus = 0.15
-
-[path]
-kind = "linear"                           # straight from point to point
-points = [[0, 0], [1e-3, 0], [1e-3, 5e-4], [0, 0]]  # m; with control = "stress" Pa
-pressure = -1e6                           # Pa, <= 0 in compression: one number, or one per knot
-# Other kinds:
-#   kind = "cycle"    amplitude = [1e-3, 0]   cycles = 3   mean = 0
-#   kind = "circle"   radius = 1e-3   points = 64   turns = 2   start = 0   centre = [0, 0]
-#   kind = "random"   seed = 1   points = 50   scale = 1e-3
-#   kind = "table"    file = "path.csv"       with columns u_a, u_b, and sigma_n, time if there
-
-[method]                                  # optional
-integrator = "implicit"                   # first order; "extrapolated": second order; "exact": to rounding
-substeps = 10                             # number of substeps in each step of the path
-# compiled = true                         # with numba (extra fast)
-# convex = "require"                      # reject the law if K is not proved convex; default "ask"
-
-# [output]                                # optional; by default the history goes to standard output, or to --out and --plot
-# table = "NAME.csv"                      # or .parquet (extra parquet)
-# plot = "NAME.png"                       # extra plot
-# stress_unit = "MPa"                     # text for the axes of the picture, if the numbers of this file are in MPa and mm
-# length_unit = "mm"
-
-# Many points on the same path. Each row of the table has its own parameters, pressure or scale:
-# [points]
-# table = "points.csv"
-"""
+    return catalogue.template(name, "scene", __file__)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.law.state import prescribed
-from duhem.path.history import SUMS, Checkpoint, Due, Interrupted, LeftDomain, Tabled
+from duhem.path.history import SUMS, Checkpoint, Due, EndedEarly, Interrupted, LeftDomain, Tabled, told_of
+from duhem.path.loading import Path
 from duhem.path.run import Run
 from duhem.path.state_question import StateQuestion, inside
 from duhem.path.state_step import KKT
@@ -48,24 +49,10 @@ class StateHistory(Tabled):
     ``numbers`` are those of its parameters, (1,) or (N,), and ``accuracy`` what was asked for; None of a history that was read.
     """
 
-    printed_by: ClassVar[str] = "duhem.path.picture"
-
-    law: str
     variables: tuple[str, ...]
-    forces: tuple[str, ...]
     stresses: tuple[str, ...]
-    pressure_name: str | None
-    time: Array
     state: Array
     force: Array
-    stress: Array
-    pressure: Array
-    multiplier: Array
-    psi: Array
-    dissipation: Array
-    work: Array
-    numerical: Array
-    balance: Array
     residual: Array
     held: NDArray[np.bool_]
     entropy: Array | None
@@ -73,9 +60,6 @@ class StateHistory(Tabled):
     tangent: Array | None
     status: NDArray[np.int8]
     reached: NDArray[np.intp]
-    method: str
-    why: str
-    timed: bool = True
     accuracy: float | None = None
     source: Criterion | None = None
     numbers: Mapping[str, Array] | None = None
@@ -133,16 +117,17 @@ class StateHistory(Tabled):
         """Draw stress path, hysteresis loops and energies of one path, as :meth:`duhem.History.plot` does, without K, which may change."""
         return draw(self, file, **options)
 
-    def _table(self) -> tuple[tuple[str, ...], list[Array]]:
+    def to_array(self) -> Array:
+        """The table as one array (m, columns); of many paths point by point, each knot by knot, with nan where it did not come."""
         pressure = [] if self.pressure_name is None else [self.pressure]
         warm = [] if self.entropy is None or self.heat is None else [self.entropy, self.heat]
         others = self.stress[..., [self.stresses.index(name) for name in self._others()]]
         states = [self.state, self.force, others, *pressure, self.multiplier, *(getattr(self, name) for name in _SUMS), *warm]
         if not self.many:
-            return self.columns(), [self.time, *states]
-        n, m = self.psi.shape  # point by point, each knot by knot, with nan where it did not come
+            return np.column_stack([self.time, *states])
+        n, m = self.psi.shape
         labels = [np.repeat(np.arange(n, dtype=np.float64), m), np.tile(self.time, n)]
-        return self.columns(), [*labels, *(each.reshape(n * m, -1) for each in states)]
+        return np.column_stack([*labels, *(each.reshape(n * m, -1) for each in states)])
 
     def remark(self) -> str | None:
         """Where bounds held variables, in sentences; None where none did."""
@@ -163,11 +148,10 @@ class StateHistory(Tabled):
 _LONG = ("state", "force", "stress", "pressure", "multiplier", *_SUMS, "residual", "held", "entropy", "heat", "tangent")
 
 
-class NoAnswer(InputError):
-    """A run with a step whose optimality conditions were not met; ``history`` is what was done before."""
+class NoAnswer(EndedEarly):
+    """A run with a step whose optimality conditions were not met."""
 
     def __init__(self, history: StateHistory, time: float, residual: float) -> None:
-        self.history = history
         if np.isnan(residual):
             why = "its parts, however short, do not come to the accuracy"
         elif residual <= KKT:
@@ -178,7 +162,7 @@ class NoAnswer(InputError):
             why = "the formulas of its optimality conditions have no value there"
         what = f"the step to time {time:g} has no answer: {why}"
         remedy = "take more substeps; duhem verify says whether energy and criterion are convex, without which there may be no answer"
-        super().__init__(what, where=f"path, step {len(history)}", remedy=remedy)
+        super().__init__(history, what, remedy)
 
 
 def state_history(
@@ -191,8 +175,8 @@ def state_history(
 
     Raises :class:`NoAnswer` for one path with a step that is not solved; of many such a point ends there, and its status says so.
     """
-    question = StateQuestion.of(run)
-    size = _BLOCK if question.accuracy is None else 1  # of which each has parts of its own
+    question, alone = StateQuestion.of(run), isinstance(run.path, Path)
+    size = _BLOCK if question.run.accuracy is None else 1  # of which each has parts of its own
     n, parts = len(question.paths), []
     steps = len(question.paths.time) - 1
     for first in range(0, n, size):
@@ -203,19 +187,19 @@ def state_history(
         due = Due(checkpoint)
         try:
             for done in block.advanced():
-                if on_step is not None and question.alone:
+                if on_step is not None and alone:
                     on_step(done, steps)
-                if question.alone and done < steps:
+                if alone and done < steps:
                     due(block.so_far)
         except KeyboardInterrupt:
-            raise Interrupted(block.so_far() if question.alone else None) from None
+            raise Interrupted(block.so_far() if alone else None) from None
         parts.append(block.history())
-        if on_step is not None and not question.alone:
+        if on_step is not None and not alone:
             on_step(int(which[-1]) + 1, n)
     kept = [name for name in (*_LONG, "status", "reached") if getattr(parts[0], name) is not None]
     joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in kept}
     whole = replace(parts[0], **joined)
-    if not question.alone:
+    if not alone:
         return whole
     one = whole.point(0)
     if (reached := int(one.reached)) < steps:
@@ -251,7 +235,7 @@ class _Block:
             **dict.fromkeys((*_SUMS, "residual", "entropy", "heat"), ()),
             "tangent": (own.observables, own.observables),
         }  # fmt: skip
-        self.arrays = {name: np.full((n, m, *shape), np.nan) for name, shape in shapes.items() if name != "tangent" or question.tangent}
+        self.arrays = {name: np.full((n, m, *shape), np.nan) for name, shape in shapes.items() if name != "tangent" or question.run.tangent}
         self.held = np.zeros((n, m, own.internal), dtype=np.bool_)
         self.status, self.reached = np.full(n, Status.STICK, dtype=np.int8), np.zeros(n, dtype=np.intp)
         self.left, self.lost = "", np.inf
@@ -272,7 +256,7 @@ class _Block:
             and 1 <= n <= len(here.time)
             and all(np.array_equal(getattr(start, name), getattr(here, name)[:n]) for name in ("time", "pressure"))
             and np.array_equal(start.state[0], here.state[0])
-            and not (question.tangent and start.tangent is None)
+            and not (question.run.tangent and start.tangent is None)
         )
         if same:
             path, own = np.array([question.paths.at(k)[0] for k in range(n)]), question.law
@@ -299,14 +283,14 @@ class _Block:
             who, base = self.which[alive], self.arrays["state"][alive, k - 1]
             to, dt = question.drive(k, who), float(time[k] - time[k - 1]) if own.timed else 1.0
             with np.errstate(all="ignore"):
-                if question.method == "implicit":
+                if question.run.method == "implicit":
                     given, others = to(1.0)
-                    made = implicit(question, base, given, dt, others, question.tangent)
-                elif question.accuracy is None:
+                    made = implicit(question, base, given, dt, others, question.run.tangent)
+                elif question.run.accuracy is None:
                     made = extrapolated(question, base, to, dt)
                 else:
                     psi = self.arrays["psi"][alive[0], :k]
-                    made = accurate(question, base, to, dt, question.accuracy, float(np.abs(psi - psi[0]).max()))
+                    made = accurate(question, base, to, dt, question.run.accuracy, float(np.abs(psi - psi[0]).max()))
             alive = self._take(made, k, alive)
             yield k
 
@@ -330,20 +314,14 @@ class _Block:
         go, part = alive[good], made.end.of(good)
         dissipation, work, numerical, warmed, heat = (x[good] for x in made.added)
         a = self.arrays
-        a["state"][go, k], a["force"][go, k], a["stress"][go, k] = part.chi, part.forces, part.observed
-        a["psi"][go, k], a["entropy"][go, k] = part.psi, part.entropy
-        for name, gain in (
-            ("multiplier", made.multiplier[good]),
-            ("dissipation", dissipation),
-            ("work", work),
-            ("numerical", numerical),
-            ("heat", heat),
-        ):
-            a[name][go, k] = a[name][go, k - 1] + gain
-        a["balance"][go, k] = work - (a["psi"][go, k] - a["psi"][go, k - 1]) - warmed - dissipation - numerical
-        a["residual"][go, k], self.held[go, k] = part.worst, part.held
-        if self.question.tangent:
-            a["tangent"][go, k] = part.tangent
+        ends = {"state": part.chi, "force": part.forces, "stress": part.observed, "psi": part.psi, "entropy": part.entropy}
+        ends |= {"residual": part.worst, "tangent": part.tangent}
+        gains = {"multiplier": made.multiplier[good], "dissipation": dissipation, "work": work, "numerical": numerical, "heat": heat}
+        ends |= {name: a[name][go, k - 1] + gain for name, gain in gains.items()}
+        ends["balance"] = work - (part.psi - a["psi"][go, k - 1]) - warmed - dissipation - numerical
+        for name, array in a.items():
+            array[go, k] = ends[name]
+        self.held[go, k] = part.held
         moved = (part.flow != 0.0).any(axis=1)
         self.status[go], self.reached[go] = np.where(moved, Status.SLIP, Status.STICK), k
         return go
@@ -362,21 +340,18 @@ class _Block:
         arrays.setdefault("tangent", None)  # type: ignore[arg-type]
         pressures = np.stack([question.paths.pressure_at(k, self.which) for k in knots.tolist()], axis=1)
         return StateHistory(
-            law=law.name,
             variables=own.names,
-            forces=law.forces,
             stresses=tuple(prescribed(law)),
-            pressure_name=law.pressure,
             time=question.paths.time[knots],
             pressure=pressures,
             held=self.held[:, knots],
             status=self.status,
             reached=self.reached,
-            method=question.method,
+            method=question.run.method,
             why=question.why,
             timed=question.paths.timed,
-            accuracy=question.accuracy,
+            accuracy=question.run.accuracy,
             source=law,
             numbers=question.others,
-            **arrays,
+            **told_of(law, **arrays),
         )

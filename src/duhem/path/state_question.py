@@ -10,18 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.errors import InputError
-from duhem.expression.number import exact_number
+from duhem.errors import InputError, faults_at
 from duhem.expression.numpy_ import compiled
 from duhem.expression.spelling import respelled
 from duhem.law.catalogue import load_formula
-from duhem.law.domain import Domain, by_name
+from duhem.law.domain import Domain, Domains
 from duhem.law.formula_law import Criterion
 from duhem.path.compiled_state import StateLoop
 from duhem.path.loading import Path, Paths, checked_count, given_numbers
-from duhem.path.run import MOST_THREADS, Run, as_paths, kept_knots
+from duhem.path.run import MOST_THREADS, Run, as_paths, by_point, check_pressure, kept_knots
 from duhem.path.state_step import KKT, Advanced, StateLaw
-from duhem.projection.declared_ranges import refused
 from duhem.projection.increment import stiffness_of
 from duhem.projection.result import Array
 
@@ -36,22 +34,18 @@ Drive = Callable[[float], tuple[Array, Sequence[Array]]]
 
 @dataclass(frozen=True, eq=False)
 class StateQuestion:
-    """What is asked of a law with a state, checked: ``begun`` (N, n) is the first state, ``others`` (N,) the numbers of its formulas.
+    """The run of a law with a state, checked: ``begun`` (N, n) is the first state, ``others`` (N,) the numbers of its formulas.
 
-    ``arc`` is the path itself where it is round between its knots.
+    ``arc`` is the path itself where it is round between its knots; ``knots`` are those that are kept.
     """
 
+    run: Run
     law: StateLaw
     paths: Paths
     others: Mapping[str, Array]
     begun: Array
     arc: Path | None
-    method: str
-    accuracy: float | None
-    alone: bool
     knots: NDArray[np.intp]
-    tangent: bool
-    compiled: bool
 
     @classmethod
     def of(cls, run: Run) -> StateQuestion:
@@ -71,14 +65,16 @@ class StateQuestion:
             raise InputError(what, where="projection", remedy="remove it")
         checked_count(run.substeps, "substeps", 1)
         checked_count(run.threads, "threads", 1, MOST_THREADS)
-        accuracy = None if run.accuracy is None else _accuracy(run)
+        if run.accuracy is not None and (not isinstance(run.accuracy, int | float) or not _FINEST <= run.accuracy < 1.0):
+            raise InputError(f"accuracy = {str(run.accuracy)[:40]}", where="accuracy", remedy=f"give a number from {_FINEST:g} to 1")
+        if run.accuracy is not None and run.method != "extrapolated":
+            raise InputError(f"an {run.method} step has no accuracy", where="accuracy", remedy='use method="extrapolated"')
         if run.tangent and run.method == "extrapolated":
             raise InputError("an extrapolated step has no tangent here", where="tangent", remedy='use method="implicit"')
         stressed = isinstance(path, Path) and path.control == "stress"
         if law.energy is not None and run.stiffness is not None:
             raise InputError(f"{law.name} has an energy", where="stiffness", remedy="remove the stiffness: the energy has it")
         stiffness = None if law.energy is not None else stiffness_of(law, run.stiffness)[0]
-        alone = isinstance(path, Path)
         if isinstance(path, Path):
             knots = np.arange((len(path.time) - 1) * run.substeps + 1)
             if run.keep != 1:
@@ -93,19 +89,11 @@ class StateQuestion:
             raise InputError(f"the path has {width} columns", where="path", remedy=f"give one for each of {names}{warm}")
         if own.timed and not path.timed:
             raise InputError(f"{law.name} depends on the rate, and the path states no times", where="path", remedy="give time=")
-        if (law.pressure is None) != (path.pressure is None):
-            what = f"{law.name} has no pressure" if law.pressure is None else f"{law.name} needs the pressure {law.pressure}"
-            raise InputError(what, where="pressure", remedy="remove it" if law.pressure is None else "give pressure= in the path")
         fine = path.refined(run.substeps)
         paths, arc = as_paths(fine), fine if isinstance(fine, Path) and fine.arc is not None else None
-        if paths.pressure is not None and refused(law, paths.pressure).any():
-            name = law.pressure or ""
-            what = f"a pressure lies outside the range of {law.domain[name].stated(name)}"
-            raise InputError(what, where="path", remedy="keep to the range, or declare a wider one in the law's domain")
+        check_pressure(law, paths.pressure)
         others = _numbers(law, run.parameters, len(paths))
-        begun = np.zeros((len(paths), len(own.names)))
-        made = cls(own, paths, others, begun, arc, run.method, accuracy, alone, knots, run.tangent, run.compiled)
-        return made._started(run.state)
+        return cls(run, own, paths, others, np.zeros((len(paths), len(own.names))), arc, knots)._started(run.state)
 
     def _started(self, given: Mapping[str, Any] | None) -> StateQuestion:
         """The question with the state at the first knot, checked."""
@@ -118,10 +106,8 @@ class StateQuestion:
             if name not in names or (name == law.temperature and not own.adiabatic):
                 what = f"{name!r} is not a variable that begins somewhere"
                 raise InputError(what, where="state", remedy=f"these are: {', '.join(names)}")
-            try:
+            with faults_at("state"):
                 numbers = given_numbers(value, name)
-            except InputError as fault:
-                raise InputError(fault.what, where="state", remedy=fault.remedy) from None
             if numbers.shape not in ((), (len(begun),)):
                 raise InputError(f"{name} has the shape {numbers.shape}", where="state", remedy="give one number, or one a point")
             begun[:, own.names.index(name)] = numbers
@@ -183,7 +169,7 @@ class StateQuestion:
     @cached_property
     def loop(self) -> StateLoop | None:
         """Machine code for the steps, where that was asked for and the law has some; MissingExtraError without numba."""
-        return StateLoop.of(self.law) if self.compiled and not self.tangent else None
+        return StateLoop.of(self.law) if self.run.compiled and not self.run.tangent else None
 
     def advance(self, base: Array, given: Array, dt: float, others: Sequence[Array], tangent: bool) -> Advanced:
         """A step, by machine code where there is some."""
@@ -202,20 +188,11 @@ class StateQuestion:
             how = f"Newton's method on the residual of the step, which is no minimum: the law has {' and '.join(what)}"
         if self.loop is not None:
             how = f"{how}, compiled"
-        if self.accuracy is not None:
-            how = f"{how}; parts of steps with an estimated error of at most {self.accuracy:g}"
+        if self.run.accuracy is not None:
+            how = f"{how}; parts of steps with an estimated error of at most {self.run.accuracy:g}"
         if own.exchange is not None:
             return f"{how}; heat flows from {', '.join(own.law.heat)}"
         return f"{how}; adiabatic" if own.adiabatic else how
-
-
-def _accuracy(run: Run) -> float:
-    """The accuracy asked for; InputError where it is none, or nothing has one."""
-    if not isinstance(run.accuracy, int | float) or not _FINEST <= run.accuracy < 1.0:
-        raise InputError(f"accuracy = {str(run.accuracy)[:40]}", where="accuracy", remedy=f"give a number from {_FINEST:g} to 1")
-    if run.method != "extrapolated":
-        raise InputError(f"an {run.method} step has no accuracy", where="accuracy", remedy='use method="extrapolated"')
-    return float(run.accuracy)
 
 
 def inside(domain: Domain, values: Array) -> NDArray[np.bool_]:
@@ -224,28 +201,18 @@ def inside(domain: Domain, values: Array) -> NDArray[np.bool_]:
     return np.asarray(((values > low) if domain.positive else (values >= low)) & (values <= high))
 
 
-def _numbers(law: Criterion, given: Mapping[str, Any] | None, n: int) -> dict[str, Array]:
+def _numbers(law: Criterion, parameters: Mapping[str, Any] | None, n: int) -> dict[str, Array]:
     """The numbers of each parameter, (1,) or (N,), inside the domain and the constraints."""
-    found: dict[str, Array] = {}
-    for name, value in by_name(given).items():
-        if name in law.variables:
-            raise InputError(
-                f"{name} is a variable of {law.name}", where="parameters", remedy=f"state={{{name!r}: ...}} says where it begins"
-            )
-        if not np.ndim(value):
-            law.fix({name: value})
-            found[name] = np.array([float(exact_number(value))])
-            continue
-        found[name] = given_numbers(value, name)
-        if found[name].shape != (n,):
-            raise InputError(
-                f"{name} has the shape {found[name].shape} for {n} points", where="parameters", remedy=f"give one number, or ({n},)"
-            )
-        for end in (found[name].min(), found[name].max()):
-            law.fix({name: float(end)})
-    for name, domain in law.parameters.items():
-        if name not in law.variables and domain.value is not None:
-            found[name] = np.array([float(domain.value)])
+    given, each = by_point(parameters, n)
+    if taken := next((name for name in given if name in law.variables), None):
+        remedy = f"state={{{taken!r}: ...}} says where it begins"
+        raise InputError(f"{taken} is a variable of {law.name}", where="parameters", remedy=remedy)
+    domains = Domains(law.parameters)
+    for end in (np.min, np.max):
+        domains.fixed({name: float(end(values)) for name, values in each.items()}, law.name)
+    alike = domains.fixed({name: value for name, value in given.items() if name not in each}, law.name)
+    found = {name: np.array([float(own.value)]) for name, own in alike.items() if own.value is not None} | each
+    found = {name: values for name, values in found.items() if name not in law.variables}
     if missing := [name for name in law.parameters if name not in found and name not in law.variables]:
         remedy = f"give parameters={{{', '.join(f'{name!r}: ...' for name in missing)}}}"
         raise InputError(f"no value is given for {', '.join(missing)}", where=f"parameters of {law.name}", remedy=remedy)

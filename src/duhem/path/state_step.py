@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.jets import Jet, JetProgram, formula
 from duhem.law.formula_law import Criterion
-from duhem.law.state import Variables, prescribed
+from duhem.law.state import prescribed, variables_of
 from duhem.projection.result import ACCURACY, Array, Pointwise
 
 __all__ = [
@@ -172,8 +172,7 @@ class StateLaw:
     @classmethod
     def of(cls, law: Criterion, stiffness: Array | None, stressed: bool = False, columns: int | None = None) -> StateLaw:
         """The ``law`` with its energy, or with the quadratic one of the ``stiffness``; a path of so many ``columns``."""
-        variables, table = law.variables, law.symbols()
-        assert isinstance(variables, Variables)  # since __post_init__
+        variables, table = variables_of(law), law.symbols()
         driven, observed, known = variables.driven(), variables.observed(), dict(table)
         energy = law.energy
         if energy is None:

@@ -18,7 +18,7 @@ from duhem.expression.branches import gradient
 from duhem.expression.vocabulary import KINKS
 from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.formula_law import Criterion
-from duhem.law.state import Variables
+from duhem.law.state import variables_of
 from duhem.proof.statement import parsed_as_written
 
 __all__ = [
@@ -44,8 +44,7 @@ def epigraph(law: Criterion, *, of_heat: bool = False) -> Criterion | None:
     if law.energy is None or (of_heat and law.temperature is None):
         return None
     taken, height = law.symbols(), _unused(law)
-    moving = [law.temperature] if of_heat else _variables(law).mechanical()
-    plain = [name for name in moving if name is not None and law.parameters[name].value is None]
+    plain = [name for name, own in law.variables.items() if own.temperature == of_heat and law.parameters[name].value is None]
     rest = {name: own for name, own in law.parameters.items() if name not in plain}
     psi = law.energy.xreplace({taken[name]: sp.Symbol(name, real=True) for name in plain})
     g = _above(-psi if of_heat else psi, law.written_energy and f"{'-' * of_heat}({law.written_energy})", height)
@@ -98,7 +97,7 @@ def dissipating(law: Criterion) -> Dissipating | None:
 
 
 def _with_forces_put_in(law: Criterion, slip: tuple[sp.Expr, ...]) -> Dissipating | None:
-    table, variables, found = law.symbols(), _variables(law), forces_in(law)
+    table, variables, found = law.symbols(), variables_of(law), forces_in(law)
     observed = [table[name] for name in variables.observed().values()]
     free = tuple(f for f in law.forces if any(sp.expand(sp.diff(found[f], u)) != 0 for u in observed))
     bound = {table[f]: sp.expand(found[f]) for f in law.forces if f not in free}
@@ -114,7 +113,7 @@ def _with_forces_put_in(law: Criterion, slip: tuple[sp.Expr, ...]) -> Dissipatin
 
 def _onto(law: Criterion, found: Mapping[str, sp.Expr], free: tuple[str, ...], said: sp.Basic) -> bool:
     """Whether the free forces are K (u - u_in) and more, K constant with an inverse, and each u is any number and stands nowhere else."""
-    table, observed = law.symbols(), _variables(law).observed()
+    table, observed = law.symbols(), variables_of(law).observed()
     names = [name for force, name in observed.items() if force in free]
     if len(names) != len(free) or any(law.parameters[name] != Domain() or table[name] in said.free_symbols for name in names):
         return False
@@ -125,14 +124,14 @@ def _onto(law: Criterion, found: Mapping[str, sp.Expr], free: tuple[str, ...], s
 
 def forces_in(law: Criterion) -> dict[str, sp.Expr]:
     """The force that the energy gives by each internal variable; InputError where it has no derivatives in words."""
-    driven, table = _variables(law).driven(), law.symbols()
+    driven, table = variables_of(law).driven(), law.symbols()
     assert law.energy is not None
     return dict(zip(driven, (-d for d in gradient(law.energy, [table[name] for name in driven.values()])), strict=True))
 
 
 def two_forces(law: Criterion) -> dict[str, sp.Expr]:
     """What must be 0 for the energy to give one force by an observable and by the slip of the same; nothing where it has kinks."""
-    variables, table = _variables(law), law.symbols()
+    variables, table = variables_of(law), law.symbols()
     driven, observed = variables.driven(), variables.observed()
     pairs = [(u, driven[force]) for force, u in observed.items() if force in driven]
     if law.energy is None or law.energy.has(*KINKS, Norm):
@@ -227,8 +226,3 @@ def heat_in_states(law: Criterion, pressure: Mapping[sp.Symbol, sp.Expr]) -> Spe
     parts = ((known[name], parsed_as_written(law, h, law.written_heat[name], known)) for name, h in law.heat.items())
     spent = sp.Add(*(h * (body - t) ** 2 / body for body, h in parts), evaluate=False)
     return Spent(spent, None, False, None, {table[name]: own for name, own in ranges.items() if own.value is None})
-
-
-def _variables(law: Criterion) -> Variables:
-    assert isinstance(law.variables, Variables)  # since __post_init__
-    return law.variables

@@ -17,9 +17,9 @@ import pytest
 from duhem.errors import DuhemError, InputError
 from duhem.law.catalogue import load
 from duhem.law.placed_toml import parsed, text_of
-from duhem.path.batch_run import parts
 from duhem.path.scene import Scene
 from duhem.path.scene_file import MOST_BYTES, reads
+from duhem.path.simulate import parts
 from duhem.proof.report import sentences
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import Verification, verify, wanted_claims
