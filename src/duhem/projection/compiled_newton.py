@@ -24,7 +24,7 @@ from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import ClosestPoint
 from duhem.projection.module_text import module_text
-from duhem.projection.newton_kernel import INLINED, LEFT
+from duhem.projection.newton_kernel import LEFT
 from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
@@ -61,9 +61,9 @@ class Loop:
         law = increment.law
         if (made := _made(increment.g, law.force_symbols(), increment.pressure_symbol, entry, sources)) is None:
             return None
-        text, inlined, formula, constants = made
+        text, formula, constants = made
         mean, root = whitening(increment)
-        run = interpreted(text, entry, goes_on) if plain else compiled_text(text, entry, inlined)
+        run = interpreted(text, entry, goes_on) if plain else compiled_text(text, entry)
         return cls(run, formula, constants, only_read(root), only_read(np.linalg.inv(root)), mean)
 
     def data(self, pressure: Array) -> Array:
@@ -178,8 +178,8 @@ def compiled_closest(increment: Increment) -> ClosestPoint | None:
 @lru_cache(maxsize=256)
 def _made(
     g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None, entry: str, sources: tuple[ModuleType, ...]
-) -> tuple[str, tuple[str, ...], ScaledFormula, Array] | None:
-    """The text to compile, what is put where it is called, the formula in units of its own size and its constants.
+) -> tuple[str, ScaledFormula, Array] | None:
+    """The text to compile, the formula in units of its own size and its constants.
 
     None for a word without derivatives as text.
     """
@@ -188,8 +188,7 @@ def _made(
         jets = scalar_jets(formula.expr, forces, tuple(formula.data))
     except InputError:
         return None
-    smooth = () if jets.kinks or jets.pairs else ("piece",)  # of a smooth law it is called in one place
-    return kernel_text(formula, jets, len(forces), *sources, entry=entry), (*INLINED, *smooth), formula, np.array(jets.constants)
+    return kernel_text(formula, jets, len(forces), *sources, entry=entry), formula, np.array(jets.constants)
 
 
 def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType, entry: str = "solve") -> str:

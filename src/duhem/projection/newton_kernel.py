@@ -58,15 +58,9 @@ from duhem.projection.newton_step import (
     whitened,
 )  # fmt: skip  # isort: skip
 
-__all__ = ["INLINED", "LEFT", "SLIP", "STICK", "apex", "solve"]
+__all__ = ["LEFT", "SLIP", "STICK", "apex", "solve"]
 
 KINKS = PAIRS = 0  # how many kinks the law has, and how many eigenvalues that may be double
-
-INLINED = (
-    "begun", "below", "bent", "bordered", "centred", "directed", "gram", "length", "newton", "optimal", "pressed", "resized", "searched",
-    "shared", "snapped", "solved", "state_of", "times", "turn", "whitened",
-)  # fmt: skip
-"""Functions that every slip goes through, each called in few places."""
 
 
 # -- compiled from here ----------------------------------------------------------------------------------------

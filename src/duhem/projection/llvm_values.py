@@ -1,0 +1,100 @@
+"""What a function in LLVM's text is given and returns: numbers, arrays and tuples of these, each carried by numbers alone."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+__all__ = ["NotLowered", "Number", "Rows", "Value", "carriers", "constant", "kinds_of", "leaves", "listed", "made_of", "type_of"]
+
+
+class NotLowered(Exception):
+    """A construction that has no place here: numba is given the text."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number of LLVM's type ``kind``, or an address; ``known`` where it is a constant, else ``text`` names it."""
+
+    kind: str
+    text: str = ""
+    known: Any = None
+
+    def __str__(self) -> str:
+        if self.known is None:
+            return self.text
+        return f"0x{struct.pack('>d', self.known).hex()}" if self.kind == "double" else str(int(self.known))
+
+
+@dataclass(frozen=True)
+class Rows:
+    """An array, dense by rows (``C``) or by columns (``F``)."""
+
+    element: str
+    start: Number
+    sizes: tuple[Number, ...]
+    order: str = "C"
+
+
+Value = Number | Rows | tuple[Any, ...]
+
+
+def kinds_of(value: Value) -> Any:
+    """What a function is written for: the kind of a number, (element, directions, order) of an array, a list of those of a tuple."""
+    if isinstance(value, Number):
+        return value.kind
+    if isinstance(value, Rows):
+        return value.element, len(value.sizes), value.order
+    return ("tuple", *map(kinds_of, value))
+
+
+def leaves(value: Value) -> list[Number]:
+    """The numbers that carry a value."""
+    if isinstance(value, Number):
+        return [value]
+    return [value.start, *value.sizes] if isinstance(value, Rows) else [part for each in value for part in leaves(each)]
+
+
+def made_of(kinds: Any, numbers: Iterator[Number]) -> Value:
+    """The value of these kinds that such numbers carry."""
+    if isinstance(kinds, str):
+        return next(numbers)
+    if kinds[0] == "tuple":
+        return tuple([made_of(each, numbers) for each in kinds[1:]])
+    element, directions, order = kinds
+    return Rows(element, next(numbers), tuple([next(numbers) for _ in range(directions)]), order)
+
+
+def carriers(kinds: Any) -> list[str]:
+    """Those of the numbers that carry a value of these kinds."""
+    if isinstance(kinds, str):
+        return [kinds]
+    if kinds[0] == "tuple":
+        return [part for each in kinds[1:] for part in carriers(each)]
+    return ["ptr", *["i64"] * kinds[1]]
+
+
+def listed(value: Value) -> str:
+    """As arguments of a call."""
+    return ", ".join(f"{number.kind} {number}" for number in leaves(value))
+
+
+def type_of(returned: Any) -> str:
+    """LLVM's type of what is returned, of which these are the kinds; None is nothing."""
+    return returned if isinstance(returned, str) else "void" if returned is None else f"{{ {', '.join(carriers(returned))} }}"
+
+
+def constant(value: Any) -> Value:
+    """A number of Python, or a tuple of such; NotLowered for anything else."""
+    match value:
+        case bool():
+            return Number("i1", known=value)
+        case int():
+            return Number("i64", known=value)
+        case float():
+            return Number("double", known=value)
+        case tuple():
+            return tuple(map(constant, value))
+    raise NotLowered(repr(value))
