@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import MissingExtraError
-from duhem.projection import file_cache
+from duhem.projection import file_cache, llvm_calls, llvm_loops, llvm_values
 from duhem.projection.llvm_calls import called
 from duhem.projection.llvm_values import NotLowered
 
@@ -54,7 +54,13 @@ def compiled_text(text: str, entry: str) -> CompiledText:
     """
     if find_spec("numba") is None:
         raise MissingExtraError("numba", "fast")
-    return CompiledText(text, entry)
+    return CompiledText(f"{text}\n# lowered by {_lowered_by()}\n", entry)
+
+
+@cache
+def _lowered_by() -> str:
+    """Stands for our own part of the compiler: where it is another, what was kept is of no use."""
+    return _name("".join(map(inspect.getsource, (llvm_calls, llvm_loops, llvm_values))))
 
 
 def only_read(given: NDArray[Any]) -> NDArray[Any]:
@@ -117,7 +123,6 @@ class CompiledText:
         try:
             return compiled(*arguments)
         except (NotLowered, _numba().core.errors.NumbaError, *_OTHER):
-            import traceback; traceback.print_exc()
             if not self._lowered:
                 raise
         with self._lock:

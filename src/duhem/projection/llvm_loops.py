@@ -322,10 +322,6 @@ class _Function:
                 return found
             case ast.IfExp(test=test, body=body, orelse=otherwise):
                 return self._either(self._test(test), body, otherwise)
-            case ast.Subscript(value=ast.Call(func=ast.Name(id="frexp"), args=[x]), slice=ast.Constant(value=1)):
-                room = self._slot("exponent", "i32")
-                self._outside("numba_frexp", [self._number(x), Number("ptr", room)], writes=True)
-                return self._let("i64", f"sext i32 {self._let('i32', f'load i32, ptr {room}')} to i64")
             case ast.Subscript(value=whole, slice=place):
                 return self._part(self._value(whole), place, node)
             case ast.Call():
@@ -477,7 +473,7 @@ class _Function:
         own = self.module.outside(name, ", ".join(each.kind for each in given), writes)
         return self._let("double", f"call double {own}({listed(tuple(given))})")
 
-    def _word(self, word: Any, numbers: list[Number]) -> Number:
+    def _word(self, word: Any, numbers: list[Number]) -> Value:
         if word in (max, min):
             found = numbers[0]
             for other in numbers[1:]:
@@ -489,6 +485,10 @@ class _Function:
             return self._word(max, [numbers[0], self._let("i64", f"sub i64 0, {numbers[0]}")])
         if word in _CALLED:
             return self._outside(_CALLED[word], numbers)
+        if word is math.frexp:
+            room = self._slot("exponent", "i32")
+            share = self._outside("numba_frexp", [numbers[0], Number("ptr", room)], writes=True)
+            return share, self._let("i64", f"sext i32 {self._let('i32', f'load i32, ptr {room}')} to i64")
         if word is math.ldexp:
             return self._outside("numba_ldexp", [numbers[0], self._let("i32", f"trunc i64 {self._as('i64', numbers[1])} to i32")])
         if word is math.floor:
