@@ -108,7 +108,7 @@ class CompiledText:
         import logging  # which numba has loaded
 
         logging.getLogger("duhem").warning(
-            "waiting for numba: to compile the %s of a law takes 10 to 45 seconds, once", _MEANT.get(self._name, "loop")
+            "waiting for numba: to compile the %s of a law takes 2 to 15 seconds, once", _MEANT.get(self._name, "loop")
         )
         result = self._through_numba(arguments)
         self._runs[known] = compiled = self._by_numba
@@ -156,7 +156,8 @@ class CompiledText:
 def _returning_several(text: str) -> set[str]:
     """The functions of a text that return a tuple."""
     functions = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
-    return {node.name for node in functions if any(isinstance(part, ast.Return) and isinstance(part.value, ast.Tuple) for part in ast.walk(node))}
+    ends = [(node.name, part.value) for node in functions for part in ast.walk(node) if isinstance(part, ast.Return)]
+    return {name for name, value in ends if isinstance(value, ast.Tuple)}
 
 
 def interpreted_text(text: str | ast.Module, entry: str) -> Callable[..., None]:

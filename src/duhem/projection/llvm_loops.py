@@ -14,12 +14,13 @@ import ast
 import math
 import operator
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from duhem.projection.llvm_values import NotLowered, Number, Rows, Value, carriers, constant, kinds_of, leaves, listed, made_of, type_of
+from duhem.projection.llvm_values import NotLowered, Number, Rows, Value, carriers, constant, kinds_of, listed, made_of, returned, type_of
 
 __all__ = ["lowered"]
 
@@ -32,15 +33,15 @@ def lowered(text: str, space: Mapping[str, Any], name: str, kinds: tuple[Any, ..
     ``space`` says what the names are that the text does not give itself, and constants.  NotLowered for anything else than is read here.
     """
     module = _Module(text, space)
-    function, returned = module.function(name, kinds)
-    if not (returned is None or isinstance(returned, str)):
+    function, result = module.function(name, kinds)
+    if not (result is None or isinstance(result, str)):
         raise NotLowered(f"{name} returns more than a number")
     given = ", ".join(f"{kind} %{k}" for k, kind in enumerate(part for each in kinds for part in carriers(each)))
-    call, end = f"call {type_of(returned)} {function}({given})", "ret void"
-    if returned is not None:
-        call, end = f"%r = {call}", f"ret {returned} %r"
-    shown = f"define linkonce_odr {type_of(returned)} @{own}({given}) alwaysinline {{\n  {call}\n  {end}\n}}"
-    return "\n".join([*module.others.values(), *module.parts, shown]), type_of(returned)
+    call, end = f"call {type_of(result)} {function}({given})", "ret void"
+    if result is not None:
+        call, end = f"%r = {call}", f"ret {result} %r"
+    shown = f"define linkonce_odr {type_of(result)} @{own}({given}) alwaysinline {{\n  {call}\n  {end}\n}}"
+    return "\n".join([*module.others.values(), *module.parts, shown]), type_of(result)
 
 
 class _Module:
@@ -50,11 +51,16 @@ class _Module:
         self.functions = {node.name: node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
         self.space, self.parts, self.others = space, list[str](), dict[str, str]()
         self._made: dict[tuple[str, tuple[Any, ...]], tuple[str, Any]] = {}
+        self._open: list[str] = []
 
     def function(self, name: str, kinds: tuple[Any, ...]) -> tuple[str, Any]:
         """The name in LLVM and the kinds of what is returned, None for nothing."""
         if (name, kinds) not in self._made:
+            if name in self._open:
+                raise NotLowered(f"{name} calls itself")
+            self._open.append(name)
             written, own = _Function(self, self.functions[name], kinds), f"@{name}.{len(self._made)}"
+            self._open.pop()
             self.parts.append(f"define internal {type_of(written.returned)} {own}({written.head}) {{\n{written.text}}}")
             self._made[name, kinds] = own, written.returned
         return self._made[name, kinds]
@@ -81,11 +87,24 @@ _BITS: Mapping[type, str] = {ast.BitAnd: "and", ast.BitOr: "or", ast.LShift: "sh
 _COMPARED: Mapping[type, str] = {ast.Lt: "lt", ast.LtE: "le", ast.Gt: "gt", ast.GtE: "ge", ast.Eq: "eq", ast.NotEq: "ne"}
 
 
+def _ends(lines: Sequence[ast.stmt]) -> bool:
+    """Whether nothing goes on after them."""
+    match lines[-1]:
+        case ast.Return():
+            return True
+        case ast.If(body=body, orelse=[_, *_] as otherwise):
+            return _ends(body) and _ends(otherwise)
+        case ast.While(test=ast.Constant(value=True)) as loop:
+            return not any(isinstance(part, ast.Break) for part in ast.walk(loop))
+    return False
+
+
 class _Function:
     """One function for arguments of such kinds: written again until the kinds of its locals no longer widen."""
 
     def __init__(self, module: _Module, node: ast.FunctionDef, kinds: tuple[Any, ...]) -> None:
-        self.module, self.own = module, {part.id for part in ast.walk(node) if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store)}
+        stored = [part.id for part in ast.walk(node) if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store)]
+        self.module, self.own = module, set(stored)
         self.kinds: dict[str, str] = {}
         self.returned: Any = None
         self.settled = False
@@ -101,7 +120,9 @@ class _Function:
             for parameter, each in zip(node.args.args, given, strict=True):
                 self._bind(parameter.arg, each)
             self._lines(node.body)
-            self.lines.append("  unreachable" if self.returned else "  ret void")
+            if self.returned is not None and not _ends(node.body):
+                raise NotLowered(f"{node.name} may end without a number")
+            self.lines.append("  ret void" if self.returned is None else "  unreachable")
         self.text = "\n".join(["entry:", *self.slots.values(), *self.lines, ""])
 
     # -- lines and blocks
@@ -186,7 +207,7 @@ class _Function:
                 found = self._value(value)
                 for target in targets:
                     self._assign(target, found)
-            case ast.AugAssign(target=target, op=op, value=value):
+            case ast.AugAssign(target=target, op=op, value=value) if not any(isinstance(part, ast.Call) for part in ast.walk(target)):
                 read = ast.Name(target.id, ast.Load()) if isinstance(target, ast.Name) else target
                 self._assign(target, self._value(ast.BinOp(read, op, value)))
             case ast.Return(value=value):
@@ -263,7 +284,7 @@ class _Function:
         if value is None:
             self.lines.append("  ret void")
         else:
-            given = leaves(value)
+            given = returned(value)
             kinds = [self._widened(f"return.{k}", each.kind) for k, each in enumerate(given)]
             self.returned = kinds_of(made_of(kinds_of(value), map(Number, kinds)))
             whole, kind = Number("", "undef"), type_of(self.returned)
@@ -288,10 +309,10 @@ class _Function:
             case ast.Constant(value=bool() | int() | float() as value):
                 return constant(value)
             case ast.Name(id=name) if name in self.values:
-                place, value = self.values[name]
+                place, known = self.values[name]
                 if place != self.place[: len(place)]:
                     raise NotLowered(f"{name} is given elsewhere")
-                return value
+                return known
             case ast.Name(id=name) if f"v.{name}" in self.slots:
                 return self._let(self.kinds[name], f"load {self.kinds[name]}, ptr %v.{name}")
             case ast.Name(id=name) if name not in self.own:
@@ -308,18 +329,19 @@ class _Function:
                 number = self._number(x)
                 if number.known is not None:
                     return constant(-number.known)
-                return self._let(number.kind, f"fneg double {number}" if number.kind == "double" else f"sub i64 0, {self._as('i64', number)}")
+                return self._let("double", f"fneg double {number}") if number.kind == "double" else self._negative(number)
             case ast.BinOp(left=a, op=op, right=b):
                 return self._operation(self._value(a), op, self._value(b), node)
             case ast.BoolOp(op=op, values=values):
-                return self._both(isinstance(op, ast.And), values)
+                return self._both(isinstance(op, ast.And), [partial(self._test, each) for each in values])
             case ast.Compare(left=left, ops=ops, comparators=others):
-                ends = [self._number(each) for each in (left, *others)]
-                tests = [self._compared(a, op, b) for a, op, b in zip(ends, ops, ends[1:], strict=False)]
-                found = tests[0]
-                for other in tests[1:]:
-                    found = self._let("i1", f"and i1 {found}, {other}")
-                return found
+                ends = [self._number(left)]
+
+                def compared(op: ast.cmpop, other: ast.expr) -> Number:
+                    ends.append(self._number(other))
+                    return self._compared(ends[-2], op, ends[-1])
+
+                return self._both(True, [partial(compared, *each) for each in zip(ops, others, strict=True)])
             case ast.IfExp(test=test, body=body, orelse=otherwise):
                 return self._either(self._test(test), body, otherwise)
             case ast.Subscript(value=whole, slice=place):
@@ -327,6 +349,9 @@ class _Function:
             case ast.Call():
                 return self._call(node)
         raise NotLowered(ast.unparse(node))
+
+    def _negative(self, number: Number) -> Number:
+        return self._let("i64", f"sub i64 0, {self._as('i64', number)}")
 
     def _rows(self, node: ast.expr) -> Rows:
         if not isinstance(found := self._value(node), Rows):
@@ -338,19 +363,19 @@ class _Function:
             at = self._number(place)
             if at.known is None or not 0 <= at.known < len(whole):
                 raise NotLowered(ast.unparse(node))
-            return whole[at.known]  # type: ignore[no-any-return]
+            return whole[at.known]
         if isinstance(whole, Number):
             raise NotLowered(ast.unparse(node))
         if isinstance(place, ast.Slice):
             if place.lower is None or place.upper is not None or place.step is not None or whole.order != "C":
                 raise NotLowered(ast.unparse(node))
             first = self._number(place.lower)
-            left = self._operation(whole.sizes[0], ast.Sub(), first, node)
+            left = self._numbered(whole.sizes[0], ast.Sub(), first)
             start = first
             for size in whole.sizes[1:]:
                 start = self._numbered(start, ast.Mult(), size)
             pointer = self._let("ptr", f"getelementptr {whole.element}, ptr {whole.start}, i64 {start}")
-            return Rows(whole.element, pointer, (left, *whole.sizes[1:]))  # type: ignore[arg-type]
+            return Rows(whole.element, pointer, (left, *whole.sizes[1:]), local=whole.local)
         found = self._let(whole.element, f"load {whole.element}, ptr {self._address(whole, place)}")
         return found if whole.element in ("double", "i64") else self._let("i64", f"sext {whole.element} {found} to i64")
 
@@ -404,13 +429,15 @@ class _Function:
         word = word if word in ("eq", "ne") else f"s{word}"
         return self._let("i1", f"icmp {word} i64 {self._as('i64', a)}, {self._as('i64', b)}")
 
-    def _both(self, conjunction: bool, values: Sequence[ast.expr]) -> Number:
+    def _both(self, conjunction: bool, tests: Sequence[Callable[[], Number]]) -> Number:
         """``and`` and ``or``: what comes after is only worked out where it decides."""
+        if len(tests) == 1:
+            return tests[0]()
         room, after = self._slot(f"s.{self.count}", "i1"), *self._labels(1)
-        for k, value in enumerate(values):
-            test = self._test(value)
+        for k, each in enumerate(tests):
+            test = each()
             self.lines.append(f"  store i1 {test}, ptr {room}")
-            if k < len(values) - 1:
+            if k < len(tests) - 1:
                 (next_,) = self._labels(1)
                 self._where(test, *((next_, after) if conjunction else (after, next_)), next_)
         self._go(after, after)
@@ -447,7 +474,7 @@ class _Function:
                     raise NotLowered(ast.unparse(node))
                 (name,) = self._labels(1)
                 pointer = self._slot(f"r.{name}", f"[{math.prod(size.known for size in sizes)} x double], align 8")
-                return Rows("double", Number("ptr", pointer), sizes)
+                return Rows("double", Number("ptr", pointer), sizes, local=True)
             case ast.Call(func=ast.Name(id="len"), args=[x]):
                 whole = self._value(x)
                 return constant(len(whole)) if isinstance(whole, tuple) else self._rows(x).sizes[0]
@@ -458,15 +485,15 @@ class _Function:
         raise NotLowered(ast.unparse(node))
 
     def _own(self, name: str, arguments: Sequence[Value]) -> Value:
-        own, returned = self.module.function(name, tuple(map(kinds_of, arguments)))
-        call = f"call {type_of(returned)} {own}({listed(tuple(arguments))})"
-        if returned is None:
+        own, result = self.module.function(name, tuple(map(kinds_of, arguments)))
+        call = f"call {type_of(result)} {own}({listed(tuple(arguments))})"
+        if result is None:
             self.lines.append(f"  {call}")
             return ()
-        whole = self._let(type_of(returned), call)
-        if isinstance(returned, str):
+        whole = self._let(type_of(result), call)
+        if isinstance(result, str):
             return whole
-        return made_of(returned, iter([self._let(k, f"extractvalue {whole.kind} {whole}, {n}") for n, k in enumerate(carriers(returned))]))
+        return made_of(result, iter([self._let(k, f"extractvalue {whole.kind} {whole}, {n}") for n, k in enumerate(carriers(result))]))
 
     def _outside(self, name: str, arguments: Sequence[Number], writes: bool = False) -> Number:
         given = [each if each.kind in ("ptr", "i32") else self._as("double", each) for each in arguments]
@@ -482,7 +509,7 @@ class _Function:
                 found = self._let(kind, f"select i1 {test}, {kind} {self._as(kind, other)}, {kind} {self._as(kind, found)}")
             return found
         if word is abs and numbers[0].kind == "i64":
-            return self._word(max, [numbers[0], self._let("i64", f"sub i64 0, {numbers[0]}")])
+            return self._word(max, [numbers[0], self._negative(numbers[0])])
         if word in _CALLED:
             return self._outside(_CALLED[word], numbers)
         if word is math.frexp:

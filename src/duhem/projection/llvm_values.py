@@ -7,7 +7,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["NotLowered", "Number", "Rows", "Value", "carriers", "constant", "kinds_of", "leaves", "listed", "made_of", "type_of"]
+__all__ = [
+    "NotLowered",
+    "Number",
+    "Rows",
+    "Value",
+    "carriers",
+    "constant",
+    "kinds_of",
+    "leaves",
+    "listed",
+    "made_of",
+    "returned",
+    "type_of",
+]
 
 
 class NotLowered(Exception):
@@ -30,12 +43,13 @@ class Number:
 
 @dataclass(frozen=True)
 class Rows:
-    """An array, dense by rows (``C``) or by columns (``F``)."""
+    """An array, dense by rows (``C``) or by columns (``F``); a ``local`` one is gone where its function returns."""
 
     element: str
     start: Number
     sizes: tuple[Number, ...]
     order: str = "C"
+    local: bool = False
 
 
 Value = Number | Rows | tuple[Any, ...]
@@ -76,14 +90,23 @@ def carriers(kinds: Any) -> list[str]:
     return ["ptr", *["i64"] * kinds[1]]
 
 
+def returned(value: Value) -> list[Number]:
+    """The same of what a function returns; NotLowered for an array of its own."""
+    if isinstance(value, tuple):
+        return [part for each in value for part in returned(each)]
+    if isinstance(value, Rows) and value.local:
+        raise NotLowered("an array is returned where it was made")
+    return leaves(value)
+
+
 def listed(value: Value) -> str:
     """As arguments of a call."""
     return ", ".join(f"{number.kind} {number}" for number in leaves(value))
 
 
-def type_of(returned: Any) -> str:
+def type_of(kinds: Any) -> str:
     """LLVM's type of what is returned, of which these are the kinds; None is nothing."""
-    return returned if isinstance(returned, str) else "void" if returned is None else f"{{ {', '.join(carriers(returned))} }}"
+    return kinds if isinstance(kinds, str) else "void" if kinds is None else f"{{ {', '.join(carriers(kinds))} }}"
 
 
 def constant(value: Any) -> Value:
