@@ -1,7 +1,7 @@
 """The closest point by a loop that is made for one law: compiled by numba, once a law, then kept on disk, or run on plain numbers.
 
 The functions of the law are its scaled formula and its jets as text (:mod:`duhem.expression.scalar_jets`); the loop is the source of
-:mod:`duhem.projection.newton_kernel` and of the step it takes.  Points that the loop leaves are the search's.
+:mod:`duhem.projection.newton_kernel`, of the step it takes and of the search for an apex.  Points that the loop leaves are the search's.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import ScalarJets, scalar_jets
-from duhem.projection import newton_kernel, newton_step
+from duhem.projection import apex_kernel, newton_kernel, newton_step
 from duhem.projection.code_cache import CompiledText, compiled_text, only_read
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
@@ -30,7 +30,10 @@ from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
 from duhem.projection.whitened_body import whitening
 
-__all__ = ["Loop", "compiled_closest", "kernel_text", "plain_closest", "solved", "solved_one_by_one"]
+__all__ = ["KERNEL", "Loop", "compiled_closest", "kernel_text", "plain_closest", "solved", "solved_one_by_one"]
+
+KERNEL = newton_step, apex_kernel, newton_kernel
+"""The modules whose texts are one."""
 
 _BLOCK = 1_024, 4_096  # points, from and to: threads share batches of a few thousand
 
@@ -193,5 +196,4 @@ def _made(
 
 def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType, entry: str = "solve") -> str:
     """The module that is compiled for one law in ``d`` forces, whatever its parameters but for exponents and whole numbers."""
-    kernel = newton_step, newton_kernel
-    return module_text(formula, d, jets, (jets.level, jets.piece), (*kernel, *sources), (entry,))
+    return module_text(formula, d, jets, (jets.level, jets.piece), (*KERNEL, *sources), (entry,))

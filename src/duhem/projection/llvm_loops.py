@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from duhem.projection.llvm_values import NotLowered, Number, Rows, Value, carriers, constant, kinds_of, listed, made_of, returned, type_of
+from duhem.projection.llvm_values import Dense, NotLowered, Number, Value, carriers, constant, kinds_of, listed, made_of, returned, type_of
 
 __all__ = ["lowered"]
 
@@ -270,7 +270,7 @@ class _Function:
                     self._assign(each, own)
             case ast.Subscript(value=array, slice=place):
                 rows = self._value(array)
-                if not isinstance(rows, Rows):
+                if not isinstance(rows, Dense):
                     raise NotLowered(ast.unparse(target))
                 pointer, kind = self._address(rows, place), "double" if rows.element == "double" else "i64"
                 number = self._as(kind, value)
@@ -353,8 +353,8 @@ class _Function:
     def _negative(self, number: Number) -> Number:
         return self._let("i64", f"sub i64 0, {self._as('i64', number)}")
 
-    def _rows(self, node: ast.expr) -> Rows:
-        if not isinstance(found := self._value(node), Rows):
+    def _rows(self, node: ast.expr) -> Dense:
+        if not isinstance(found := self._value(node), Dense):
             raise NotLowered(ast.unparse(node))
         return found
 
@@ -375,11 +375,11 @@ class _Function:
             for size in whole.sizes[1:]:
                 start = self._numbered(start, ast.Mult(), size)
             pointer = self._let("ptr", f"getelementptr {whole.element}, ptr {whole.start}, i64 {start}")
-            return Rows(whole.element, pointer, (left, *whole.sizes[1:]), local=whole.local)
+            return Dense(whole.element, pointer, (left, *whole.sizes[1:]), local=whole.local)
         found = self._let(whole.element, f"load {whole.element}, ptr {self._address(whole, place)}")
         return found if whole.element in ("double", "i64") else self._let("i64", f"sext {whole.element} {found} to i64")
 
-    def _address(self, rows: Rows, place: ast.expr) -> Number:
+    def _address(self, rows: Dense, place: ast.expr) -> Number:
         places = [self._as("i64", self._number(each)) for each in (place.elts if isinstance(place, ast.Tuple) else [place])]
         if len(places) != len(rows.sizes) or any(each.known is not None and each.known < 0 for each in places):
             raise NotLowered("an index")
@@ -474,7 +474,7 @@ class _Function:
                     raise NotLowered(ast.unparse(node))
                 (name,) = self._labels(1)
                 pointer = self._slot(f"r.{name}", f"[{math.prod(size.known for size in sizes)} x double], align 8")
-                return Rows("double", Number("ptr", pointer), sizes, local=True)
+                return Dense("double", Number("ptr", pointer), sizes, local=True)
             case ast.Call(func=ast.Name(id="len"), args=[x]):
                 whole = self._value(x)
                 return constant(len(whole)) if isinstance(whole, tuple) else self._rows(x).sizes[0]

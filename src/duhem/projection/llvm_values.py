@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 __all__ = [
+    "Dense",
     "NotLowered",
     "Number",
-    "Rows",
     "Value",
     "carriers",
     "constant",
@@ -42,7 +42,7 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Rows:
+class Dense:
     """An array, dense by rows (``C``) or by columns (``F``); a ``local`` one is gone where its function returns."""
 
     element: str
@@ -52,14 +52,14 @@ class Rows:
     local: bool = False
 
 
-Value = Number | Rows | tuple[Any, ...]
+Value = Number | Dense | tuple[Any, ...]
 
 
 def kinds_of(value: Value) -> Any:
     """What a function is written for: the kind of a number, (element, directions, order) of an array, a list of those of a tuple."""
     if isinstance(value, Number):
         return value.kind
-    if isinstance(value, Rows):
+    if isinstance(value, Dense):
         return value.element, len(value.sizes), value.order
     return ("tuple", *map(kinds_of, value))
 
@@ -68,7 +68,7 @@ def leaves(value: Value) -> list[Number]:
     """The numbers that carry a value."""
     if isinstance(value, Number):
         return [value]
-    return [value.start, *value.sizes] if isinstance(value, Rows) else [part for each in value for part in leaves(each)]
+    return [value.start, *value.sizes] if isinstance(value, Dense) else [part for each in value for part in leaves(each)]
 
 
 def made_of(kinds: Any, numbers: Iterator[Number]) -> Value:
@@ -78,7 +78,7 @@ def made_of(kinds: Any, numbers: Iterator[Number]) -> Value:
     if kinds[0] == "tuple":
         return tuple([made_of(each, numbers) for each in kinds[1:]])
     element, directions, order = kinds
-    return Rows(element, next(numbers), tuple([next(numbers) for _ in range(directions)]), order)
+    return Dense(element, next(numbers), tuple([next(numbers) for _ in range(directions)]), order)
 
 
 def carriers(kinds: Any) -> list[str]:
@@ -94,7 +94,7 @@ def returned(value: Value) -> list[Number]:
     """The same of what a function returns; NotLowered for an array of its own."""
     if isinstance(value, tuple):
         return [part for each in value for part in returned(each)]
-    if isinstance(value, Rows) and value.local:
+    if isinstance(value, Dense) and value.local:
         raise NotLowered("an array is returned where it was made")
     return leaves(value)
 
