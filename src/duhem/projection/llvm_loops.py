@@ -83,6 +83,7 @@ _ARITHMETIC: Mapping[type, str] = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mu
 _FOLDED: Mapping[type, Any] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv, ast.Pow: operator.pow,
 }  # fmt: skip
+_CONVERTED = {("i64", "double"): "sitofp", ("i1", "double"): "uitofp", ("i1", "i64"): "zext", ("double", "i64"): "fptosi"}
 _BITS: Mapping[type, str] = {ast.BitAnd: "and", ast.BitOr: "or", ast.LShift: "shl", ast.RShift: "ashr"}
 _COMPARED: Mapping[type, str] = {ast.Lt: "lt", ast.LtE: "le", ast.Gt: "gt", ast.GtE: "ge", ast.Eq: "eq", ast.NotEq: "ne"}
 
@@ -172,18 +173,9 @@ class _Function:
             return value
         if value.known is not None and kind != "i1":
             return Number(kind, known=float(value.known) if kind == "double" else int(value.known))
-        match value.kind, kind:
-            case "i64", "double":
-                return self._let(kind, f"sitofp i64 {value} to double")
-            case "i1", "double":
-                return self._let(kind, f"uitofp i1 {value} to double")
-            case "i1", "i64":
-                return self._let(kind, f"zext i1 {value} to i64")
-            case "i64", "i1":
-                return self._let(kind, f"icmp ne i64 {value}, 0")
-            case "double", "i1":
-                return self._let(kind, f"fcmp une double {value}, 0.0")
-        return self._let(kind, f"fptosi double {value} to i64")
+        if kind == "i1":
+            return self._compared(value, ast.NotEq(), Number("i64", known=0))
+        return self._let(kind, f"{_CONVERTED[value.kind, kind]} {value.kind} {value} to {kind}")
 
     # -- statements
 
@@ -351,7 +343,7 @@ class _Function:
         raise NotLowered(ast.unparse(node))
 
     def _negative(self, number: Number) -> Number:
-        return self._let("i64", f"sub i64 0, {self._as('i64', number)}")
+        return self._numbered(Number("i64", known=0), ast.Sub(), number)
 
     def _rows(self, node: ast.expr) -> Dense:
         if not isinstance(found := self._value(node), Dense):
@@ -406,10 +398,9 @@ class _Function:
             return self._let(kind, f"{_BITS[type(op)]} {kind} {self._as(kind, a)}, {self._as(kind, b)}")
         kind = "i64" if kind == "i1" else kind
         match op:
-            case ast.Add() | ast.Sub() | ast.Mult() if kind == "double":
-                return self._let(kind, f"f{_ARITHMETIC[type(op)]} double {self._as(kind, a)}, {self._as(kind, b)}")
             case ast.Add() | ast.Sub() | ast.Mult():
-                return self._let(kind, f"{_ARITHMETIC[type(op)]} nsw i64 {self._as(kind, a)}, {self._as(kind, b)}")
+                word = f"f{_ARITHMETIC[type(op)]} double" if kind == "double" else f"{_ARITHMETIC[type(op)]} nsw i64"
+                return self._let(kind, f"{word} {self._as(kind, a)}, {self._as(kind, b)}")
             case ast.Div():
                 return self._let("double", f"fdiv double {self._as('double', a)}, {self._as('double', b)}")
             case ast.Mod() if kind == "i64" and b.known and b.known > 0:  # Python's, which is never negative
@@ -475,9 +466,8 @@ class _Function:
                 (name,) = self._labels(1)
                 pointer = self._slot(f"r.{name}", f"[{math.prod(size.known for size in sizes)} x double], align 8")
                 return Dense("double", Number("ptr", pointer), sizes, local=True)
-            case ast.Call(func=ast.Name(id="len"), args=[x]):
-                whole = self._value(x)
-                return constant(len(whole)) if isinstance(whole, tuple) else self._rows(x).sizes[0]
+            case ast.Call(func=ast.Name(id="len"), args=[x]) if isinstance(whole := self._value(x), tuple):
+                return constant(len(whole))
             case ast.Call(func=ast.Name(id="float" | "int" as name), args=[x]):
                 return self._as("double" if name == "float" else "i64", self._number(x))
             case ast.Call(func=ast.Name(id=name), args=args):
