@@ -16,11 +16,12 @@ import operator
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from itertools import count
 from typing import Any
 
 import numpy as np
 
-from duhem.projection.llvm_values import Dense, NotLowered, Number, Value, carriers, constant, kinds_of, listed, made_of, returned, type_of
+from duhem.projection.llvm_values import Dense, NotLowered, Number, Value, constant, kinds_of, listed, made_of, returned, type_of
 
 __all__ = ["lowered"]
 
@@ -36,7 +37,7 @@ def lowered(text: str, space: Mapping[str, Any], name: str, kinds: tuple[Any, ..
     function, result = module.function(name, kinds)
     if not (result is None or isinstance(result, str)):
         raise NotLowered(f"{name} returns more than a number")
-    given = ", ".join(f"{kind} %{k}" for k, kind in enumerate(part for each in kinds for part in carriers(each)))
+    given = listed(_parameters(kinds))
     call, end = f"call {type_of(result)} {function}({given})", "ret void"
     if result is not None:
         call, end = f"%r = {call}", f"ret {result} %r"
@@ -88,6 +89,12 @@ _BITS: Mapping[type, str] = {ast.BitAnd: "and", ast.BitOr: "or", ast.LShift: "sh
 _COMPARED: Mapping[type, str] = {ast.Lt: "lt", ast.LtE: "le", ast.Gt: "gt", ast.GtE: "ge", ast.Eq: "eq", ast.NotEq: "ne"}
 
 
+def _parameters(kinds: tuple[Any, ...]) -> tuple[Value, ...]:
+    """The arguments as a function finds them, numbered."""
+    place = count()
+    return tuple([made_of(each, lambda kind: Number(kind, f"%{next(place)}")) for each in kinds])
+
+
 def _ends(lines: Sequence[ast.stmt]) -> bool:
     """Whether nothing goes on after them."""
     match lines[-1]:
@@ -115,9 +122,8 @@ class _Function:
             self.values: dict[str, tuple[tuple[int, ...], Value]] = {}
             self.place: tuple[int, ...] = ()
             self.loops: list[tuple[str, str]] = []
-            numbers = iter([Number(kind, f"%{k}") for k, kind in enumerate(part for each in kinds for part in carriers(each))])
-            given = [made_of(each, numbers) for each in kinds]
-            self.head = listed(tuple(given))
+            given = _parameters(kinds)
+            self.head = listed(given)
             for parameter, each in zip(node.args.args, given, strict=True):
                 self._bind(parameter.arg, each)
             self._lines(node.body)
@@ -278,7 +284,8 @@ class _Function:
         else:
             given = returned(value)
             kinds = [self._widened(f"return.{k}", each.kind) for k, each in enumerate(given)]
-            self.returned = kinds_of(made_of(kinds_of(value), map(Number, kinds)))
+            each_kind = iter(kinds)
+            self.returned = kinds_of(made_of(kinds_of(value), lambda _: Number(next(each_kind))))
             whole, kind = Number("", "undef"), type_of(self.returned)
             for k, (own, each) in enumerate(zip(kinds, given, strict=True)):
                 each = self._as(own, each)
@@ -483,7 +490,8 @@ class _Function:
         whole = self._let(type_of(result), call)
         if isinstance(result, str):
             return whole
-        return made_of(result, iter([self._let(k, f"extractvalue {whole.kind} {whole}, {n}") for n, k in enumerate(carriers(result))]))
+        place = count()
+        return made_of(result, lambda kind: self._let(kind, f"extractvalue {whole.kind} {whole}, {next(place)}"))
 
     def _outside(self, name: str, arguments: Sequence[Number], writes: bool = False) -> Number:
         given = [each if each.kind in ("ptr", "i32") else self._as("double", each) for each in arguments]

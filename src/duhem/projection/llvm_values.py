@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +12,6 @@ __all__ = [
     "NotLowered",
     "Number",
     "Value",
-    "carriers",
     "constant",
     "kinds_of",
     "leaves",
@@ -71,23 +70,14 @@ def leaves(value: Value) -> list[Number]:
     return [value.start, *value.sizes] if isinstance(value, Dense) else [part for each in value for part in leaves(each)]
 
 
-def made_of(kinds: Any, numbers: Iterator[Number]) -> Value:
-    """The value of these kinds that such numbers carry."""
+def made_of(kinds: Any, number: Callable[[str], Number]) -> Value:
+    """A value of these kinds, carried by what ``number`` gives for the kind of each, in turn."""
     if isinstance(kinds, str):
-        return next(numbers)
+        return number(kinds)
     if kinds[0] == "tuple":
-        return tuple([made_of(each, numbers) for each in kinds[1:]])
+        return tuple([made_of(each, number) for each in kinds[1:]])
     element, directions, order = kinds
-    return Dense(element, next(numbers), tuple([next(numbers) for _ in range(directions)]), order)
-
-
-def carriers(kinds: Any) -> list[str]:
-    """Those of the numbers that carry a value of these kinds."""
-    if isinstance(kinds, str):
-        return [kinds]
-    if kinds[0] == "tuple":
-        return [part for each in kinds[1:] for part in carriers(each)]
-    return ["ptr", *["i64"] * kinds[1]]
+    return Dense(element, number("ptr"), tuple([number("i64") for _ in range(directions)]), order)
 
 
 def returned(value: Value) -> list[Number]:
@@ -106,7 +96,13 @@ def listed(value: Value) -> str:
 
 def type_of(kinds: Any) -> str:
     """LLVM's type of what is returned, of which these are the kinds; None is nothing."""
-    return kinds if isinstance(kinds, str) else "void" if kinds is None else f"{{ {', '.join(carriers(kinds))} }}"
+    return (
+        kinds
+        if isinstance(kinds, str)
+        else "void"
+        if kinds is None
+        else f"{{ {', '.join(each.kind for each in leaves(made_of(kinds, Number)))} }}"
+    )
 
 
 def constant(value: Any) -> Value:
