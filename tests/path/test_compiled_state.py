@@ -151,7 +151,7 @@ def test_what_the_loop_does_not_know_is_taken_by_arrays(monkeypatch: pytest.Monk
     assert "compiled" not in driven.why and driven.state[-1, 0] == pytest.approx(-0.005, rel=1e-12)  # type: ignore[union-attr]
 
 
-@pytest.mark.slow(20)
+@pytest.mark.slow(2)
 def test_the_compiled_loop_is_the_one_of_python(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
     compiled = history(LAWS["isotropic"], compiled=True)

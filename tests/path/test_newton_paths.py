@@ -29,7 +29,7 @@ CASES = {
 def _as_python(monkeypatch):
     made = {}
 
-    def run(text, entry, inlined=()):
+    def run(text, entry):
         if text not in made:
             made[text] = {}
             exec(text, made[text])

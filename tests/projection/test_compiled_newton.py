@@ -269,12 +269,12 @@ def test_statuses_are_the_judges() -> None:
     assert Status.SLIP == SLIP and Status.STICK == 0
 
 
-def test_what_is_kept_belongs_to_what_was_put_where_it_is_called(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_kept_belongs_to_what_lowers_it(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
-    text = "def half(x):\n    return x / 2\n\n\ndef run(x):\n    return half(x)\n"
-    for inlined in ((), ("half",), ("half",)):
-        code_cache.compiled_text.__wrapped__(text, "run", inlined)
+    for own in ("one", "another", "another"):
+        monkeypatch.setattr(code_cache, "_lowered_by", lambda own=own: own)
+        code_cache.compiled_text.__wrapped__("def run(x):\n    return x / 2\n", "run")
     assert len(list(tmp_path.glob("law_*.py"))) == 2
 
 

@@ -25,8 +25,10 @@ def own(x, power):
 
 
 def run(given, pair, power, negative, out):
+    room = np.empty(len(given))
     for i in range(len(given)):
-        out[i] = own(given[i], power) * pair[0] + pair[1]
+        room[i] = own(given[i], power)
+        out[i] = room[i] * pair[0] + pair[1]
         if negative:
             out[i] = -out[i]
 """

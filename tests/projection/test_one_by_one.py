@@ -16,8 +16,6 @@ from duhem.projection import (
     compiled_newton,
     judge_kernel,
     newton,
-    newton_kernel,
-    newton_step,
     quadrants,
     slip_kernel,
 )
@@ -220,8 +218,7 @@ def test_no_counter_of_a_loop_that_runs_to_its_end_is_read_after_it() -> None:
     sources = (
         judge_kernel,
         slip_kernel,
-        newton_kernel,
-        newton_step,
+        *compiled_newton.KERNEL,
     )
     for function in (node for source in sources for node in ast.parse(inspect.getsource(source)).body if isinstance(node, ast.FunctionDef)):
         loops = [node for node in ast.walk(function) if isinstance(node, ast.For) and isinstance(node.target, ast.Name)]

@@ -94,7 +94,7 @@ def simulate(
     point has its own long path. ``threads`` share the work; the numbers do not depend on them.  ``on_step`` then counts points.
     ``exact`` computes one point after the other.
 
-    ``compiled`` uses numba (extra ``fast``; the first use compiles for 15 to 80 seconds) for implicit steps of one path or many points
+    ``compiled`` uses numba (extra ``fast``; the first use compiles for 3 to 30 seconds) for implicit steps of one path or many points
     with any law, and for the closest points of extrapolated steps of many points.  The last digits may differ.  One path then makes
     some 1e6 steps per second, or 1e5 to 1e6 if the law declares no shape; without numba some 2e4, or 5e2 to 2e3; extrapolated steps a
     third of these.

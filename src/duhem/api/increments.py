@@ -107,7 +107,7 @@ def prepare(
     :func:`duhem.project`, which uses this function.  duhem also decides here whether K is convex, unless the method shows it; only the
     first increment at sigma_n = 0 may need another such decision.
 
-    ``compiled``: compile with numba (extra ``fast``).  This takes 20 to 70 seconds when a law is first prepared on a machine; after
+    ``compiled``: compile with numba (extra ``fast``).  This takes 3 to 15 seconds when a law is first prepared on a machine; after
     that, one point is five to twenty times faster.  Raises InputError for a method that cannot be compiled.
     """
     check_convex(convex)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Any
 
 from duhem.errors import InputError
 from duhem.export.routine import Routine, routine
@@ -15,7 +14,7 @@ from duhem.proof.verification import Verification
 from duhem.show.page import PAGE
 from duhem.version import __version__
 
-__all__ = ["GUARD", "c_file", "check_convex", "comment", "exported", "header", "identifier"]
+__all__ = ["c_file", "c_text", "check_convex", "described", "exported", "header", "identifier"]
 
 # -- the head: the law, its arguments, what was proved of it, and the limits of the routine ----------------------------
 
@@ -32,15 +31,10 @@ def header(verification: Verification, law: Criterion, parameters: Sequence[str]
     """Lines as wide as a page, none of which can end a comment; ``parameters`` are those that are arguments."""
     d = len(law.forces)
     arrays = f"trial[{d}], stress[{d}] and slip[{d}] in the order of the forces; {_STIFFNESS.format(n=d * d)}"
-    return _header(verification, law, parameters, _INCREMENT, arrays, _STATUS, _LIMITS)
+    return described(verification, law, parameters, _INCREMENT, arrays, _STATUS, _LIMITS)
 
 
-def comment(verification: Verification, *said: Any) -> str:
-    """The same as the inside of a comment in C, of a routine that ``said`` describes as :func:`_header` takes it."""
-    return "\n".join(f" * {line}".rstrip() for line in _header(verification, *said))
-
-
-def _header(
+def described(
     verification: Verification,
     law: Criterion,
     parameters: Sequence[str],
@@ -49,6 +43,7 @@ def _header(
     status: Sequence[str],
     limits: Sequence[str],
 ) -> list[str]:
+    """The same of any routine, of which the texts are said."""
     fixed = [f"{name} {domain.describe()}" for name, domain in law.parameters.items() if domain.value is not None]
     places = [f"parameters[{i}] is {law.parameters[name].stated(name)}" for i, name in enumerate(parameters)]
     set_ = f"Phi* = {formula(law.g)}" if law.viscous else f"K = {{{formula(law.g)} <= 0}}"
@@ -123,7 +118,7 @@ def _said(text: str, title: str | None = None) -> list[str]:
 
 # -- the file -----------------------------------------------------------------------------------------------------------
 
-GUARD = """\
+_GUARD = """\
 #ifdef __FAST_MATH__
 #error "infinities and nan mean something here: compile without -ffast-math"
 #endif
@@ -164,7 +159,12 @@ def c_file(verification: Verification) -> str:
         f"int {name}_increment(const double trial[{d}], double pressure, const double stiffness[{d * d}], const double parameters[],\n"
         f"    double stress[{d}], double slip[{d}], double *dissipation, double tangent[{d * d}])"
     )
-    head = "\n".join(f" * {line}".rstrip() for line in header(verification, law, made.parameters))
-    call = "return increment(trial, pressure, stiffness, parameters, stress, slip, dissipation, tangent);"
-    whole = f"{signature};\n\n{signature}\n{{\n    {call}\n}}"
-    return "\n\n".join([f"/*\n{head}\n */", GUARD, made.text, whole]) + "\n"
+    call = "increment(trial, pressure, stiffness, parameters, stress, slip, dissipation, tangent)"
+    return c_text(header(verification, law, made.parameters), made, signature, call)
+
+
+def c_text(head: Sequence[str], made: Routine, signature: str, call: str) -> str:
+    """The file of a routine: its head as a comment, its functions, and the one that others call."""
+    said = "\n".join(f" * {line}".rstrip() for line in head)
+    whole = f"{signature};\n\n{signature}\n{{\n    return {call};\n}}"
+    return "\n\n".join([f"/*\n{said}\n */", _GUARD, made.text, whole]) + "\n"

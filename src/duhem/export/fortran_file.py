@@ -12,7 +12,7 @@ from duhem.export.c_file import exported, header, identifier
 from duhem.law.formula_law import Criterion
 from duhem.proof.verification import Verification
 
-__all__ = ["UMAT_HEAD", "fortran_file", "places"]
+__all__ = ["UMAT_HEAD", "fortran_file", "fortran_text", "places"]
 
 _ABAQUS = ("xx", "yy", "zz", "xy", "xz", "yz")  # its order of the components of a stress
 
@@ -137,12 +137,13 @@ def fortran_file(verification: Verification) -> str:
         places=", ".join(str(place + 1) for place in where),
         order=", ".join(order),
     )
-    comment = [
-        f"! To be linked with the C file of the same law (duhem export {law.name} --to c), which it calls.",
-        "!",
-        *(f"! {line}".rstrip() for line in header(verification, law, made.parameters)),
-    ]
-    return "\n".join([*comment, "", _MODULE.format(name=name, d=d), "", wrapper]) + "\n"
+    return fortran_text(law, header(verification, law, made.parameters), _MODULE.format(name=name, d=d), "", wrapper)
+
+
+def fortran_text(law: Criterion, head: Sequence[str], *text: str) -> str:
+    """The file of a routine: its head as a comment, and the rest."""
+    first = f"To be linked with the C file of the same law (duhem export {law.name} --to c), which it calls."
+    return "\n".join([*(f"! {line}".rstrip() for line in (first, "", *head)), "", *text]) + "\n"
 
 
 def places(law: Criterion, forces: Sequence[str]) -> list[int]:

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy import nan, sqrt
 
-from duhem.projection.newton_kernel import LEFT, SLIP, STICK, apex, solved
+from duhem.projection.apex_kernel import apex
+from duhem.projection.newton_kernel import LEFT, SLIP, STICK, solved
 from duhem.projection.newton_step import (
     BEND,
     BEST,

@@ -15,7 +15,7 @@ from duhem.expression import UNDEFINED
 from duhem.expression.scalar_jets import scalar_jets, scalar_values
 from duhem.law.formula_law import Criterion
 from duhem.law.state import check_stateless
-from duhem.projection import newton_kernel, newton_step
+from duhem.projection.compiled_newton import KERNEL
 from duhem.projection.module_text import module_text
 from duhem.projection.scaled_formula import scaled
 from duhem.proof.decide import Sense
@@ -109,8 +109,7 @@ def routine(law: Criterion) -> Routine:
         function_text("placed(q, w)", [f"{array}[{start + k}] = {x!r}" for array, start, each in behind for k, x in enumerate(each)]),
         function_text("beyond(stress, slack: float) -> bool", [f"if {past}: return True" for past in _beyond(law)], "return False"),
     ]
-    sources = newton_step, newton_kernel, increment_kernel
-    text = module_text(formula, len(law.forces), jets, functions, sources, ("increment",))
+    text = module_text(formula, len(law.forces), jets, functions, (*KERNEL, increment_kernel), ("increment",))
     return Routine(c_functions(text, "increment", _ARRAYS, _PLAIN, {"below": _BELOW}), names)
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from duhem.errors import InputError
-from duhem.export.c_file import GUARD, check_convex, comment, identifier
-from duhem.export.fortran_file import UMAT_HEAD, places
+from duhem.export.c_file import c_text, check_convex, described, identifier
+from duhem.export.fortran_file import UMAT_HEAD, fortran_text, places
 from duhem.export.state_routine import state_law, state_routine
 from duhem.law.formula_law import Criterion
 from duhem.law.state import prescribed
@@ -35,14 +35,14 @@ _LIMITS = (
 )
 
 
-def _head(verification: Verification, law: Criterion, parameters: tuple[str, ...]) -> str:
+def _head(verification: Verification, law: Criterion, parameters: tuple[str, ...]) -> list[str]:
     own = state_law(law)
     seen, inner = own.names[: own.observables], own.names[own.observables : own.observables + own.internal]
     arrays = (
         f"before[{len(seen)}] and after[{len(seen)}]: {', '.join(seen)}; stress[{len(seen)}]: {', '.join(prescribed(law))}; "
         f"state[{len(inner)}]: {', '.join(inner)}; tangent[{len(seen) ** 2}] row by row"
     )
-    return comment(verification, law, parameters, _STEP, arrays, _STATUS, _LIMITS)
+    return described(verification, law, parameters, _STEP, arrays, _STATUS, _LIMITS)
 
 
 def state_c_file(verification: Verification) -> str:
@@ -54,9 +54,8 @@ def state_c_file(verification: Verification) -> str:
         f"int {name}_step(const double before[{o}], const double after[{o}], double pressure, double temperature, double dt,\n"
         f"    const double parameters[], double state[{i}], double stress[{o}], double *psi, double *dissipation, double tangent[{o * o}])"
     )
-    call = "return step(before, after, pressure, temperature, dt, parameters, state, stress, psi, dissipation, tangent);"
-    whole = f"{signature};\n\n{signature}\n{{\n    {call}\n}}"
-    return "\n\n".join([f"/*\n{_head(verification, law, made.parameters)}\n */", GUARD, made.text, whole]) + "\n"
+    call = "step(before, after, pressure, temperature, dt, parameters, state, stress, psi, dissipation, tangent)"
+    return c_text(_head(verification, law, made.parameters), made, signature, call)
 
 
 _UMAT = """\
@@ -121,9 +120,7 @@ def state_fortran_file(verification: Verification) -> str:
         places=", ".join(str(place + 1) for place in where),
         props=len(made.parameters),
     )
-    head = _head(verification, law, made.parameters).splitlines()
-    first = f"! To be linked with the C file of the same law (duhem export {law.name} --to c), which it calls."
-    return "\n".join([first, "!", *("!" + line.removeprefix(" *") for line in head), "", text]) + "\n"
+    return fortran_text(law, _head(verification, law, made.parameters), text)
 
 
 def _law(verification: Verification) -> Criterion:

@@ -34,7 +34,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import MissingExtraError
-from duhem.projection import file_cache
+from duhem.projection import file_cache, llvm_calls, llvm_loops, llvm_values
+from duhem.projection.llvm_calls import called
+from duhem.projection.llvm_values import NotLowered
 
 __all__ = ["WITHIN", "CompiledText", "compiled_text", "interpreted_text", "only_read"]
 
@@ -45,17 +47,20 @@ _MEANT = {"solve": "closest point", "judge": "check of answers"}
 
 
 @lru_cache(maxsize=128)
-def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> CompiledText:
+def compiled_text(text: str, entry: str) -> CompiledText:
     """The function ``entry`` of a module of our own text, compiled with the functions it calls; it lets go of the interpreter.
 
-    ``inlined``: functions that are put where they are called, which spares handing over many arrays.  What is not yet on disk is
-    compiled at the first call (some seconds).  MissingExtraError without numba.
+    What is not yet on disk is compiled at the first call (some seconds).  MissingExtraError without numba.
     """
     if find_spec("numba") is None:
         raise MissingExtraError("numba", "fast")
-    if inlined:  # other machine code, and what is kept is found by its text alone
-        text = f"{text}\n# where they are called: {', '.join(inlined)}\n"
-    return CompiledText(text, entry, inlined)
+    return CompiledText(f"{text}\n# lowered by {_lowered_by()}\n", entry)
+
+
+@cache
+def _lowered_by() -> str:
+    """Stands for our own part of the compiler: where it is another, what was kept is of no use."""
+    return _name("".join(map(inspect.getsource, (llvm_calls, llvm_loops, llvm_values))))
 
 
 def only_read(given: NDArray[Any]) -> NDArray[Any]:
@@ -68,8 +73,8 @@ def only_read(given: NDArray[Any]) -> NDArray[Any]:
 class CompiledText:
     """A function that runs as machine code from disk where there is some for its arguments, and else through numba."""
 
-    def __init__(self, text: str, name: str, inlined: tuple[str, ...]) -> None:
-        self._text, self._name, self._inlined = text, name, inlined
+    def __init__(self, text: str, name: str) -> None:
+        self._text, self._name, self._lowered = text, name, True
         self._kept = _kept(text)
         self._runs: dict[Kinds, Callable[..., Any]] = {}
         self._lock = Lock()
@@ -78,7 +83,7 @@ class CompiledText:
         try:
             known = kinds(arguments)
         except LookupError:
-            return self._by_numba(*arguments)
+            return self._through_numba(arguments)
         if (run := self._runs.get(known)) is None:
             with self._lock:
                 run = self._runs.get(known) or self._found(known)
@@ -100,18 +105,30 @@ class CompiledText:
 
     def _first(self, known: Kinds, arguments: tuple[Any, ...]) -> Any:
         """Compiled by numba, or found where that keeps it, and kept for the next process."""
-        with self._lock:
-            compiled = self._by_numba
         import logging  # which numba has loaded
 
         logging.getLogger("duhem").warning(
-            "waiting for numba: to compile the %s of a law takes 10 to 45 seconds, once", _MEANT.get(self._name, "loop")
+            "waiting for numba: to compile the %s of a law takes 2 to 15 seconds, once", _MEANT.get(self._name, "loop")
         )
-        result = compiled(*arguments)
-        self._runs[known] = compiled
+        result = self._through_numba(arguments)
+        self._runs[known] = compiled = self._by_numba
         if self._kept is not None and (path := place(self._kept, self._name, known)) is not None:
             keep(path, compiled, arguments)
         return result
+
+    def _through_numba(self, arguments: tuple[Any, ...]) -> Any:
+        """By numba with LLVM's text of what the function calls, or, where that cannot be, by numba alone: slower, never other."""
+        with self._lock:
+            compiled = self._by_numba
+        try:
+            return compiled(*arguments)
+        except (NotLowered, _numba().core.errors.NumbaError, *_OTHER):
+            if not self._lowered:
+                raise
+        with self._lock:
+            self._lowered = False
+            self.__dict__.pop("_by_numba", None)
+        return self._through_numba(arguments)
 
     @property
     def __wrapped__(self) -> Callable[..., Any]:
@@ -129,11 +146,18 @@ class CompiledText:
         exec(
             compile(text, str(kept or "<generated>"), "exec"), space
         )  # our own text: of the user's formula it has SymPy's numbers and our names
-        functions = [name for name, value in space.items() if inspect.isfunction(value) and value.__module__ == module.__name__]
-        for name in functions:
-            if name != self._name:
-                space[name] = numba.njit(forceinline=name in self._inlined, **WITHIN)(space[name])
+        written, several = dict(space), _returning_several(text)
+        for name, value in written.items():
+            if inspect.isfunction(value) and value.__module__ == module.__name__ and name != self._name:
+                space[name] = called(text, written, name) if self._lowered and name not in several else numba.njit(**WITHIN)(value)
         return numba.njit(error_model="numpy", cache=kept is not None, nogil=True)(space[self._name])
+
+
+def _returning_several(text: str) -> set[str]:
+    """The functions of a text that return a tuple."""
+    functions = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
+    ends = [(node.name, part.value) for node in functions for part in ast.walk(node) if isinstance(part, ast.Return)]
+    return {name for name, value in ends if isinstance(value, ast.Tuple)}
 
 
 def interpreted_text(text: str | ast.Module, entry: str) -> Callable[..., None]:

@@ -27,7 +27,7 @@ from duhem.projection.in_blocks import in_blocks, keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.metric import Metric
-from duhem.projection.module_text import module_text, over_unit, pasted
+from duhem.projection.module_text import module_text, over_unit
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
 from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
@@ -146,7 +146,7 @@ def compiled_look(level: Level, forces: tuple[sp.Symbol, ...], stiffness: Array,
 
 
 def _compiled(loop: _Loop) -> CompiledText:
-    return compiled_text(pasted(loop.text, judge_kernel.INLINED), "judge", judge_kernel.INLINED)
+    return compiled_text(loop.text, "judge")
 
 
 def _matrices(stiffness: Array, metric: Metric) -> tuple[Array, ...]:

@@ -1,7 +1,7 @@
 """The closest point by a loop that is made for one law: compiled by numba, once a law, then kept on disk, or run on plain numbers.
 
 The functions of the law are its scaled formula and its jets as text (:mod:`duhem.expression.scalar_jets`); the loop is the source of
-:mod:`duhem.projection.newton_kernel` and of the step it takes.  Points that the loop leaves are the search's.
+:mod:`duhem.projection.newton_kernel`, of the step it takes and of the search for an apex.  Points that the loop leaves are the search's.
 """
 
 from __future__ import annotations
@@ -18,19 +18,22 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import ScalarJets, scalar_jets
-from duhem.projection import newton_kernel, newton_step
+from duhem.projection import apex_kernel, newton_kernel, newton_step
 from duhem.projection.code_cache import CompiledText, compiled_text, only_read
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import ClosestPoint
 from duhem.projection.module_text import module_text
-from duhem.projection.newton_kernel import INLINED, LEFT
+from duhem.projection.newton_kernel import LEFT
 from duhem.projection.plain_numbers import FAULTS, interpreted, zeros
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
 from duhem.projection.whitened_body import whitening
 
-__all__ = ["Loop", "compiled_closest", "kernel_text", "plain_closest", "solved", "solved_one_by_one"]
+__all__ = ["KERNEL", "Loop", "compiled_closest", "kernel_text", "plain_closest", "solved", "solved_one_by_one"]
+
+KERNEL = newton_step, apex_kernel, newton_kernel
+"""The modules whose texts are one."""
 
 _BLOCK = 1_024, 4_096  # points, from and to: threads share batches of a few thousand
 
@@ -61,9 +64,9 @@ class Loop:
         law = increment.law
         if (made := _made(increment.g, law.force_symbols(), increment.pressure_symbol, entry, sources)) is None:
             return None
-        text, inlined, formula, constants = made
+        text, formula, constants = made
         mean, root = whitening(increment)
-        run = interpreted(text, entry, goes_on) if plain else compiled_text(text, entry, inlined)
+        run = interpreted(text, entry, goes_on) if plain else compiled_text(text, entry)
         return cls(run, formula, constants, only_read(root), only_read(np.linalg.inv(root)), mean)
 
     def data(self, pressure: Array) -> Array:
@@ -178,8 +181,8 @@ def compiled_closest(increment: Increment) -> ClosestPoint | None:
 @lru_cache(maxsize=256)
 def _made(
     g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None, entry: str, sources: tuple[ModuleType, ...]
-) -> tuple[str, tuple[str, ...], ScaledFormula, Array] | None:
-    """The text to compile, what is put where it is called, the formula in units of its own size and its constants.
+) -> tuple[str, ScaledFormula, Array] | None:
+    """The text to compile, the formula in units of its own size and its constants.
 
     None for a word without derivatives as text.
     """
@@ -188,11 +191,9 @@ def _made(
         jets = scalar_jets(formula.expr, forces, tuple(formula.data))
     except InputError:
         return None
-    smooth = () if jets.kinks or jets.pairs else ("piece",)  # of a smooth law it is called in one place
-    return kernel_text(formula, jets, len(forces), *sources, entry=entry), (*INLINED, *smooth), formula, np.array(jets.constants)
+    return kernel_text(formula, jets, len(forces), *sources, entry=entry), formula, np.array(jets.constants)
 
 
 def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType, entry: str = "solve") -> str:
     """The module that is compiled for one law in ``d`` forces, whatever its parameters but for exponents and whole numbers."""
-    kernel = newton_step, newton_kernel
-    return module_text(formula, d, jets, (jets.level, jets.piece), (*kernel, *sources), (entry,))
+    return module_text(formula, d, jets, (jets.level, jets.piece), (*KERNEL, *sources), (entry,))

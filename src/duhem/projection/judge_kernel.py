@@ -19,7 +19,7 @@ from numpy import sqrt
 from duhem.projection.newton_step import below, grown
 from duhem.projection.slip_kernel import CORNER, cornered, edged, excess, raised
 
-__all__ = ["FARTHEST", "INLINED", "LOW", "SLIP", "STICK", "UNJUDGED", "judge"]
+__all__ = ["FARTHEST", "LOW", "SLIP", "STICK", "UNJUDGED", "judge"]
 
 D = 0  # how many forces the law has
 KINKS = PAIRS = 0  # how many kinks, and eigenvalues that may be double
@@ -60,11 +60,6 @@ def gradient(v: Any, x: int, q: Any, slopes: int) -> None:
 def unpacked(numbers: Any) -> Any:
     """What stands in ``numbers``: five of them, four tuples, and the lengths of ways to known points."""
     raise NotImplementedError
-
-
-INLINED = ("below", "bounded", "chunk", "gradient", "heights", "hypot", "known", "levels", "lengths", "looked", "seen_in_metric",
-           "shares", "sized", "sorted_", "taken", "tried", "unpacked", "unstressed")  # fmt: skip
-"""Functions that every point goes through, so that the compiler knows the rows they work on apart."""
 
 
 def room(d: int, chunk: int) -> tuple[tuple[int, int], ...]:

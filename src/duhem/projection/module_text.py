@@ -1,4 +1,4 @@
-"""The text of a module that is compiled for one law: functions of its formula, and loops that call them, or stand pasted where they did."""
+"""The text of a module that is compiled for one law: functions of its formula, and loops that call them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from duhem.expression.elementary import imports
 from duhem.expression.scalar_jets import ScalarJets
 from duhem.projection.scaled_formula import ScaledFormula
 
-__all__ = ["module_text", "over_unit", "pasted"]
+__all__ = ["module_text", "over_unit"]
 
 MARK = "# -- compiled from here"
 
@@ -137,86 +137,3 @@ def over_unit(name: str, weight: sp.Expr) -> str:
     """A datum of this weight in units of another ``size``, as text."""
     power = float(weight)
     return {0.0: name, 1.0: f"{name} / size", -1.0: f"{name} * size"}.get(power, f"{name} / size ** {power!r}")
-
-
-# -- bodies in the places of calls, for a compiler that works through every function by itself --------------------------
-
-
-@lru_cache(maxsize=128)
-def pasted(text: str, names: tuple[str, ...]) -> str:
-    """The text with the bodies of these functions, where a call of them is a statement, or all that is assigned.
-
-    Such a function is worked through once where it is called, not by itself, then in the caller and then in whatever calls that.
-    One that returns before its end stays as it is.
-    """
-    tree = ast.parse(text)
-    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
-    into = _Pasted({name: functions[name] for name in names if name in functions and _ends(functions[name])})
-    for function in functions.values():
-        into.fill(function)
-    return ast.unparse(tree)
-
-
-def _ends(function: ast.FunctionDef) -> bool:
-    """Whether it returns at its end alone, if anywhere."""
-    return all(part is function.body[-1] for part in ast.walk(function) if isinstance(part, ast.Return))
-
-
-class _Pasted:
-    """Puts bodies where functions are called, in each function once; names of their own are marked with that of the function."""
-
-    def __init__(self, functions: Mapping[str, ast.FunctionDef]) -> None:
-        self.functions, self.filled = functions, set[str]()
-
-    def fill(self, function: ast.FunctionDef) -> ast.FunctionDef:
-        """The function with bodies in it."""
-        if function.name not in self.filled:
-            self.filled.add(function.name)
-            self._fill(function)
-        return function
-
-    def _fill(self, node: Any) -> None:
-        for lines in (getattr(node, name, None) for name in ("body", "orelse")):
-            if isinstance(lines, list):
-                lines[:] = [one for line in lines for one in self._in_place_of(line)]
-
-    def _in_place_of(self, line: ast.stmt) -> list[ast.stmt]:
-        if isinstance(line, ast.Expr):  # a call for what it does
-            return self._body(line, [])
-        if isinstance(line, ast.Assign):  # a call for what it returns
-            return self._body(line, line.targets)
-        self._fill(line)
-        return [line]
-
-    def _body(self, line: ast.Expr | ast.Assign, targets: list[ast.expr]) -> list[ast.stmt]:
-        call = line.value
-        if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id in self.functions):
-            return [line]
-        function = self.fill(self.functions[call.func.id])
-        stored = (part.id for part in ast.walk(function) if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store))
-        named = {name: f"{name}_{function.name}" for name in stored}
-        lines: list[ast.stmt] = []
-        for parameter, given in zip([one.arg for one in function.args.args], call.args, strict=True):
-            if isinstance(given, ast.Name) and parameter not in named:
-                named[parameter] = given.id
-            else:
-                named[parameter] = f"{parameter}_{function.name}"
-                lines.append(ast.Assign([ast.Name(named[parameter], ast.Store())], given, lineno=line.lineno))
-        lines += (_renamed(own, named) for own in function.body[ast.get_docstring(function) is not None :])
-        if isinstance(end := lines[-1], ast.Return):
-            lines[-1:] = [ast.Assign(targets, end.value, lineno=line.lineno)] if targets and end.value else []
-        return lines
-
-
-def _renamed(node: Any, named: Mapping[str, str]) -> Any:
-    """A copy with other names, which knows no columns: nobody asks for them."""
-    if isinstance(node, list):
-        return [_renamed(part, named) for part in node]
-    if isinstance(node, ast.Name):
-        return ast.Name(named.get(node.id, node.id), node.ctx)
-    if not isinstance(node, ast.AST) or not node._fields:
-        return node
-    made: Any = type(node)(*(_renamed(getattr(node, name, None), named) for name in node._fields))
-    if isinstance(node, ast.stmt):
-        made.lineno = node.lineno
-    return made

@@ -187,7 +187,7 @@ _SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting 
 
 @dataclass(frozen=True)
 class NewtonOptions(Compiling):
-    """Compiled, the law's formula is made a loop; where nothing is kept on disk that is worth it from about a million points on."""
+    """Compiled, the law's formula is made a loop; where nothing is kept on disk that is worth it from some 100,000 points on."""
 
 
 _DEFAULTS = NewtonOptions()

@@ -12,7 +12,7 @@ import ast
 import math
 import operator
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from types import CodeType, SimpleNamespace
 from typing import Any, cast
@@ -45,13 +45,13 @@ def interpreted(text: str, entry: str, goes_on: bool = False, **constants: int) 
     functions, others = list[str](), list[str]()
     for part in re.split(r"\n(?=\S)", text):  # as ``ast.unparse`` writes it, a statement begins where a line does
         (functions if part.startswith("def ") else others).append(part)
-    tree, known = ast.parse("\n".join(others)), dict[str, Any](constants)
+    tree, space = ast.parse("\n".join(others)), dict[str, Any]()
     for node in tree.body:
-        if isinstance(node, ast.Assign):
-            known |= {name: value for name, value in _numbers(node, known) if name not in constants}
-    space: dict[str, Any] = {}
-    exec(compile(tree, "<generated>", "exec"), space)
-    told = tuple((name, value, repr(value)) for name, value in known.items())  # 1 and 1.0 are two
+        exec(compile(ast.Module([node], []), "<generated>", "exec"), space)
+        space |= constants  # what follows from them, too
+    names = dict.fromkeys(part.id for part in ast.walk(tree) if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store))
+    known = ((name, space[name]) for name in names if type(space[name]) in (int, float))
+    told = tuple((name, value, repr(value)) for name, value in known)  # 1 and 1.0 are two
     for part in functions:
         exec(_written_out(part.rstrip(), told, goes_on), space)
     space.update(_FUNCTIONS, **(_GOING_ON if goes_on else {}))
@@ -65,16 +65,6 @@ def _written_out(text: str, known: tuple[tuple[str, Any, str], ...], goes_on: bo
     instead: dict[type, str] = {ast.Pow: "real_power"} | ({ast.Div: "quotient"} if goes_on else {})
     tree = _WrittenOut({name: value for name, value, _ in known}, instead).visit(ast.parse(text))
     return compile(tree, "<generated>", "exec")
-
-
-def _numbers(node: ast.Assign, known: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """The names and numbers of a line of the module that gives numbers names."""
-    for target in node.targets:
-        names = target.elts if isinstance(target, ast.Tuple) else [target]
-        values = node.value.elts if isinstance(node.value, ast.Tuple) and isinstance(target, ast.Tuple) else [node.value] * len(names)
-        for name, value in zip(names, values, strict=True):
-            if isinstance(name, ast.Name) and isinstance(found := _WrittenOut(known, {}).visit(value), ast.Constant):
-                yield name.id, found.value
 
 
 class _WrittenOut(ast.NodeTransformer):
