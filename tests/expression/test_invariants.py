@@ -100,7 +100,7 @@ def test_a_law_has_one_stress_so_that_it_need_not_be_named(kind: str) -> None:
         ("J2(1/s)", "write J2\\(s\\)"),
         ("J2(s**2)", "write J2\\(s\\)"),
         ("J2(abs(s))", "write J2\\(s\\)"),
-        ("J2(s - x)", "each component x_xx|each component X_xx"),
+        ("J2(s - x)", "components X_xx"),
         ("J2(s -)", "write J2\\(s\\)"),
         ("J2(s", "write J2\\(s\\)|never closed"),
         ("principal(s)", "write principal\\(s, 1\\)"),
@@ -185,3 +185,34 @@ def test_principal_stresses_in_space_are_the_eigenvalues_in_order() -> None:
         known = {x.name: x for x in here}
         values = [float(evaluate(parse_expression(f"principal(s, {i})", known, short=short), here)) for i in (1, 2, 3)]
         assert values == pytest.approx(np.linalg.eigvalsh(tensor)[::-1].tolist(), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("forces", "parameters", "text"),
+    [
+        ("s_xx s_yy s_zz s_yz s_zx s_xy", "", "J2(s)"),
+        ("s_xx s_yy s_zz s_xy", "", "I1(s)"),
+        ("s_xx s_yy s_zz s_yz s_xz s_xy", "x_xx x_yy x_xy", "J2(s - x)"),
+        ("s_1 s_2 s_3 s_xx s_yy s_xy", "", "I1(s)"),
+        ("s_1 s_2 s_3", "x_1 x_2", "J2(s - x)"),
+    ],
+)
+def test_names_that_are_more_or_less_than_one_tensor_are_refused(forces: str, parameters: str, text: str) -> None:
+    """Else the invariants of another tensor would be read, and components passed over."""
+    with pytest.raises(InputError, match=r"J2|I1"):
+        Criterion("law", f"{text} - 1", forces=tuple(forces.split()), pressure=None, parameters=dict.fromkeys(parameters.split(), Domain()))
+
+
+def test_a_back_stress_out_of_the_plane_is_refused() -> None:
+    define = {"x_zz": "-x_xx - x_yy"}
+    with pytest.raises(InputError, match="X_xx"):
+        Criterion("law", "J2(s - x) - 1", pressure=None, stress={"name": "s", "kind": "plane"}, define=define,
+                  parameters=dict.fromkeys(("x_xx", "x_yy", "x_xy"), Domain()))  # fmt: skip
+
+
+def test_other_names_may_begin_as_a_tensor_does_and_lines_may_break() -> None:
+    names = ("x_1", "x_2", "x_3", "s_y", "x_max")
+    law = Criterion(
+        "law", "sqrt(3*J2(s\n  - x)) - s_y - x_max", forces=("s_1", "s_2", "s_3"), pressure=None, parameters=dict.fromkeys(names, Domain())
+    )
+    assert {"x_1", "s_y"} <= {str(x) for x in law.g.free_symbols}

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.simpler_laws import about_its_centre
 from duhem.proof.kernel.stated_law import StatedLaw
 from tests.oracles import drawn_formulas
@@ -76,3 +76,23 @@ def test_a_hardening_law_of_drucker_is_convex_as_far_as_the_law_is(factor: str, 
     assert (not objection("convexity", "composition", frozenset(), stated, {})) is proved
     if proved:
         assert not objection("smoothness", "composition", frozenset(), stated, {})
+
+
+PUNCTURED = [
+    "where(norm(a - 3/10, b) > 0, norm(a - 3/10, b) - 1, 5)",
+    "where((a - x/4)**2 + b**2 > 0, norm(a - x/4, b) - 1, 5)",
+    "norm(a - x/4, b) - 1 + (a - x/4)/norm(a - x/4, b)/2",
+    "norm(a - x/4, b)**2/norm(a - x/4, b) - 1",
+    "norm(a - x/4, b) + (a - x/4)**2/norm(a - x/4, b) - 1",
+    "where(abs(a - 3/10) + abs(b) > 0, norm(a - 3/10, b)**2 - 1, 5)",
+]
+
+
+@pytest.mark.parametrize("text", PUNCTURED)
+def test_the_centre_is_not_taken_to_lie_in_k(text: str) -> None:
+    """K is a disc without its centre, where g is 5 or has no value; zero force lies in K."""
+    stated = law(text, forces=("a", "b"), parameters={"x": {"min": "1", "max": "2"}})
+    settled = frozenset({"origin"})
+    for claim in ("convexity", "smoothness"):
+        for rule in rules_of(claim, stated):
+            assert objection(claim, rule, settled | {"convexity"} - {claim}, stated, {}), rule

@@ -31,6 +31,7 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "plane": ("xx", "yy", "xy"),
     "principal": ("1", "2", "3"),
 }
+_ENDS = ("xx", "yy", "zz", "yz", "xz", "xy", "zy", "zx", "yx", "1", "2", "3")  # of names that may be meant for components
 _MOST_OF_A_COMPONENT = 5_000  # letters, where definitions are written out
 
 
@@ -295,7 +296,8 @@ class Abbreviations:
         if self.stress is None:
             return None
         usage = f"{word}({stress}, 1)" if indexed else f"{word}({stress})"
-        other = f"; of a sum such as {stress} - X, each component X_{KINDS[self.stress.kind][0]} ... has to be declared"
+        first = f"X_{KINDS[self.stress.kind][0]}"
+        other = f"; for a sum such as {stress} - X, declare all components {first} ... of X and no other, or define them above"
         what = f"{word} takes the declared stress{' and a number' * indexed}"
         raise InputError(what, remedy=f"write {usage}: {INVARIANTS[word].meaning}{other}")
 
@@ -311,8 +313,11 @@ class Abbreviations:
         return None
 
     def _is_tensor(self, name: str, kind: str) -> bool:
-        own = self.stress.components if self.stress else ()
-        return all(part in own or part in self.known or part in self.own for part in (f"{name}_{end}" for end in KINDS[kind]))
+        """Whether the stress, or the components of this kind, and of no larger one, are declared."""
+        if self.stress is not None and name == self.stress.name:
+            return True
+        declared = {end for end in _ENDS if f"{name}_{end}" in self.known or f"{name}_{end}" in self.own}
+        return declared == {*KINDS[kind]}
 
     def _plain(self, text: str) -> str:
         return self.written_out(text, lambda what, _, remedy: InputError(what, remedy=remedy), len(text) + _MOST_OF_A_COMPONENT).text
@@ -341,7 +346,7 @@ def _degree(text: str, tensors: set[str]) -> int | None:
         return None if any(isinstance(x, ast.Name) and spelled(x.id) in tensors for x in ast.walk(node)) else 0
 
     try:
-        return degree(ast.parse(text, mode="eval").body)
+        return degree(ast.parse(f"({text})", mode="eval").body)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None  # who reads the formula says what is wrong with it
 

@@ -266,7 +266,7 @@ class _Reader:
             raise self.place.error(f"{name[:40]!r} is not a name", at=at, remedy=f"use letters, digits and underscores; {_DIGITS}")
         called = self.text[token.end() :].lstrip().startswith("(")
         if name in INVARIANTS and (called or name not in self.known):
-            remedy = 'declare stress = { name = "sigma", kind = "3d" }'
+            remedy = 'declare stress = { name = "sigma", kind = "3d" }, or all components of the tensor and no other'
             raise self.place.error(f"{name} is of a stress, and none is declared", at=at, remedy=remedy)
         if called and name not in WORDS:
             remedy = f"write {name}*(...)" if name in self.known else self.suggest(name, [*WORDS], "functions")

@@ -113,7 +113,7 @@ def _objection_in_cases(
     """The objection to a law, and to each of those that it is where a choice of constants goes one way."""
     reasons, unread = set[str](), ""
     try:
-        for form in _forms(claim, law, evidence):
+        for form in _forms(claim, law, moves=rule == "composition" and not evidence):
             reasons.add(_objection(rule, check, form, evidence))
             if "" in reasons:
                 return ""
@@ -125,11 +125,11 @@ def _objection_in_cases(
     return max(reasons, default=unread)
 
 
-def _forms(claim: str, law: StatedLaw | StatedCurve, evidence: Evidence) -> Iterator[StatedLaw | StatedCurve]:
+def _forms(claim: str, law: StatedLaw | StatedCurve, moves: bool = False) -> Iterator[StatedLaw | StatedCurve]:
     """The law as written; with the forces of its energy put in; with the same boundary and a simpler g; moved; in principal stresses.
 
-    What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.  Evidence is of
-    the law where it is, not of the moved one.
+    What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.  Where it
+    ``moves``, the rule neither rests on the origin nor has evidence, which are of the law where it is.
     """
     if isinstance(law, StatedCurve) or law.of_rates:
         yield law
@@ -144,7 +144,7 @@ def _forms(claim: str, law: StatedLaw | StatedCurve, evidence: Evidence) -> Iter
         yield inner
     if (simpler := law.once(without_outer_map)) != law:
         yield simpler
-    if not evidence and claim in ("convexity", "smoothness") and (moved := simpler.once(about_its_centre)) != simpler:
+    if moves and claim in ("convexity", "smoothness") and (moved := simpler.once(about_its_centre)) != simpler:
         yield (simpler := moved)
     if claim not in ("duality", *_OF_THE_STATE) and (principal := simpler.once(in_principal_stresses)) is not None:
         yield principal
@@ -354,7 +354,7 @@ def convex_energy(law: StatedLaw, evidence: Evidence) -> bool:
     stored = law.once(state.epigraph)
     if stored is None or not law.once(state.state_laws_agree):
         return False
-    return any(isinstance(form, StatedLaw) and convexity(form, evidence) for form in _forms("convexity", stored, evidence))
+    return any(isinstance(form, StatedLaw) and convexity(form, evidence) for form in _forms("convexity", stored))
 
 
 def scales_with_the_pressure(law: StatedLaw, _: Evidence) -> bool:

@@ -77,6 +77,7 @@ class Term(_Parts):
     _hash: int  # as these are asked for without end, each is found once
     _names: frozenset[str]
     _size: int
+    _made: dict[Term, Term]
 
     def __hash__(self) -> int:
         """Of what is equal where the terms are; that of a fraction takes long."""
@@ -126,7 +127,13 @@ class Term(_Parts):
 
         What is shared stays shared.
         """
-        return self._put(swap, {}, {})
+        if not self.large:
+            return self._put(swap, {}, {})
+        try:
+            made = self._made
+        except AttributeError:
+            made = self._made = {}  # equal graphs are one object: who compares two goes through them as trees
+        return self._put(swap, {}, made)
 
     def _put(self, swap: Mapping[Term, Term], done: dict[Term, Term], made: dict[Term, Term]) -> Term:
         if self in swap:
