@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
-from types import MappingProxyType
+from itertools import islice
 from typing import Any
 
 import sympy as sp
@@ -17,13 +17,14 @@ from duhem.proof import verification
 from duhem.proof.certificate import admitted_values, law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection, row_of, rules_of
-from duhem.proof.kernel.parameter_cells import at_values, proof_fails
+from duhem.proof.kernel.parameter_cells import at_values, family_fails, proof_fails, settled
+from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term
+from duhem.proof.kernel.term import UNREADABLE, NotWritten
 from duhem.proof.verdict import Trust
 from duhem.regions.seen import looked_at, of_one_sign
-from duhem.regions.suggested import Suggestion
+from duhem.regions.suggested import Suggestion, suggestions
 
 __all__ = ["MOST_STEPS", "UNBOUNDED", "AsksTheKernel", "constraints_on"]
 
@@ -74,10 +75,10 @@ class AsksTheKernel:
         known = ones if not free or self.admits(ones, self.stated) else dict(admitted_values(self.law) or ones)
         return {name: known[name] for name in free}
 
-    def admits(self, values: Mapping[str, str], law: StatedLaw, swap: Mapping[Term, Term] = MappingProxyType({})) -> bool:
+    def admits(self, values: Mapping[str, str], law: StatedLaw) -> bool:
         """Whether a law over some values is seen to admit these of the other parameters at all of them."""
         with suppress(NotWritten):
-            at_values(law, values, swap, self.names)
+            at_values(law, values, self.names)
             return True
         return False
 
@@ -101,7 +102,7 @@ class AsksTheKernel:
 
     def proof(self, law: StatedLaw) -> dict[str, Any] | None:
         """The rule that proves the claim of a law over some values, with those for the claims that it rests on; None where none does."""
-        if (steps := self._steps_of(self.claim, law, frozenset(), {})) is None:
+        if (steps := self._steps_of(self.claim, settled(law, self.names), frozenset(), {})) is None:
             return None
         *needs, last = steps
         return {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
@@ -138,7 +139,7 @@ class AsksTheKernel:
     def _seems_trivial(self, law: StatedLaw) -> bool:
         """Whether g is seen to have one sign at all forces but zero, so that K has no boundary."""
         with suppress(*UNREADABLE):
-            here = at_values(law, self.values, {}, self.names)
+            here = at_values(law, self.values, self.names)
             return of_one_sign(here, looked_at(here, self.names))
         return False
 
@@ -156,19 +157,25 @@ class AsksTheKernel:
         *needs, last = steps
         proof = {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
         whole = not any("over" in step["evidence"] for step in steps)
-        return proof if whole and self.confirmed(partial(proof_fails, self.claim, stated, proof)) else None
+        return proof if whole and self.confirmed(partial(proof_fails, self.claim, settled(stated, self.names), proof)) else None
 
     def is_usual(self, law: StatedLaw) -> bool:
         """Whether what proves a claim of one such law is asked alone of all: a single value may have a proof of its own."""
         return {*self.names} <= {*law.parameters}
 
-    def families(self, law: StatedLaw, swap: Mapping[Term, Term], told: Callable[[StatedLaw], Iterable[Suggestion]]) -> list[Suggestion]:
-        """The first families that floating point suggests for a law over some values; none where nothing is told in so many steps."""
+    def refutation(self, law: StatedLaw, away: Sequence[str], ends: Sequence[RealRoot] = ()) -> dict[str, Any] | None:
+        """The first family of those that floating point suggests which refutes the claim of a law over some values; None where none does.
+
+        ``away`` are formulas that are >= 0 over these, ``ends`` the numbers at which those of one parameter end.
+        """
         found = list[Suggestion]()
         with self.paid():
-            for one in told(at_values(law, self.values, swap, self.names)):
+            whole, here = settled(law, self.names), at_values(law, self.values, self.names)
+            for one in islice(suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends), _FEW_TRIED):
                 free = {name: text for name, text in self.values.items() if name != one.evidence.get("scale")}
                 found.append(Suggestion(one.rule, {**one.evidence, "values": free}))
-                if len(found) == _FEW_TRIED:
-                    break
-        return found
+        return next((dict(one._asdict()) for one in found if self.refutes(law, one)), None)
+
+    def refutes(self, law: StatedLaw, one: Suggestion) -> bool:
+        """Whether the kernel confirms a family of witnesses for a law over some values."""
+        return self.confirmed(partial(family_fails, self.claim, one.rule, law, self.names, one.evidence))

@@ -74,11 +74,12 @@ def _found(
     question: Any
     if len(names) == 1:
         question = Asked(law, claim, names, steps)
-        found = ParameterRegion(law, claim, names, tuple(cells_of(question)), question.whole)
+        cells = tuple(cells_of(question))
+        found = ParameterRegion(law, claim, names, cells, question.whole, steps=question.steps)
     else:
         question = Paving(law, claim, names, steps) if resume is None else Paving.resumed(law, claim, names, steps, document_of(resume)[1])
         question.grow()
-        found = PavedRegion(law, claim, names, question.tree, question.whole, question.steps, question.stopped)
+        found = PavedRegion(law, claim, names, question.tree, question.whole, question.stopped, steps=question.steps)
     _, joined = constraints_on(law, names)
     seen = not joined or all(question.inhabited(cell, done) for cell, done in found.known if done.verdict == "proved")
     return found if seen else replace(found, joined=joined)

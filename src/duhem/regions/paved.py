@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.constant_value import holds
-from duhem.proof.kernel.parameter_tree import SCHEMA, ends
+from duhem.proof.kernel.parameter_tree import ends
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from duhem.regions.asked import constraints_on
-from duhem.regions.paving import Known, Place, Tree, between, is_end, share_of
+from duhem.regions.places import Known, Place, Tree, between, is_end, share_of
 from duhem.regions.result import FoundRegion
 from duhem.regions.seen import Array, count, held
 
@@ -34,12 +34,11 @@ _MOST_PARTS = 6  # of a condition for people
 class PavedRegion(FoundRegion):
     """The region of several parameters: a ``tree`` of comparisons with what the kernel confirmed of its leaves, over the ``whole`` box.
 
-    ``steps`` were spent on it; it was ``stopped`` where the search was interrupted.  :func:`duhem.region` goes on with its certificate.
+    It was ``stopped`` where the search was interrupted.  :func:`duhem.region` goes on with its certificate.
     """
 
     tree: Tree
     whole: Mapping[str, Bounds]
-    steps: int = 0
     stopped: bool = False
 
     @cached_property
@@ -146,8 +145,8 @@ class PavedRegion(FoundRegion):
         return {}
 
     def written(self) -> dict[str, Any]:
-        """What a certificate has of the leaves."""
-        return {"schema": SCHEMA, "parameters": list(self.parameters), "tree": self.tree.written(), "steps": self.steps}
+        """The tree of comparisons that a certificate has."""
+        return self.tree.written()
 
 
 def _meets(bounds: Iterable[str], points: Mapping[str, Array]) -> NDArray[np.bool_]:

@@ -14,8 +14,8 @@ from duhem.errors import InputError
 from duhem.expression.parse import parse_relation
 from duhem.law.atlas.entry import entry
 from duhem.law.catalogue import load_formula
-from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.proof.kernel.real_root import RealRoot
+from duhem.regions.line import ParameterCell
 from duhem.regions.numbers import written_root
 from duhem.regions.paved import PavedRegion
 from duhem.regions.result import FoundRegion, ParameterRegion

@@ -15,11 +15,11 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import admitted_values, law_as_text
 from duhem.proof.kernel.certificate import digest
-from duhem.proof.kernel.parameter_cells import SCHEMA, ParameterCell
+from duhem.proof.kernel.parameter_tree import SCHEMA
 from duhem.proof.kernel.real_root import RealRoot
-from duhem.regions.decided import Decided
+from duhem.regions.line import Decided, ParameterCell, tree_of
 from duhem.regions.numbers import simplest, written_root
-from duhem.regions.paving import Known
+from duhem.regions.places import Known
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown, draw, latex
 
@@ -61,7 +61,7 @@ class FoundRegion(Shown):
     ``condition`` is a text of comparisons, ``==`` among them, joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim
     is proved, and is ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an
     infinite one after x/(1 + |x|).  ``scales`` are parameters that a change of units made 1 here.  ``joined`` are constraints that may
-    leave no values to the others where the claim is proved: there is no law there.
+    leave no values to the others where the claim is proved: there is no law there.  ``steps`` of the kernel were spent.
     """
 
     printed_by: ClassVar[str] = "duhem.regions.printing"
@@ -71,6 +71,7 @@ class FoundRegion(Shown):
     parameters: tuple[str, ...]
     scales: tuple[str, ...] = field(default=(), kw_only=True)
     joined: tuple[str, ...] = field(default=(), kw_only=True)
+    steps: int = field(default=0, kw_only=True)
 
     def __repr__(self) -> str:
         rest = "" if self.exact else ", the rest being open"
@@ -152,7 +153,7 @@ class FoundRegion(Shown):
 
     @abstractmethod
     def written(self) -> dict[str, Any]:
-        """What a certificate has of the cells."""
+        """The tree of comparisons that a certificate has."""
 
     @property
     def condition(self) -> str:
@@ -199,7 +200,8 @@ class FoundRegion(Shown):
             raise InputError(
                 "no exact point of the parameters' domain was found", where=self.criterion.name, remedy="fix a parameter with --set"
             )
-        document = {"law": law_as_text(self.criterion), "inhabited": dict(inhabited), "claim": self.claim, **self.written()}
+        asked = {"law": law_as_text(self.criterion), "inhabited": inhabited, "claim": self.claim, "parameters": self.parameters}
+        document = {"schema": SCHEMA, **asked, "tree": self.written(), "steps": self.steps}
         document = json.loads(json.dumps(document, default=_as_plain))
         document["sha256"] = digest(document)
         if file is not None:
@@ -254,8 +256,8 @@ class ParameterRegion(FoundRegion):
         return " and ".join(said)
 
     def written(self) -> dict[str, Any]:
-        """What a certificate has of the cells."""
-        return {"schema": SCHEMA, "parameter": self.parameters[0], "cells": [done.written() for done in self.decided]}
+        """The cells as leaves of a tree of comparisons, as a certificate has it."""
+        return tree_of(self.parameters[0], self.decided)
 
     def sample(self, cell: ParameterCell) -> dict[str, Fraction]:
         """A short fraction in a cell; none where the cell is one number that is none."""

@@ -11,9 +11,9 @@ from fractions import Fraction
 from itertools import islice
 
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.proof.kernel.real_root import RealRoot
-from duhem.regions.decided import Asked, Decided
+from duhem.regions.decided import Asked
+from duhem.regions.line import Decided, ParameterCell, order
 from duhem.regions.numbers import simplest, square_root_near
 
 __all__ = ["cells_of"]
@@ -43,7 +43,7 @@ def cells_of(asked: Asked) -> list[Decided]:
             at, in_vain = RealRoot.of(_middle(gap)), in_vain + 1
             gaps += [(gap._replace(high=at, open_high=False), False), (gap._replace(low=at, open=True), False)]
     cells = list[Decided]()
-    for one in sorted(done, key=lambda one: _order(one.cell)):
+    for one in sorted(done, key=lambda one: order(one.cell)):
         if cells and cells[-1].verdict == one.verdict == "open":
             cells[-1] = Decided(cells[-1].cell._replace(high=one.cell.high, open_high=one.cell.open_high), "open")
         else:
@@ -51,15 +51,10 @@ def cells_of(asked: Asked) -> list[Decided]:
     return cells
 
 
-def _order(cell: ParameterCell) -> tuple[bool, Fraction, bool]:
-    """By which cells that do not overlap are in order."""
-    return cell.low is not None, Fraction(0) if cell.low is None else cell.low.low, cell.open
-
-
 def _left(whole: ParameterCell, cells: Iterable[ParameterCell]) -> Iterator[ParameterCell]:
     """What cells leave of one."""
     start, left_out = whole.low, whole.open
-    for low, high, out, out_high in sorted(cells, key=_order):
+    for low, high, out, out_high in sorted(cells, key=order):
         if low is not None and (before := _cell(start, low, left_out, not out)) is not None:
             yield before
         start, left_out = high, not out_high

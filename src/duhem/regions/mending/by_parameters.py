@@ -12,8 +12,8 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.law.domain import POSITIVE, Domain
 from duhem.law.formula_law import Criterion
-from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.regions.entry import region, shape_parameters
+from duhem.regions.line import ParameterCell
 from duhem.regions.mending.limit_load import ScaledLaw
 from duhem.regions.result import ParameterRegion
 
