@@ -32,6 +32,10 @@ class ParameterCell(NamedTuple):
         """Whether another cell begins where this one ends, nothing between them left out; the end is told in the same way."""
         return self.high is not None and self.high == after.low and not (self.open_high and after.open)
 
+    def joined(self, other: ParameterCell) -> ParameterCell | None:
+        """The cell that is this one and another; None where this does not end where the other begins."""
+        return self._replace(high=other.high, open_high=other.open_high) if self.meets(other) else None
+
     @property
     def bounds(self) -> Bounds:
         """The least interval with fractions for ends in which it is seen to lie."""

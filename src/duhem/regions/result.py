@@ -7,23 +7,30 @@ from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, ClassVar
 
+import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import admitted_values, law_as_text
+from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.parameter_tree import SCHEMA
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.regions.line import Decided, ParameterCell, tree_of
 from duhem.regions.numbers import simplest, written_root
-from duhem.regions.places import Known
+from duhem.regions.places import Known, share_of
+from duhem.regions.seen import Array, met
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown, draw, latex
 
 __all__ = ["FoundRegion", "ParameterRegion", "RegionCell", "RegionEnd"]
+
+_MOST_JOINED = 100  # cells, of which any two may be one
 
 
 @dataclass(frozen=True)
@@ -90,9 +97,14 @@ class FoundRegion(Shown):
     def known(self) -> Sequence[tuple[Any, Decided | Known]]:
         """Each cell with what is known of it, in order."""
 
+    @property
     @abstractmethod
-    def stretches(self, verdict: str) -> Sequence[Any]:
-        """The cells of one verdict, those that meet joined."""
+    def everything(self) -> Any:
+        """The whole domain as a cell."""
+
+    @abstractmethod
+    def box(self, cell: Any) -> Mapping[str, Bounds]:
+        """The least range of each parameter in which a cell is seen to lie."""
 
     @abstractmethod
     def between(self, cell: Any, with_domain: bool) -> str:
@@ -102,14 +114,43 @@ class FoundRegion(Shown):
     def sample(self, cell: Any) -> Mapping[str, Fraction]:
         """An exact point in a cell; none where none was found."""
 
+    @cached_property
+    def places(self) -> tuple[tuple[Any, str], ...]:
+        """Each cell with one verdict on all of it, with the verdict: those joined that together are one."""
+        found = [(cell, done.verdict) for cell, done in self.known]
+        i = 0
+        while i < len(found) and len(found) <= _MOST_JOINED:
+            (one, verdict), joined = found[i], None
+            for k in range(i + 1, len(found)):
+                if found[k][1] == verdict and (joined := one.joined(found[k][0])) is not None:
+                    found[i : i + 1], found[k : k + 1], i = [(joined, verdict)], [], -1
+                    break
+            i += 1
+        return tuple(found)
+
+    def stretches(self, verdict: str) -> list[Any]:
+        """The cells of one verdict, those that meet joined."""
+        return [cell for cell, own in self.places if own == verdict]
+
     @property
     def exact(self) -> bool:
         """Whether every cell is decided."""
         return all(done.verdict != "open" for _, done in self.known)
 
-    @abstractmethod
+    def size(self, cell: Any) -> Fraction:
+        """How much of the whole a cell is."""
+        return share_of(self.box(cell), self.box(self.everything))
+
+    @cached_property
+    def _sizes(self) -> dict[str, Fraction]:
+        sizes = dict.fromkeys(("proved", "refuted", "open"), Fraction(0))
+        for cell, done in self.known:
+            sizes[done.verdict] += self.size(cell)
+        return sizes
+
     def share(self, verdict: str) -> float:
         """How much of the domain has a verdict, from 0 to 1; 0 too where single values have it."""
+        return float(self._sizes[verdict] / (sum(self._sizes.values()) or 1))
 
     def percentage(self, verdict: str) -> str:
         """The same for people."""
@@ -119,6 +160,15 @@ class FoundRegion(Shown):
     def open_share(self) -> float:
         """How much of the domain is open, from 0 to 1; 0 too where single values are."""
         return self.share("open")
+
+    def at(self, points: Mapping[str, Array]) -> NDArray[np.str_]:
+        """The verdict at many points, in floating point; "" where none is, outside of the domain."""
+        shape = next(iter(points.values())).shape
+        found = np.full(shape, "", dtype="<U7")
+        flat = {name: np.ravel(x) for name, x in points.items()}
+        for cell, verdict in self.places:
+            found[met(self.comparisons(cell), flat).reshape(shape)] = verdict
+        return found
 
     @property
     def cells(self) -> tuple[RegionCell, ...]:
@@ -130,10 +180,14 @@ class FoundRegion(Shown):
         sample = {name: str(x) for name, x in self.sample(cell).items()}
         return RegionCell(self.between(cell, True) or "true", verdict, "checked" if row else None, sample, witness)
 
-    @property
     @abstractmethod
+    def comparisons(self, cell: Any, with_domain: bool = True) -> list[str]:
+        """Those that hold in a cell, with the ends of the domain and the conditions of the law or without."""
+
+    @property
     def over(self) -> str:
         """The domain asked for, as comparisons."""
+        return " and ".join(self.comparisons(self.everything)) or "true"
 
     @property
     def ends(self) -> tuple[RegionEnd, ...]:
@@ -221,39 +275,28 @@ class ParameterRegion(FoundRegion):
         """Each cell with what is known of it, in order."""
         return [(done.cell, done) for done in self.decided]
 
-    def share(self, verdict: str) -> float:
-        """How much of the domain has a verdict, from 0 to 1; 0 too where single values have it."""
-        endless, own = None in self.domain[:2], [done.cell for done in self.decided if done.verdict == verdict]
-        return sum(_length(cell, endless) for cell in own) / whole if (whole := _length(self.domain, endless)) else float(bool(own))
+    @property
+    def everything(self) -> ParameterCell:
+        """The whole domain."""
+        return self.domain
 
-    def stretches(self, verdict: str) -> list[ParameterCell]:
-        """The cells of one verdict, those that meet joined."""
-        found = list[ParameterCell]()
-        for done in self.decided:
-            if done.verdict != verdict:
-                continue
-            before = found[-1] if found else None
-            if before is not None and before.meets(done.cell):
-                found[-1] = before._replace(high=done.cell.high, open_high=done.cell.open_high)
-            else:
-                found.append(done.cell)
-        return found
+    def box(self, cell: ParameterCell) -> dict[str, Bounds]:
+        """The least range of the parameter in which a cell is seen to lie."""
+        return {self.parameters[0]: cell.bounds}
+
+    def comparisons(self, cell: ParameterCell, with_domain: bool = True) -> list[str]:
+        """Those that hold in a cell, with the ends of the domain or without; of two the lower end first, as it stands on a line."""
+        said = [*cell.where(self.parameters[0], ParameterCell(None, None) if with_domain else self.domain)]
+        if len(said) < 2 or not with_domain:
+            return said
+        name, op, low = said[0].split(" ", 2)
+        return [f"{low} {op.replace('>', '<')} {name}", said[1]]
 
     def between(self, cell: ParameterCell, with_domain: bool) -> str:
         """A cell in words; "" for the whole domain."""
-        return "" if cell == self.domain else self._comparisons(cell, with_domain)
-
-    def _comparisons(self, cell: ParameterCell, with_domain: bool) -> str:
-        (name,), own = self.parameters, self.domain
         if cell.single and cell.low is not None:
-            return f"{name} {'==' if with_domain else '='} {written_root(cell.low)}"
-        said = list[str]()
-        if cell.low is not None and (with_domain or (cell.low, cell.open) != (own.low, own.open)):
-            said.append(f"{written_root(cell.low)} {'<' if cell.open else '<='} {name}" if cell.high is not None and with_domain
-                        else f"{name} {'>' if cell.open else '>='} {written_root(cell.low)}")  # fmt: skip
-        if cell.high is not None and (with_domain or (cell.high, cell.open_high) != (own.high, own.open_high)):
-            said.append(f"{name} {'<' if cell.open_high else '<='} {written_root(cell.high)}")
-        return " and ".join(said)
+            return f"{self.parameters[0]} {'==' if with_domain else '='} {written_root(cell.low)}"
+        return " and ".join(self.comparisons(cell, with_domain))
 
     def written(self) -> dict[str, Any]:
         """The cells as leaves of a tree of comparisons, as a certificate has it."""
@@ -274,22 +317,9 @@ class ParameterRegion(FoundRegion):
                     found.append(_end(name, end, not left_out))
         return tuple(dict.fromkeys(found))
 
-    @property
-    def over(self) -> str:
-        """The domain asked for, as comparisons."""
-        return self._comparisons(self.domain, True) or "true"
-
 
 def _as_plain(x: Any) -> Any:
     return dict(x) if isinstance(x, Mapping) else list(x) if isinstance(x, Iterable) else str(x)
-
-
-def _length(cell: ParameterCell, endless: bool) -> float:
-    """How long a cell is, in a domain that is ``endless`` after x/(1 + |x|)."""
-    low, high = (None if end is None else float(end.low) for end in (cell.low, cell.high))
-    if low is not None and high is not None and not endless:
-        return high - low
-    return (1.0 if high is None else high / (1 + abs(high))) - (-1.0 if low is None else low / (1 + abs(low)))
 
 
 def _inside(cell: ParameterCell) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import reduce
 from itertools import pairwise, product
@@ -19,9 +19,9 @@ from duhem.proof.kernel.forms import quadratic
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import UNREADABLE, Term, number
+from duhem.proof.kernel.term import UNREADABLE, Term, number, parse
 
-__all__ = ["RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "looked_at", "of_one_sign", "polynomial_at", "value_of"]
+__all__ = ["RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "looked_at", "met", "of_one_sign", "polynomial_at", "value_of"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -189,6 +189,11 @@ def held(condition: Term, at: Mapping[str, Array]) -> Flags:
     if condition.op in _JOINED:
         return np.asarray(_JOINED[condition.op]([held(part, at) for part in condition.args]))
     return np.asarray(_COMPARED[condition.op](*(value_of(side, at) for side in condition.args)))
+
+
+def met(comparisons: Iterable[str], points: Mapping[str, Array]) -> Flags:
+    """Where many points meet all of some comparisons."""
+    return np.logical_and.reduce([np.ones(count(points), dtype=bool), *(held(parse(text), points) for text in comparisons)])
 
 
 def value_of(term: Term, at: Mapping[str, Array]) -> Array:
