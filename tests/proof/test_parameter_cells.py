@@ -180,10 +180,6 @@ DENT = {"family": "gauge", "dent": "arc 1", "at": {"value": "0"}, "values": {"mu
         ("1/2", True, {"values": {"mu": "0"}}, False),
         ("1/2", True, {"values": {"e": "3/4"}}, False),
         ("1/2", True, {"more": 1}, False),
-        ("1/2", True, {"section": {"sigma_a": "x"}}, False),
-        ("1/2", True, {"section": {"sigma_a": "x + 1", "sigma_b": "y"}}, False),
-        ("1/2", True, {"section": {"sigma_a": "-x", "sigma_b": "y"}}, False),
-        ("1/2", True, {"section": {"sigma_a": "-x", "sigma_b": "y"}, "dent": "arc 0"}, True),
     ],
 )
 def test_a_dent_must_be_there_for_every_value(low: str, left_out: bool, changed: dict[str, Any], holds: bool) -> None:

@@ -81,15 +81,14 @@ class PavedRegion(FoundRegion):
         shares = f"{self.percentage('proved')} and refuted for {self.percentage('refuted')} of the domain"
         return super().proved if len(self.stretches("proved")) <= _MOST_PARTS else shares
 
-    def between(self, cell: Place, with_domain: bool) -> str:
-        """A place in words, an equation in the place of two comparisons that leave one value; "" for the whole domain."""
+    def relations(self, cell: Place, with_domain: bool = True) -> list[str]:
+        """The same as :meth:`comparisons`, with an equation in the place of two that leave one value; none for the whole domain."""
         if not cell.polynomials and cell.box == self.whole:
-            return ""
+            return []
         said, equal = self.comparisons(cell), " == " if with_domain else " = "
         both = {text: text.replace(" >= ", " <= ") for text in said if " >= " in text and text.replace(" >= ", " <= ") in said}
         kept = {*self.comparisons(cell, with_domain), *both}
-        told = [text.replace(" >= ", equal) if text in both else text for text in said if text in kept and text not in both.values()]
-        return " and ".join(told)
+        return [text.replace(" >= ", equal) if text in both else text for text in said if text in kept and text not in both.values()]
 
     def comparisons(self, cell: Place, with_domain: bool = True) -> list[str]:
         """Those that hold in a place, with the ends of the domain and the conditions of the law or without."""

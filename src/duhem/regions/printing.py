@@ -67,7 +67,7 @@ def as_latex(region: FoundRegion) -> str:
     if (condition := region.condition) in words:
         return words[condition]
     names = {name: sp.Symbol(latex_name(name), real=True) for name in region.parameters}
-    stretches = (region.between(cell, True).split(" and ") for cell in region.stretches("proved"))
+    stretches = map(region.relations, region.stretches("proved"))
     said = r" \;\vee\; ".join(r" \;\wedge\; ".join(_latex_relation(part, names) for part in parts) for parts in stretches)
     return reduce(lambda text, x: text.replace(rf"{x} \;\wedge\; {x} ", f"{x} "), map(str, names.values()), said)  # low <= x <= high
 

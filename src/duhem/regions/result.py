@@ -107,8 +107,12 @@ class FoundRegion(Shown):
         """The least range of each parameter in which a cell is seen to lie."""
 
     @abstractmethod
+    def relations(self, cell: Any, with_domain: bool = True) -> list[str]:
+        """The same as :meth:`comparisons`, with an equation in the place of two that leave one value; none for the whole domain."""
+
     def between(self, cell: Any, with_domain: bool) -> str:
         """A cell in words; "" for the whole domain."""
+        return " and ".join(self.relations(cell, with_domain))
 
     @abstractmethod
     def sample(self, cell: Any) -> Mapping[str, Fraction]:
@@ -292,11 +296,11 @@ class ParameterRegion(FoundRegion):
         name, op, low = said[0].split(" ", 2)
         return [f"{low} {op.replace('>', '<')} {name}", said[1]]
 
-    def between(self, cell: ParameterCell, with_domain: bool) -> str:
-        """A cell in words; "" for the whole domain."""
+    def relations(self, cell: ParameterCell, with_domain: bool = True) -> list[str]:
+        """The same as :meth:`comparisons`, with an equation in the place of two that leave one value."""
         if cell.single and cell.low is not None:
-            return f"{self.parameters[0]} {'==' if with_domain else '='} {written_root(cell.low)}"
-        return " and ".join(self.comparisons(cell, with_domain))
+            return [f"{self.parameters[0]} {'==' if with_domain else '='} {written_root(cell.low)}"]
+        return self.comparisons(cell, with_domain)
 
     def written(self) -> dict[str, Any]:
         """The cells as leaves of a tree of comparisons, as a certificate has it."""

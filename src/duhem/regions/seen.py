@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import reduce
 from itertools import pairwise, product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.expression.elementary import ELEMENTARY, array_function
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import FAMILIES, Dent, dents
@@ -29,8 +30,6 @@ RAYS = 721  # between the ends of a dent
 _RAYS_OF_A_DENT = (RAYS // 2, 65, 65, 65)
 _PLACES, _SAMPLES, _ZERO = 9, 97, 1e-11
 _MOST_PLACES, _FEW_PLACES, _FINER = 30, 12, 12  # of several parameters, of which constraints may leave few
-_COMPARED = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal}
-_JOINED = {"and": np.logical_and.reduce, "or": np.logical_or.reduce}
 _SIZES, _MOST_WAYS = (1e-3, 0.1, 1.0, 10.0, 1e3), 80  # of forces
 _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
 
@@ -186,9 +185,7 @@ def of_one_sign(law: StatedLaw, places: Mapping[str, Array]) -> bool:
 
 def held(condition: Term, at: Mapping[str, Array]) -> Flags:
     """Where a comparison holds, or several that ``and`` and ``or`` join; not where a side has no value."""
-    if condition.op in _JOINED:
-        return np.asarray(_JOINED[condition.op]([held(part, at) for part in condition.args]))
-    return np.asarray(_COMPARED[condition.op](*(value_of(side, at) for side in condition.args)))
+    return np.asarray(value_of(condition, at) > 0)
 
 
 def met(comparisons: Iterable[str], points: Mapping[str, Array]) -> Flags:
@@ -197,41 +194,29 @@ def met(comparisons: Iterable[str], points: Mapping[str, Array]) -> Flags:
 
 
 def value_of(term: Term, at: Mapping[str, Array]) -> Array:
-    """A term at many places, not a number where it has no value; ValueError for a word that is not read here."""
-    with np.errstate(all="ignore"):
-        return _of(term, at)
+    """A term at many places, not a number where it has no value, a comparison 1 or 0; ValueError for a word that is not read here.
 
-
-def _of(term: Term, at: Mapping[str, Array]) -> Array:
+    A name of which nothing is said is that of the pressure, -1.
+    """
     size = count(at)
-    if term.op == "number":
-        return np.full(size, float(term.value))
-    if term.op == "name":
-        if term.name == "pi":
-            return np.full(size, np.pi)
-        if term.name not in at:
-            return np.full(size, -1.0)  # the pressure
-        return at[term.name]
-    if term.op == "where":
-        return np.where(held(term.args[0], at), *(value_of(a, at) for a in term.args[1:]))
-    args = [_of(a, at) for a in term.args]
-    match term.op:
-        case "+":
-            return sum(args, np.zeros(size))
-        case "*":
-            return np.prod(args, axis=0)
-        case "**":
-            return args[0] ** args[1]
-        case "abs":
-            return np.abs(args[0])
-        case "norm":
-            return np.sqrt(sum((a * a for a in args), np.zeros(size)))
-        case "exp" | "log" | "sin" | "cos" | "tan" | "sinh" | "cosh" | "tanh":
-            return np.asarray(getattr(np, term.op)(args[0]))
-        case "asin" | "acos" | "atan":
-            return np.asarray(getattr(np, f"arc{term.op[1:]}")(args[0]))
-        case "atan2":
-            return np.asarray(np.arctan2(*args))
-        case "max" | "min":
-            return np.asarray(getattr(np, term.op)(args, axis=0))
-    raise ValueError(f"{term.op} is not read here")
+    with np.errstate(all="ignore"):
+        if term.op == "number":
+            return np.full(size, float(term.value))
+        if term.op == "name":
+            return at[term.name] if term.name in at else np.full(size, np.pi if term.name == "pi" else -1.0)
+        if term.op not in _WORDS:
+            raise ValueError(f"{term.op} is not read here")
+        return np.asarray(_WORDS[term.op](*(value_of(a, at) for a in term.args)), dtype=float)
+
+
+def _folded(word: np.ufunc) -> Callable[..., Array]:
+    return lambda *args: reduce(word, args)
+
+
+_WORDS: Mapping[str, Callable[..., Any]] = {
+    **{name: array_function(word.numpy) for name, word in ELEMENTARY.items()},
+    **dict.fromkeys(("max", "or"), _folded(np.maximum)), **dict.fromkeys(("min", "and"), _folded(np.minimum)),
+    "+": _folded(np.add), "*": _folded(np.multiply), "**": np.power, "abs": np.abs, "norm": lambda *args: np.sqrt(sum(x * x for x in args)),
+    "pos": lambda x: np.maximum(x, 0.0), "neg": lambda x: np.maximum(-x, 0.0), "atan2": np.arctan2,
+    "<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "where": lambda holds, *sides: np.where(holds > 0, *sides),
+}  # fmt: skip

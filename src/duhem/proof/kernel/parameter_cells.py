@@ -16,7 +16,7 @@ from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.claims import at_point, objection
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.dents import dents, falls_both_ways, section
+from duhem.proof.kernel.dents import dents, falls_both_ways
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more
@@ -127,11 +127,9 @@ def _lies_in(own: Bounds, term: Term, domain: StatedDomain) -> bool:
 
 
 def _dented(law: StatedLaw, evidence: Evidence) -> bool:
-    """K is not convex: a section of it has a dent."""
+    """K is not convex: it has a dent."""
     if any(name in law.forces for name, _ in law.ranges) or law.viscous or law.of_rates:
         return False
-    if "section" in evidence:
-        law = section(law, evidence["section"])
     place = RealRoot.read(as_object(evidence["at"]))
     return any(dent.name == evidence["dent"] and dent.at(place) for dent in dents(law, evidence["family"]))
 
@@ -200,7 +198,7 @@ REFUTATIONS: Mapping[tuple[str, str], Callable[[StatedLaw, Evidence], bool]] = {
     ("dissipation", "point"): _consumes,
     ("normality", "dent"): lambda law, evidence: law.associated and _dented(law, evidence),
 }
-_EVIDENCE = ("at", "along", "dent", "family", "p", "point", "pressure", "q", "scale", "section", "through", "values")
+_EVIDENCE = ("at", "along", "dent", "family", "p", "point", "pressure", "q", "scale", "through", "values")
 
 
 def family_fails(claim: str, rule: str, law: StatedLaw, names: Collection[str], evidence: Evidence) -> str:
