@@ -59,7 +59,7 @@ class Asked(AsksTheKernel):
         """The law over a cell."""
         return law_at(self.stated, cell.where(self.name, self.whole), self.names)
 
-    def inhabited(self, cell: ParameterCell, _: Decided) -> bool:
+    def inhabited(self, cell: ParameterCell) -> bool:
         """Whether plain values of the other parameters are seen to be admitted at every value in a cell."""
         return self.admits(self.values, self.over(cell))
 

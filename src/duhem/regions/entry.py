@@ -79,9 +79,9 @@ def _found(
     else:
         question = Paving(law, claim, names, steps) if resume is None else Paving.resumed(law, claim, names, steps, document_of(resume)[1])
         question.grow()
-        found = PavedRegion(law, claim, names, question.tree, question.whole, question.stopped, steps=question.steps)
+        found = PavedRegion(law, claim, names, question.known["tree"], question.whole, question.stopped, steps=question.steps)
     _, joined = constraints_on(law, names)
-    seen = not joined or all(question.inhabited(cell, done) for cell, done in found.known if done.verdict == "proved")
+    seen = not joined or all(question.inhabited(cell) for cell, leaf in found.known if leaf["verdict"] == "proved")
     return found if seen else replace(found, joined=joined)
 
 

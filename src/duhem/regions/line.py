@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.regions.numbers import written_root
-from duhem.regions.places import Known, against
+from duhem.regions.places import Node, against
 
 __all__ = ["Decided", "ParameterCell", "order", "tree_of"]
 
@@ -65,16 +65,21 @@ class Decided:
     verdict: str
     row: Mapping[str, Any] | None = None
 
+    @property
+    def leaf(self) -> Node:
+        """As a certificate has it."""
+        return {"verdict": self.verdict, **(self.row or {})}
+
 
 def order(cell: ParameterCell) -> tuple[bool, Fraction, bool]:
     """By which cells that do not overlap are in order."""
     return cell.low is not None, Fraction(0) if cell.low is None else cell.low.low, cell.open
 
 
-def tree_of(name: str, cells: Sequence[Decided]) -> dict[str, Any]:
+def tree_of(name: str, cells: Sequence[Decided]) -> Node:
     """The tree of cells that are in order, as a certificate has it: divided near the middle, at fractions before it is at other numbers."""
     ends = [(i, one.cell.high, one.cell.open_high) for i, one in enumerate(cells[:-1], 1) if one.cell.high is not None]
     if not ends:
-        return Known(cells[0].verdict, cells[0].row).written()
+        return cells[0].leaf
     i, end, left_out = min(ends, key=lambda one: (not one[1].exact, abs(2 * one[0] - len(cells))))
     return {"split": _below(name, end, left_out), "holds": tree_of(name, cells[:i]), "fails": tree_of(name, cells[i:])}

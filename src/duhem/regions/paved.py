@@ -17,7 +17,7 @@ from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.parameter_tree import ends
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from duhem.regions.asked import constraints_on
-from duhem.regions.places import Known, Place, Tree, between, is_end
+from duhem.regions.places import Node, Place, between, is_end, leaves
 from duhem.regions.result import FoundRegion
 from duhem.regions.seen import met
 
@@ -36,14 +36,15 @@ class PavedRegion(FoundRegion):
     It was ``stopped`` where the search was interrupted.  :func:`duhem.region` goes on with its certificate.
     """
 
-    tree: Tree
+    tree: Node
     whole: Mapping[str, Bounds]
     stopped: bool = False
 
     @cached_property
-    def known(self) -> list[tuple[Place, Known]]:
-        """The place of each leaf with what is known of it, in order; those outside of the domain are none."""
-        return [(self.tree.place(way, self.whole), leaf) for way, leaf in sorted(self.tree.leaves.items()) if leaf.verdict != "outside"]
+    def known(self) -> list[tuple[Place, Node]]:
+        """The place of each leaf with what a certificate says of it, in order; those outside of the domain are none."""
+        found = ((Place.of(where, self.whole), holder[key]) for _, where, holder, key in leaves({"tree": self.tree}))
+        return [(place, leaf) for place, leaf in found if leaf["verdict"] != "outside"]
 
     @cached_property
     def conditions(self) -> tuple[str, ...]:
@@ -112,4 +113,4 @@ class PavedRegion(FoundRegion):
 
     def written(self) -> dict[str, Any]:
         """The tree of comparisons that a certificate has."""
-        return self.tree.written()
+        return self.tree

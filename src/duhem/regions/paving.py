@@ -8,7 +8,7 @@ paving that was interrupted and goes on later ends as one that was not.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -31,7 +31,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse
 from duhem.regions.asked import UNBOUNDED, AsksTheKernel, constraints_on
 from duhem.regions.boundaries import boundaries
-from duhem.regions.places import FAILS, HOLDS, Divided, Known, Place, Tree, against, between, compared, difference, law_at, length, share_of
+from duhem.regions.places import Node, Place, against, between, compared, difference, law_at, leaves, length, share_of
 from duhem.regions.seen import Array, Holding, count, looked_at, value_of
 
 __all__ = ["Paving"]
@@ -40,6 +40,7 @@ _BESIDE = Fraction(1, 64)  # of each range, the box in which the rule that prove
 _SEEDS = 4  # of these boxes
 _MANY = 1000  # places of a leaf at which it is looked, where that takes no rays
 _LARGE = Fraction(1, 4)  # of the whole, a leaf of which whole verifications are asked
+_OPEN: Node = {"verdict": "open"}
 Held = NDArray[np.bool_] | None
 
 
@@ -47,7 +48,7 @@ Held = NDArray[np.bool_] | None
 class Paving(AsksTheKernel):
     """The question over all values of several parameters, and the tree of what is known."""
 
-    tree: Tree = field(default_factory=Tree)
+    known: Node = field(default_factory=lambda: {"tree": _OPEN})  # by its key "tree"
     stopped: bool = False
     whole: dict[str, Bounds] = field(init=False)
     seen: Holding | None = field(init=False)
@@ -84,34 +85,35 @@ class Paving(AsksTheKernel):
         if failed:
             raise InputError(f"the certificate is not confirmed where {failed[0]}", where="resume", remedy="start without it")
         steps = document["steps"]
-        return cls(law, claim, names, most, steps if isinstance(steps, int) else 0, tree=Tree.read(document["tree"]))
+        return cls(law, claim, names, most, steps if isinstance(steps, int) else 0, known={"tree": document["tree"]})
 
     def grow(self) -> None:
         """Decide or divide the largest open leaf until none is left, the budget is used up, or it is interrupted."""
         before = self.steps
         try:
             self._learn()
-            queue = [(-self._share(way), way) for way, leaf in self.tree.leaves.items() if leaf.verdict == "open"]
+            queue = [*self._left(self.known, "tree")]
             heapify(queue)
             while queue and not self.spent:
-                _, way = heappop(queue)
-                found = self.decided(self.tree.place(way, self.whole))
-                if found is None:
+                _, way, where, holder, key = heappop(queue)
+                if (found := self.decided(Place.of(where, self.whole))) is None:
                     break
-                self.tree, before = self.tree.put(way, found), self.steps
-                for more in (way + HOLDS, way + FAILS):
-                    if more in self.tree.leaves and self.tree.leaves[more].verdict == "open":
-                        heappush(queue, (-self._share(more), more))
+                holder[key], before = found, self.steps
+                for more in self._left(holder, key, where, way):
+                    heappush(queue, more)
         except KeyboardInterrupt:
             self.stopped = True
         self.steps = before
 
-    def inhabited(self, place: Place, _: Known) -> bool:
+    def inhabited(self, place: Place) -> bool:
         """Whether plain values of the other parameters are seen to be admitted everywhere in a place."""
         return self.admits(self.values, law_at(self.stated, place.where, self.names))
 
-    def _share(self, way: str) -> Fraction:
-        return share_of(self.tree.place(way, self.whole).box, self.whole)
+    def _left(self, *at: Any) -> Iterator[tuple[Any, ...]]:
+        """The open leaves below a node, the largest first in a heap."""
+        for way, where, holder, key in leaves(*at):
+            if holder[key]["verdict"] == "open":
+                yield -share_of(Place.of(where, self.whole).box, self.whole), way, where, holder, key
 
     def _learn(self) -> None:
         """The rule by which the claim is proved in a small box in which it seems to hold; that alone is asked on boxes."""
@@ -131,7 +133,7 @@ class Paving(AsksTheKernel):
                 break
         self.learning, self.steps = False, spent
 
-    def decided(self, place: Place) -> Known | Divided | None:
+    def decided(self, place: Place) -> Node | None:
         """A leaf, or a comparison that divides it with what is known of the two parts; None where the budget ends before that is known."""
         law = law_at(self.stated, place.where, self.names)
         known = self.seen or self._holding(law)
@@ -153,21 +155,21 @@ class Paving(AsksTheKernel):
         trivial = self.claim in UNBOUNDED and (holds is None or not holds.any())
         return (self._without_zero(law, place) if trivial else None) or self._halved(place)
 
-    def _without_zero(self, law: StatedLaw, place: Place) -> Divided | None:
+    def _without_zero(self, law: StatedLaw, place: Place) -> Node | None:
         """A leaf at whose edge a parameter is 0 divided into that edge and the rest, if the kernel confirms a verdict of one."""
         edges = [(name, own) for name, own in place.box.items() if own.holds(Fraction(0)) and 0 in own[:2] and not own.single]
         parts = (self._parts(f"{name} {'<=' if own.low == 0 else '>='} 0", law, place, 1) for name, own in edges)
         return next(filter(None, parts), None)
 
-    def _halved(self, place: Place) -> Divided:
+    def _halved(self, place: Place) -> Node:
         """A leaf divided where a parameter changes its sign, on which much depends, else in the middle of its longest edge."""
         for name, own in place.box.items():
             if own.sign() == ANY:
-                return Divided(f"{name} <= 0")
+                return {"split": f"{name} <= 0", "holds": _OPEN, "fails": _OPEN}
         longest = max(self.names, key=lambda name: length(place.box[name], self.whole[name]))
-        return Divided(f"{longest} <= {between(place.box[longest], self.whole[longest])}")
+        return {"split": f"{longest} <= {between(place.box[longest], self.whole[longest])}", "holds": _OPEN, "fails": _OPEN}
 
-    def _divided_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Held, clearly: bool) -> Divided | None:
+    def _divided_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Held, clearly: bool) -> Node | None:
         """A leaf divided by a polynomial, if the kernel confirms a verdict of both sides, or of one on which all is seen to be alike.
 
         ``clearly`` where the two are seen to be told apart by it: then of both.
@@ -187,16 +189,16 @@ class Paving(AsksTheKernel):
                 return parts
         return None
 
-    def _parts(self, comparison: str, law: StatedLaw, place: Place, least: int) -> Divided | None:
+    def _parts(self, comparison: str, law: StatedLaw, place: Place, least: int) -> Node | None:
         """The sides on which a comparison holds and fails, if at least so many are decided."""
-        found = list[Known]()
+        found = list[Node]()
         for text, holds in ((comparison, True), (against(comparison), False)):
             here = law_where(law, compared(text, self.names))
             there = Place.of((*place.where, text), self.whole)
-            found.append(self._confirmed(here, there, holds) or Known())
-            if sum(leaf == Known() for leaf in found) > 2 - least:
+            found.append(self._confirmed(here, there, holds) or _OPEN)
+            if found.count(_OPEN) > 2 - least:
                 return None
-        return Divided(comparison, *found)
+        return {"split": comparison, "holds": found[0], "fails": found[1]}
 
     def _holding(self, law: StatedLaw) -> Holding | None:
         """Where the claim seems to hold of a law over a leaf; None where that is not told in so many steps."""
@@ -204,20 +206,20 @@ class Paving(AsksTheKernel):
             return Holding.of(at_values(law, self.values, self.names), self.claim)
         return None
 
-    def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, unseen: bool = False) -> Known | None:
+    def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, unseen: bool = False) -> Node | None:
         """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail.
 
         One in which there is no place at which to look may be ``unseen`` because it is outside.
         """
         if law.constraints and (self.stated.constraints or unseen) and self.confirmed(partial(not_outside, law)):
-            return Known("outside")
+            return {"verdict": "outside"}
         if holds is not False and (row := self.proof(law) or self._proof_by_all(law, place)) is not None:
-            return Known("proved", row)
+            return {"verdict": "proved", **row}
         away = [f"({difference(text)})" for text in place.polynomials] + self.away
         if holds is not True and (row := self.refutation(law, away)) is not None:
-            return Known("refuted", row)
+            return {"verdict": "refuted", **row}
         if holds is False and self.claim in UNBOUNDED and (row := self.proof(law)) is not None:
-            return Known("proved", row)  # K may be everything or empty there, which no dent tells
+            return {"verdict": "proved", **row}  # K may be everything or empty there, which no dent tells
         return None
 
     def _proof_by_all(self, law: StatedLaw, place: Place) -> dict[str, Any] | None:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache, reduce
 from math import prod
@@ -15,12 +14,9 @@ from duhem.proof.kernel.parameter_tree import law_where, opposite, read_comparis
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 
-__all__ = [
-    "FAILS", "HOLDS", "Divided", "Known", "Place", "Tree", "against", "between", "compared", "difference", "is_end", "law_at", "length",
-    "share_of",
-]  # fmt: skip
+__all__ = ["Node", "Place", "against", "between", "compared", "difference", "is_end", "law_at", "leaves", "length", "share_of"]
 
-HOLDS, FAILS = "0", "1"
+Node = dict[str, Any]  # of a tree, as a certificate has it
 
 
 @lru_cache(maxsize=4096)
@@ -47,66 +43,13 @@ def is_end(text: str, names: tuple[str, ...]) -> bool:
     return False
 
 
-class Known(NamedTuple):
-    """What is known of a leaf: a verdict, and how a certificate says so; None where it is open, or outside of the domain."""
-
-    verdict: str = "open"
-    row: Mapping[str, Any] | None = None
-
-    def written(self) -> dict[str, Any]:
-        """As a certificate has it."""
-        return {"verdict": self.verdict, **(self.row or {})}
-
-
-class Divided(NamedTuple):
-    """A comparison that divides a leaf, and what is known of the two parts."""
-
-    text: str
-    holds: Known = Known()
-    fails: Known = Known()
-
-
-@dataclass(frozen=True)
-class Tree:
-    """The comparisons by which it is divided, and its leaves, each by the way to it: ``0`` where a comparison holds, ``1`` where not."""
-
-    splits: Mapping[str, str] = field(default_factory=dict)
-    leaves: Mapping[str, Known] = field(default_factory=lambda: {"": Known()})
-
-    @classmethod
-    def read(cls, node: Mapping[str, Any]) -> Tree:
-        """From a certificate that the kernel has read."""
-        splits, leaves = dict[str, str](), dict[str, Known]()
-
-        def below(node: Mapping[str, Any], way: str) -> None:
-            if "split" in node:
-                splits[way] = node["split"]
-                below(node["holds"], way + HOLDS)
-                below(node["fails"], way + FAILS)
-            else:
-                row = {key: value for key, value in node.items() if key != "verdict"}
-                leaves[way] = Known(node["verdict"], row or None)
-
-        below(node, "")
-        return cls(splits, leaves)
-
-    def written(self, way: str = "") -> dict[str, Any]:
-        """As a certificate has it."""
-        if way in self.splits:
-            return {"split": self.splits[way], "holds": self.written(way + HOLDS), "fails": self.written(way + FAILS)}
-        return self.leaves[way].written()
-
-    def put(self, way: str, found: Known | Divided) -> Tree:
-        """With what was found of a leaf."""
-        if isinstance(found, Known):
-            return Tree(self.splits, {**self.leaves, way: found})
-        rest = {other: leaf for other, leaf in self.leaves.items() if other != way}
-        return Tree({**self.splits, way: found.text}, {**rest, way + HOLDS: found.holds, way + FAILS: found.fails})
-
-    def place(self, way: str, whole: Mapping[str, Bounds]) -> Place:
-        """Where the end of a way is."""
-        texts = [self.splits[way[:i]] for i in range(len(way))]
-        return Place.of(tuple(text if turn == HOLDS else against(text) for text, turn in zip(texts, way, strict=True)), whole)
+def leaves(holder: Node, key: str = "tree", where: tuple[str, ...] = (), way: str = "") -> Iterator[tuple[str, tuple[str, ...], Node, str]]:
+    """Each leaf of a tree in order: the way to it, the comparisons that hold there, and in what and by which key it stands."""
+    if "split" not in (node := holder[key]):
+        yield way, where, holder, key
+        return
+    yield from leaves(node, "holds", (*where, node["split"]), way + "0")
+    yield from leaves(node, "fails", (*where, against(node["split"])), way + "1")
 
 
 class Place(NamedTuple):

@@ -109,7 +109,7 @@ def _published_point(region: FoundRegion) -> list[float]:
 def _rows(region: FoundRegion) -> list[tuple[str, ...]]:
     if isinstance(region, PavedRegion) and len(region.known) > _MOST_ROWS:
         return list(_counted(region))
-    rules = (str((done.row or {}).get("rule", "")) for _, done in region.known)
+    rules = (str(leaf.get("rule", "")) for _, leaf in region.known)
     whole = f"all {', '.join(region.parameters)}"
     shown = zip(region.cells, rules, strict=True)
     return [(whole if c.condition == "true" else c.condition.replace("==", "="), c.verdict, c.trust or "-", rule) for c, rule in shown]
@@ -118,8 +118,8 @@ def _rows(region: FoundRegion) -> list[tuple[str, ...]]:
 def _counted(region: PavedRegion) -> Iterator[tuple[str, ...]]:
     """A row a verdict, where leaves are many."""
     for verdict in ("proved", "refuted", "open"):
-        own = [leaf.row or {} for _, leaf in region.known if leaf.verdict == verdict]
-        by = ", ".join(dict.fromkeys(str(row["rule"]) for row in own if row))
+        own = [leaf for _, leaf in region.known if leaf["verdict"] == verdict]
+        by = ", ".join(dict.fromkeys(str(leaf["rule"]) for leaf in own if "rule" in leaf))
         if own:
             count = "1 cell" if len(own) == 1 else f"{len(own)} cells"
             yield f"{count}, {region.percentage(verdict)} of the domain", verdict, "checked" if by else "-", by

@@ -23,7 +23,7 @@ from duhem.proof.kernel.parameter_tree import SCHEMA
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.regions.line import Decided, ParameterCell, tree_of
 from duhem.regions.numbers import simplest, written_root
-from duhem.regions.places import Known, share_of
+from duhem.regions.places import Node, share_of
 from duhem.regions.seen import Array, met
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown, draw, latex
@@ -94,8 +94,8 @@ class FoundRegion(Shown):
 
     @property
     @abstractmethod
-    def known(self) -> Sequence[tuple[Any, Decided | Known]]:
-        """Each cell with what is known of it, in order."""
+    def known(self) -> Sequence[tuple[Any, Node]]:
+        """Each cell with what a certificate says of it, in order."""
 
     @property
     @abstractmethod
@@ -121,7 +121,7 @@ class FoundRegion(Shown):
     @cached_property
     def places(self) -> tuple[tuple[Any, str], ...]:
         """Each cell with one verdict on all of it, with the verdict: those joined that together are one."""
-        found = [(cell, done.verdict) for cell, done in self.known]
+        found = [(cell, leaf["verdict"]) for cell, leaf in self.known]
         i = 0
         while i < len(found) and len(found) <= _MOST_JOINED:
             (one, verdict), joined = found[i], None
@@ -139,7 +139,7 @@ class FoundRegion(Shown):
     @property
     def exact(self) -> bool:
         """Whether every cell is decided."""
-        return all(done.verdict != "open" for _, done in self.known)
+        return all(leaf["verdict"] != "open" for _, leaf in self.known)
 
     def size(self, cell: Any) -> Fraction:
         """How much of the whole a cell is."""
@@ -148,8 +148,8 @@ class FoundRegion(Shown):
     @cached_property
     def _sizes(self) -> dict[str, Fraction]:
         sizes = dict.fromkeys(("proved", "refuted", "open"), Fraction(0))
-        for cell, done in self.known:
-            sizes[done.verdict] += self.size(cell)
+        for cell, leaf in self.known:
+            sizes[leaf["verdict"]] += self.size(cell)
         return sizes
 
     def share(self, verdict: str) -> float:
@@ -177,12 +177,12 @@ class FoundRegion(Shown):
     @property
     def cells(self) -> tuple[RegionCell, ...]:
         """The cells in order."""
-        return tuple(self._shown(cell, done.verdict, done.row) for cell, done in self.known)
+        return tuple(self._shown(cell, leaf) for cell, leaf in self.known)
 
-    def _shown(self, cell: Any, verdict: str, row: Mapping[str, Any] | None) -> RegionCell:
-        witness = {"rule": row["rule"], **row["evidence"]} if row is not None and verdict == "refuted" else None
+    def _shown(self, cell: Any, leaf: Node) -> RegionCell:
+        witness = {"rule": leaf["rule"], **leaf["evidence"]} if leaf["verdict"] == "refuted" else None
         sample = {name: str(x) for name, x in self.sample(cell).items()}
-        return RegionCell(self.between(cell, True) or "true", verdict, "checked" if row else None, sample, witness)
+        return RegionCell(self.between(cell, True) or "true", leaf["verdict"], "checked" if "rule" in leaf else None, sample, witness)
 
     @abstractmethod
     def comparisons(self, cell: Any, with_domain: bool = True) -> list[str]:
@@ -205,7 +205,7 @@ class FoundRegion(Shown):
 
     def _told(self, *, with_domain: bool) -> str:
         parts = [self.between(cell, with_domain) for cell in self.stretches("proved")]
-        if not parts or "" in parts or all(done.verdict == "proved" for _, done in self.known):
+        if not parts or "" in parts or all(leaf["verdict"] == "proved" for _, leaf in self.known):
             return "true" if parts else "false"
         return " or ".join(f"({part})" if len(parts) > 1 and " and " in part else part for part in parts)
 
@@ -275,9 +275,9 @@ class ParameterRegion(FoundRegion):
     domain: ParameterCell
 
     @property
-    def known(self) -> list[tuple[ParameterCell, Decided]]:
-        """Each cell with what is known of it, in order."""
-        return [(done.cell, done) for done in self.decided]
+    def known(self) -> list[tuple[ParameterCell, Node]]:
+        """Each cell with what a certificate says of it, in order."""
+        return [(done.cell, done.leaf) for done in self.decided]
 
     @property
     def everything(self) -> ParameterCell:
