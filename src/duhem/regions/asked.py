@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
 from typing import Any
@@ -12,6 +12,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.parse import parse_relation
 from duhem.law.formula_law import Criterion
 from duhem.proof import verification
 from duhem.proof.certificate import admitted_values, law_as_text
@@ -21,9 +22,9 @@ from duhem.proof.kernel.parameter_cells import at_values, family_fails, proof_fa
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import UNREADABLE, NotWritten
+from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse
 from duhem.proof.verdict import Trust
-from duhem.regions.seen import looked_at, of_one_sign
+from duhem.regions.seen import Holding, looked_at, of_one_sign
 from duhem.regions.suggested import Suggestion, suggestions
 
 __all__ = ["MOST_STEPS", "UNBOUNDED", "AsksTheKernel", "constraints_on"]
@@ -140,12 +141,17 @@ class AsksTheKernel:
         """Whether g is seen to have one sign at all forces but zero, so that K has no boundary."""
         with suppress(*UNREADABLE):
             here = at_values(law, self.values, self.names)
-            return of_one_sign(here, looked_at(here, self.names))
+            return of_one_sign(here, looked_at(here))
         return False
 
-    def proof_by_all(self, stated: StatedLaw, law: Criterion) -> dict[str, Any] | None:
-        """The proof, with its evidence, of all that makes proofs, if the kernel confirms it of the law as it is ``stated``."""
+    def proof_by_all(self, stated: StatedLaw, where: Iterable[str]) -> dict[str, Any] | None:
+        """The proof, with evidence, of all that makes proofs where comparisons hold; ``stated`` is the law there, as the kernel reads it."""
+        ones = {name: own.low for name, own in stated.parameters.items() if name in self.names and own.single}
+        texts = [text for text in where if not parse(text).names() <= {*ones}]
         try:
+            law, symbols = self.law.fix(ones), self.law.symbols()
+            relations = (*law.constraints, *(parse_relation(text, symbols) for text in texts))
+            law = replace(law, constraints=relations, written_constraints=(*law.written_constraints, *texts))
             found = verification.verify(law, claims=[self.claim], effort="quick")
         except InputError:
             return None
@@ -158,6 +164,12 @@ class AsksTheKernel:
         proof = {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
         whole = not any("over" in step["evidence"] for step in steps)
         return proof if whole and self.confirmed(partial(proof_fails, self.claim, settled(stated, self.names), proof)) else None
+
+    def holding(self, law: StatedLaw) -> Holding | None:
+        """Where the claim seems to hold of a law over some values; None where that is not told in so many steps."""
+        with self.paid():
+            return Holding.of(at_values(law, self.values, self.names), self.claim)
+        return None
 
     def is_usual(self, law: StatedLaw) -> bool:
         """Whether what proves a claim of one such law is asked alone of all: a single value may have a proof of its own."""

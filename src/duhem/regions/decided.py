@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
 
 from duhem.errors import InputError
-from duhem.law.domain import Domain
 from duhem.proof import verification
-from duhem.proof.kernel.parameter_cells import at_values, own_domain
+from duhem.proof.kernel.parameter_cells import own_domain
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.regions.asked import AsksTheKernel
 from duhem.regions.line import Decided, ParameterCell
 from duhem.regions.places import law_at
-from duhem.regions.seen import Holding, changes
+from duhem.regions.seen import changes
 from duhem.regions.suggested import Suggestion
 
 __all__ = ["Asked"]
@@ -69,7 +67,9 @@ class Asked(AsksTheKernel):
         """The proof over a cell; None where no rule confirms it."""
         if cell not in self._known:
             row = None if self.spent else self.proof(self.over(cell))
-            row = row or (self._proof_by_all_over(cell) if self.by_all else None)
+            if row is None and self.by_all and not self.spent and self.verifications < _MOST_ASKED:
+                self.verifications += 1
+                row = self.proof_by_all(self.over(cell), cell.where(self.name, self.whole))
             self._known[cell] = None if row is None else Decided(cell, "proved", row)
         return self._known[cell]
 
@@ -81,24 +81,9 @@ class Asked(AsksTheKernel):
         self._known.clear()
         return True
 
-    def _proof_by_all_over(self, cell: ParameterCell) -> dict[str, Any] | None:
-        """The proof that everything which makes proofs finds, over a cell with fractions for ends that belong to it."""
-        ends = [None if end is None else end.low for end in (cell.low, cell.high)]
-        own, inexact = self.law.parameters[self.name], any(end is not None and not end.exact for end in (cell.low, cell.high))
-        at_zero = own.positive and (cell.low is None or (ends[0] == 0 and cell.open))
-        if self.spent or self.verifications == _MOST_ASKED or inexact or cell.open_high or (cell.open and not at_zero):
-            return None
-        self.verifications += 1
-        domain = Domain.between(None if at_zero else ends[0], ends[1])
-        law = self.law.within({self.name: Domain(high=domain.high, positive=True) if at_zero else domain})
-        return self.proof_by_all(self.over(cell), law)
-
     def seen(self) -> list[tuple[float, float, bool]] | None:
         """Stretches of the parameter where the claim seems to hold, and to fail, in floating point; None where that tells nothing."""
-        with self.paid():
-            law = at_values(self.over(self.whole), self.values, self.names)
-            return None if (holding := Holding.of(law, self.claim)) is None else changes(holding, law, self.name)
-        return None
+        return None if (holding := self.holding(self.over(self.whole))) is None else changes(holding, self.name, self.whole.bounds)
 
     # -- refuted ---------------------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 from heapq import heapify, heappop, heappush
@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression.parse import parse_relation
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import ANY, Bounds
@@ -61,7 +60,7 @@ class Paving(AsksTheKernel):
         for text in constraints_on(self.law, self.names)[0]:
             with suppress(*UNREADABLE):
                 self.away.append(f"({difference(text)})")
-        known, self.seen = self.steps, self._holding(self.stated)
+        known, self.seen = self.steps, self.holding(self.stated)
         self.boundaries = [] if self.seen is None else self._boundaries(self.stated, self.seen)
         self.steps = known
 
@@ -136,7 +135,7 @@ class Paving(AsksTheKernel):
     def decided(self, place: Place) -> Node | None:
         """A leaf, or a comparison that divides it with what is known of the two parts; None where the budget ends before that is known."""
         law = law_at(self.stated, place.where, self.names)
-        known = self.seen or self._holding(law)
+        known = self.seen or self.holding(law)
         places = looked_at(law, self.names, *(() if known is None or known.along_rays else (_MANY,)))
         holds = None if known is None else known.margins(places) >= 0
         mixed, unseen = holds is not None and holds.any() and not holds.all(), not count(places)
@@ -200,12 +199,6 @@ class Paving(AsksTheKernel):
                 return None
         return {"split": comparison, "holds": found[0], "fails": found[1]}
 
-    def _holding(self, law: StatedLaw) -> Holding | None:
-        """Where the claim seems to hold of a law over a leaf; None where that is not told in so many steps."""
-        with self.paid():
-            return Holding.of(at_values(law, self.values, self.names), self.claim)
-        return None
-
     def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, unseen: bool = False) -> Node | None:
         """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail.
 
@@ -226,9 +219,4 @@ class Paving(AsksTheKernel):
         """The proof with evidence that everything finds which makes proofs; asked on large leaves alone, where no rule was found before."""
         if self.claim in self.usual or share_of(place.box, self.whole) < _LARGE:
             return None
-        symbols = self.law.symbols()
-        with suppress(InputError):
-            relations = tuple(parse_relation(text, symbols) for text in place.where)
-            texts = (*self.law.written_constraints, *place.where)
-            return self.proof_by_all(law, replace(self.law, constraints=(*self.law.constraints, *relations), written_constraints=texts))
-        return None
+        return self.proof_by_all(law, place.where)

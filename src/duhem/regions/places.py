@@ -13,8 +13,9 @@ from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.parameter_tree import law_where, opposite, read_comparison
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
+from duhem.regions.numbers import simplest
 
-__all__ = ["Node", "Place", "against", "between", "compared", "difference", "is_end", "law_at", "leaves", "length", "share_of"]
+__all__ = ["Node", "Place", "against", "between", "compared", "difference", "is_end", "law_at", "leaves", "length", "middle", "share_of"]
 
 Node = dict[str, Any]  # of a tree, as a certificate has it
 
@@ -112,3 +113,9 @@ def between(own: Bounds, whole: Bounds, share: Fraction = Fraction(1, 2)) -> Fra
     low, high = (_along(end, i, endless) for i, end in enumerate(own[:2]))
     at = low + (high - low) * share
     return at / (1 - abs(at)) if endless else at
+
+
+def middle(own: Bounds) -> Fraction:
+    """A short number well inside of a range."""
+    low, high = (between(own, own, Fraction(k, 4)) for k in (1, 3))
+    return low if low == high else simplest(low, high)

@@ -22,8 +22,8 @@ from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.parameter_tree import SCHEMA
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.regions.line import Decided, ParameterCell, tree_of
-from duhem.regions.numbers import simplest, written_root
-from duhem.regions.places import Node, share_of
+from duhem.regions.numbers import written_root
+from duhem.regions.places import Node, middle, share_of
 from duhem.regions.seen import Array, met
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown, draw, latex
@@ -308,7 +308,8 @@ class ParameterRegion(FoundRegion):
 
     def sample(self, cell: ParameterCell) -> dict[str, Fraction]:
         """A short fraction in a cell; none where the cell is one number that is none."""
-        return {self.parameters[0]: inside} if (inside := _inside(cell)) is not None else {}
+        exact = cell.low is None or not cell.single or cell.low.exact
+        return {self.parameters[0]: middle(cell.bounds)} if exact else {}
 
     @property
     def ends(self) -> tuple[RegionEnd, ...]:
@@ -324,16 +325,6 @@ class ParameterRegion(FoundRegion):
 
 def _as_plain(x: Any) -> Any:
     return dict(x) if isinstance(x, Mapping) else list(x) if isinstance(x, Iterable) else str(x)
-
-
-def _inside(cell: ParameterCell) -> Any:
-    """A short fraction in a cell; None where the cell is one number that is none."""
-    if cell.single and cell.low is not None:
-        return cell.low.low if cell.low.exact else None
-    low, high = None if cell.low is None else cell.low.high, None if cell.high is None else cell.high.low
-    if low is None or high is None:
-        return low + 1 if low is not None else high - 1 if high is not None else 0
-    return simplest(low, high)
 
 
 def _end(name: str, end: RealRoot, closed: bool) -> RegionEnd:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
+from fractions import Fraction
 from functools import reduce
 from itertools import pairwise, product
 from typing import Any, NamedTuple
@@ -21,6 +22,7 @@ from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, Term, number, parse
+from duhem.regions.places import between
 
 __all__ = ["RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "looked_at", "met", "of_one_sign", "polynomial_at", "value_of"]
 
@@ -96,14 +98,14 @@ def _least_eigenvalues(matrix: Sequence[Sequence[Term]], places: Mapping[str, Ar
     return np.where(told, np.linalg.eigvalsh(many / sizes[:, :, None] / sizes[:, None, :])[:, 0], -np.inf)
 
 
-def changes(holding: Holding, law: StatedLaw, name: str) -> list[tuple[float, float, bool]] | None:
-    """Stretches of the one parameter that is left, and whether the claim is seen to hold there; None where that cannot be told."""
+def changes(holding: Holding, name: str, own: Bounds) -> list[tuple[float, float, bool]] | None:
+    """Stretches of the one parameter in a range, and whether the claim is seen to hold there; None where that cannot be told."""
 
     def holds(*x: float) -> list[bool]:
         return [bool(margin >= 0) for margin in holding.margins({name: np.array(x)})]
 
     try:
-        places = _in(law.parameters[name], np.linspace(0, 1, _SAMPLES + 2)[1:-1].tolist())
+        places = _in(own, np.linspace(0, 1, _SAMPLES + 2)[1:-1].tolist())
         flags = holds(*places)
         stretches, start = list[tuple[float, float, bool]](), places[0]
         for (x, one), (y, two) in pairwise(zip(places, flags, strict=True)):
@@ -124,7 +126,7 @@ def looked_at(law: StatedLaw, names: Collection[str] | None = None, most: int = 
     shares = [_AT_END, 2.0**-10, *np.linspace(0.05, 0.95, _PLACES), 1 - 2.0**-10]
     if len(free) > 1:
         shares = [_AT_END, *np.linspace(0, 1, max(4, int(most ** (1 / len(free)))))[1:-1]]
-    each = [_in(own, [*shares, *([] if None in own[:2] else [1 - _AT_END])]) for own in map(law.parameters.__getitem__, free)]
+    each = [_in(law.parameters[name], [*shares, 1 - _AT_END]) for name in free]
     places = dict(zip(free, np.array(list(product(*each))).T, strict=True)) if free else {}
     for c in law.constraints if len(free) > 1 else ():
         with suppress(ValueError):
@@ -141,15 +143,7 @@ def count(places: Mapping[str, Array]) -> int:
 
 
 def _in(own: Bounds, shares: Sequence[float]) -> list[float]:
-    """Values at shares of the way between two ends; after x/(1 + x) from the one end, or from 0 both ways."""
-    low, high = (None if end is None else float(end) for end in own[:2])
-    if low is not None and high is not None:
-        return [low + (high - low) * s for s in shares]
-    far = [s / (1 - s) for s in shares]
-    if low is not None:
-        return [low + x for x in far]
-    down = [(0.0 if high is None else high) - x for x in reversed(far)]
-    return down if high is not None else [*down, 0.0, *far]
+    return [float(between(own, own, Fraction(share))) for share in shares]
 
 
 def _relative(poly: Polynomial, at: Mapping[str, Array]) -> Array:
@@ -174,7 +168,6 @@ def of_one_sign(law: StatedLaw, places: Mapping[str, Array]) -> bool:
     size, ways = count(places), [way for way in product((0.0, 1.0, -1.0), repeat=len(law.forces)) if any(way)][:_MOST_WAYS]
     forces = np.repeat(np.outer(_SIZES, ways).reshape(-1, len(law.forces)), size, axis=0).T
     at = {name: np.tile(x, forces.shape[1] // size) for name, x in places.items()} | dict(zip(law.forces, forces, strict=True))
-    at |= {name: np.full(forces.shape[1], float(own.low or 0)) for name, own in law.parameters.items() if own.single}
     inside = np.ones(forces.shape[1], dtype=bool)
     for name, (low, high, *_) in law.ranges:
         if name in law.forces:
