@@ -49,7 +49,6 @@ from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, pr
 __all__ = ["convex_by_its_profile", "convex_in_its_region", "region_of", "round_at_its_ends", "where_loads_allow"]
 
 _ONE = Fraction(1)
-_Place = tuple[Fraction, Fraction]  # a root exactly, or between two numbers that are none
 
 
 # -- bodies with a profile ---------------------------------------------------------------------------------------------
@@ -71,8 +70,7 @@ def _by_load(poly: Polynomial, load: Polynomial, sides: Collection[Polynomial], 
         x, place = _solved(load, domain)
         profile = _profile(replaced(poly, x, place), domain)
         along = [side for side in (replaced(side, x, place) for side in sides) if not _moving(side, domain)]
-        rounded = any(_concave_root(*found) for found in _in_numbers(profile, along, domain))
-        return rounded or _concave_between_sides(profile, along, domain)
+        return any(_rounded(h, lines, domain) for h, lines in _measured(profile, along, domain))
     except NotWritten:
         return False
 
@@ -135,34 +133,24 @@ def _profile(poly: Polynomial, domain: StatedDomain) -> Polynomial:
     return negated(poly)
 
 
-def _in_numbers(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Line, Line, list[Line]]]:
-    """The profile H, H'^2 - 2 H H'' and the sides, where no constants are left in them."""
-    for h, lines in _measured(profile, sides, domain):
-        read = [p for poly in (h, *lines) if (p := on_the_line(poly)) is not None]
-        if len(read) > len(lines) and (bend := on_the_line(_bend(h))) is not None:
-            yield read[0], bend, read[1:]
-
-
-def _measured(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Polynomial, list[Polynomial]]]:
-    """The profile and its sides without positive factors; t is measured in a constant > 0, if need be."""
-    if not profile:
-        return
+def _measured(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Polynomial, list[Line]]]:
+    """The profile without positive factors, and the sides in which no constants are left; t is measured in a constant > 0, if need be."""
     names = {x for m in profile for x, _ in m if x != RAY and domain.of(x) == POSITIVE}
-    for unit in (None, *sorted(names)):
+    for unit in (None, *sorted(names)) if profile else ():
         scaled: Polynomial = {tuple(sorted([(RAY, 1), *([] if unit is None else [(unit, 1)])])): Fraction(1)}
-        h, *lines = (without_content(replaced(p, RAY, scaled), domain) for p in (profile, *sides) if p)
-        yield h, lines
+        h, *others = (without_content(replaced(p, RAY, scaled), domain) for p in (profile, *sides) if p)
+        yield h, [line for line in map(on_the_line, others) if line is not None]
 
 
-def _concave_between_sides(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> bool:
-    """Whether H > 0 between two sides, and sqrt H is concave, for all parameters; at a side it may be 0."""
-    for h, lines in _measured(profile, sides, domain):
-        ends = [line for line in map(on_the_line, lines) if line is not None and len(line) == 2]
-        low, high = ([Fraction(-p[0], p[1]) for p in ends if p[1] * way > 0] for way in (1, -1))
-        if low and high and max(low) < min(high):
-            between = max(low), min(high)
-            return nonnegative(_without_ends(h, *between), between, domain, strict=True) and nonnegative(_bend(h), between, domain)
-    return False
+def _rounded(h: Polynomial, sides: Collection[Line], domain: StatedDomain) -> bool:
+    """Whether sqrt H is concave where H >= 0, or H > 0 between two sides and sqrt H concave, for all parameters; at a side it may be 0."""
+    bend, (low, high) = _bend(h), _between(sides)
+    line, bent = on_the_line(h), on_the_line(bend)
+    if line is not None and bent is not None and _concave_root(line, bent, sides):
+        return True
+    if low is None or high is None or low >= high:
+        return False
+    return nonnegative(_without_ends(h, low, high), (low, high), domain, strict=True) and nonnegative(bend, (low, high), domain)
 
 
 def _without_ends(h: Polynomial, low: Fraction, high: Fraction) -> Polynomial:
@@ -186,7 +174,8 @@ def _bend(h: Polynomial) -> Polynomial:
 
 def _concave_root(line: Line, bend: Line, sides: Collection[Line]) -> bool:
     """Whether sqrt H is concave, by its ``bend``, where H >= 0 and the sides, of degree 1 at most, are >= 0, which is an interval then."""
-    low, high = _between(sides, 1 + max(map(_beyond_roots, (line, bend, *sides))))
+    far = 1 + max(map(_beyond_roots, (line, bend, *sides)))  # beyond it nothing changes any more
+    low, high = (end * far if x is None else x for end, x in zip((-1, 1), _between(sides), strict=True))
     if low >= high:
         return True  # no more than one value of t is left
     ends = [(low, low), *roots(parts(line)[0], low, high), (high, high)]
@@ -197,14 +186,10 @@ def _concave_root(line: Line, bend: Line, sides: Collection[Line]) -> bool:
     return len(above) == 1 and zeros <= {above[0], above[0] + 1} and nonnegative_on_the_line(bend, ends[above[0]][0], ends[above[0] + 1][1])
 
 
-def _between(sides: Collection[Line], far: Fraction) -> _Place:
-    """Where t lies; beyond ``far`` nothing changes any more."""
-    low, high = -far, far
-    for side in sides:
-        if len(side) == 2:
-            at = Fraction(-side[0], side[1])
-            low, high = (max(low, at), high) if side[1] > 0 else (low, min(high, at))
-    return low, high
+def _between(sides: Collection[Line]) -> tuple[Fraction | None, Fraction | None]:
+    """Where t lies; None for no end."""
+    low, high = ([Fraction(-p[0], p[1]) for p in sides if len(p) == 2 and p[1] * way > 0] for way in (1, -1))
+    return max(low, default=None), min(high, default=None)
 
 
 def _beyond_roots(p: Line) -> Fraction:
