@@ -145,7 +145,7 @@ class AsksTheKernel:
         return False
 
     def proof_by_all(self, stated: StatedLaw, where: Iterable[str]) -> dict[str, Any] | None:
-        """The proof, with evidence, of all that makes proofs where comparisons hold; ``stated`` is the law there, as the kernel reads it."""
+        """The proof, with evidence, of all that makes proofs where comparisons hold; ``stated`` is the law there, for the kernel."""
         ones = {name: own.low for name, own in stated.parameters.items() if name in self.names and own.single}
         texts = [text for text in where if not parse(text).names() <= {*ones}]
         try:
