@@ -36,6 +36,7 @@ from fractions import Fraction
 from itertools import chain, pairwise
 from math import prod
 
+from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
 from duhem.proof.kernel.forms import apart, at_end_of, multiple
@@ -203,12 +204,9 @@ def _beyond_roots(p: Line) -> Fraction:
 def convex_in_its_region(law: StatedLaw) -> bool:
     """Whether every part of g is quasiconvex, or of a convex set, where all of its loads allow it to be <= 0; g has a value there."""
     _, others, inside = law.once(where_loads_allow)
-    found = [(part, inside.facts(part)) for part in others]
     return all(
-        (known.defined and known.quasiconvex)
-        or _convex_below_a_product(part, inside)
-        or convex_by_its_profile(part, [*inside.sides], inside)
-        for part, known in found
+        _shown(part, inside).quasiconvex or _convex_below_a_product(part, inside) or convex_by_its_profile(part, [*inside.sides], inside)
+        for part in others
     )
 
 
@@ -249,8 +247,8 @@ def _loads_of_a_product(part: Term, domain: StatedDomain) -> Iterator[Term]:
 
 def _leaves(x: Term, h: Term, domain: StatedDomain) -> bool:
     """Whether h >= 0, and x >= 0 where it is 0: that is where a load is 0."""
-    known = domain.facts(h)
-    if not (known.defined and known.nonnegative):
+    known = _shown(h, domain)
+    if not known.nonnegative:
         return False
     base = h
     while base.op == "pos" or (base.op == "**" and domain.facts(base.args[1]).sign == POSITIVE):
@@ -272,7 +270,7 @@ def region_of(law: StatedLaw) -> frozenset[object]:
 def _loads_and_others(g: Term, domain: StatedDomain) -> tuple[list[Term], list[Term]]:
     """What a maximum is taken of: loads, which are affine and defined everywhere, and the rest."""
     parts = [*_greatest(g)]
-    loads = [part for part in parts if not domain.constant(part) and domain.facts(part).affine and domain.facts(part).defined]
+    loads = [part for part in parts if not domain.constant(part) and _shown(part, domain).affine]
     return loads, [part for part in parts if part not in loads]
 
 
@@ -342,27 +340,21 @@ def _below(power: Term, rest: Term, domain: StatedDomain) -> bool:
     if n is None or n.denominator > 1 or n <= 0:
         return False
     scale, moving = apart(rest, domain)
-    u, c, concave = domain.facts(power.args[0]), domain.facts(minus(scale)), [domain.facts(f) for f in moving]
-    convex = u.defined and (u.convex_in_size if n % 2 == 0 else u.convex)
-    return (
-        convex and c.defined and c.nonnegative and 0 < len(concave) <= n and all(v.defined and v.concave and v.nonnegative for v in concave)
-    )
+    u, c, concave = _shown(power.args[0], domain), _shown(minus(scale), domain), [_shown(f, domain) for f in moving]
+    convex = u.convex_in_size if n % 2 == 0 else u.convex
+    return convex and c.nonnegative and 0 < len(concave) <= n and all(v.concave and v.nonnegative for v in concave)
 
 
 def _below_a_load(square: Term, rest: Term, domain: StatedDomain) -> bool:
     scale, moving = apart(rest, domain)
-    c, squared = domain.facts(minus(scale)), [i for i, f in enumerate(moving) if f.op == "**" and f.args[1] == number(2)]
-    if not squared or len(moving) != 2 or not (c.defined and c.sign in (NEGATIVE, POSITIVE)):
+    c, squared = _shown(minus(scale), domain), [i for i, f in enumerate(moving) if f.op == "**" and f.args[1] == number(2)]
+    if not squared or len(moving) != 2 or c.sign not in (NEGATIVE, POSITIVE):
         return False
     load, other = moving[squared[0]].args[0], moving[1 - squared[0]]
     w = other if c.sign == POSITIVE else minus(other)
-    x, root = domain.facts(load), domain.facts(Term("**", (square, number(Fraction(1, 2)))))
-    profile = domain.facts(times_load(load, w, domain))
-    return (
-        (root.defined and root.convex and x.defined and x.affine and x.nonnegative and domain.facts(w).defined)
-        and profile.defined
-        and profile.concave
-    )
+    x, root = _shown(load, domain), _shown(Term("**", (square, number(Fraction(1, 2)))), domain)
+    profile = _shown(times_load(load, w, domain), domain)
+    return root.convex and x.affine and x.nonnegative and domain.facts(w).defined and profile.concave
 
 
 def _share_of_a_load(power: Term, rest: Term, domain: StatedDomain) -> bool:
@@ -371,17 +363,17 @@ def _share_of_a_load(power: Term, rest: Term, domain: StatedDomain) -> bool:
         return False
     _, moving = apart(power.args[0], domain)
     under = [y for f in moving if f.op == "**" and f.args[1] == number(-1) for y in apart(f.args[0], domain)[1]]
-    above, ratio = [f for f in moving if f.op != "**" or f.args[1] != number(-1)], domain.facts(power.args[0])
-    if len(under) != 1 or len(above) != 1 or not (ratio.defined and ratio.nonnegative):
+    above = [f for f in moving if f.op != "**" or f.args[1] != number(-1)]
+    if len(under) != 1 or len(above) != 1 or not _shown(power.args[0], domain).nonnegative:
         return False
-    u, x, whole = domain.facts(above[0]), domain.facts(under[0]), domain.facts(times_load(under[0], minus(rest), domain))
-    return (
-        (u.defined and u.convex and u.nonnegative and x.defined and x.affine and x.sign == POSITIVE)
-        and domain.facts(rest).defined
-        and domain.facts(rest).quasiconvex
-        and whole.defined
-        and whole.concave
-    )
+    u, x, whole = (_shown(part, domain) for part in (above[0], under[0], times_load(under[0], minus(rest), domain)))
+    return u.convex and u.nonnegative and x.affine and x.sign == POSITIVE and _shown(rest, domain).quasiconvex and whole.concave
+
+
+def _shown(term: Term, domain: StatedDomain) -> Facts:
+    """What is shown of a part that has a value; of another nothing is."""
+    known = domain.facts(term)
+    return known if known.defined else Facts()
 
 
 def _positive_multiple(term: Term, load: Term, domain: StatedDomain) -> bool:
@@ -396,11 +388,10 @@ def round_at_its_ends(law: StatedLaw) -> bool:
     if not loads or len(others) != 1:
         return False
     inside = domain.where(dict.fromkeys(map(minus, loads), False))
-    shape, (gauge, parts) = inside.facts(others[0]), _gauge_and_parts(others[0], domain)
-    size = domain.facts(gauge)
+    gauge, parts = _gauge_and_parts(others[0], domain)
+    size = _shown(gauge, domain)
     return (
-        (shape.defined and shape.convex)
-        and (size.defined and size.convex and size.nonnegative and smooth_but_where_zero(gauge, domain))
+        (_shown(others[0], inside).convex and size.convex and size.nonnegative and smooth_but_where_zero(gauge, domain))
         and all(inside.facts(h).concave and inside.facts(h).nonnegative and smooth_but_where_zero(h, domain) for h in parts)
         and all(_ends_round(load, loads, parts, domain) for load in loads)
     )
@@ -422,11 +413,6 @@ def _gauge_and_parts(f: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
 
 def _ends_round(load: Term, loads: list[Term], parts: list[Term], domain: StatedDomain) -> bool:
     """Whether the other loads are < 0 where this one is 0, and of the h one is 0 there and the others > 0."""
-    others = [domain.facts(at_end_of(load, other, domain)) for other in loads if other is not load]
-    ends = [domain.facts(at_end_of(load, h, domain)) for h in parts]
-    signs = sorted(h.sign for h in ends)
-    return (
-        all(known.defined for known in (*others, *ends))
-        and all(other.sign == NEGATIVE for other in others)
-        and signs == [ZERO, *[POSITIVE] * (len(parts) - 1)]
-    )
+    others = [_shown(at_end_of(load, other, domain), domain) for other in loads if other is not load]
+    signs = sorted(_shown(at_end_of(load, h, domain), domain).sign for h in parts)
+    return all(other.sign == NEGATIVE for other in others) and signs == [ZERO, *[POSITIVE] * (len(parts) - 1)]
