@@ -57,10 +57,6 @@ class Asked(AsksTheKernel):
         """The law over a cell."""
         return law_at(self.stated, cell.where(self.name, self.whole), self.names)
 
-    def inhabited(self, cell: ParameterCell) -> bool:
-        """Whether plain values of the other parameters are seen to be admitted at every value in a cell."""
-        return self.admits(self.values, self.over(cell))
-
     # -- proved ----------------------------------------------------------------------------------------------------
 
     def proved(self, cell: ParameterCell) -> Decided | None:
@@ -108,11 +104,10 @@ class Asked(AsksTheKernel):
         self.steps += found.steps
         if found.witness is None or not {"p", "q"} <= set(found.witness.points):
             return None
-        p, q = (dict(found.witness.points[key]) for key in ("p", "q"))
-        pressure = {} if self.law.pressure is None else {"pressure": p.pop(self.law.pressure)}
-        if self.law.pressure is not None and q.pop(self.law.pressure) != pressure["pressure"]:
-            return None
+        points, pressure = found.witness.points, self.law.pressure
+        told = {key: {f: points[key][f] for f in self.law.forces if f in points[key]} for key in ("p", "q")}
+        held = {} if pressure is None else {"pressure": points["p"][pressure]}
         values = {name: x for name, x in found.witness.parameters.items() if name in self.values}
-        one = Suggestion("chord", {"p": p, "q": q, "values": {**self.values, **values}, **pressure})
+        one = Suggestion("chord", {**told, **held, "values": {**self.values, **values}})
         parts = (part for part in _around(cell, inside) if self.refutes(self.over(part), one))
         return next((Decided(part, "refuted", one._asdict()) for part in parts), None)

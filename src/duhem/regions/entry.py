@@ -79,7 +79,9 @@ def _found(
         question.grow()
         found = PavedRegion(law, claim, names, question.known["tree"], question.whole, question.stopped, steps=question.steps)
     _, joined = constraints_on(law, names)
-    seen = not joined or all(question.inhabited(cell) for cell, leaf in found.known if leaf["verdict"] == "proved")
+    seen = not joined or all(
+        question.admits(question.values, question.over(cell)) for cell, leaf in found.known if leaf["verdict"] == "proved"
+    )
     return found if seen else replace(found, joined=joined)
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
 from math import isqrt
 
 import mpmath
 import sympy as sp
+from sympy.polys.polyerrors import BasePolynomialError
 
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.term import NotWritten
@@ -24,24 +25,17 @@ def simplest(low: Fraction, high: Fraction) -> Fraction:
         return Fraction(0)
     if high <= 0:
         return -simplest(-high, -low)
-    whole = low.numerator // low.denominator
+    whole = low // 1
     if whole + 1 < high:
         return Fraction(whole + 1)
-    rest = high - whole
-    above = None if low == whole else 1 / (low - whole)
-    inverse = 1 / rest
-    further = Fraction(inverse.numerator // inverse.denominator + 1) if above is None else simplest(inverse, above)
-    return whole + 1 / further
+    if low == whole:
+        return whole + Fraction(1, 1 / (high - whole) // 1 + 1)
+    return whole + 1 / simplest(1 / (high - whole), 1 / (low - whole))
 
 
-def closest_fractions(x: float, most: int = 64) -> Iterator[Fraction]:
+def closest_fractions(x: float) -> list[Fraction]:
     """Fractions close to x, the simplest first."""
-    seen = set[Fraction]()
-    for n in (1, 2, 3, 4, 8, 16, most):
-        near = Fraction(x).limit_denominator(n)
-        if near not in seen:
-            seen.add(near)
-            yield near
+    return [*dict.fromkeys(Fraction(x).limit_denominator(n) for n in (1, 2, 3, 4, 8, 16, 64))]
 
 
 def square_root_near(low: Fraction, high: Fraction) -> RealRoot | None:
@@ -54,7 +48,7 @@ def square_root_near(low: Fraction, high: Fraction) -> RealRoot | None:
 
 def narrowed(poly: Sequence[int], low: Fraction, high: Fraction, bits: int = 40) -> RealRoot | None:
     """The root of a polynomial between two fractions, enclosed to so many binary digits; None where it has not one there."""
-    with suppress(NotWritten, ValueError):
+    with suppress(NotWritten, BasePolynomialError):
         ends = sp.Poly(poly[::-1], sp.Symbol("x")).refine_root(low, high, eps=sp.Rational(1, 2**bits))
         return RealRoot.read({"polynomial": [str(c) for c in poly], "enclosure": [str(end) for end in ends]})
     return None
@@ -66,5 +60,4 @@ def written_root(root: RealRoot) -> str:
         return str(root.low)
     c, b, a = root.poly
     sign = 1 if 2 * a * root.low + b > 0 else -1
-    part, shift = str(sign * sp.sqrt(b * b - 4 * a * c) / (2 * a)), Fraction(-b, 2 * a)
-    return f"{shift} {'-' if part[0] == '-' else '+'} {part.removeprefix('-')}" if shift else part
+    return str(sp.Rational(-b, 2 * a) + sign * sp.sqrt(b * b - 4 * a * c) / (2 * a))

@@ -104,9 +104,9 @@ class Paving(AsksTheKernel):
             self.stopped = True
         self.steps = before
 
-    def inhabited(self, place: Place) -> bool:
-        """Whether plain values of the other parameters are seen to be admitted everywhere in a place."""
-        return self.admits(self.values, law_at(self.stated, place.where, self.names))
+    def over(self, cell: Place) -> StatedLaw:
+        """The law over a place."""
+        return law_at(self.stated, cell.where, self.names)
 
     def _left(self, *at: Any) -> Iterator[tuple[Any, ...]]:
         """The open leaves below a node, the largest first in a heap."""
@@ -134,7 +134,7 @@ class Paving(AsksTheKernel):
 
     def decided(self, place: Place) -> Node | None:
         """A leaf, or a comparison that divides it with what is known of the two parts; None where the budget ends before that is known."""
-        law = law_at(self.stated, place.where, self.names)
+        law = self.over(place)
         known = self.seen or self.holding(law)
         places = looked_at(law, self.names, *(() if known is None or known.along_rays else (_MANY,)))
         holds = None if known is None else known.margins(places) >= 0

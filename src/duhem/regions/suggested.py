@@ -122,13 +122,10 @@ def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestio
         return value_of(term, here | {f: scale * value_of(parse(way.get(f, "0")), here) for f in law.forces})
 
     points = list(_plain_ways(law.forces))
-    outside = (_scaled(way, scale) for scale in (4, 64, 4096) for way in points if np.all(along(law.g, way, scale) > 0))
-    if degree % 2 == 0 and (through := next(outside, None)) is not None:
+    outside = ((way, scale) for scale in (4, 64, 4096) for way in points if np.all(along(law.g, way, scale) > 0))
+    if degree % 2 == 0 and (found := next(outside, None)) is not None:
+        through = {f: str(found[1] * Fraction(x)) for f, x in found[0].items()}
         yield from (Suggestion("line", {"through": through, "along": way}) for way in points if np.all(along(top, way) < 0))
-
-
-def _scaled(way: Mapping[str, str], scale: int) -> dict[str, str]:
-    return {f: str(scale * Fraction(x)) for f, x in way.items()}
 
 
 def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 from duhem.proof.kernel import obligations
-from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign
 from duhem.proof.kernel.claims import at_point, objection
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
@@ -128,44 +128,37 @@ def _lies_in(own: Bounds, term: Term, domain: StatedDomain) -> bool:
 
 def _dented(law: StatedLaw, evidence: Evidence) -> bool:
     """K is not convex: it has a dent."""
-    if any(name in law.forces for name, _ in law.ranges) or law.viscous or law.of_rates:
-        return False
-    place = RealRoot.read(as_object(evidence["at"]))
-    return any(dent.name == evidence["dent"] and dent.at(place) for dent in dents(law, evidence["family"]))
+    place, whole = RealRoot.read(as_object(evidence["at"])), not any(name in law.forces for name, _ in law.ranges)
+    return whole and any(dent.name == evidence["dent"] and dent.at(place) for dent in dents(law, evidence["family"]))
 
 
 def _on_a_line(law: StatedLaw, evidence: Evidence) -> bool:
     """K is not convex: a line leaves it and comes back."""
-    whole = not law.ranges and not law.viscous and not law.of_rates
-    return whole and falls_both_ways(law, evidence)
+    return not law.ranges and falls_both_ways(law, evidence)
 
 
 def _left_by_a_chord(law: StatedLaw, evidence: Evidence) -> bool:
     """K is not convex: two points lie in it and in the ranges, and the midpoint is not in K; at one pressure, where there is one."""
-    if law.viscous or law.of_rates:
-        return False
     ends = [{f: parse(as_object(evidence[key]).get(f, "0")) for f in law.forces} for key in ("p", "q")]
     middle = {f: product_of(number(Fraction(1, 2)), sum_of(*(end[f] for end in ends))) for f in law.forces}
     domain, held = over(law), dict[Term, Term]()
     if law.pressure is not None:
         held = {Term("name", name=law.pressure): (pressure := parse(evidence["pressure"]))}
-        if not (domain.constant(pressure) and domain.facts(pressure).defined and domain.facts(pressure).sign == NEGATIVE):
+        if _sign(pressure, domain) != NEGATIVE:
             return False
-    if not all(domain.constant(x) and domain.facts(x).defined for end in ends for x in end.values()):
+    if not all(_has_value(x, domain) for end in ends for x in end.values()):
         return False
     here = [{Term("name", name=f): x.put(held) for f, x in place.items()} | held for place in (*ends, middle)]
     if not all(_lies_in(own, place[Term("name", name=name)], domain) for place in here for name, own in law.ranges):
         return False
-    places = [law.g.put(held).put(place) for place in here]
-    one, two, between = map(domain.facts, places)
-    inside = all(end.defined and not end.sign & POSITIVE for end in (one, two))
-    return inside and between.defined and between.sign == POSITIVE
+    one, two, between = (_sign(law.g.put(held).put(place), domain) for place in here)
+    return not (one | two) & POSITIVE and between == POSITIVE
 
 
 def _outside(law: StatedLaw, _: Evidence) -> bool:
     """g(0) > 0."""
     here = at_point(law, {})
-    return not law.viscous and not law.of_rates and here.defined and here.sign == POSITIVE
+    return here.defined and here.sign == POSITIVE
 
 
 def _consumes(law: StatedLaw, evidence: Evidence) -> bool:
@@ -173,7 +166,7 @@ def _consumes(law: StatedLaw, evidence: Evidence) -> bool:
 
     The parameter ``scale`` of the evidence is what g is there without it, so that g = 0 where it is subtracted in g.
     """
-    if law.flow is None or law.energy is not None or law.rates or law.ranges or law.viscous or law.of_rates:
+    if law.flow is None or law.energy is not None or law.rates or law.ranges:
         return False
     place = {Term("name", name=f): parse(text) for f, text in as_object(evidence["point"]).items()}
     place = {Term("name", name=f): place.get(Term("name", name=f), number(0)) for f in law.forces}
@@ -183,11 +176,19 @@ def _consumes(law: StatedLaw, evidence: Evidence) -> bool:
         law = _at_terms(law, {scale.name: law.g.put({scale: number(0)}).put(place)}, others)
     domain = over(law)
     flow = tuple(d.put(place) for d in law.flow or ())
-    if not all(domain.constant(x) and domain.facts(x).defined for x in (*place.values(), *flow)):
-        return False
-    here = at_point(law, evidence["point"])
-    power = domain.facts(sum_of(*(product_of(x, d) for x, d in zip(place.values(), flow, strict=True))))
-    return here.defined and here.sign == ZERO and power.defined and power.sign == NEGATIVE
+    here, power = at_point(law, evidence["point"]), sum_of(*(product_of(x, d) for x, d in zip(place.values(), flow, strict=True)))
+    known = all(_has_value(x, domain) for x in (*place.values(), *flow))
+    return known and here.defined and here.sign == ZERO and _sign(power, domain) == NEGATIVE
+
+
+def _has_value(x: Term, domain: StatedDomain) -> bool:
+    """Whether it depends on no force, and has a value."""
+    return domain.constant(x) and domain.facts(x).defined
+
+
+def _sign(x: Term, domain: StatedDomain) -> Sign:
+    """The signs of a constant that has a value; of anything else nothing is known."""
+    return domain.facts(x).sign if _has_value(x, domain) else ANY
 
 
 REFUTATIONS: Mapping[tuple[str, str], Callable[[StatedLaw, Evidence], bool]] = {
@@ -208,6 +209,8 @@ def family_fails(claim: str, rule: str, law: StatedLaw, names: Collection[str], 
     try:
         without_more(evidence, _EVIDENCE)
         values = as_object(evidence.get("values", {}))
+        if law.viscous or law.of_rates:
+            raise NotWritten("the law has no K of stresses")
         if not {*values, *([evidence["scale"]] if "scale" in evidence else [])} <= {*law.parameters} - {*names}:
             raise NotWritten("a family is for one value of the parameter alone")
         put = at_values(law, values, names)
