@@ -60,4 +60,5 @@ def written_root(root: RealRoot) -> str:
         return str(root.low)
     c, b, a = root.poly
     sign = 1 if 2 * a * root.low + b > 0 else -1
-    return str(sp.Rational(-b, 2 * a) + sign * sp.sqrt(b * b - 4 * a * c) / (2 * a))
+    part, shift = str(sign * sp.sqrt(b * b - 4 * a * c) / (2 * a)), Fraction(-b, 2 * a)
+    return f"{shift} {'-' if part[0] == '-' else '+'} {part.removeprefix('-')}" if shift else part
