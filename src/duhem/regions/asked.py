@@ -45,6 +45,11 @@ def constraints_on(law: Criterion, names: Collection[str]) -> tuple[tuple[str, .
     return tuple(alone), tuple(joined)
 
 
+def _row(steps: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What a certificate says of a proof, the last step, with those that it rests on."""
+    return {"rule": steps[-1]["rule"], "evidence": steps[-1]["evidence"], "needs": [*steps[:-1]]}
+
+
 @dataclass
 class AsksTheKernel:
     """A claim of a law, asked for the values of its parameters ``names``.  ``steps`` counts what was spent, ``most`` what may be."""
@@ -103,10 +108,8 @@ class AsksTheKernel:
 
     def proof(self, law: StatedLaw) -> dict[str, Any] | None:
         """The rule that proves the claim of a law over some values, with those for the claims that it rests on; None where none does."""
-        if (steps := self._steps_of(self.claim, settled(law, self.names), frozenset(), {})) is None:
-            return None
-        *needs, last = steps
-        return {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
+        steps = self._steps_of(self.claim, settled(law, self.names), frozenset(), {})
+        return None if steps is None else _row(steps)
 
     def _steps_of(
         self, claim: str, law: StatedLaw, asked: frozenset[str], known: dict[str, list[dict[str, Any]] | None]
@@ -160,9 +163,7 @@ class AsksTheKernel:
         if rows[self.claim].trust is not Trust.CHECKED or rows[self.claim].proof is None:
             return None
         steps = [{"claim": r.claim, "rule": r.proof.rule, "evidence": dict(r.proof.evidence)} for r in rows.values() if r.proof is not None]
-        *needs, last = steps
-        proof = {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
-        whole = not any("over" in step["evidence"] for step in steps)
+        proof, whole = _row(steps), not any("over" in step["evidence"] for step in steps)
         return proof if whole and self.confirmed(partial(proof_fails, self.claim, settled(stated, self.names), proof)) else None
 
     def holding(self, law: StatedLaw) -> Holding | None:

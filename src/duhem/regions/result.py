@@ -255,9 +255,8 @@ class FoundRegion(Shown):
         if file is not None:
             check_place(file)
         if (inhabited := admitted_values(self.criterion)) is None:
-            raise InputError(
-                "no exact point of the parameters' domain was found", where=self.criterion.name, remedy="fix a parameter with --set"
-            )
+            what = "no exact point of the parameters' domain was found"
+            raise InputError(what, where=self.criterion.name, remedy="fix a parameter with --set")
         asked = {"law": law_as_text(self.criterion), "inhabited": inhabited, "claim": self.claim, "parameters": self.parameters}
         document = {"schema": SCHEMA, **asked, "tree": self.written(), "steps": self.steps}
         document = json.loads(json.dumps(document, default=_as_plain))
@@ -314,13 +313,10 @@ class ParameterRegion(FoundRegion):
     @property
     def ends(self) -> tuple[RegionEnd, ...]:
         """Where what is proved ends inside of the domain."""
-        (name,) = self.parameters
-        found = list[RegionEnd]()
-        for cell in self.stretches("proved"):
-            for end, own, left_out in ((cell.low, self.domain.low, cell.open), (cell.high, self.domain.high, cell.open_high)):
-                if end is not None and end != own:
-                    found.append(_end(name, end, not left_out))
-        return tuple(dict.fromkeys(found))
+        (name,), low, high = self.parameters, self.domain.low, self.domain.high
+        each = ((cell.low, low, cell.open, cell.high, high, cell.open_high) for cell in self.stretches("proved"))
+        sides = (side for one in each for side in (one[:3], one[3:]))
+        return tuple(dict.fromkeys(_end(name, end, not left_out) for end, own, left_out in sides if end is not None and end != own))
 
 
 def _as_plain(x: Any) -> Any:

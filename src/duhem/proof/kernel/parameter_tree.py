@@ -30,12 +30,12 @@ __all__ = ["SCHEMA", "TreeLeaf", "ends", "law_where", "not_outside", "opposite",
 SCHEMA = "duhem region certificate 2"
 _MOST_DEPTH = 200
 _TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
-_LEAF = {
-    "open": {"verdict"},
-    "outside": {"verdict"},
-    "refuted": {"verdict", "rule", "evidence"},
-    "proved": {"verdict", "rule", "evidence", "needs"},
-}
+_SAID = {
+    "open": (),
+    "outside": (),
+    "refuted": ("rule", "evidence"),
+    "proved": ("rule", "evidence", "needs"),
+}  # of a leaf, beside its verdict
 
 
 class TreeLeaf(NamedTuple):
@@ -147,7 +147,7 @@ def _leaves(
             told = way if here.constraints == law.constraints else (*way, text)  # the ends of ranges are said as they are in the end
             yield from _leaves(here, claim, names, as_object(node[key]), told, depth + 1)
         return
-    if node["verdict"] not in _LEAF or set(node) != _LEAF[node["verdict"]]:
+    if node["verdict"] not in _SAID or set(node) != {"verdict", *_SAID[node["verdict"]]}:
         raise NotWritten("a leaf does not say what holds on it")
     reason = ""
     if node["verdict"] == "proved":

@@ -57,23 +57,21 @@ _ONE = Fraction(1)
 
 def convex_by_its_profile(f: Term, loads: Collection[Term], domain: StatedDomain) -> bool:
     """Whether f is defined and {f <= 0} is convex where the ``loads`` of the law are >= 0."""
-    try:
+    with suppress(NotWritten):
         poly, sides = domain.polynomial(f), [domain.polynomial(load) for load in loads]
         _moving(poly, domain)  # NotWritten where forces divide
         return domain.facts(f).defined and any(_by_load(poly, t, sides, domain) for t in chain(sides, _leading(poly, domain)))
-    except NotWritten:
-        return False
+    return False
 
 
 def _by_load(poly: Polynomial, load: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> bool:
     """Whether the body has a profile along this load, and one that makes it convex."""
-    try:
+    with suppress(NotWritten):
         x, place = _solved(load, domain)
         profile = _profile(replaced(poly, x, place), domain)
         along = [side for side in (replaced(side, x, place) for side in sides) if not _moving(side, domain)]
         return any(_rounded(h, lines, domain) for h, lines in _measured(profile, along, domain))
-    except NotWritten:
-        return False
+    return False
 
 
 def _moving(poly: Polynomial, domain: StatedDomain) -> list[Term]:
@@ -318,9 +316,7 @@ def _cleared(product: Term, rest: Term, domain: StatedDomain) -> tuple[Term, Ter
     scale, moving = apart(product, domain)
     under = [f for f in moving if f.op == "**" and f.args[1].op == "number" and f.args[1].value < 0 and f.args[1].value.denominator == 1]
     above = [f for f in moving if f not in under]
-    if not under or len(above) != 1 or not domain.constant(rest) or domain.facts(scale).sign != POSITIVE:
-        return None
-    if any(domain.facts(f).sign != POSITIVE for f in under):
+    if not under or len(above) != 1 or not domain.constant(rest) or any(domain.facts(f).sign != POSITIVE for f in (scale, *under)):
         return None
     divisors = [part for f in under for part in _repeated(f.args[0]) * -int(f.args[1].value)]
     return above[0], product_of(rest, Term("**", (scale, number(-1))), *divisors)
