@@ -214,6 +214,15 @@ def test_the_origin_has_a_region() -> None:
     assert duhem.region(law).condition == "true"
 
 
+def test_several_surfaces_are_the_greatest_of_them(tmp_path: Any) -> None:
+    (tmp_path / "two.toml").write_text(
+        '[criterion]\nname = "two"\nforces = ["x", "y"]\npressure = false\n[[surface]]\ng = "x**2 + e*x*y + y**2 - 1"\n'
+        '[[surface]]\ng = "x - 1/2"\n[parameters]\ne = { min = -3, max = 3 }\n'
+    )
+    done = duhem.region(tmp_path / "two.toml")
+    assert done.sentence == "convexity holds exactly for e >= -2 and e <= 2" and duhem.recheck(done.certificate()).ok
+
+
 @pytest.mark.parametrize(
     ("asked", "said"),
     [

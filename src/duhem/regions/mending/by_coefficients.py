@@ -19,7 +19,6 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.text import formula
-from duhem.law.formula_law import Criterion
 from duhem.regions.mending.formulas import decimal, times, total
 from duhem.regions.mending.limit_load import Array, ScaledLaw, limit_loads
 
@@ -35,7 +34,7 @@ def by_coefficients(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
     """g with other coefficients, the farther inside the border of sos-convexity the later; InputError for a g that is no polynomial."""
     import cvxpy as cp
 
-    law, poly = scaled.law, _polynomial(scaled.law)
+    law, poly = scaled.law, _polynomial(scaled)
     some = np.flatnonzero(np.isfinite(scaled.loads))[:: max(1, len(scaled.loads) // _POINTS)]
     ways, loads = scaled.ways[some], scaled.loads[some] * (1.0 if poly is None else scaled.size)
     powers, size = _quartic(scaled, ways) if poly is None else [m for m in poly.monoms() if any(m)], float(loads.mean())
@@ -85,13 +84,14 @@ def _quartic(scaled: ScaledLaw, ways: Array) -> list[Monomial]:
     return [m for m in product(range(5), repeat=n) if least <= sum(m) <= 4 and all(np.dot(s, m) % 2 == 0 for s in signs)]
 
 
-def _polynomial(law: Criterion) -> sp.Poly | None:
-    """g as a polynomial of the forces with numbers for coefficients; None where it is none and the law has more than two forces."""
+def _polynomial(scaled: ScaledLaw) -> sp.Poly | None:
+    """g as a polynomial of the forces with numbers for coefficients; None where it is none, and K a body of more than two forces."""
+    law = scaled.law
     with suppress(sp.PolynomialError):
         poly = sp.Poly(law.g.xreplace(law.settled()), *law.force_symbols())
         if poly.total_degree() >= 2 and all(c.is_Rational for m, c in poly.terms() if any(m)):
             return poly
-    if 2 < len(law.forces) <= _MOST_FORCES and law.pressure is None:
+    if 2 < len(law.forces) <= _MOST_FORCES and law.pressure is None and np.isfinite(scaled.loads).all():
         return None
     raise InputError("g is no polynomial of the forces with numbers for coefficients", where=law.name, remedy="mend it in another way")
 
