@@ -100,13 +100,10 @@ def _seen(asked: Asked) -> tuple[list[Decided], list[ParameterCell]]:
     stretches = asked.seen() or []
     whole, last = asked.whole, len(stretches) - 1
     found, parts = dict[int, Decided](), list[ParameterCell]()
-    for i, (low, high, _) in enumerate(stretches):
+    for i, (low, high, _) in ((i, one) for i, one in enumerate(stretches) if one[2]):
+        first, final = whole.low if i == 0 else _number_near(low), whole.high if i == last else _number_near(high)
         own = i == 0 and whole.open, i == last and whole.open_high
-        cells = (
-            _cell(whole.low if i == 0 else _number_near(low), whole.high if i == last else _number_near(high), *out)
-            for out in dict.fromkeys([own, (True, own[1]), (own[0], True), (True, True)])
-            if stretches[i][2]
-        )
+        cells = (_cell(first, final, *out) for out in dict.fromkeys([own, (True, own[1]), (own[0], True), (True, True)]))
         if done := next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), None):
             found[i] = done
     for i, (low, high, holds) in enumerate(stretches):
