@@ -18,9 +18,8 @@ import numpy as np
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.text import formula
 from duhem.regions.mending.formulas import decimal, times, total
-from duhem.regions.mending.limit_load import Array, ScaledLaw, limit_loads
+from duhem.regions.mending.limit_load import ScaledLaw, limit_loads
 
 __all__ = ["by_coefficients"]
 
@@ -34,18 +33,13 @@ def by_coefficients(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
     """g with other coefficients, the farther inside the border of sos-convexity the later; InputError for a g that is no polynomial."""
     import cvxpy as cp
 
-    law, poly = scaled.law, _polynomial(scaled)
+    law, powers = scaled.law, _monomials(scaled)
     some = np.flatnonzero(np.isfinite(scaled.loads))[:: max(1, len(scaled.loads) // _POINTS)]
-    ways, loads = scaled.ways[some], scaled.loads[some] * (1.0 if poly is None else scaled.size)
-    powers, size = _quartic(scaled, ways) if poly is None else [m for m in poly.monoms() if any(m)], float(loads.mean())
+    ways, loads, degrees = scaled.ways[some], scaled.loads[some], np.array([sum(m) for m in powers])
+    size, most = float(loads.mean()), int(degrees.max())
     table = np.column_stack([np.prod((ways * (loads / size)[:, None]) ** np.array(m), axis=1) for m in powers])
-    if poly is None:
-        level = np.ones(len(table))
-        old = np.linalg.lstsq(table, level)[0]
-    else:
-        old = np.array([float(poly.coeff_monomial(m)) * size ** sum(m) for m in powers])
-        level = table @ old
-    rate = table @ (old * np.array([sum(m) for m in powers]))  # sigma . grad g, over which what g changes is what the limit load does
+    old = np.linalg.lstsq(table, np.ones(len(table)))[0]
+    rate = table @ (old * degrees)  # sigma . grad g, over which what g changes is what the limit load does
     a, margin = cp.Variable(len(powers)), cp.Parameter(nonneg=True)
     sides: dict[Monomial, list[Any]] = {}
     for n, m in enumerate(powers):
@@ -60,7 +54,7 @@ def by_coefficients(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
         gram = cp.Variable((len(block), len(block)), PSD=True)
         for (i, p), (j, q) in combinations_with_replacement(enumerate(block), 2):
             sides.setdefault(tuple(np.add(p, q)), []).append(gram[i, j] + margin if i == j else 2 * gram[i, j])
-    off = cp.multiply(loads / size / rate, table @ a - level)
+    off = cp.multiply(loads / size / rate, table @ a - 1.0)
     problem = cp.Problem(cp.Minimize(cp.sum_squares(off)), [sum(side) == 0 for side in sides.values()])
     for least in _MARGINS:
         margin.value = least * np.abs(old).mean()
@@ -69,31 +63,27 @@ def by_coefficients(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
             problem.solve(solver=cp.CLARABEL)
         if problem.status in _SOLVED:
             rounded = {m: decimal(x / size ** sum(m)) for m, x in zip(powers, a.value, strict=True) if abs(x) > _LEAST}
-            units = [] if poly else [(f"({scaled.text})", max(map(sum, powers)))]
-            terms = (times(c, *zip(law.forces, m, strict=True), *((unit, n - sum(m)) for unit, n in units)) for m, c in rounded.items())
-            last, what = (formula(poly.coeff_monomial(1)), "with the same monomials") if poly else (f"-{times(*units)}", "of degree 4")
-            yield total([*terms, last]), f"the nearest sos-convex polynomial {what}"
+            scales = ([] if scaled.text == "1" else [(f"({scaled.text})", most - n)] for n in map(sum, rounded))
+            terms = (times(c, *zip(law.forces, m, strict=True), *unit) for (m, c), unit in zip(rounded.items(), scales, strict=True))
+            yield total([*terms, f"-({scaled.text})**{most}"]), f"the nearest sos-convex polynomial of degree {most}"
 
 
-def _quartic(scaled: ScaledLaw, ways: Array) -> list[Monomial]:
-    """The monomials of degree 4, and of less where K is not symmetric, that no change of signs alters which leaves K as it is."""
-    n = len(scaled.law.forces)
-    loads = {s: limit_loads(scaled.law, scaled.values, ways * (1 - 2 * np.array(s))) for s in product((0, 1), repeat=n)}
-    signs = [s for s, own in loads.items() if np.allclose(own, loads[(0,) * n])]
-    least = 4 if (1,) * n in signs else 1
-    return [m for m in product(range(5), repeat=n) if least <= sum(m) <= 4 and all(np.dot(s, m) % 2 == 0 for s in signs)]
+def _monomials(scaled: ScaledLaw) -> list[Monomial]:
+    """Those of g, where it is a polynomial of the forces with numbers for coefficients; of another K with more forces those of degree 4.
 
-
-def _polynomial(scaled: ScaledLaw) -> sp.Poly | None:
-    """g as a polynomial of the forces with numbers for coefficients; None where it is none, and K a body of more than two forces."""
-    law = scaled.law
+    Where K is not symmetric these are of less degrees too; no change of signs alters them that leaves K as it is.
+    """
+    law, ways, n = scaled.law, scaled.ways[:_POINTS], len(scaled.law.forces)
     with suppress(sp.PolynomialError):
         poly = sp.Poly(law.g.xreplace(law.settled()), *law.force_symbols())
         if poly.total_degree() >= 2 and all(c.is_Rational for m, c in poly.terms() if any(m)):
-            return poly
-    if 2 < len(law.forces) <= _MOST_FORCES and law.pressure is None and np.isfinite(scaled.loads).all():
-        return None
-    raise InputError("g is no polynomial of the forces with numbers for coefficients", where=law.name, remedy="mend it in another way")
+            return [m for m in poly.monoms() if any(m)]
+    if not (2 < n <= _MOST_FORCES and law.pressure is None and np.isfinite(scaled.loads).all()):
+        raise InputError("g is no polynomial of the forces with numbers for coefficients", where=law.name, remedy="mend it in another way")
+    loads = {s: limit_loads(law, scaled.values, ways * (1 - 2 * np.array(s))) for s in product((0, 1), repeat=n)}
+    signs = [s for s, own in loads.items() if np.allclose(own, loads[(0,) * n])]
+    least = 4 if (1,) * n in signs else 1
+    return [m for m in product(range(5), repeat=n) if least <= sum(m) <= 4 and all(np.dot(s, m) % 2 == 0 for s in signs)]
 
 
 def _squares(powers: list[Monomial], n: int) -> list[list[Monomial]]:

@@ -21,7 +21,7 @@ from duhem.expression.rays import exits
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import admitted_values
 
-__all__ = ["NO_DISTANCE", "Array", "Distance", "ScaledLaw", "around", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
+__all__ = ["NO_DISTANCE", "Distance", "ScaledLaw", "around", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
 
 Array = NDArray[np.float64]
 Numbers = Mapping[str, sp.Rational]
