@@ -315,9 +315,9 @@ def test_a_witness_is_of_a_law_that_exists(constraint: str) -> None:
 
 
 ENDS: dict[str, tuple[Any, Any, int]] = {
-    "limacon": (0, Fraction(1, 2), 1),
+    "limacon": (0, mpmath.mpf(1) / 2, 1),
     "quartic": (0, 6, 20),
-    "two lobes": (Fraction(-1, 5), Fraction(1, 5), 1),
+    "two lobes": (-mpmath.mpf(1) / 5, mpmath.mpf(1) / 5, 1),
     "cazacu barlat": (-3 * mpmath.sqrt(3) / 4, 3 * mpmath.sqrt(3) / 4, 2),
 }
 
