@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from duhem.proof.kernel.polynomial import Polynomial
-from duhem.proof.kernel.region import _bend, _between, _beyond_roots, _concave_root, _in_numbers, _leading, _profile, _solved
+from duhem.proof.kernel.region import _bend, _between, _beyond_roots, _concave_root, _leading, _measured, _profile, _rounded, _solved
 from duhem.proof.kernel.signs import RAY, Line, line, on_the_line, sign_at
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain, poly
@@ -25,13 +25,13 @@ def test_beyond_every_root() -> None:
 
 
 def test_what_sides_leave_of_a_line() -> None:
-    sides: list[tuple[list[Line], tuple[F | int, F | int]]] = [
-        ([], (-9, 9)), ([(-1, 2)], (F(1, 2), 9)), ([(3, -1)], (-9, 3)), ([(-1, 2), (3, -1)], (F(1, 2), 3)), ([(3, -1), (1, -1)], (-9, 1)),
-        ([(1, -1), (3, -1)], (-9, 1)), ([(-1, 1), (-2, 1)], (2, 9)), ([(1,)], (-9, 9)), ([(0, 0, 1)], (-9, 9)), ([(2, 1),
-        (-1, -1)], (-2, -1)),
+    sides: list[tuple[list[Line], tuple[F | int | None, F | int | None]]] = [
+        ([], (None, None)), ([(-1, 2)], (F(1, 2), None)), ([(3, -1)], (None, 3)), ([(-1, 2), (3, -1)], (F(1, 2), 3)),
+        ([(3, -1), (1, -1)], (None, 1)), ([(1, -1), (3, -1)], (None, 1)), ([(-1, 1), (-2, 1)], (2, None)), ([(1,)], (None, None)),
+        ([(0, 0, 1)], (None, None)), ([(2, 1), (-1, -1)], (-2, -1)),
     ]  # fmt: skip
     for given, left in sides:
-        assert _between(given, F(9)) == left
+        assert _between(given) == left
 
 
 def test_the_sign_at_a_place() -> None:
@@ -84,9 +84,22 @@ def test_the_profile_along_a_load() -> None:
 def test_a_profile_in_numbers_measures_in_one_constant() -> None:
     here = domain(g="a")
     m_t = {tuple(sorted([(RAY, 1), (parse("m"), 1)])): F(3)}
-    ((found, bend, sides),) = _in_numbers(in_t(0, 2, 1), [in_t(1, 1), {}], here)
-    assert found == (0, 2, 1) and bend == (1,) and sides == [line([F(1), F(1)])]
+    ((found, sides),) = _measured(in_t(0, 2, 1), [in_t(1, 1), {}], here)
+    assert on_the_line(found) == (0, 2, 1) and on_the_line(_bend(found)) == (1,) and sides == [line([F(1), F(1)])]
     cubic = {((RAY, 2), (parse("m"), 1)): F(1), ((RAY, 3),): F(-1)}  # m t^2 - t^3 is m^3 (u^2 - u^3) at t = m u
-    assert [h for h, *_ in _in_numbers({tuple(sorted(m)): c for m, c in cubic.items()}, [], here)] == [(0, 0, 1, -1)]
-    assert [*_in_numbers({}, [], here)] == [] and [h for h, *_ in _in_numbers(m_t, [], here)] == [(0, 1), (0, 1)]
-    assert [*_in_numbers({((parse("q"), 1),): F(1), (): F(1)}, [], here)] == []
+    assert [on_the_line(h) for h, _ in _measured({tuple(sorted(m)): c for m, c in cubic.items()}, [], here)] == [None, (0, 0, 1, -1)]
+    assert [*_measured({}, [], here)] == [] and [on_the_line(h) for h, _ in _measured(m_t, [], here)] == [(0, 1), (0, 1)]
+    assert [on_the_line(h) for h, _ in _measured({((parse("q"), 1),): F(1), (): F(1)}, [], here)] == [None]
+
+
+@pytest.mark.parametrize(
+    ("profile", "sides", "rounded"),
+    [
+        ("m + t", [(0, 1), (1, -1)], True), ("m + t", [(0, 1)], False), ("q + t", [(0, 1), (1, -1)], False), ("m + t**2", [(0, 1), (1, -1)], False),
+        ("m*t - m*t**2", [(0, 1), (1, -1)], True), ("t - t**2", [], True), ("t**2", [(0, 1)], True), ("m + t", [(1, 1), (-2, -1)], False),
+    ],
+)  # fmt: skip
+def test_a_profile_with_constants_needs_two_sides(profile: str, sides: list[Line], rounded: bool) -> None:
+    here = domain(g="a")
+    h = {tuple(sorted((RAY if x == parse("t") else x, n) for x, n in m)): c for m, c in poly(profile).items()}
+    assert _rounded(h, sides, here) is rounded

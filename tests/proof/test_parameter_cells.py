@@ -8,24 +8,34 @@ from fractions import Fraction
 from functools import reduce
 from typing import Any
 
+import numpy as np
 import pytest
+import sympy as sp
 
 from duhem.law.catalogue import load
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.domain import Bounds
-from duhem.proof.kernel.parameter_cells import ParameterCell, at_values, covers, law_over, own_domain, refutation_fails
+from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain, settled
+from duhem.proof.kernel.parameter_tree import law_where, read_comparison
 from duhem.proof.kernel.polynomial import Polynomial, in_powers
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY, line, roots_between, sign_at
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten
+from duhem.regions.seen import value_of
 
+FORM: dict[str, Any] = {"forces": ["q"], "pressure": None, "flow": None, "constraints": []}
 ROOT_2 = RealRoot.read({"polynomial": ["-2", "0", "1"], "enclosure": ["1", "3/2"]})
 
 
-def at(x: str) -> RealRoot:
-    return RealRoot.of(Fraction(x))
+def over(law: StatedLaw, *where: str) -> StatedLaw:
+    """The law where comparisons hold."""
+    return reduce(lambda here, text: law_where(here, read_comparison(text, [*law.parameters])), where, law)
+
+
+def fails(claim: str, rule: str, law: StatedLaw, name: str, where: str, evidence: dict[str, Any]) -> str:
+    return family_fails(claim, rule, over(law, *where.split(" and ")), [name], evidence)
 
 
 def value(numbers: Sequence[Fraction | int], x: Fraction) -> Fraction:
@@ -89,25 +99,42 @@ def test_numbers_by_their_roots() -> None:
 # -- laws over cells ---------------------------------------------------------------------------------------------------
 
 
-def test_the_sign_of_a_polynomial_holds_on_its_cell_alone() -> None:
-    law = law_named("matchstick", mu_b={"value": "1"})
-    put, _ = law_over(law, "mu_a", ParameterCell(at("1"), ROOT_2), "sign")
-    assert put.constraints[-1].op == ">="
-    put, _ = law_over(law, "mu_a", ParameterCell(at("1"), ROOT_2, False, True), "sign")
-    assert put.constraints[-1].op == ">"
-    other = RealRoot.read({"polynomial": ["-2", "0", "1"], "enclosure": ["-3/2", "-1"]})
-    put, _ = law_over(law, "mu_a", ParameterCell(other, ROOT_2, True, False), "sign")
-    assert [c.op for c in put.constraints[-2:]] == [">=", ">="]  # a sharp one would leave out the end that belongs to it
-    wild = RealRoot.read({"polynomial": ["-2", "0", "3", "0", "-1"], "enclosure": ["5/4", "3/2"]})  # of (x^2 - 1)(2 - x^2)
-    with pytest.raises(NotWritten, match="root inside"):
-        law_over(law, "mu_a", ParameterCell(at("1/2"), wild), "sign")
-    with pytest.raises(NotWritten):
-        law_over(law, "mu_a", ParameterCell(at("1"), ROOT_2), "range")
+@pytest.mark.parametrize(
+    ("where", "low", "high", "left_out"),
+    [
+        ("x >= 1 and x <= sqrt(2)", "1", "sqrt(2)", (False, False)),
+        ("x > sqrt(2) and x < 1 + sqrt(5)/2", "sqrt(2)", "1 + sqrt(5)/2", (True, True)),
+        ("x <= sqrt(3) and x < sqrt(2) and x > -7 and x > -sqrt(2)/2", "-sqrt(2)/2", "sqrt(2)", (True, True)),
+        ("x >= sqrt(2)", "sqrt(2)", None, (False, False)),
+        ("x < -sqrt(2)", None, "-sqrt(2)", (True, False)),
+    ],
+)
+def test_an_end_that_is_no_fraction_is_reached_by_a_share(where: str, low: str, high: str, left_out: tuple[bool, bool]) -> None:
+    law = StatedLaw.read({**FORM, "g": "x*q**2 - 1 + 0*y", "parameters": {"x": {}, "y": {}}, "constraints": ["x - y <= 1"]})
+    done = settled(over(law, *where.split(" and ")), ["x"])
+    bounds = done.parameters["share of x"]
+    assert set(done.parameters) == {"share of x", "y"} and (bounds.open, bounds.open_high) == left_out and len(done.constraints) == 1
+    number = {name: float(sp.sympify(end)) for name, end in (("low", low), ("high", high)) if end is not None}
+    place = {"q": np.array([1.0]), "y": np.array([0.0])}
+    for share in (0.0, 0.25, 1.0):
+        x = value_of(done.g, {**place, "share of x": np.array([share])})[0] + 1
+        ends = number.get("low"), number.get("high")
+        expected = ends[1] - share if ends[0] is None else ends[0] + share if ends[1] is None else ends[0] + share * (ends[1] - ends[0])
+        assert abs(x - expected) < 1e-12
+
+
+def test_what_is_one_value_is_put_in_and_what_a_law_says_stays() -> None:
+    law = StatedLaw.read({**FORM, "g": "x*q**2 - 1", "parameters": {"x": {"min": "0"}}, "constraints": ["x <= 2"]})
+    assert settled(over(law, "x >= 1", "x <= 1"), ["x"]).parameters == {}
+    assert settled(law, ["x"]) == law and settled(over(law, "x <= sqrt(2)"), []) == over(law, "x <= sqrt(2)")
+    for wrong in ("x <= sqrt(-2)", "x <= 1/0", "x <= q", "x*q"):
+        with pytest.raises((NotWritten, ArithmeticError)):
+            read_comparison(wrong, ["x"])
 
 
 def test_values_of_other_parameters_must_be_admitted() -> None:
     law = law_named("shifted-ellipse")
-    put, _ = law_over(law, "shift", ParameterCell(at("-2"), at("2")), "range")
+    put = over(law, "shift >= -2", "shift <= 2")
     for values in (
         {"mu_a": "1", "mu_b": "1"},
         {"mu_a": "-1"},
@@ -117,8 +144,8 @@ def test_values_of_other_parameters_must_be_admitted() -> None:
         {"k": "1"},
     ):
         with pytest.raises((NotWritten, ZeroDivisionError)):  # at shift = 2 the first does not hold |shift| < mu_a
-            at_values(put, values, {})
-    assert set(at_values(put, {"mu_a": "3", "mu_b": "1"}, {}).parameters) == {"shift"}
+            at_values(put, values, ["shift"])
+    assert set(at_values(put, {"mu_a": "3", "mu_b": "1"}, ["shift"]).parameters) == {"shift"}
 
 
 @pytest.mark.parametrize("relation", ["b**3 + a <= 1", "a + b**3 < 1", "a*exp(b) <= 1", "b**3 <= 1 - a**2"])
@@ -128,21 +155,13 @@ def test_one_value_to_which_a_relation_leaves_no_other_is_not_refuted(relation: 
     law = StatedLaw.read({**given, "parameters": {"a": {"min": "0", "max": "2"}, "b": {"min": "0"}}})
     chord = {"p": {"q": "2", "p": "3"}, "q": {"q": "2", "p": "-3"}}
     for value in ("1/2", "3/2"):
-        one = ParameterCell(at(value), at(value))
-        refused = [bool(refutation_fails("convexity", "chord", law, "a", one, "range", {**chord, "values": b})) for b in ({}, {"b": "0"})]
+        one = f"a >= {value} and a <= {value}"
+        refused = [bool(fails("convexity", "chord", law, "a", one, {**chord, "values": b})) for b in ({}, {"b": "0"})]
         assert refused == [True, value == "3/2"]
 
 
-def test_cells_must_cover_the_domain() -> None:
-    half, whole = at("1/2"), Bounds(Fraction(0), Fraction(1), False, True)
-    low, high = ParameterCell(at("0"), half), ParameterCell(half, at("1"), True, True)
-    assert covers(whole, [low, high])
-    assert not covers(whole, [low._replace(open_high=True), high])
-    assert not covers(whole, [low, high._replace(low=at("3/4"))])
-    assert not covers(whole, [low._replace(open=True), high])
-    assert not covers(Bounds(Fraction(0), Fraction(1)), [low, high])
-    assert not covers(whole, [high, low]) and not covers(whole, [])
-    assert own_domain(law_named("limacon"), "e") == whole
+def test_the_domain_of_a_parameter_is_by_range_and_constraints() -> None:
+    assert own_domain(law_named("limacon"), "e") == Bounds(Fraction(0), Fraction(1), False, True)
 
 
 # -- families of witnesses ---------------------------------------------------------------------------------------------
@@ -161,27 +180,21 @@ DENT = {"family": "gauge", "dent": "arc 1", "at": {"value": "0"}, "values": {"mu
         ("1/2", True, {"values": {"mu": "0"}}, False),
         ("1/2", True, {"values": {"e": "3/4"}}, False),
         ("1/2", True, {"more": 1}, False),
-        ("1/2", True, {"section": {"sigma_a": "x"}}, False),
-        ("1/2", True, {"section": {"sigma_a": "x + 1", "sigma_b": "y"}}, False),
-        ("1/2", True, {"section": {"sigma_a": "-x", "sigma_b": "y"}}, False),
-        ("1/2", True, {"section": {"sigma_a": "-x", "sigma_b": "y"}, "dent": "arc 0"}, True),
     ],
 )
 def test_a_dent_must_be_there_for_every_value(low: str, left_out: bool, changed: dict[str, Any], holds: bool) -> None:
-    cell = ParameterCell(at(low), at("1"), left_out, True)
-    said = refutation_fails("convexity", "dent", law_named("limacon"), "e", cell, "range", {**DENT, **changed})
+    said = fails("convexity", "dent", law_named("limacon"), "e", f"e >{'' if left_out else '='} {low}", {**DENT, **changed})
     assert (said == "") is holds
 
 
 def test_dents_at_algebraic_places() -> None:
-    cell = ParameterCell(at("6"), None, True)
     place = {"polynomial": ["-1", "2", "1"], "enclosure": ["470832/1136689", "665857/1607521"]}
     evidence = {"family": "gauge", "dent": "arc 0", "at": place, "values": {"mu": "1"}}
     quartic = law_named("quartic")
-    assert refutation_fails("convexity", "dent", quartic, "c", cell, "range", evidence) == ""
-    assert refutation_fails("convexity", "dent", quartic, "c", cell._replace(low=at("5")), "range", evidence)
-    assert refutation_fails("convexity", "dent", quartic, "c", cell._replace(open=False), "range", evidence)
-    assert refutation_fails("smoothness", "dent", quartic, "c", cell, "range", evidence)
+    assert fails("convexity", "dent", quartic, "c", "c > 6", evidence) == ""
+    assert fails("convexity", "dent", quartic, "c", "c > 5", evidence)
+    assert fails("convexity", "dent", quartic, "c", "c >= 6", evidence)
+    assert fails("smoothness", "dent", quartic, "c", "c > 6", evidence)
 
 
 def test_lines_and_points() -> None:
@@ -196,40 +209,37 @@ def test_lines_and_points() -> None:
     law = stated({**form, "g": "x**2 + b*x*y + y**2 - 1"})
     assert isinstance(law, StatedLaw)
     evidence = {"through": {"x": "2", "y": "2"}, "along": {"x": "1", "y": "-1"}}
-    for low, fails in (("2", False), ("1", True)):
-        assert bool(refutation_fails("convexity", "line", law, "b", ParameterCell(at(low), None, True), "range", evidence)) is fails
+    for low, open_ in (("2", False), ("1", True)):
+        assert bool(fails("convexity", "line", law, "b", f"b > {low}", evidence)) is open_
     inside = {**evidence, "through": {"x": "0", "y": "0"}}
-    assert refutation_fails("convexity", "line", law, "b", ParameterCell(at("2"), None, True), "range", inside)
+    assert fails("convexity", "line", law, "b", "b > 2", inside)
     flat = stated({**form, "flow": ["b*x", "y"], "g": "x**2 + y**2 - k", "parameters": {"b": {}, "k": {"positive": True, "max": None}}})
     assert isinstance(flat, StatedLaw)
-    below = ParameterCell(None, at("0"), False, True)
     point = {"point": {"x": "1"}, "scale": "k"}
-    assert refutation_fails("dissipation", "point", flat, "b", below, "range", point) == ""
-    assert refutation_fails("dissipation", "point", flat, "b", ParameterCell(None, at("0")), "range", point)
-    assert refutation_fails("dissipation", "point", flat, "b", below, "range", {"point": {"x": "1"}, "values": {"k": "2"}})
-    assert refutation_fails("dissipation", "point", flat, "b", below, "range", {"point": {"y": "1"}, "scale": "k"})
-    assert refutation_fails(
-        "dissipation", "point", flat, "k", ParameterCell(at("0"), None, True), "range", {**point, "values": {"b": "-1"}}
-    )
+    assert fails("dissipation", "point", flat, "b", "b < 0", point) == ""
+    assert fails("dissipation", "point", flat, "b", "b <= 0", point)
+    assert fails("dissipation", "point", flat, "b", "b < 0", {"point": {"x": "1"}, "values": {"k": "2"}})
+    assert fails("dissipation", "point", flat, "b", "b < 0", {"point": {"y": "1"}, "scale": "k"})
+    assert fails("dissipation", "point", flat, "k", "k > 0", {**point, "values": {"b": "-1"}})
 
 
 def test_chords() -> None:
-    law, cell = law_named("limacon"), ParameterCell(at("3/5"), at("1"), False, True)
+    law, here = law_named("limacon"), "e >= 3/5 and e <= 3/5"
     p, q = ({"sigma_a": "-41/100", "sigma_b": b} for b in ("13/50", "-13/50"))
     evidence = {"p": p, "q": q, "values": {"mu": "1"}, "pressure": "-1"}
-    here = ParameterCell(at("3/5"), at("3/5"))
-    assert refutation_fails("convexity", "chord", law, "e", here, "range", evidence) == ""
-    assert refutation_fails("convexity", "chord", law, "e", cell, "range", evidence)
+    assert fails("convexity", "chord", law, "e", here, evidence) == ""
+    assert fails("convexity", "chord", law, "e", "e >= 3/5", evidence)
     others: list[dict[str, Any]] = [{"pressure": "1"}, {"pressure": "-2"}, {"q": p}, {"q": {}}, {"p": {"sigma_a": "-mu"}}]
     for changed in others:
-        assert refutation_fails("convexity", "chord", law, "e", here, "range", {**evidence, **changed})
+        assert fails("convexity", "chord", law, "e", here, {**evidence, **changed})
 
 
 def test_a_family_leaves_the_parameter_free() -> None:
     """At one value of the parameter alone a witness says nothing of the others, by whatever name that is fixed."""
-    apart, cell = law_named("matchstick", mu_b={"value": "1"}), ParameterCell(at("1"), at("3"))
-    for way, name in (("range", "mu_a"), ("share", "mu_a"), ("share", "share of the cell")):
-        evidence = {"family": "gauge", "dent": "arc 0", "at": {"value": "-1"}, "values": {name: "1" if way == "share" else "3"}}
-        assert refutation_fails("convexity", "dent", apart, "mu_a", cell, way, evidence)
-    evidence["values"] = {}
-    assert refutation_fails("convexity", "dent", apart, "mu_a", ParameterCell(at("2"), at("3")), "share", evidence) == ""
+    apart, dent = law_named("matchstick", mu_b={"value": "1"}), {"family": "gauge", "dent": "arc 0", "at": {"value": "-1"}}
+    for where in ("mu_a >= 1 and mu_a <= 3", "mu_a >= 1 and mu_a <= sqrt(10)", "mu_a >= 3 and mu_a <= 3"):
+        for values in ({"mu_a": "3"}, {"share of mu_a": "1"}):
+            assert fails("convexity", "dent", apart, "mu_a", where, {**dent, "values": values})
+    for where in ("mu_a > sqrt(2)", "mu_a > sqrt(2) and mu_a <= sqrt(10)", "mu_a >= 3 and mu_a <= 3"):
+        assert fails("convexity", "dent", apart, "mu_a", where, {**dent, "values": {}}) == ""
+    assert fails("convexity", "dent", apart, "mu_a", "mu_a >= sqrt(2)", {**dent, "values": {}})

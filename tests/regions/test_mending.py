@@ -21,7 +21,7 @@ from duhem.law.formula_law import Criterion
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import verdict_within
 from duhem.regions.mending import entry
-from duhem.regions.mending.by_coefficients import by_coefficients
+from duhem.regions.mending.by_coefficients import _monomials, by_coefficients
 from duhem.regions.mending.by_harmonics import by_harmonics
 from duhem.regions.mending.by_hull import by_hull, polygon
 from duhem.regions.mending.by_sections import by_sections
@@ -206,6 +206,24 @@ def test_more_forces_no_end_and_zero_outside_are_errors() -> None:
     away = Criterion("away", "1 - norm(x, y) + norm(x, y)**4/10", forces=("x", "y"), pressure=None)
     with pytest.raises(duhem.InputError, match="zero force lies outside K"):
         duhem.mend(away, "hull")
+
+
+@pytest.mark.slow
+def test_a_law_of_more_forces_that_is_no_polynomial_gets_the_nearest_quartic() -> None:
+    """Hill's criterion of 1990 has a dent at pure shear; its symmetry about sigma_xy = 0 is kept."""
+    done = duhem.mend("hill90", "coefficients")
+    assert done.admissible and done.before is Verdict.REFUTED and done.distance.largest < 0.005
+    poly = sp.Poly(done.law.g, *done.law.force_symbols())
+    assert {sum(m) for m in poly.monoms()} == {0, 4} and all(m[2] % 2 == 0 for m in poly.monoms())
+
+
+def test_the_monomials_of_a_quartic_are_those_of_the_symmetries_of_k() -> None:
+    forces = {"forces": ("x", "y", "z"), "pressure": None}
+    even = Criterion("even", "norm(x, y, z)**(5/2) + abs(x)**(5/2) - 1", {}, **forces)
+    shifted = Criterion("shifted", "norm(x - 1/5, y, z)**3 + abs(x)**3 - 1", {}, **forces)
+    assert {sum(m) for m in _monomials(scale_of(even))} == {4} and len(_monomials(scale_of(even))) == 6
+    found = _monomials(scale_of(shifted))
+    assert {sum(m) for m in found} == {1, 2, 3, 4} and (1, 0, 0) in found and not any(m[1] % 2 or m[2] % 2 for m in found)
 
 
 def test_the_distance_is_that_in_the_ranges_of_the_forces() -> None:

@@ -242,6 +242,7 @@ def nodes(node: Any) -> list[Any]:
 def tampered(document: dict[str, Any], draw: random.Random) -> dict[str, Any]:
     """A certificate with one or two things changed, and the hash of what it then is."""
     made: dict[str, Any] = json.loads(json.dumps(document))
+    a, *_, b = made["parameters"] * 2
     for _ in range(draw.choice([1, 1, 2])):
         every = nodes(made["tree"])
         splits, leaves = [n for n in every if "split" in n], [n for n in every if "verdict" in n]
@@ -256,7 +257,7 @@ def tampered(document: dict[str, Any], draw: random.Random) -> dict[str, Any]:
                 one["split"] = one["split"].replace(op, draw.choice(["<=", ">=", "<", ">"]))
             case 2 if splits:
                 one = draw.choice(splits)
-                one["split"] += draw.choice([" + 1/10", " - 1/10", " + a/100", " - 1/1000000", "/b", "*a", " + k", "*0"])
+                one["split"] += draw.choice([" + 1/10", " - 1/10", f" + {a}/100", " - 1/1000000", f"/{b}", f"*{a}", " + k", "*0"])
             case 3:
                 leaf["verdict"] = draw.choice(["proved", "refuted", "open"])
             case 4:
@@ -273,7 +274,7 @@ def tampered(document: dict[str, Any], draw: random.Random) -> dict[str, Any]:
                 key = draw.choice([*leaf["evidence"]])
                 leaf["evidence"][key] = draw.choice([{"x": "1"}, {"y": "1"}, {"x": "a", "y": "-2"}, {}, {"value": "1/3"}, "arc 0"])
             case _:
-                made["parameters"] = draw.choice([["a"], ["b", "a"], ["a", "b", "c"], [], ["a", "a"], "ab"])
+                made["parameters"] = draw.choice([[a], [b, a], [a, b, "c"], [], [a, a], f"{a}{b}"])
     made["sha256"] = digest(made)
     return made
 

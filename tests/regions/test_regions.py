@@ -21,13 +21,13 @@ import duhem
 from duhem.cli import cli
 from duhem.law.builtin.lobes import lobe_law
 from duhem.proof.kernel.certificate import digest
-from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.recheck import RecheckedRegion
 from duhem.regions import entry
-from duhem.regions.decided import Decided
+from duhem.regions.line import Decided, ParameterCell
 from duhem.show.printing import text
 from tests.long import mostly_long
+from tests.regions.test_planes import tampered
 
 CHRISTENSEN = duhem.Criterion(
     name="fibre", forces=("s22", "s33", "s23", "s12"), pressure=None,
@@ -214,6 +214,15 @@ def test_the_origin_has_a_region() -> None:
     assert duhem.region(law).condition == "true"
 
 
+def test_several_surfaces_are_the_greatest_of_them(tmp_path: Any) -> None:
+    (tmp_path / "two.toml").write_text(
+        '[criterion]\nname = "two"\nforces = ["x", "y"]\npressure = false\n[[surface]]\ng = "x**2 + e*x*y + y**2 - 1"\n'
+        '[[surface]]\ng = "x - 1/2"\n[parameters]\ne = { min = -3, max = 3 }\n'
+    )
+    done = duhem.region(tmp_path / "two.toml")
+    assert done.sentence == "convexity holds exactly for e >= -2 and e <= 2" and duhem.recheck(done.certificate()).ok
+
+
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
@@ -292,7 +301,7 @@ def test_a_witness_is_of_a_law_that_exists(constraint: str) -> None:
     """A line that leaves K for e > 2 refutes nothing where the constraint leaves no m, or where m is not given."""
     document = duhem.region(related(), "e").certificate()
     assert duhem.recheck(document).ok
-    held, fails = document["cells"]
+    held, fails = document["tree"]["holds"], document["tree"]["fails"]
     assert (held["verdict"], fails["verdict"]) == ("proved", "refuted")
     document["law"]["constraints"] = [constraint]
     document["inhabited"] = {"e": "1/2", "m": "1/2"}
@@ -305,60 +314,35 @@ def test_a_witness_is_of_a_law_that_exists(constraint: str) -> None:
 # -- certificates ------------------------------------------------------------------------------------------------------
 
 
-def tampered(document: dict[str, Any], draw: random.Random) -> dict[str, Any]:
-    """A certificate with one thing changed, and the hash of what it then is."""
-    made: dict[str, Any] = json.loads(json.dumps(document))
-    cell = draw.choice(made["cells"])
-    match draw.randrange(6):
-        case 0:
-            side = draw.choice(["low", "high"])
-            cell[side] = {"value": str(Fraction(draw.randrange(-200, 200), draw.randrange(1, 200)))}
-            for other in made["cells"]:  # so that the cells still meet
-                for key, near in (("low", "high"), ("high", "low")):
-                    if side == near and other is not cell and draw.random() < 0.7:
-                        other[key] = cell[side]
-        case 1:
-            cell[draw.choice(["open", "open_high"])] ^= True
-        case 2:
-            cell["verdict"] = draw.choice(["proved", "refuted", "open"])
-        case 3:
-            made["cells"].remove(cell)
-        case 4:
-            a, b = draw.choice(made["cells"]), draw.choice(made["cells"])
-            for key in ("low", "high", "open", "open_high"):
-                a[key], b[key] = b[key], a[key]
-        case 5 if "at" in cell.get("evidence", {}):
-            cell["evidence"]["at"] = {"value": str(Fraction(draw.randrange(-60, 60), 60))}
-    made["sha256"] = digest(made)
-    return made
+ENDS: dict[str, tuple[Any, Any, int]] = {
+    "limacon": (0, mpmath.mpf(1) / 2, 1),
+    "quartic": (0, 6, 20),
+    "two lobes": (-mpmath.mpf(1) / 5, mpmath.mpf(1) / 5, 1),
+    "cazacu barlat": (-3 * mpmath.sqrt(3) / 4, 3 * mpmath.sqrt(3) / 4, 2),
+}
 
 
-@pytest.mark.parametrize(("side", "value"), [("low", "-37/3"), ("low", "-1/100"), ("high", "3/2")])
-def test_cells_beyond_the_domain_are_refused(side: str, value: str) -> None:
-    made = json.loads(json.dumps(found("limacon").certificate()))
-    made["cells"][0 if side == "low" else -1][side] = {"value": value}
-    made["sha256"] = digest(made)
-    with pytest.raises(duhem.InputError, match="reach beyond it"):
-        duhem.recheck(made)
-
-
-@pytest.mark.parametrize("name", ["limacon", *mostly_long(["quartic", "two lobes"])])
+@pytest.mark.parametrize("name", ["limacon", *mostly_long(["quartic", "two lobes", "cazacu barlat"])])
 def test_no_tampered_certificate_confirms_a_false_region(name: str) -> None:
-    document, draw = found(name).certificate(), random.Random(3)
-    ends = {"limacon": ("0", "1/2"), "quartic": ("0", "6"), "two lobes": ("-1/5", "1/5")}
-    true = [Fraction(end) for end in ends[name]]
-    for _ in range(60 if name == "limacon" else 600):
+    document, draw, (low, high, far) = found(name).certificate(), random.Random(3), ENDS[name]
+    values = [mpmath.mpf(draw.randrange(-1000, 1001)) * far / 1000 for _ in range(200)]
+    values += [mpmath.mpf(float(end)) + mpmath.mpf(way) / n for end in (low, high) for way in (-1, 1) for n in (10**3, 10**5)]
+    for _ in range(60 if name == "limacon" else 400):
         try:
             done = duhem.recheck(tampered(document, draw))
         except duhem.InputError:
             continue
         assert isinstance(done, RecheckedRegion)
         for row in done.cells:
-            if row.reason or row.verdict == "open":
-                continue
-            own = row.cell.bounds
-            inside = own.low is not None and own.high is not None and true[0] <= own.low and own.high <= true[1]
-            beyond = (own.low is not None and (own.low > true[1] or (own.low == true[1] and own.open))) or (
-                own.high is not None and (own.high < true[0] or (own.high == true[0] and own.open_high))
-            )
-            assert inside if row.verdict == "proved" else beyond, row
+            if not row.reason and row.verdict != "open":
+                said = row.said.replace("everywhere", "True")
+                there = [x for x in values if eval(said, {done.parameter: x, "sqrt": mpmath.sqrt})]
+                assert all((low <= x <= high) is (row.verdict == "proved") for x in there), row
+
+
+def test_cells_are_within_the_domain_whatever_a_certificate_says() -> None:
+    made = json.loads(json.dumps(found("limacon").certificate()))
+    made["tree"]["split"] = "e <= -37/3"
+    made["sha256"] = digest(made)
+    done = duhem.recheck(made)
+    assert isinstance(done, RecheckedRegion) and len(done.failed) == 2 and all("e >= 0" in cell.said for cell in done.cells[1:])

@@ -11,9 +11,7 @@ from typing import Any, ClassVar
 from duhem.errors import InputError
 from duhem.proof.kernel import certificate as kernel
 from duhem.proof.kernel.certificate import Rechecked
-from duhem.proof.kernel.parameter_cells import SCHEMA as OF_REGIONS
-from duhem.proof.kernel.parameter_cells import Covered, recheck_region
-from duhem.proof.kernel.parameter_tree import SCHEMA as OF_PAVINGS
+from duhem.proof.kernel.parameter_tree import SCHEMA as OF_REGIONS
 from duhem.proof.kernel.parameter_tree import TreeLeaf, recheck_tree
 from duhem.proof.kernel.term import NotWritten
 from duhem.show.page import PAGE, Page, printable
@@ -91,7 +89,7 @@ class RecheckedRegion(Shown):
     law: Mapping[str, Any]
     claim: str
     parameter: str
-    cells: tuple[Covered | TreeLeaf, ...]
+    cells: tuple[TreeLeaf, ...]
 
     def __repr__(self) -> str:
         return f"<RecheckedRegion: {self.counted()}>"
@@ -125,8 +123,6 @@ def recheck(certificate: str | os.PathLike[str] | Mapping[str, Any]) -> Recheck 
     where, document = document_of(certificate)
     try:
         if document.get("schema") == OF_REGIONS:
-            return RecheckedRegion(document["law"], document["claim"], document["parameter"], recheck_region(document))
-        if document.get("schema") == OF_PAVINGS:
             leaves = recheck_tree(document)
             return RecheckedRegion(document["law"], document["claim"], ", ".join(document["parameters"]), leaves)
         return Recheck(document.get("law", {}), kernel.recheck(document))

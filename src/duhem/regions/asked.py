@@ -2,29 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
-from types import MappingProxyType
-from typing import Any
+from itertools import islice
+from typing import Any, cast
 
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.parse import parse_relation
 from duhem.law.formula_law import Criterion
 from duhem.proof import verification
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import admitted_values
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection, row_of, rules_of
-from duhem.proof.kernel.parameter_cells import at_values, proof_fails
+from duhem.proof.kernel.parameter_cells import at_values, family_fails, proof_fails, settled
+from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term
+from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse
 from duhem.proof.verdict import Trust
-from duhem.regions.seen import looked_at, of_one_sign
-from duhem.regions.suggested import Suggestion
+from duhem.regions.seen import Holding, looked_at, of_one_sign
+from duhem.regions.suggested import Suggestion, suggestions
 
 __all__ = ["MOST_STEPS", "UNBOUNDED", "AsksTheKernel", "constraints_on"]
 
@@ -44,6 +46,11 @@ def constraints_on(law: Criterion, names: Collection[str]) -> tuple[tuple[str, .
     return tuple(alone), tuple(joined)
 
 
+def _row(steps: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What a certificate says of a proof, the last step, with those that it rests on."""
+    return {"rule": steps[-1]["rule"], "evidence": steps[-1]["evidence"], "needs": [*steps[:-1]]}
+
+
 @dataclass
 class AsksTheKernel:
     """A claim of a law, asked for the values of its parameters ``names``.  ``steps`` counts what was spent, ``most`` what may be."""
@@ -60,10 +67,7 @@ class AsksTheKernel:
 
     def __post_init__(self) -> None:
         try:
-            found = stated(law_as_text(self.law))
-            if not isinstance(found, StatedLaw):
-                raise NotWritten("it is a boundary curve")
-            self.stated = found
+            self.stated = cast("StatedLaw", stated(law_as_text(self.law)))  # a curve has no formula, and is not loaded as one
         except NotWritten as fault:
             raise InputError(f"regions are not known of such a law: {fault}", where=self.law.name, remedy="use duhem verify") from None
         self.values = self._plain_values()
@@ -75,10 +79,10 @@ class AsksTheKernel:
         known = ones if not free or self.admits(ones, self.stated) else dict(admitted_values(self.law) or ones)
         return {name: known[name] for name in free}
 
-    def admits(self, values: Mapping[str, str], law: StatedLaw, swap: Mapping[Term, Term] = MappingProxyType({})) -> bool:
+    def admits(self, values: Mapping[str, str], law: StatedLaw) -> bool:
         """Whether a law over some values is seen to admit these of the other parameters at all of them."""
         with suppress(NotWritten):
-            at_values(law, values, swap, self.names)
+            at_values(law, values, self.names)
             return True
         return False
 
@@ -102,10 +106,8 @@ class AsksTheKernel:
 
     def proof(self, law: StatedLaw) -> dict[str, Any] | None:
         """The rule that proves the claim of a law over some values, with those for the claims that it rests on; None where none does."""
-        if (steps := self._steps_of(self.claim, law, frozenset(), {})) is None:
-            return None
-        *needs, last = steps
-        return {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
+        steps = self._steps_of(self.claim, settled(law, self.names), frozenset(), {})
+        return None if steps is None else _row(steps)
 
     def _steps_of(
         self, claim: str, law: StatedLaw, asked: frozenset[str], known: dict[str, list[dict[str, Any]] | None]
@@ -139,13 +141,18 @@ class AsksTheKernel:
     def _seems_trivial(self, law: StatedLaw) -> bool:
         """Whether g is seen to have one sign at all forces but zero, so that K has no boundary."""
         with suppress(*UNREADABLE):
-            here = at_values(law, self.values, {}, self.names)
-            return of_one_sign(here, looked_at(here, self.names))
+            here = at_values(law, self.values, self.names)
+            return of_one_sign(here, looked_at(here))
         return False
 
-    def proof_by_all(self, stated: StatedLaw, law: Criterion) -> dict[str, Any] | None:
-        """The proof, with its evidence, of all that makes proofs, if the kernel confirms it of the law as it is ``stated``."""
+    def proof_by_all(self, stated: StatedLaw, where: Iterable[str]) -> dict[str, Any] | None:
+        """The proof, with evidence, of all that makes proofs where comparisons hold; ``stated`` is the law there, for the kernel."""
+        ones = {name: own.low for name, own in stated.parameters.items() if name in self.names and own.single}
+        texts = [text for text in where if not parse(text).names() <= {*ones}]
         try:
+            law, symbols = self.law.fix(ones), self.law.symbols()
+            relations = (*law.constraints, *(parse_relation(text, symbols) for text in texts))
+            law = replace(law, constraints=relations, written_constraints=(*law.written_constraints, *texts))
             found = verification.verify(law, claims=[self.claim], effort="quick")
         except InputError:
             return None
@@ -154,22 +161,32 @@ class AsksTheKernel:
         if rows[self.claim].trust is not Trust.CHECKED or rows[self.claim].proof is None:
             return None
         steps = [{"claim": r.claim, "rule": r.proof.rule, "evidence": dict(r.proof.evidence)} for r in rows.values() if r.proof is not None]
-        *needs, last = steps
-        proof = {"rule": last["rule"], "evidence": last["evidence"], "needs": needs}
-        whole = not any("over" in step["evidence"] for step in steps)
-        return proof if whole and self.confirmed(partial(proof_fails, self.claim, stated, proof)) else None
+        proof, whole = _row(steps), not any("over" in step["evidence"] for step in steps)
+        return proof if whole and self.confirmed(partial(proof_fails, self.claim, settled(stated, self.names), proof)) else None
+
+    def holding(self, law: StatedLaw) -> Holding | None:
+        """Where the claim seems to hold of a law over some values; None where that is not told in so many steps."""
+        with self.paid():
+            return Holding.of(at_values(law, self.values, self.names), self.claim)
+        return None
 
     def is_usual(self, law: StatedLaw) -> bool:
         """Whether what proves a claim of one such law is asked alone of all: a single value may have a proof of its own."""
         return {*self.names} <= {*law.parameters}
 
-    def families(self, law: StatedLaw, swap: Mapping[Term, Term], told: Callable[[StatedLaw], Iterable[Suggestion]]) -> list[Suggestion]:
-        """The first families that floating point suggests for a law over some values; none where nothing is told in so many steps."""
+    def refutation(self, law: StatedLaw, away: Sequence[str], ends: Sequence[RealRoot] = ()) -> dict[str, Any] | None:
+        """The first family of those that floating point suggests which refutes the claim of a law over some values; None where none does.
+
+        ``away`` are formulas that are >= 0 over these, ``ends`` the numbers at which those of one parameter end.
+        """
         found = list[Suggestion]()
         with self.paid():
-            for one in told(at_values(law, self.values, swap, self.names)):
+            whole, here = settled(law, self.names), at_values(law, self.values, self.names)
+            for one in islice(suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends), _FEW_TRIED):
                 free = {name: text for name, text in self.values.items() if name != one.evidence.get("scale")}
                 found.append(Suggestion(one.rule, {**one.evidence, "values": free}))
-                if len(found) == _FEW_TRIED:
-                    break
-        return found
+        return next((dict(one._asdict()) for one in found if self.refutes(law, one)), None)
+
+    def refutes(self, law: StatedLaw, one: Suggestion) -> bool:
+        """Whether the kernel confirms a family of witnesses for a law over some values."""
+        return self.confirmed(partial(family_fails, self.claim, one.rule, law, self.names, one.evidence))

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import partial
-from typing import Any
 
 from duhem.errors import InputError
-from duhem.law.domain import Domain
 from duhem.proof import verification
-from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.parameter_cells import AS, ParameterCell, at_values, law_over, own_domain, refutation_fails
+from duhem.proof.kernel.parameter_cells import own_domain
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import NotWritten, Term
 from duhem.regions.asked import AsksTheKernel
-from duhem.regions.seen import Holding, changes
-from duhem.regions.suggested import Suggestion, suggestions
+from duhem.regions.line import Decided, ParameterCell
+from duhem.regions.places import law_at
+from duhem.regions.seen import changes
+from duhem.regions.suggested import Suggestion
 
-__all__ = ["Asked", "Decided"]
+__all__ = ["Asked"]
 
 _IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
 _MOST_ASKED = 30  # of these, for proofs
@@ -39,19 +35,6 @@ def _around(cell: ParameterCell, inside: Fraction) -> Iterator[ParameterCell]:
         yield from (ParameterCell(RealRoot.of(inside - low / n), RealRoot.of(inside + high / n)) for n in (2, 4, 16))
 
 
-@dataclass(frozen=True)
-class Decided:
-    """A cell with what the kernel confirmed of it; ``row`` is how a certificate says so, None where it is open."""
-
-    cell: ParameterCell
-    verdict: str
-    row: Mapping[str, Any] | None = None
-
-    def written(self) -> dict[str, Any]:
-        """As a certificate has it."""
-        return {**self.cell.written(), "verdict": self.verdict, **(self.row or {})}
-
-
 @dataclass
 class Asked(AsksTheKernel):
     """A claim of a law, asked for the values of one of its parameters."""
@@ -60,36 +43,30 @@ class Asked(AsksTheKernel):
     by_all: bool = False
     verifications: int = 0
     chords: int = 0
-    domain: Bounds = field(init=False)
+    whole: ParameterCell = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
     _refuted: dict[ParameterCell, Decided | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         (self.name,) = self.names
-        self.domain = own_domain(self.stated, self.name)
+        low, high, *left_out = own_domain(self.stated, self.name)
+        self.whole = ParameterCell(*(None if end is None else RealRoot.of(end) for end in (low, high)), *left_out)  # type: ignore[arg-type]
 
-    def inhabited(self, cell: ParameterCell, found: Decided) -> bool:
-        """Whether plain values of the other parameters are seen to be admitted at every value in a cell."""
-        return self.admits(self.values, *law_over(self.stated, self.name, cell, (found.row or {})["as"]))
-
-    def _laws(self, cell: ParameterCell) -> Iterator[tuple[str, StatedLaw, dict[Term, Term]]]:
-        """The law over a cell, in the ways in which it can be put there."""
-        inexact = any(end is not None and not end.exact for end in (cell.low, cell.high))
-        for way in AS:
-            if (way == "range") is not inexact:
-                with suppress(NotWritten):
-                    yield (way, *law_over(self.stated, self.name, cell, way))
+    def over(self, cell: ParameterCell) -> StatedLaw:
+        """The law over a cell."""
+        return law_at(self.stated, cell.where(self.name, self.whole), self.names)
 
     # -- proved ----------------------------------------------------------------------------------------------------
 
     def proved(self, cell: ParameterCell) -> Decided | None:
         """The proof over a cell; None where no rule confirms it."""
         if cell not in self._known:
-            rows = ({"as": way, **row} for way, law, _ in self._laws(cell) if (row := self.proof(law)) is not None)
-            found = None if self.spent else next(rows, None)
-            found = found or (self._proof_by_all_over(cell) if self.by_all else None)
-            self._known[cell] = None if found is None else Decided(cell, "proved", found)
+            row = None if self.spent else self.proof(self.over(cell))
+            if row is None and self.by_all and not self.spent and self.verifications < _MOST_ASKED:
+                self.verifications += 1
+                row = self.proof_by_all(self.over(cell), cell.where(self.name, self.whole))
+            self._known[cell] = None if row is None else Decided(cell, "proved", row)
         return self._known[cell]
 
     def ask_all(self) -> bool:
@@ -100,40 +77,19 @@ class Asked(AsksTheKernel):
         self._known.clear()
         return True
 
-    def _proof_by_all_over(self, cell: ParameterCell) -> dict[str, Any] | None:
-        """The proof that everything which makes proofs finds, over a cell with fractions for ends that belong to it."""
-        ends = [None if end is None else end.low for end in (cell.low, cell.high)]
-        own, inexact = self.law.parameters[self.name], any(end is not None and not end.exact for end in (cell.low, cell.high))
-        at_zero = own.positive and (cell.low is None or (ends[0] == 0 and cell.open))
-        if self.spent or self.verifications == _MOST_ASKED or inexact or cell.open_high or (cell.open and not at_zero):
-            return None
-        self.verifications += 1
-        domain = Domain.between(None if at_zero else ends[0], ends[1])
-        law = self.law.within({self.name: Domain(high=domain.high, positive=True) if at_zero else domain})
-        found = self.proof_by_all(law_over(self.stated, self.name, cell, "range")[0], law)
-        return None if found is None else {"as": "range", **found}
-
     def seen(self) -> list[tuple[float, float, bool]] | None:
         """Stretches of the parameter where the claim seems to hold, and to fail, in floating point; None where that tells nothing."""
-        with self.paid():
-            law = at_values(law_over(self.stated, self.name, self.whole, "range")[0], self.values, {})
-            return None if (holding := Holding.of(law, self.claim)) is None else changes(holding, law, self.name)
-        return None
-
-    @property
-    def whole(self) -> ParameterCell:
-        """The whole domain as a cell."""
-        low, high = (None if end is None else RealRoot.of(end) for end in self.domain[:2])
-        return ParameterCell(low, high, self.domain.open, self.domain.open_high)
+        return None if (holding := self.holding(self.over(self.whole))) is None else changes(holding, self.name, self.whole.bounds)
 
     # -- refuted ---------------------------------------------------------------------------------------------------
 
     def refuted(self, cell: ParameterCell) -> Decided | None:
         """A family of witnesses over a cell; None where none is confirmed."""
         if cell not in self._refuted:
-            told = ((way, one) for way, law, swap in self._laws(cell) for one in self._suggested(cell, law, swap) if not self.spent)
-            rows = ({"as": way, "rule": one.rule, "evidence": one.evidence} for way, one in told if self._refutes(cell, way, one))
-            self._refuted[cell] = None if (row := next(rows, None)) is None else Decided(cell, "refuted", row)
+            ends = [end for end in (cell.high, cell.low) if end is not None and end.exact]
+            away = [f"({self.name} - ({end.low}))" if end is cell.low else f"({end.low} - {self.name})" for end in ends]
+            row = None if self.spent else self.refutation(self.over(cell), away, ends[::-1])
+            self._refuted[cell] = None if row is None else Decided(cell, "refuted", row)
         return self._refuted[cell]
 
     def chord(self, cell: ParameterCell, inside: Fraction) -> Decided | None:
@@ -148,22 +104,10 @@ class Asked(AsksTheKernel):
         self.steps += found.steps
         if found.witness is None or not {"p", "q"} <= set(found.witness.points):
             return None
-        p, q = (dict(found.witness.points[key]) for key in ("p", "q"))
-        pressure = {} if self.law.pressure is None else {"pressure": p.pop(self.law.pressure)}
-        if self.law.pressure is not None and q.pop(self.law.pressure) != pressure["pressure"]:
-            return None
+        points, pressure = found.witness.points, self.law.pressure
+        told = {key: {f: points[key][f] for f in self.law.forces if f in points[key]} for key in ("p", "q")}
+        held = {} if pressure is None else {"pressure": points["p"][pressure]}
         values = {name: x for name, x in found.witness.parameters.items() if name in self.values}
-        one = Suggestion("chord", {"p": p, "q": q, "values": {**self.values, **values}, **pressure})
-        parts = ((part, way) for part in _around(cell, inside) for way, _, _ in self._laws(part))
-        rows = ((part, {"as": way, "rule": one.rule, "evidence": one.evidence}) for part, way in parts if self._refutes(part, way, one))
-        return next((Decided(part, "refuted", row) for part, row in rows), None)
-
-    def _refutes(self, cell: ParameterCell, way: str, one: Suggestion) -> bool:
-        return self.confirmed(partial(refutation_fails, self.claim, one.rule, self.stated, self.name, cell, way, one.evidence))
-
-    def _suggested(self, cell: ParameterCell, law: StatedLaw, swap: Mapping[Term, Term]) -> list[Suggestion]:
-        """The first families that floating point suggests over a cell; none where nothing is told in so many steps."""
-        ends = [end for end in (cell.high, cell.low) if end is not None and end.exact]
-        away = [f"({self.name} - ({end.low}))" if end is cell.low else f"({end.low} - {self.name})" for end in ends]
-        away, at_ends = [*away, self.name], () if swap else ends[::-1]
-        return self.families(law, swap, lambda at: suggestions(at, law, self.claim, self.names, away, at_ends))
+        one = Suggestion("chord", {**told, **held, "values": {**self.values, **values}})
+        parts = (part for part in _around(cell, inside) if self.refutes(self.over(part), one))
+        return next((Decided(part, "refuted", one._asdict()) for part in parts), None)

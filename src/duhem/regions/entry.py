@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Any
 
 import sympy as sp
@@ -15,6 +14,7 @@ from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain, simple_points
+from duhem.law.placed_toml import meant
 from duhem.proof.recheck import document_of
 from duhem.proof.statement import state
 from duhem.regions.asked import MOST_STEPS, constraints_on
@@ -53,9 +53,7 @@ def region(
     """
     asked = _over(load_formula(law), over or {})
     if claim not in _ASKED:
-        near = get_close_matches(str(claim), _ASKED, n=1)
-        remedy = f"did you mean {near[0]!r}?" if near else f"one of: {', '.join(_ASKED)}"
-        raise InputError(f"regions are not known of the claim {claim!r}", where="claim", remedy=remedy)
+        raise InputError(f"regions are not known of the claim {claim!r}", where="claim", remedy=meant(str(claim), _ASKED))
     names = _named(asked, parameters, over or {})
     if len(names) == 1 and resume is not None:
         raise InputError("a region of one parameter is not resumed", where="resume", remedy="leave it out")
@@ -74,13 +72,16 @@ def _found(
     question: Any
     if len(names) == 1:
         question = Asked(law, claim, names, steps)
-        found = ParameterRegion(law, claim, names, tuple(cells_of(question)), question.whole)
+        cells = tuple(cells_of(question))
+        found = ParameterRegion(law, claim, names, cells, question.whole, steps=question.steps)
     else:
         question = Paving(law, claim, names, steps) if resume is None else Paving.resumed(law, claim, names, steps, document_of(resume)[1])
         question.grow()
-        found = PavedRegion(law, claim, names, question.tree, question.whole, question.steps, question.stopped)
+        found = PavedRegion(law, claim, names, question.known["tree"], question.whole, question.stopped, steps=question.steps)
     _, joined = constraints_on(law, names)
-    seen = not joined or all(question.inhabited(cell, done) for cell, done in found.known if done.verdict == "proved")
+    seen = not joined or all(
+        question.admits(question.values, question.over(cell)) for cell, leaf in found.known if leaf["verdict"] == "proved"
+    )
     return found if seen else replace(found, joined=joined)
 
 

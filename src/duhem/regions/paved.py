@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -11,22 +11,21 @@ from itertools import islice, product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.constant_value import holds
-from duhem.proof.kernel.parameter_tree import SCHEMA, ends
+from duhem.proof.kernel.parameter_tree import ends
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from duhem.regions.asked import constraints_on
-from duhem.regions.paving import Known, Place, Tree, between, is_end, share_of
+from duhem.regions.places import Node, Place, between, is_end, leaves
 from duhem.regions.result import FoundRegion
-from duhem.regions.seen import Array, count, held
+from duhem.regions.seen import met
 
 __all__ = ["PavedRegion"]
 
 _MOST_SAMPLES = 400
 _SHARES = tuple(Fraction(k, 16) for k in (8, 4, 12, 2, 14, 6, 10, 1, 15))
-_MOST_JOINED, _MOST_POINTS = 100, 10_000
+_MOST_POINTS = 10_000
 _MOST_PARTS = 6  # of a condition for people
 
 
@@ -34,61 +33,48 @@ _MOST_PARTS = 6  # of a condition for people
 class PavedRegion(FoundRegion):
     """The region of several parameters: a ``tree`` of comparisons with what the kernel confirmed of its leaves, over the ``whole`` box.
 
-    ``steps`` were spent on it; it was ``stopped`` where the search was interrupted.  :func:`duhem.region` goes on with its certificate.
+    It was ``stopped`` where the search was interrupted.  :func:`duhem.region` goes on with its certificate.
     """
 
-    tree: Tree
+    tree: Node
     whole: Mapping[str, Bounds]
-    steps: int = 0
     stopped: bool = False
 
     @cached_property
-    def known(self) -> list[tuple[Place, Known]]:
-        """The place of each leaf with what is known of it, in order; those outside of the domain are none."""
-        return [(self.tree.place(way, self.whole), leaf) for way, leaf in sorted(self.tree.leaves.items()) if leaf.verdict != "outside"]
+    def known(self) -> list[tuple[Place, Node]]:
+        """The place of each leaf with what a certificate says of it, in order; those outside of the domain are none."""
+        found = ((Place.of(where, self.whole), holder[key]) for _, where, holder, key in leaves({"tree": self.tree}))
+        return [(place, leaf) for place, leaf in found if leaf["verdict"] != "outside"]
 
     @cached_property
     def conditions(self) -> tuple[str, ...]:
         """The constraints of the law on these parameters alone, which bound the domain too, but for those that bound the whole box."""
         return tuple(text for text in constraints_on(self.criterion, self.parameters)[0] if not is_end(text, self.parameters))
 
-    @cached_property
-    def _sizes(self) -> dict[str, Fraction]:
-        """How much of the whole box has each verdict: of a leaf on sides of polynomials, or under conditions, the share of many points."""
-        n = int(_MOST_POINTS ** (1 / len(self.whole)))
-        shares = [Fraction(2 * k + 1, 2 * n) for k in range(n)]
-        sizes = dict.fromkeys(("proved", "refuted", "open"), Fraction(0))
-        for place, leaf in self.known:
-            size, bounds = share_of(place.box, self.whole), (*place.polynomials, *self.conditions)
-            if bounds:
-                each = [[float(between(place.box[name], own, share)) for share in shares] for name, own in self.whole.items()]
-                points = dict(zip(self.whole, map(np.ravel, np.meshgrid(*each)), strict=True))
-                size *= Fraction(int(np.sum(_meets(bounds, points))), n ** len(each))
-            sizes[leaf.verdict] += size
-        return sizes
+    @property
+    def everything(self) -> Place:
+        """The whole domain as a place."""
+        return Place((), self.whole)
 
-    def share(self, verdict: str) -> float:
-        """How much of the domain has a verdict, from 0 to 1: of boxes exactly, on sides of polynomials and constraints by many points."""
-        return float(self._sizes[verdict] / (sum(self._sizes.values()) or 1))
+    def box(self, cell: Place) -> Mapping[str, Bounds]:
+        """The range of each parameter in a place."""
+        return cell.box
+
+    def size(self, cell: Place) -> Fraction:
+        """How much of the whole a place is: of one on sides of polynomials, or under conditions, the share of many points."""
+        size, bounds = super().size(cell), (*cell.polynomials, *self.conditions)
+        if bounds:
+            n = int(_MOST_POINTS ** (1 / len(self.whole)))
+            shares = [Fraction(2 * k + 1, 2 * n) for k in range(n)]
+            each = [[float(between(cell.box[name], own, share)) for share in shares] for name, own in self.whole.items()]
+            points = dict(zip(self.whole, map(np.ravel, np.meshgrid(*each)), strict=True))
+            size *= Fraction(int(np.sum(met(bounds, points))), n ** len(each))
+        return size
 
     def percentage(self, verdict: str) -> str:
         """The same for people."""
         sampled = self.conditions or any(place.polynomials for place, _ in self.known)
         return f"{'about ' if sampled else ''}{super().percentage(verdict)}"
-
-    @cached_property
-    def places(self) -> tuple[tuple[Place, str], ...]:
-        """Each place with one verdict on all of it, with the verdict: leaves, those joined that together are one box."""
-        found = [(place, leaf.verdict) for place, leaf in self.known]
-        i = 0
-        while i < len(found) and len(found) <= _MOST_JOINED:
-            (one, verdict), joined = found[i], None
-            for k in range(i + 1, len(found)):
-                if found[k][1] == verdict and (joined := one.joined(found[k][0])) is not None:
-                    found[i : i + 1], found[k : k + 1], i = [(joined, verdict)], [], -1
-                    break
-            i += 1
-        return tuple(found)
 
     @property
     def proved(self) -> str:
@@ -96,43 +82,23 @@ class PavedRegion(FoundRegion):
         shares = f"{self.percentage('proved')} and refuted for {self.percentage('refuted')} of the domain"
         return super().proved if len(self.stretches("proved")) <= _MOST_PARTS else shares
 
-    def stretches(self, verdict: str) -> list[Place]:
-        """The places of one verdict."""
-        return [place for place, own in self.places if own == verdict]
-
-    def between(self, cell: Place, with_domain: bool) -> str:
-        """A place in words; "" for the whole domain."""
-        return " and ".join(self.relations(cell, with_domain)) if cell.polynomials or cell.box != self.whole else ""
-
-    def relations(self, place: Place, with_domain: bool = True) -> list[str]:
-        """The same as :meth:`comparisons`, with an equation in the place of two that leave one value: ``a = 0`` for people."""
-        said, equal = self.comparisons(place), " == " if with_domain else " = "
+    def relations(self, cell: Place, with_domain: bool = True) -> list[str]:
+        """The same as :meth:`comparisons`, with an equation in the place of two that leave one value; none for the whole domain."""
+        if not cell.polynomials and cell.box == self.whole:
+            return []
+        said, equal = self.comparisons(cell), " == " if with_domain else " = "
         both = {text: text.replace(" >= ", " <= ") for text in said if " >= " in text and text.replace(" >= ", " <= ") in said}
-        kept = {*self.comparisons(place, with_domain), *both}
+        kept = {*self.comparisons(cell, with_domain), *both}
         return [text.replace(" >= ", equal) if text in both else text for text in said if text in kept and text not in both.values()]
 
-    def comparisons(self, place: Place, with_domain: bool = True) -> list[str]:
+    def comparisons(self, cell: Place, with_domain: bool = True) -> list[str]:
         """Those that hold in a place, with the ends of the domain and the conditions of the law or without."""
         said = list[str]()
-        for name, own in place.box.items():
+        for name, own in cell.box.items():
             known = () if with_domain else (*ends(name, self.whole[name]),)
             said += [end for end in ends(name, own) if end not in known]
         said += self.conditions if with_domain else ()
-        return [*said, *place.polynomials]
-
-    @property
-    def over(self) -> str:
-        """The domain asked for, as comparisons."""
-        return " and ".join(self.comparisons(Place((), self.whole))) or "true"
-
-    def at(self, points: Mapping[str, Array]) -> NDArray[np.str_]:
-        """The verdict at many points, in floating point; "" where none is, outside of the domain."""
-        shape = next(iter(points.values())).shape
-        found = np.full(shape, "", dtype="<U7")
-        flat = {name: np.ravel(x) for name, x in points.items()}
-        for place, verdict in self.places:
-            found[_meets(self.comparisons(place), flat).reshape(shape)] = verdict
-        return found
+        return [*said, *cell.polynomials]
 
     def sample(self, cell: Place) -> dict[str, Fraction]:
         """An exact point in a place; none where none of those that are tried lies in it."""
@@ -146,10 +112,5 @@ class PavedRegion(FoundRegion):
         return {}
 
     def written(self) -> dict[str, Any]:
-        """What a certificate has of the leaves."""
-        return {"schema": SCHEMA, "parameters": list(self.parameters), "tree": self.tree.written(), "steps": self.steps}
-
-
-def _meets(bounds: Iterable[str], points: Mapping[str, Array]) -> NDArray[np.bool_]:
-    """Where many points meet comparisons, in floating point."""
-    return np.logical_and.reduce([np.ones(count(points), dtype=bool), *(held(parse(text), points) for text in bounds)])
+        """The tree of comparisons that a certificate has."""
+        return self.tree

@@ -8,192 +8,46 @@ paving that was interrupted and goes on later ends as one that was not.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import lru_cache, partial, reduce
+from functools import partial
 from heapq import heapify, heappop, heappush
-from math import prod
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression.parse import parse_relation
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import ANY, Bounds
 from duhem.proof.kernel.definedness import AGAINST
-from duhem.proof.kernel.parameter_cells import at_values, family_fails, own_domain
-from duhem.proof.kernel.parameter_tree import law_where, not_outside, opposite, read_comparison, recheck_tree
+from duhem.proof.kernel.parameter_cells import at_values, own_domain
+from duhem.proof.kernel.parameter_tree import law_where, not_outside, recheck_tree
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, number, parse
+from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse
 from duhem.regions.asked import UNBOUNDED, AsksTheKernel, constraints_on
 from duhem.regions.boundaries import boundaries
+from duhem.regions.places import Node, Place, against, between, compared, difference, law_at, leaves, length, share_of
 from duhem.regions.seen import Array, Holding, count, looked_at, value_of
-from duhem.regions.suggested import suggestions
 
-__all__ = ["Known", "Paving", "Place", "Tree", "between", "is_end", "share_of"]
+__all__ = ["Paving"]
 
 _BESIDE = Fraction(1, 64)  # of each range, the box in which the rule that proves the claim is looked for
 _SEEDS = 4  # of these boxes
 _MANY = 1000  # places of a leaf at which it is looked, where that takes no rays
 _LARGE = Fraction(1, 4)  # of the whole, a leaf of which whole verifications are asked
-_HOLDS, _FAILS = "0", "1"
+_OPEN: Node = {"verdict": "open"}
 Held = NDArray[np.bool_] | None
-
-
-@lru_cache(maxsize=4096)
-def compared(text: str, names: tuple[str, ...]) -> Term:
-    """A comparison as the kernel reads it, which many leaves share."""
-    return read_comparison(text, names)
-
-
-@lru_cache(maxsize=4096)
-def against(text: str) -> str:
-    """What holds where a comparison does not, found once too."""
-    return opposite(text)
-
-
-def law_at(law: StatedLaw, where: Iterable[str], names: tuple[str, ...]) -> StatedLaw:
-    """A law where comparisons of its parameters hold."""
-    return reduce(lambda here, text: law_where(here, compared(text, names)), where, law)
-
-
-def is_end(text: str, names: tuple[str, ...]) -> bool:
-    """Whether a comparison is one of a parameter with a number, which ends its range."""
-    with suppress(NotWritten):
-        return {side.op for side in compared(text, names).args} == {"name", "number"}
-    return False
-
-
-class Known(NamedTuple):
-    """What is known of a leaf: a verdict, and how a certificate says so; None where it is open, or outside of the domain."""
-
-    verdict: str = "open"
-    row: Mapping[str, Any] | None = None
-
-
-class Divided(NamedTuple):
-    """A comparison that divides a leaf, and what is known of the two parts."""
-
-    text: str
-    holds: Known = Known()
-    fails: Known = Known()
-
-
-@dataclass(frozen=True)
-class Tree:
-    """The comparisons by which it is divided, and its leaves, each by the way to it: ``0`` where a comparison holds, ``1`` where not."""
-
-    splits: Mapping[str, str] = field(default_factory=dict)
-    leaves: Mapping[str, Known] = field(default_factory=lambda: {"": Known()})
-
-    @classmethod
-    def read(cls, node: Mapping[str, Any]) -> Tree:
-        """From a certificate that the kernel has read."""
-        splits, leaves = dict[str, str](), dict[str, Known]()
-
-        def below(node: Mapping[str, Any], way: str) -> None:
-            if "split" in node:
-                splits[way] = node["split"]
-                below(node["holds"], way + _HOLDS)
-                below(node["fails"], way + _FAILS)
-            else:
-                row = {key: value for key, value in node.items() if key != "verdict"}
-                leaves[way] = Known(node["verdict"], row or None)
-
-        below(node, "")
-        return cls(splits, leaves)
-
-    def written(self, way: str = "") -> dict[str, Any]:
-        """As a certificate has it."""
-        if way in self.splits:
-            return {"split": self.splits[way], "holds": self.written(way + _HOLDS), "fails": self.written(way + _FAILS)}
-        return {"verdict": self.leaves[way].verdict, **(self.leaves[way].row or {})}
-
-    def put(self, way: str, found: Known | Divided) -> Tree:
-        """With what was found of a leaf."""
-        if isinstance(found, Known):
-            return Tree(self.splits, {**self.leaves, way: found})
-        rest = {other: leaf for other, leaf in self.leaves.items() if other != way}
-        return Tree({**self.splits, way: found.text}, {**rest, way + _HOLDS: found.holds, way + _FAILS: found.fails})
-
-    def place(self, way: str, whole: Mapping[str, Bounds]) -> Place:
-        """Where the end of a way is."""
-        texts = [self.splits[way[:i]] for i in range(len(way))]
-        return Place.of(tuple(text if turn == _HOLDS else against(text) for text, turn in zip(texts, way, strict=True)), whole)
-
-
-class Place(NamedTuple):
-    """Where a leaf is: the comparisons that hold there, and the range that they leave to each parameter."""
-
-    where: tuple[str, ...]
-    box: Mapping[str, Bounds]
-
-    @classmethod
-    def of(cls, where: tuple[str, ...], whole: Mapping[str, Bounds]) -> Place:
-        """The place where comparisons hold."""
-        return cls(where, law_at(StatedLaw((), None, number(0), None, whole, ()), where, tuple(whole)).parameters)
-
-    @property
-    def polynomials(self) -> tuple[str, ...]:
-        """Those of the comparisons that bound no edge of the box."""
-        return tuple(text for text in dict.fromkeys(self.where) if not is_end(text, tuple(self.box)))
-
-    def joined(self, other: Place) -> Place | None:
-        """The place that is this one and another, on the same side of the same polynomials; None where they do not meet along one edge."""
-        apart = [name for name in self.box if self.box[name] != other.box[name]]
-        shared = [text for text in self.polynomials if text in other.polynomials]
-        rest = {*self.polynomials, *other.polynomials} - {*shared}
-        if not apart and len(rest) == 2 and against(min(rest)) == max(rest):
-            return Place(tuple(shared), self.box)
-        if len(apart) != 1 or rest:
-            return None
-        one, two = sorted((self.box[apart[0]], other.box[apart[0]]), key=lambda own: (own.low is not None, own.low))
-        if one.high is None or one.high != two.low or one.open_high == two.open:
-            return None
-        return Place(self.polynomials, {**self.box, apart[0]: Bounds(one.low, two.high, one.open, two.open_high)})
-
-
-def difference(comparison: str) -> str:
-    """A formula that is >= 0, or > 0, where a comparison holds."""
-    op = parse(comparison).op
-    left, right = (side.strip() for side in comparison.split(op))
-    return f"{left} - ({right})" if op.startswith(">") else f"{right} - ({left})"
-
-
-def share_of(box: Mapping[str, Bounds], whole: Mapping[str, Bounds]) -> Fraction:
-    """How much of the whole a box is; a range without an end is measured after x/(1 + |x|)."""
-    return prod((_length(box[name], own) for name, own in whole.items()), start=Fraction(1))
-
-
-def _length(own: Bounds, whole: Bounds) -> Fraction:
-    if whole.single:
-        return Fraction(1)
-    low, high, first, last = (_along(end, i, None in whole[:2]) for bounds in (own, whole) for i, end in enumerate(bounds[:2]))
-    return max((high - low) / (last - first), Fraction(0))
-
-
-def _along(end: Fraction | None, i: int, endless: bool) -> Fraction:
-    return Fraction(2 * i - 1) if end is None else end / (1 + abs(end)) if endless else end
-
-
-def between(own: Bounds, whole: Bounds, share: Fraction = Fraction(1, 2)) -> Fraction:
-    """What lies at a share of the way from one end to the other."""
-    endless = None in whole[:2]
-    low, high = (_along(end, i, endless) for i, end in enumerate(own[:2]))
-    at = low + (high - low) * share
-    return at / (1 - abs(at)) if endless else at
 
 
 @dataclass
 class Paving(AsksTheKernel):
     """The question over all values of several parameters, and the tree of what is known."""
 
-    tree: Tree = field(default_factory=Tree)
+    known: Node = field(default_factory=lambda: {"tree": _OPEN})  # by its key "tree"
     stopped: bool = False
     whole: dict[str, Bounds] = field(init=False)
     seen: Holding | None = field(init=False)
@@ -206,14 +60,14 @@ class Paving(AsksTheKernel):
         for text in constraints_on(self.law, self.names)[0]:
             with suppress(*UNREADABLE):
                 self.away.append(f"({difference(text)})")
-        known, self.seen = self.steps, self._holding(self.stated)
+        known, self.seen = self.steps, self.holding(self.stated)
         self.boundaries = [] if self.seen is None else self._boundaries(self.stated, self.seen)
         self.steps = known
 
     def _boundaries(self, law: StatedLaw, seen: Holding | None) -> list[str]:
         """What may tell apart where the claim holds of a law over a leaf and where it fails."""
         with suppress(NotWritten):
-            return boundaries(at_values(law, self.values, {}, self.names), self.names, () if seen is None else seen.dents)
+            return boundaries(at_values(law, self.values, self.names), self.names, () if seen is None else seen.dents)
         return []
 
     @classmethod
@@ -230,34 +84,35 @@ class Paving(AsksTheKernel):
         if failed:
             raise InputError(f"the certificate is not confirmed where {failed[0]}", where="resume", remedy="start without it")
         steps = document["steps"]
-        return cls(law, claim, names, most, steps if isinstance(steps, int) else 0, tree=Tree.read(document["tree"]))
+        return cls(law, claim, names, most, steps if isinstance(steps, int) else 0, known={"tree": document["tree"]})
 
     def grow(self) -> None:
         """Decide or divide the largest open leaf until none is left, the budget is used up, or it is interrupted."""
         before = self.steps
         try:
             self._learn()
-            queue = [(-self._share(way), way) for way, leaf in self.tree.leaves.items() if leaf.verdict == "open"]
+            queue = [*self._left(self.known, "tree")]
             heapify(queue)
             while queue and not self.spent:
-                _, way = heappop(queue)
-                found = self.decided(self.tree.place(way, self.whole))
-                if found is None:
+                _, way, where, holder, key = heappop(queue)
+                if (found := self.decided(Place.of(where, self.whole))) is None:
                     break
-                self.tree, before = self.tree.put(way, found), self.steps
-                for more in (way + _HOLDS, way + _FAILS):
-                    if more in self.tree.leaves and self.tree.leaves[more].verdict == "open":
-                        heappush(queue, (-self._share(more), more))
+                holder[key], before = found, self.steps
+                for more in self._left(holder, key, where, way):
+                    heappush(queue, more)
         except KeyboardInterrupt:
             self.stopped = True
         self.steps = before
 
-    def inhabited(self, place: Place, _: Known) -> bool:
-        """Whether plain values of the other parameters are seen to be admitted everywhere in a place."""
-        return self.admits(self.values, law_at(self.stated, place.where, self.names))
+    def over(self, cell: Place) -> StatedLaw:
+        """The law over a place."""
+        return law_at(self.stated, cell.where, self.names)
 
-    def _share(self, way: str) -> Fraction:
-        return share_of(self.tree.place(way, self.whole).box, self.whole)
+    def _left(self, *at: Any) -> Iterator[tuple[Any, ...]]:
+        """The open leaves below a node, the largest first in a heap."""
+        for way, where, holder, key in leaves(*at):
+            if holder[key]["verdict"] == "open":
+                yield -share_of(Place.of(where, self.whole).box, self.whole), way, where, holder, key
 
     def _learn(self) -> None:
         """The rule by which the claim is proved in a small box in which it seems to hold; that alone is asked on boxes."""
@@ -277,10 +132,10 @@ class Paving(AsksTheKernel):
                 break
         self.learning, self.steps = False, spent
 
-    def decided(self, place: Place) -> Known | Divided | None:
+    def decided(self, place: Place) -> Node | None:
         """A leaf, or a comparison that divides it with what is known of the two parts; None where the budget ends before that is known."""
-        law = law_at(self.stated, place.where, self.names)
-        known = self.seen or self._holding(law)
+        law = self.over(place)
+        known = self.seen or self.holding(law)
         places = looked_at(law, self.names, *(() if known is None or known.along_rays else (_MANY,)))
         holds = None if known is None else known.margins(places) >= 0
         mixed, unseen = holds is not None and holds.any() and not holds.all(), not count(places)
@@ -299,21 +154,21 @@ class Paving(AsksTheKernel):
         trivial = self.claim in UNBOUNDED and (holds is None or not holds.any())
         return (self._without_zero(law, place) if trivial else None) or self._halved(place)
 
-    def _without_zero(self, law: StatedLaw, place: Place) -> Divided | None:
+    def _without_zero(self, law: StatedLaw, place: Place) -> Node | None:
         """A leaf at whose edge a parameter is 0 divided into that edge and the rest, if the kernel confirms a verdict of one."""
         edges = [(name, own) for name, own in place.box.items() if own.holds(Fraction(0)) and 0 in own[:2] and not own.single]
         parts = (self._parts(f"{name} {'<=' if own.low == 0 else '>='} 0", law, place, 1) for name, own in edges)
         return next(filter(None, parts), None)
 
-    def _halved(self, place: Place) -> Divided:
+    def _halved(self, place: Place) -> Node:
         """A leaf divided where a parameter changes its sign, on which much depends, else in the middle of its longest edge."""
         for name, own in place.box.items():
             if own.sign() == ANY:
-                return Divided(f"{name} <= 0")
-        longest = max(self.names, key=lambda name: _length(place.box[name], self.whole[name]))
-        return Divided(f"{longest} <= {between(place.box[longest], self.whole[longest])}")
+                return {"split": f"{name} <= 0", "holds": _OPEN, "fails": _OPEN}
+        longest = max(self.names, key=lambda name: length(place.box[name], self.whole[name]))
+        return {"split": f"{longest} <= {between(place.box[longest], self.whole[longest])}", "holds": _OPEN, "fails": _OPEN}
 
-    def _divided_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Held, clearly: bool) -> Divided | None:
+    def _divided_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Held, clearly: bool) -> Node | None:
         """A leaf divided by a polynomial, if the kernel confirms a verdict of both sides, or of one on which all is seen to be alike.
 
         ``clearly`` where the two are seen to be told apart by it: then of both.
@@ -333,49 +188,35 @@ class Paving(AsksTheKernel):
                 return parts
         return None
 
-    def _parts(self, comparison: str, law: StatedLaw, place: Place, least: int) -> Divided | None:
+    def _parts(self, comparison: str, law: StatedLaw, place: Place, least: int) -> Node | None:
         """The sides on which a comparison holds and fails, if at least so many are decided."""
-        found = list[Known]()
+        found = list[Node]()
         for text, holds in ((comparison, True), (against(comparison), False)):
             here = law_where(law, compared(text, self.names))
             there = Place.of((*place.where, text), self.whole)
-            found.append(self._confirmed(here, there, holds) or Known())
-            if sum(leaf == Known() for leaf in found) > 2 - least:
+            found.append(self._confirmed(here, there, holds) or _OPEN)
+            if found.count(_OPEN) > 2 - least:
                 return None
-        return Divided(comparison, *found)
+        return {"split": comparison, "holds": found[0], "fails": found[1]}
 
-    def _holding(self, law: StatedLaw) -> Holding | None:
-        """Where the claim seems to hold of a law over a leaf; None where that is not told in so many steps."""
-        with self.paid():
-            return Holding.of(at_values(law, self.values, {}, self.names), self.claim)
-        return None
-
-    def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, unseen: bool = False) -> Known | None:
+    def _confirmed(self, law: StatedLaw, place: Place, holds: bool | None, unseen: bool = False) -> Node | None:
         """What the kernel confirms of a leaf; asked for a proof where the claim seems to hold, for witnesses where it seems to fail.
 
         One in which there is no place at which to look may be ``unseen`` because it is outside.
         """
         if law.constraints and (self.stated.constraints or unseen) and self.confirmed(partial(not_outside, law)):
-            return Known("outside")
+            return {"verdict": "outside"}
         if holds is not False and (row := self.proof(law) or self._proof_by_all(law, place)) is not None:
-            return Known("proved", row)
-        if holds is not True:
-            away = [f"({difference(text)})" for text in place.polynomials] + self.away
-            told = self.families(law, {}, lambda at: suggestions(at, law, self.claim, self.names, [*away, *self.names]))
-            for rule, evidence in told:
-                if self.confirmed(partial(family_fails, self.claim, rule, law, self.names, evidence)):
-                    return Known("refuted", {"rule": rule, "evidence": dict(evidence)})
+            return {"verdict": "proved", **row}
+        away = [f"({difference(text)})" for text in place.polynomials] + self.away
+        if holds is not True and (row := self.refutation(law, away)) is not None:
+            return {"verdict": "refuted", **row}
         if holds is False and self.claim in UNBOUNDED and (row := self.proof(law)) is not None:
-            return Known("proved", row)  # K may be everything or empty there, which no dent tells
+            return {"verdict": "proved", **row}  # K may be everything or empty there, which no dent tells
         return None
 
     def _proof_by_all(self, law: StatedLaw, place: Place) -> dict[str, Any] | None:
         """The proof with evidence that everything finds which makes proofs; asked on large leaves alone, where no rule was found before."""
         if self.claim in self.usual or share_of(place.box, self.whole) < _LARGE:
             return None
-        symbols = self.law.symbols()
-        with suppress(InputError):
-            relations = tuple(parse_relation(text, symbols) for text in place.where)
-            texts = (*self.law.written_constraints, *place.where)
-            return self.proof_by_all(law, replace(self.law, constraints=(*self.law.constraints, *relations), written_constraints=texts))
-        return None
+        return self.proof_by_all(law, place.where)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from fractions import Fraction
-from typing import TYPE_CHECKING, Any, cast
+from functools import reduce
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy as sp
@@ -14,11 +14,8 @@ from duhem.errors import InputError
 from duhem.expression.parse import parse_relation
 from duhem.law.atlas.entry import entry
 from duhem.law.catalogue import load_formula
-from duhem.proof.kernel.parameter_cells import ParameterCell
-from duhem.proof.kernel.real_root import RealRoot
-from duhem.regions.numbers import written_root
 from duhem.regions.paved import PavedRegion
-from duhem.regions.result import FoundRegion, ParameterRegion
+from duhem.regions.result import FoundRegion
 from duhem.show import figure
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import Sheet, draw, latex, latex_name, plain, sheet, text
@@ -67,34 +64,16 @@ def as_latex(region: FoundRegion) -> str:
     words = {"true": r"\text{for all values}", "false": r"\text{for no value}"}
     if (condition := region.condition) in words:
         return words[condition]
-    if isinstance(region, PavedRegion):
-        names = {name: sp.Symbol(latex_name(name), real=True) for name in region.parameters}
-        parts = map(region.relations, region.stretches("proved"))
-        said = [r" \;\wedge\; ".join(_latex_relation(text, names) for text in part) for part in parts]
-    else:
-        (name,) = region.parameters
-        said = [_latex_between(cell, name) for cell in cast("ParameterRegion", region).stretches("proved")]
-    return r" \;\vee\; ".join(said)
+    names = {name: sp.Symbol(latex_name(name), real=True) for name in region.parameters}
+    stretches = map(region.relations, region.stretches("proved"))
+    said = r" \;\vee\; ".join(r" \;\wedge\; ".join(_latex_relation(part, names) for part in parts) for parts in stretches)
+    return reduce(lambda text, x: text.replace(rf"{x} \;\wedge\; {x} ", f"{x} "), map(str, names.values()), said)  # low <= x <= high
 
 
 def _latex_relation(text: str, names: dict[str, sp.Symbol]) -> str:
     equal = text.replace("==", "<=")
     said = str(sp.latex(parse_relation(equal, names)))
     return said if equal == text else said.replace(r"\leq", "=")
-
-
-def _latex_between(cell: ParameterCell, name: str) -> str:
-    x = latex_name(name)
-    if cell.single and cell.low is not None:
-        return f"{x} = {_latex_number(cell.low)}"
-    below, above = ("<" if left_out else r"\leq" for left_out in (cell.open, cell.open_high))
-    low = "" if cell.low is None else f"{_latex_number(cell.low)} {below} "
-    high = "" if cell.high is None else f" {above} {_latex_number(cell.high)}"
-    return f"{low}{x}{high}"
-
-
-def _latex_number(end: RealRoot) -> str:
-    return str(sp.latex(sp.sympify(written_root(end), rational=True)))
 
 
 def _fields(region: FoundRegion) -> Iterator[tuple[str, str]]:
@@ -128,7 +107,7 @@ def _published_point(region: FoundRegion) -> list[float]:
 def _rows(region: FoundRegion) -> list[tuple[str, ...]]:
     if isinstance(region, PavedRegion) and len(region.known) > _MOST_ROWS:
         return list(_counted(region))
-    rules = (str((done.row or {}).get("rule", "")) for _, done in region.known)
+    rules = (str(leaf.get("rule", "")) for _, leaf in region.known)
     whole = f"all {', '.join(region.parameters)}"
     shown = zip(region.cells, rules, strict=True)
     return [(whole if c.condition == "true" else c.condition.replace("==", "="), c.verdict, c.trust or "-", rule) for c, rule in shown]
@@ -137,8 +116,8 @@ def _rows(region: FoundRegion) -> list[tuple[str, ...]]:
 def _counted(region: PavedRegion) -> Iterator[tuple[str, ...]]:
     """A row a verdict, where leaves are many."""
     for verdict in ("proved", "refuted", "open"):
-        own = [leaf.row or {} for _, leaf in region.known if leaf.verdict == verdict]
-        by = ", ".join(dict.fromkeys(str(row["rule"]) for row in own if row))
+        own = [leaf for _, leaf in region.known if leaf["verdict"] == verdict]
+        by = ", ".join(dict.fromkeys(str(leaf["rule"]) for leaf in own if "rule" in leaf))
         if own:
             count = "1 cell" if len(own) == 1 else f"{len(own)} cells"
             yield f"{count}, {region.percentage(verdict)} of the domain", verdict, "checked" if by else "-", by
@@ -154,69 +133,42 @@ def _ends(region: FoundRegion) -> Iterator[str]:
 @draw.register(FoundRegion)
 def plot(region: FoundRegion, file: Any = None, axes: Any = None) -> tuple[Axes, ...]:
     """Where the claim holds, fails and is open on the line of a parameter or in the plane of two; hatches tell what colours tell."""
-    title = f"{region.criterion.name}: {region.sentence}"
-    if isinstance(region, PavedRegion):
-        if len(region.parameters) != 2:
-            raise InputError("a picture is of one parameter or two", where=region.criterion.name, remedy="fix others with --set")
-        return figure.drawn(lambda place: _paint_plane(place, region), file, axes, title=title)
-    return figure.drawn(lambda place: _paint(place, cast("ParameterRegion", region)), file, axes, size=(7.2, 2.0), title=title)
+    if (n := len(region.parameters)) > 2:
+        raise InputError("a picture is of one parameter or two", where=region.criterion.name, remedy="fix others with --set")
+    title, size = f"{region.criterion.name}: {region.sentence}", (6.0, 4.4) if n == 2 else (7.2, 2.0)
+    return figure.drawn(lambda place: _paint(place, region), file, axes, size=size, title=title)
 
 
-def _paint_plane(axes: Axes, region: PavedRegion) -> None:
+def _paint(axes: Axes, region: FoundRegion) -> None:
+    line = len(region.parameters) == 1
     ranges = [_shown_range(region, name) for name in region.parameters]
-    x, y = np.meshgrid(*(np.linspace(low, high, _FINE) for low, high in ranges))
-    verdicts = region.at(dict(zip(region.parameters, (x, y), strict=True)))
+    grid = np.meshgrid(*(np.linspace(low, high, _FINE) for low, high in [*ranges, *([(0.0, 1.0)] if line else [])]))
+    verdicts = region.at(dict(zip(region.parameters, grid, strict=False)))
     for verdict, colour, lines in _LOOKS:
         there = verdicts == verdict
         if there.any():
-            axes.contourf(x, y, there, levels=[0.5, 1.5], colors=[colour], alpha=0.75, hatches=[lines])
+            axes.contourf(*grid, there, levels=[0.5, 1.5], colors=[colour], alpha=0.75, hatches=[lines])
             axes.fill([], [], facecolor=colour, hatch=lines, alpha=0.75, label=f"{region.claim} {_WORDS[verdict]}")
-    if (point := _published_point(region)) and all(low <= at <= high for at, (low, high) in zip(point, ranges, strict=True)):
-        axes.plot(*([at] for at in point), "o", color="black", markeredgecolor="white", linestyle="none", label="published")
-    for axis, name in zip((axes.xaxis, axes.yaxis), region.parameters, strict=True):
-        axis.set_label_text(f"${latex_name(name)}$")
-    figure.legend(axes)
-
-
-def _shown_range(region: PavedRegion, name: str) -> tuple[float, float]:
-    """The range of a parameter, of an endless one what is around the ends of the places."""
-    marks = [float(end) for place, _ in region.places for end in place.box[name][:2] if end is not None]
-    return _around(region.whole[name].low, region.whole[name].high, marks, 1 / 4)
-
-
-def _around(first: Fraction | None, last: Fraction | None, marks: list[float], share: float) -> tuple[float, float]:
-    """A range, and a share of what is between the ``marks`` in the place of each end that it has not."""
-    low, high = (None if end is None else float(end) for end in (first, last))
-    marks = [*marks, *(end for end in (low, high) if end is not None)] or [0.0]
-    wide = share * max(max(marks) - min(marks), 1.0)
-    return min(marks) - wide if low is None else low, max(marks) + wide if high is None else high
-
-
-def _paint(axes: Axes, region: ParameterRegion) -> None:
-    from matplotlib.patches import Rectangle
-
-    first, last = (None if end is None else end.low for end in region.domain[:2])
-    low, high = _around(first, last, [float(sp.Rational(end.enclosure[0])) for end in region.ends], 1 / 2)
-    for verdict, colour, lines in _LOOKS:
-        for i, cell in enumerate(region.stretches(verdict)):
-            start, stop = (low if cell.low is None else float(cell.low.low)), (high if cell.high is None else float(cell.high.high))
-            if stop <= low or start >= high:
-                continue
-            start, stop = max(start, low), min(stop, high)
-            label = "_" if i else f"{region.claim} {_WORDS[verdict]}"
-            axes.add_patch(
-                Rectangle((start, 0.0), stop - start, 1.0, facecolor=colour, edgecolor="white", hatch=lines, alpha=0.75, label=label)
-            )
     for end in region.ends:
         x = float(sp.Rational(end.enclosure[0]))
-        filled = end.closed
-        axes.plot([x], [0.5], "o", color="black", markerfacecolor="black" if filled else "white", markersize=7, zorder=4)
-        axes.annotate(
-            f"${latex_name(end.parameter)} = {sp.latex(sp.sympify(end.value, rational=True))}$", (x, 1.05), ha="center", va="bottom"
-        )
-    axes.set_xlim(low, high)
-    axes.set_ylim(0.0, 1.6 if region.ends else 1.0)
-    axes.set_yticks([])
-    published = f"\npublished: {said}" if (said := _published(region)) else ""
-    axes.set_xlabel(f"${latex_name(region.parameters[0])}${published}")
+        axes.plot([x], [0.5], "o", color="black", markerfacecolor="black" if end.closed else "white", markersize=7, zorder=4)
+        said = f"${latex_name(end.parameter)} = {sp.latex(sp.sympify(end.value, rational=True))}$"
+        axes.annotate(said, (x, 1.05), ha="center", va="bottom")
+    if line:
+        axes.set_ylim(0.0, 1.6 if region.ends else 1.0)
+        axes.set_yticks([])
+    elif (point := _published_point(region)) and all(low <= at <= high for at, (low, high) in zip(point, ranges, strict=True)):
+        axes.plot(*([at] for at in point), "o", color="black", markeredgecolor="white", linestyle="none", label="published")
+    published = f"\npublished: {said}" if line and (said := _published(region)) else ""
+    for axis, name in zip((axes.xaxis, axes.yaxis), region.parameters, strict=False):
+        axis.set_label_text(f"${latex_name(name)}${published}")
     figure.legend(axes)
+
+
+def _shown_range(region: FoundRegion, name: str) -> tuple[float, float]:
+    """The range of a parameter, in the place of each end that it has not a part of what is between the ends of the places."""
+    whole = region.box(region.everything)[name]
+    marks = [float(end) for cell, _ in region.places for end in region.box(cell)[name][:2] if end is not None] or [0.0]
+    wide = max(max(marks) - min(marks), 1.0) / (2 * len(region.parameters))
+    low, high = whole[:2]
+    return min(marks) - wide if low is None else float(low), max(marks) + wide if high is None else float(high)

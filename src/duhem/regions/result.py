@@ -7,24 +7,31 @@ from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, ClassVar
 
+import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import admitted_values
+from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.certificate import digest
-from duhem.proof.kernel.parameter_cells import SCHEMA, ParameterCell
+from duhem.proof.kernel.parameter_tree import SCHEMA
 from duhem.proof.kernel.real_root import RealRoot
-from duhem.regions.decided import Decided
-from duhem.regions.numbers import simplest, written_root
-from duhem.regions.paving import Known
+from duhem.regions.line import Decided, ParameterCell, tree_of
+from duhem.regions.numbers import written_root
+from duhem.regions.places import Node, middle, share_of
+from duhem.regions.seen import Array, met
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown, draw, latex
 
 __all__ = ["FoundRegion", "ParameterRegion", "RegionCell", "RegionEnd"]
+
+_MOST_JOINED = 100  # cells, of which any two may be one
 
 
 @dataclass(frozen=True)
@@ -62,7 +69,7 @@ class FoundRegion(Shown):
     ``condition`` is a text of comparisons, ``==`` among them, joined by ``and`` and ``or``, ``true`` or ``false``; it tells where the claim
     is proved, and is ``exact`` where it is refuted everywhere else.  ``open_share`` is the share of the domain that is neither, of an
     infinite one after x/(1 + |x|).  ``scales`` are parameters that a change of units made 1 here.  ``joined`` are constraints that may
-    leave no values to the others where the claim is proved: there is no law there.
+    leave no values to the others where the claim is proved: there is no law there.  ``steps`` of the kernel were spent.
     """
 
     printed_by: ClassVar[str] = "duhem.regions.printing"
@@ -72,6 +79,7 @@ class FoundRegion(Shown):
     parameters: tuple[str, ...]
     scales: tuple[str, ...] = field(default=(), kw_only=True)
     joined: tuple[str, ...] = field(default=(), kw_only=True)
+    steps: int = field(default=0, kw_only=True)
 
     def __repr__(self) -> str:
         rest = "" if self.exact else ", the rest being open"
@@ -87,29 +95,67 @@ class FoundRegion(Shown):
 
     @property
     @abstractmethod
-    def known(self) -> Sequence[tuple[Any, Decided | Known]]:
-        """Each cell with what is known of it, in order."""
+    def known(self) -> Sequence[tuple[Any, Node]]:
+        """Each cell with what a certificate says of it, in order."""
+
+    @property
+    @abstractmethod
+    def everything(self) -> Any:
+        """The whole domain as a cell."""
 
     @abstractmethod
-    def stretches(self, verdict: str) -> Sequence[Any]:
-        """The cells of one verdict, those that meet joined."""
+    def box(self, cell: Any) -> Mapping[str, Bounds]:
+        """The least range of each parameter in which a cell is seen to lie."""
 
     @abstractmethod
+    def relations(self, cell: Any, with_domain: bool = True) -> list[str]:
+        """The same as :meth:`comparisons`, with an equation in the place of two that leave one value; none for the whole domain."""
+
     def between(self, cell: Any, with_domain: bool) -> str:
         """A cell in words; "" for the whole domain."""
+        return " and ".join(self.relations(cell, with_domain))
 
     @abstractmethod
     def sample(self, cell: Any) -> Mapping[str, Fraction]:
         """An exact point in a cell; none where none was found."""
 
+    @cached_property
+    def places(self) -> tuple[tuple[Any, str], ...]:
+        """Each cell with one verdict on all of it, with the verdict: those joined that together are one."""
+        found = [(cell, leaf["verdict"]) for cell, leaf in self.known]
+        i = 0
+        while i < len(found) and len(found) <= _MOST_JOINED:
+            (one, verdict), joined = found[i], None
+            for k in range(i + 1, len(found)):
+                if found[k][1] == verdict and (joined := one.joined(found[k][0])) is not None:
+                    found[i : i + 1], found[k : k + 1], i = [(joined, verdict)], [], -1
+                    break
+            i += 1
+        return tuple(found)
+
+    def stretches(self, verdict: str) -> list[Any]:
+        """The cells of one verdict, those that meet joined."""
+        return [cell for cell, own in self.places if own == verdict]
+
     @property
     def exact(self) -> bool:
         """Whether every cell is decided."""
-        return all(done.verdict != "open" for _, done in self.known)
+        return all(leaf["verdict"] != "open" for _, leaf in self.known)
 
-    @abstractmethod
+    def size(self, cell: Any) -> Fraction:
+        """How much of the whole a cell is."""
+        return share_of(self.box(cell), self.box(self.everything))
+
+    @cached_property
+    def _sizes(self) -> dict[str, Fraction]:
+        sizes = dict.fromkeys(("proved", "refuted", "open"), Fraction(0))
+        for cell, leaf in self.known:
+            sizes[leaf["verdict"]] += self.size(cell)
+        return sizes
+
     def share(self, verdict: str) -> float:
         """How much of the domain has a verdict, from 0 to 1; 0 too where single values have it."""
+        return float(self._sizes[verdict] / (sum(self._sizes.values()) or 1))
 
     def percentage(self, verdict: str) -> str:
         """The same for people."""
@@ -120,20 +166,33 @@ class FoundRegion(Shown):
         """How much of the domain is open, from 0 to 1; 0 too where single values are."""
         return self.share("open")
 
+    def at(self, points: Mapping[str, Array]) -> NDArray[np.str_]:
+        """The verdict at many points, in floating point; "" where none is, outside of the domain."""
+        shape = next(iter(points.values())).shape
+        found = np.full(shape, "", dtype="<U7")
+        flat = {name: np.ravel(x) for name, x in points.items()}
+        for cell, verdict in self.places:
+            found[met(self.comparisons(cell), flat).reshape(shape)] = verdict
+        return found
+
     @property
     def cells(self) -> tuple[RegionCell, ...]:
         """The cells in order."""
-        return tuple(self._shown(cell, done.verdict, done.row) for cell, done in self.known)
+        return tuple(self._shown(cell, leaf) for cell, leaf in self.known)
 
-    def _shown(self, cell: Any, verdict: str, row: Mapping[str, Any] | None) -> RegionCell:
-        witness = {"rule": row["rule"], **row["evidence"]} if row is not None and verdict == "refuted" else None
+    def _shown(self, cell: Any, leaf: Node) -> RegionCell:
+        witness = {"rule": leaf["rule"], **leaf["evidence"]} if leaf["verdict"] == "refuted" else None
         sample = {name: str(x) for name, x in self.sample(cell).items()}
-        return RegionCell(self.between(cell, True) or "true", verdict, "checked" if row else None, sample, witness)
+        return RegionCell(self.between(cell, True) or "true", leaf["verdict"], "checked" if "rule" in leaf else None, sample, witness)
+
+    @abstractmethod
+    def comparisons(self, cell: Any, with_domain: bool = True) -> list[str]:
+        """Those that hold in a cell, with the ends of the domain and the conditions of the law or without."""
 
     @property
-    @abstractmethod
     def over(self) -> str:
         """The domain asked for, as comparisons."""
+        return " and ".join(self.comparisons(self.everything)) or "true"
 
     @property
     def ends(self) -> tuple[RegionEnd, ...]:
@@ -147,13 +206,13 @@ class FoundRegion(Shown):
 
     def _told(self, *, with_domain: bool) -> str:
         parts = [self.between(cell, with_domain) for cell in self.stretches("proved")]
-        if not parts or "" in parts or all(done.verdict == "proved" for _, done in self.known):
+        if not parts or "" in parts or all(leaf["verdict"] == "proved" for _, leaf in self.known):
             return "true" if parts else "false"
         return " or ".join(f"({part})" if len(parts) > 1 and " and " in part else part for part in parts)
 
     @abstractmethod
     def written(self) -> dict[str, Any]:
-        """What a certificate has of the cells."""
+        """The tree of comparisons that a certificate has."""
 
     @property
     def condition(self) -> str:
@@ -197,10 +256,10 @@ class FoundRegion(Shown):
         if file is not None:
             check_place(file)
         if (inhabited := admitted_values(self.criterion)) is None:
-            raise InputError(
-                "no exact point of the parameters' domain was found", where=self.criterion.name, remedy="fix a parameter with --set"
-            )
-        document = {"law": law_as_text(self.criterion), "inhabited": dict(inhabited), "claim": self.claim, **self.written()}
+            what = "no exact point of the parameters' domain was found"
+            raise InputError(what, where=self.criterion.name, remedy="fix a parameter with --set")
+        asked = {"law": law_as_text(self.criterion), "inhabited": inhabited, "claim": self.claim, "parameters": self.parameters}
+        document = {"schema": SCHEMA, **asked, "tree": self.written(), "steps": self.steps}
         document = json.loads(json.dumps(document, default=_as_plain))
         document["sha256"] = digest(document)
         if file is not None:
@@ -216,89 +275,53 @@ class ParameterRegion(FoundRegion):
     domain: ParameterCell
 
     @property
-    def known(self) -> list[tuple[ParameterCell, Decided]]:
-        """Each cell with what is known of it, in order."""
-        return [(done.cell, done) for done in self.decided]
+    def known(self) -> list[tuple[ParameterCell, Node]]:
+        """Each cell with what a certificate says of it, in order."""
+        return [(done.cell, done.leaf) for done in self.decided]
 
-    def share(self, verdict: str) -> float:
-        """How much of the domain has a verdict, from 0 to 1; 0 too where single values have it."""
-        endless, own = None in self.domain[:2], [done.cell for done in self.decided if done.verdict == verdict]
-        return sum(_length(cell, endless) for cell in own) / whole if (whole := _length(self.domain, endless)) else float(bool(own))
+    @property
+    def everything(self) -> ParameterCell:
+        """The whole domain."""
+        return self.domain
 
-    def stretches(self, verdict: str) -> list[ParameterCell]:
-        """The cells of one verdict, those that meet joined."""
-        found = list[ParameterCell]()
-        for done in self.decided:
-            if done.verdict != verdict:
-                continue
-            before = found[-1] if found else None
-            if before is not None and before.meets(done.cell):
-                found[-1] = before._replace(high=done.cell.high, open_high=done.cell.open_high)
-            else:
-                found.append(done.cell)
-        return found
+    def box(self, cell: ParameterCell) -> dict[str, Bounds]:
+        """The least range of the parameter in which a cell is seen to lie."""
+        return {self.parameters[0]: cell.bounds}
 
-    def between(self, cell: ParameterCell, with_domain: bool) -> str:
-        """A cell in words; "" for the whole domain."""
-        return "" if cell == self.domain else self._comparisons(cell, with_domain)
+    def comparisons(self, cell: ParameterCell, with_domain: bool = True) -> list[str]:
+        """Those that hold in a cell, with the ends of the domain or without; of two the lower end first, as it stands on a line."""
+        said = [*cell.where(self.parameters[0], ParameterCell(None, None) if with_domain else self.domain)]
+        if len(said) < 2 or not with_domain:
+            return said
+        name, op, low = said[0].split(" ", 2)
+        return [f"{low} {op.replace('>', '<')} {name}", said[1]]
 
-    def _comparisons(self, cell: ParameterCell, with_domain: bool) -> str:
-        (name,), own = self.parameters, self.domain
+    def relations(self, cell: ParameterCell, with_domain: bool = True) -> list[str]:
+        """The same as :meth:`comparisons`, with an equation in the place of two that leave one value."""
         if cell.single and cell.low is not None:
-            return f"{name} {'==' if with_domain else '='} {written_root(cell.low)}"
-        said = list[str]()
-        if cell.low is not None and (with_domain or (cell.low, cell.open) != (own.low, own.open)):
-            said.append(f"{written_root(cell.low)} {'<' if cell.open else '<='} {name}" if cell.high is not None and with_domain
-                        else f"{name} {'>' if cell.open else '>='} {written_root(cell.low)}")  # fmt: skip
-        if cell.high is not None and (with_domain or (cell.high, cell.open_high) != (own.high, own.open_high)):
-            said.append(f"{name} {'<' if cell.open_high else '<='} {written_root(cell.high)}")
-        return " and ".join(said)
+            return [f"{self.parameters[0]} {'==' if with_domain else '='} {written_root(cell.low)}"]
+        return self.comparisons(cell, with_domain)
 
     def written(self) -> dict[str, Any]:
-        """What a certificate has of the cells."""
-        return {"schema": SCHEMA, "parameter": self.parameters[0], "cells": [done.written() for done in self.decided]}
+        """The cells as leaves of a tree of comparisons, as a certificate has it."""
+        return tree_of(self.parameters[0], self.decided)
 
     def sample(self, cell: ParameterCell) -> dict[str, Fraction]:
         """A short fraction in a cell; none where the cell is one number that is none."""
-        return {self.parameters[0]: inside} if (inside := _inside(cell)) is not None else {}
+        exact = cell.low is None or not cell.single or cell.low.exact
+        return {self.parameters[0]: middle(cell.bounds)} if exact else {}
 
     @property
     def ends(self) -> tuple[RegionEnd, ...]:
         """Where what is proved ends inside of the domain."""
-        (name,) = self.parameters
-        found = list[RegionEnd]()
-        for cell in self.stretches("proved"):
-            for end, own, left_out in ((cell.low, self.domain.low, cell.open), (cell.high, self.domain.high, cell.open_high)):
-                if end is not None and end != own:
-                    found.append(_end(name, end, not left_out))
-        return tuple(dict.fromkeys(found))
-
-    @property
-    def over(self) -> str:
-        """The domain asked for, as comparisons."""
-        return self._comparisons(self.domain, True) or "true"
+        (name,), low, high = self.parameters, self.domain.low, self.domain.high
+        each = ((cell.low, low, cell.open, cell.high, high, cell.open_high) for cell in self.stretches("proved"))
+        sides = (side for one in each for side in (one[:3], one[3:]))
+        return tuple(dict.fromkeys(_end(name, end, not left_out) for end, own, left_out in sides if end is not None and end != own))
 
 
 def _as_plain(x: Any) -> Any:
     return dict(x) if isinstance(x, Mapping) else list(x) if isinstance(x, Iterable) else str(x)
-
-
-def _length(cell: ParameterCell, endless: bool) -> float:
-    """How long a cell is, in a domain that is ``endless`` after x/(1 + |x|)."""
-    low, high = (None if end is None else float(end.low) for end in (cell.low, cell.high))
-    if low is not None and high is not None and not endless:
-        return high - low
-    return (1.0 if high is None else high / (1 + abs(high))) - (-1.0 if low is None else low / (1 + abs(low)))
-
-
-def _inside(cell: ParameterCell) -> Any:
-    """A short fraction in a cell; None where the cell is one number that is none."""
-    if cell.single and cell.low is not None:
-        return cell.low.low if cell.low.exact else None
-    low, high = None if cell.low is None else cell.low.high, None if cell.high is None else cell.high.low
-    if low is None or high is None:
-        return low + 1 if low is not None else high - 1 if high is not None else 0
-    return simplest(low, high)
 
 
 def _end(name: str, end: RealRoot, closed: bool) -> RegionEnd:

@@ -11,10 +11,11 @@ from fractions import Fraction
 from itertools import islice
 
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.proof.kernel.real_root import RealRoot
-from duhem.regions.decided import Asked, Decided
+from duhem.regions.decided import Asked
+from duhem.regions.line import Decided, ParameterCell, order
 from duhem.regions.numbers import simplest, square_root_near
+from duhem.regions.places import between, middle
 
 __all__ = ["cells_of"]
 
@@ -40,10 +41,10 @@ def cells_of(asked: Asked) -> list[Decided]:
         elif asked.spent or in_vain == _MOST_IN_VAIN or (_is_narrow(gap) and gap != asked.whole):
             done.append(Decided(gap, "open"))
         else:
-            at, in_vain = RealRoot.of(_middle(gap)), in_vain + 1
+            at, in_vain = RealRoot.of(middle(gap.bounds)), in_vain + 1
             gaps += [(gap._replace(high=at, open_high=False), False), (gap._replace(low=at, open=True), False)]
     cells = list[Decided]()
-    for one in sorted(done, key=lambda one: _order(one.cell)):
+    for one in sorted(done, key=lambda one: order(one.cell)):
         if cells and cells[-1].verdict == one.verdict == "open":
             cells[-1] = Decided(cells[-1].cell._replace(high=one.cell.high, open_high=one.cell.open_high), "open")
         else:
@@ -51,15 +52,10 @@ def cells_of(asked: Asked) -> list[Decided]:
     return cells
 
 
-def _order(cell: ParameterCell) -> tuple[bool, Fraction, bool]:
-    """By which cells that do not overlap are in order."""
-    return cell.low is not None, Fraction(0) if cell.low is None else cell.low.low, cell.open
-
-
 def _left(whole: ParameterCell, cells: Iterable[ParameterCell]) -> Iterator[ParameterCell]:
     """What cells leave of one."""
     start, left_out = whole.low, whole.open
-    for low, high, out, out_high in sorted(cells, key=_order):
+    for low, high, out, out_high in sorted(cells, key=order):
         if low is not None and (before := _cell(start, low, left_out, not out)) is not None:
             yield before
         start, left_out = high, not out_high
@@ -77,7 +73,7 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
     if (found := asked.refuted(gap)) is not None:
         return found
     if _is_narrow(gap) and gap != asked.whole:
-        one = RealRoot.of(_middle(gap))  # it may hold at one value alone, about which floating point sees more
+        one = RealRoot.of(middle(gap.bounds))  # it may hold at one value alone, about which floating point sees more
         return asked.proved(gap) or asked.proved(ParameterCell(one, one))
     if not fresh:
         found = asked.proved(gap)
@@ -86,7 +82,7 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
         if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
             grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
             found = next(filter(None, grown), None)
-    return found or (None if gap.single else asked.chord(gap, _middle(gap)))
+    return found or (None if gap.single else asked.chord(gap, middle(gap.bounds)))
 
 
 def _is_narrow(gap: ParameterCell) -> bool:
@@ -104,13 +100,10 @@ def _seen(asked: Asked) -> tuple[list[Decided], list[ParameterCell]]:
     stretches = asked.seen() or []
     whole, last = asked.whole, len(stretches) - 1
     found, parts = dict[int, Decided](), list[ParameterCell]()
-    for i, (low, high, _) in enumerate(stretches):
+    for i, (low, high, _) in ((i, one) for i, one in enumerate(stretches) if one[2]):
+        first, final = whole.low if i == 0 else _number_near(low), whole.high if i == last else _number_near(high)
         own = i == 0 and whole.open, i == last and whole.open_high
-        cells = (
-            _cell(whole.low if i == 0 else _number_near(low), whole.high if i == last else _number_near(high), *out)
-            for out in dict.fromkeys([own, (True, own[1]), (own[0], True), (True, True)])
-            if stretches[i][2]
-        )
+        cells = (_cell(first, final, *out) for out in dict.fromkeys([own, (True, own[1]), (own[0], True), (True, True)]))
         if done := next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), None):
             found[i] = done
     for i, (low, high, holds) in enumerate(stretches):
@@ -146,18 +139,9 @@ def _cell(low: RealRoot | None, high: RealRoot | None, left_out: bool, left_out_
 
 def _seeds(domain: Bounds) -> Iterator[Fraction]:
     """Values inside a domain from which it is grown, plain ones first."""
-    low, high = domain[:2]
-    if low is not None and high is not None:
-        if low == high:
-            yield low
-            return
-        middle = simplest(low, high)
-        yield from dict.fromkeys([middle, *(low + (high - low) * Fraction(k, 16) for k in (8, 4, 12, 2, 6, 10, 14, 1, 15))])
-    else:
-        far = [Fraction(x) for x in (1, 4, 16, Fraction(1, 4), Fraction(1, 16))]
-        ways = [low + x for x in far] if low is not None else [high - x for x in far] if high is not None else [Fraction(0)]
-        yield from ways if low is not None or high is not None else [*ways, *(s * x for x in far for s in (1, -1))]
-    yield from (end for end, out in ((low, domain.open), (high, domain.open_high)) if end is not None and not out)
+    inner = [between(domain, domain, Fraction(k, 16)) for k in (8, 4, 12, 2, 6, 10, 14, 1, 15)]
+    ends = [end for end, out in zip(domain[:2], domain[2:], strict=True) if end is not None and not out]
+    yield from dict.fromkeys([middle(domain), *inner, *ends])
 
 
 def _grown(asked: Asked, seed: Fraction, gap: ParameterCell) -> Decided | None:
@@ -176,7 +160,6 @@ def _grown(asked: Asked, seed: Fraction, gap: ParameterCell) -> Decided | None:
 def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool) -> tuple[RealRoot | None, bool]:
     """How far a proof reaches from a value in one way, and whether that end is left out."""
     end, left_out = (gap.high, gap.open_high) if upward else (gap.low, gap.open)
-    limit = None if end is None else end.low
 
     def reaches(end: RealRoot | None, out: bool = False) -> bool:
         cell = _cell(here, end, False, out) if upward else _cell(end, here, out, False)
@@ -187,30 +170,24 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
     beside = _cell(here, end, True, left_out) if upward else _cell(end, here, left_out, True)
     if beside is not None and asked.refuted(beside) is not None:
         return here, False
-    if reaches(end, left_out):
-        return end, left_out
-    way, near = 1 if upward else -1, here.low
-    if limit is None:
-        step = Fraction(1)
-        while step < _FARTHEST and reaches(RealRoot.of(here.low + way * step)):
-            near, step = here.low + way * step, 2 * step
-        limit = here.low + way * step
-        if step >= _FARTHEST:
-            return RealRoot.of(near), False
-    elif not left_out and reaches(end, True):
-        return end, True
-    beyond = limit
-    small = _NARROW * max(Fraction(1), abs(here.low))
+    for out in (False, True):
+        if out >= left_out and (end is not None or not out) and reaches(end, out):
+            return end, out
+    way, near, beyond = 1 if upward else -1, here.low, None if end is None else end.low
+    small = _NARROW * max(Fraction(1), abs(near))
     if not reaches(RealRoot.of(near + way * small)):
-        return RealRoot.of(near), False
+        return here, False
     for i in range(_MOST_TRIES):
-        if asked.spent or abs(beyond - near) <= small:
+        if beyond is None:
+            x = here.low + way * 2**i
+        elif asked.spent or abs(beyond - near) <= small:
             break
-        rim = abs(beyond - near) / 4 * (i % 2)  # every other time well inside, so that few are asked
-        x = simplest(min(near, beyond) + rim, max(near, beyond) - rim)
+        else:
+            rim = abs(beyond - near) / 4 * (i % 2)  # every other time well inside, so that few are asked
+            x = simplest(min(near, beyond) + rim, max(near, beyond) - rim)
         if reaches(RealRoot.of(x)):
             near = x
-            if not reaches(RealRoot.of(x + way * small)):
+            if abs(x) >= _FARTHEST or (beyond is not None and not reaches(RealRoot.of(x + way * small))):
                 return RealRoot.of(x), False
         elif reaches(RealRoot.of(x - way * small)):
             if reaches(RealRoot.of(x), True):
@@ -218,22 +195,12 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
             near, beyond = x - way * small, x
         else:
             beyond = x
-    root = square_root_near(min(near, beyond), max(near, beyond))
-    for out in (False, True):
-        if root is not None and reaches(root, out):
-            return root, out
+    if beyond is not None and (root := square_root_near(min(near, beyond), max(near, beyond))) is not None:
+        for out in (False, True):
+            if reaches(root, out):
+                return root, out
     return RealRoot.of(near), False
 
 
 def _width(cell: ParameterCell) -> Fraction:
     return (cell.high.low - cell.low.high) if cell.low is not None and cell.high is not None else Fraction(_FARTHEST)
-
-
-def _middle(cell: ParameterCell) -> Fraction:
-    """A short number well inside of a cell; twice as far away as the one end that it has."""
-    low, high = cell.low, cell.high
-    if low is None or high is None:
-        ends = [(end.high, way) for end, way in ((low, 1), (high, -1)) if end is not None]
-        return next((end + way * max(Fraction(1), abs(end)) for end, way in ends), Fraction(0))
-    width = high.low - low.high
-    return simplest(low.high + width / 4, high.low - width / 4)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
+from fractions import Fraction
 from functools import reduce
 from itertools import pairwise, product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.expression.elementary import ELEMENTARY, array_function
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import FAMILIES, Dent, dents
@@ -19,9 +21,10 @@ from duhem.proof.kernel.forms import quadratic
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import UNREADABLE, Term, number
+from duhem.proof.kernel.term import UNREADABLE, Term, number, parse
+from duhem.regions.places import between
 
-__all__ = ["RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "looked_at", "of_one_sign", "polynomial_at", "value_of"]
+__all__ = ["RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "looked_at", "met", "of_one_sign", "polynomial_at", "value_of"]
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -29,8 +32,6 @@ RAYS = 721  # between the ends of a dent
 _RAYS_OF_A_DENT = (RAYS // 2, 65, 65, 65)
 _PLACES, _SAMPLES, _ZERO = 9, 97, 1e-11
 _MOST_PLACES, _FEW_PLACES, _FINER = 30, 12, 12  # of several parameters, of which constraints may leave few
-_COMPARED = {"<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal}
-_JOINED = {"and": np.logical_and.reduce, "or": np.logical_or.reduce}
 _SIZES, _MOST_WAYS = (1e-3, 0.1, 1.0, 10.0, 1e3), 80  # of forces
 _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
 
@@ -97,14 +98,14 @@ def _least_eigenvalues(matrix: Sequence[Sequence[Term]], places: Mapping[str, Ar
     return np.where(told, np.linalg.eigvalsh(many / sizes[:, :, None] / sizes[:, None, :])[:, 0], -np.inf)
 
 
-def changes(holding: Holding, law: StatedLaw, name: str) -> list[tuple[float, float, bool]] | None:
-    """Stretches of the one parameter that is left, and whether the claim is seen to hold there; None where that cannot be told."""
+def changes(holding: Holding, name: str, own: Bounds) -> list[tuple[float, float, bool]] | None:
+    """Stretches of the one parameter in a range, and whether the claim is seen to hold there; None where that cannot be told."""
 
     def holds(*x: float) -> list[bool]:
         return [bool(margin >= 0) for margin in holding.margins({name: np.array(x)})]
 
     try:
-        places = _in(law.parameters[name], np.linspace(0, 1, _SAMPLES + 2)[1:-1].tolist())
+        places = _in(own, np.linspace(0, 1, _SAMPLES + 2)[1:-1].tolist())
         flags = holds(*places)
         stretches, start = list[tuple[float, float, bool]](), places[0]
         for (x, one), (y, two) in pairwise(zip(places, flags, strict=True)):
@@ -125,7 +126,7 @@ def looked_at(law: StatedLaw, names: Collection[str] | None = None, most: int = 
     shares = [_AT_END, 2.0**-10, *np.linspace(0.05, 0.95, _PLACES), 1 - 2.0**-10]
     if len(free) > 1:
         shares = [_AT_END, *np.linspace(0, 1, max(4, int(most ** (1 / len(free)))))[1:-1]]
-    each = [_in(own, [*shares, *([] if None in own[:2] else [1 - _AT_END])]) for own in map(law.parameters.__getitem__, free)]
+    each = [_in(law.parameters[name], [*shares, 1 - _AT_END]) for name in free]
     places = dict(zip(free, np.array(list(product(*each))).T, strict=True)) if free else {}
     for c in law.constraints if len(free) > 1 else ():
         with suppress(ValueError):
@@ -142,15 +143,7 @@ def count(places: Mapping[str, Array]) -> int:
 
 
 def _in(own: Bounds, shares: Sequence[float]) -> list[float]:
-    """Values at shares of the way between two ends; after x/(1 + x) from the one end, or from 0 both ways."""
-    low, high = (None if end is None else float(end) for end in own[:2])
-    if low is not None and high is not None:
-        return [low + (high - low) * s for s in shares]
-    far = [s / (1 - s) for s in shares]
-    if low is not None:
-        return [low + x for x in far]
-    down = [(0.0 if high is None else high) - x for x in reversed(far)]
-    return down if high is not None else [*down, 0.0, *far]
+    return [float(between(own, own, Fraction(share))) for share in shares]
 
 
 def _relative(poly: Polynomial, at: Mapping[str, Array]) -> Array:
@@ -175,7 +168,6 @@ def of_one_sign(law: StatedLaw, places: Mapping[str, Array]) -> bool:
     size, ways = count(places), [way for way in product((0.0, 1.0, -1.0), repeat=len(law.forces)) if any(way)][:_MOST_WAYS]
     forces = np.repeat(np.outer(_SIZES, ways).reshape(-1, len(law.forces)), size, axis=0).T
     at = {name: np.tile(x, forces.shape[1] // size) for name, x in places.items()} | dict(zip(law.forces, forces, strict=True))
-    at |= {name: np.full(forces.shape[1], float(own.low or 0)) for name, own in law.parameters.items() if own.single}
     inside = np.ones(forces.shape[1], dtype=bool)
     for name, (low, high, *_) in law.ranges:
         if name in law.forces:
@@ -186,47 +178,38 @@ def of_one_sign(law: StatedLaw, places: Mapping[str, Array]) -> bool:
 
 def held(condition: Term, at: Mapping[str, Array]) -> Flags:
     """Where a comparison holds, or several that ``and`` and ``or`` join; not where a side has no value."""
-    if condition.op in _JOINED:
-        return np.asarray(_JOINED[condition.op]([held(part, at) for part in condition.args]))
-    return np.asarray(_COMPARED[condition.op](*(value_of(side, at) for side in condition.args)))
+    return np.asarray(value_of(condition, at) > 0)
+
+
+def met(comparisons: Iterable[str], points: Mapping[str, Array]) -> Flags:
+    """Where many points meet all of some comparisons."""
+    return np.logical_and.reduce([np.ones(count(points), dtype=bool), *(held(parse(text), points) for text in comparisons)])
 
 
 def value_of(term: Term, at: Mapping[str, Array]) -> Array:
-    """A term at many places, not a number where it has no value; ValueError for a word that is not read here."""
-    with np.errstate(all="ignore"):
-        return _of(term, at)
+    """A term at many places, not a number where it has no value, a comparison 1 or 0; ValueError for a word that is not read here.
 
-
-def _of(term: Term, at: Mapping[str, Array]) -> Array:
+    A name of which nothing is said is that of the pressure, -1.
+    """
     size = count(at)
-    if term.op == "number":
-        return np.full(size, float(term.value))
-    if term.op == "name":
-        if term.name == "pi":
-            return np.full(size, np.pi)
-        if term.name not in at:
-            return np.full(size, -1.0)  # the pressure
-        return at[term.name]
-    if term.op == "where":
-        return np.where(held(term.args[0], at), *(value_of(a, at) for a in term.args[1:]))
-    args = [_of(a, at) for a in term.args]
-    match term.op:
-        case "+":
-            return sum(args, np.zeros(size))
-        case "*":
-            return np.prod(args, axis=0)
-        case "**":
-            return args[0] ** args[1]
-        case "abs":
-            return np.abs(args[0])
-        case "norm":
-            return np.sqrt(sum((a * a for a in args), np.zeros(size)))
-        case "exp" | "log" | "sin" | "cos" | "tan" | "sinh" | "cosh" | "tanh":
-            return np.asarray(getattr(np, term.op)(args[0]))
-        case "asin" | "acos" | "atan":
-            return np.asarray(getattr(np, f"arc{term.op[1:]}")(args[0]))
-        case "atan2":
-            return np.asarray(np.arctan2(*args))
-        case "max" | "min":
-            return np.asarray(getattr(np, term.op)(args, axis=0))
-    raise ValueError(f"{term.op} is not read here")
+    with np.errstate(all="ignore"):
+        if term.op == "number":
+            return np.full(size, float(term.value))
+        if term.op == "name":
+            return at[term.name] if term.name in at else np.full(size, np.pi if term.name == "pi" else -1.0)
+        if term.op not in _WORDS:
+            raise ValueError(f"{term.op} is not read here")
+        return np.asarray(_WORDS[term.op](*(value_of(a, at) for a in term.args)), dtype=float)
+
+
+def _folded(word: np.ufunc) -> Callable[..., Array]:
+    return lambda *args: reduce(word, args)
+
+
+_WORDS: Mapping[str, Callable[..., Any]] = {
+    **{name: array_function(word.numpy) for name, word in ELEMENTARY.items()},
+    **dict.fromkeys(("max", "or"), _folded(np.maximum)), **dict.fromkeys(("min", "and"), _folded(np.minimum)),
+    "+": _folded(np.add), "*": _folded(np.multiply), "**": np.power, "abs": np.abs, "norm": lambda *args: np.sqrt(sum(x * x for x in args)),
+    "pos": lambda x: np.maximum(x, 0.0), "neg": lambda x: np.maximum(-x, 0.0), "atan2": np.arctan2,
+    "<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "where": lambda holds, *sides: np.where(holds > 0, *sides),
+}  # fmt: skip

@@ -15,12 +15,12 @@ from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import FAMILIES, Dent, dents, multiplied_out
 from duhem.proof.kernel.forms import by_forces
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, number_in, times, total, written
+from duhem.proof.kernel.polynomial import Polynomial, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import UNREADABLE, Term, factors, number, parse
+from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, factors, number, parse
 from duhem.regions.numbers import closest_fractions, narrowed
 from duhem.regions.seen import RAYS, Array, Flags, count, looked_at, polynomial_at, value_of
 
@@ -122,13 +122,10 @@ def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestio
         return value_of(term, here | {f: scale * value_of(parse(way.get(f, "0")), here) for f in law.forces})
 
     points = list(_plain_ways(law.forces))
-    outside = (_scaled(way, scale) for scale in (4, 64, 4096) for way in points if np.all(along(law.g, way, scale) > 0))
-    if degree % 2 == 0 and (through := next(outside, None)) is not None:
+    outside = ((way, scale) for scale in (4, 64, 4096) for way in points if np.all(along(law.g, way, scale) > 0))
+    if degree % 2 == 0 and (found := next(outside, None)) is not None:
+        through = {f: str(found[1] * Fraction(x)) for f, x in found[0].items()}
         yield from (Suggestion("line", {"through": through, "along": way}) for way in points if np.all(along(top, way) < 0))
-
-
-def _scaled(way: Mapping[str, str], scale: int) -> dict[str, str]:
-    return {f: str(scale * Fraction(x)) for f, x in way.items()}
 
 
 def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
@@ -220,35 +217,17 @@ def _rays(dent: Dent, places: Mapping[str, Array], ends: Sequence[RealRoot]) -> 
 
 
 def _double_root(poly: Polynomial, variable: str, at: Fraction, near: float) -> RealRoot | None:
-    """Where a dent begins: the multiple root that the polynomial has at the end of a cell, near a place."""
+    """Where a dent begins: the multiple root that the polynomial has at the end of a cell, near a place; the pressure is -1 there."""
     t = sp.Symbol("t")
-    coefficients = [number_in(_at_number(part, variable, at)) for part in in_powers(poly, RAY)]
-    if any(c is None for c in coefficients) or not any(coefficients):
-        return None
-    whole = sp.Poly([sp.Rational(c.numerator, c.denominator) for c in reversed(coefficients) if c is not None], t, domain="QQ")
-    for factor, _ in sp.factor_list(whole)[1]:
-        if factor.degree() < 2:
-            continue
-        plain = [int(c) for c in reversed(sp.Poly(factor, t).clear_denoms(convert=True)[1].all_coeffs())]
-        for root in np.roots(plain[::-1]):
-            if abs(root.imag) < 1e-6 and abs(root.real - near) < 0.02:
-                x = Fraction(float(root.real))
-                if (found := narrowed(tuple(plain), x - Fraction(1, 2**24), x + Fraction(1, 2**24), _FINE)) is not None:
-                    return found
+    here = {Term("name", name=n): number(at if n == variable else -1) for m in poly for x, _ in m if x != RAY for n in x.names()}
+    with suppress(NotWritten):
+        values = {x: t if x == RAY else sp.Rational(str(exact_value(x.put(here)))) for m in poly for x, _ in m}
+        whole = sp.Poly(sp.Add(*(sp.Mul(sp.Rational(str(c)), *(values[x] ** n for x, n in m)) for m, c in poly.items())), t)
+        for factor in (factor for factor, _ in sp.factor_list(whole)[1] if factor.degree() >= 2):
+            plain = [int(c) for c in reversed(sp.Poly(factor, t).clear_denoms(convert=True)[1].all_coeffs())]
+            for root in np.roots(plain[::-1]):
+                if abs(root.imag) < 1e-6 and abs(root.real - near) < 0.02:
+                    x = Fraction(float(root.real))
+                    if (found := narrowed(plain, x - Fraction(1, 2**24), x + Fraction(1, 2**24), _FINE)) is not None:
+                        return found
     return None
-
-
-def _at_number(poly: Polynomial, variable: str, at: Fraction) -> Polynomial:
-    """With a number for the parameter, and -1 for the pressure."""
-    found: Polynomial = {}
-    for m, c in poly.items():
-        rest: Monomial = ()
-        for x, n in m:
-            others = x.names() - {variable}
-            if x == RAY or len(others) > 1 or (others and variable in x.names()):
-                rest = (*rest, (x, n))
-            else:
-                swap = {Term("name", name=variable): number(at), **{Term("name", name=other): number(-1) for other in others}}
-                c *= exact_value(x.put(swap)) ** n
-        found[rest] = found.get(rest, Fraction(0)) + c
-    return {m: c for m, c in found.items() if c}

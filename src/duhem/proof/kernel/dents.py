@@ -3,8 +3,7 @@
 A dent is a polynomial of the parameters, or of them and a ray, that is < 0 somewhere exactly where K is not convex there.  In the plane it
 is gamma'' + gamma on an arc of the gauge, or the rise of gamma' at a seam (:mod:`plane_gauge`); of a function of the deviator the same in
 the sector of ordered principal values (:mod:`deviatoric`), whose walls are seams; of quadratic and of quartic forms a principal
-minor (:mod:`semidefinite`).  K is asked in a section: what K has in common with a subspace, or what of a space is mapped into K by a
-linear map, is convex if K is.  Along a straight line on which g falls without bound both ways, and is > 0 between, K has two points and
+minor (:mod:`semidefinite`).  Along a straight line on which g falls without bound both ways, and is > 0 between, K has two points and
 not all between them.
 """
 
@@ -22,7 +21,7 @@ from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.deviatoric import DeviatoricReader, deviatoric_readers, invariants
 from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
-from duhem.proof.kernel.forms import affine, at, principal_minors
+from duhem.proof.kernel.forms import at, principal_minors
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.plane_function import PlaneFunction, Signs, derivatives, inner, roots_in
 from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
@@ -34,7 +33,7 @@ from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer
 from duhem.proof.kernel.stated_law import StatedLaw, as_object
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
-__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "multiplied_out", "section"]
+__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "multiplied_out"]
 
 _ZERO, _ONE = Fraction(0), Fraction(1)
 _MOST_ROWS, _MOST_WAYS = 4, 20  # of a minor; along which a form may be > 0
@@ -226,20 +225,3 @@ def falls_both_ways(law: StatedLaw, evidence: Mapping[str, Any]) -> bool:
         return False
     top, here = (domain.facts(written(part)) for part in (powers[-1], powers[0]))
     return len(powers) > 1 and top.sign == NEGATIVE and here.sign == POSITIVE
-
-
-# -- of sections -------------------------------------------------------------------------------------------------------
-
-
-def section(law: StatedLaw, forms: Mapping[str, Any]) -> StatedLaw:
-    """The law of what a linear map takes into K: each force is a form, linear in new names; a force without one is 0."""
-    given = {name: parse(text) for name, text in as_object(forms).items()}
-    names = tuple(sorted(set().union(*(form.names() for form in given.values()))))
-    if not set(given) <= set(law.forces) or {*law.forces, *law.parameters, law.pressure, "pi"} & set(names) or not names:
-        raise NotWritten("a section is of no forces, or in names that are taken")
-    swap = {Term("name", name=f): given.get(f, number(0)) for f in law.forces}
-    found = StatedLaw(names, law.pressure, law.g.put(swap), None, law.parameters, law.constraints, law.ranges)
-    domain = over(found)
-    if any(domain.polynomial(affine(form, names, domain)[1]) for form in given.values()):
-        raise NotWritten("a section is not linear")
-    return found

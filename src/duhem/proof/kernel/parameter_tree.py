@@ -1,4 +1,4 @@
-"""A claim decided for all values of several parameters: a tree of comparisons, of which each leaf is proved, refuted, outside or open.
+"""A claim decided for all values of some parameters: a tree of comparisons, of which each leaf is proved, refuted, outside or open.
 
 A node compares two formulas of the parameters that have a value whatever these are.  So a comparison holds or fails, and the leaves cover
 the domain by construction: no geometry is checked.  A leaf is about the law with the comparisons on the way to it, or their opposites,
@@ -10,6 +10,7 @@ values meet its ranges and constraints.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -20,21 +21,21 @@ from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import AGAINST, Reader
 from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.obligations import constraints, numbers
-from duhem.proof.kernel.parameter_cells import family_fails, proof_fails
+from duhem.proof.kernel.parameter_cells import family_fails, proof_fails, settled
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more
 from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, NotWritten, Term, in_words, number, parse
 
 __all__ = ["SCHEMA", "TreeLeaf", "ends", "law_where", "not_outside", "opposite", "read_comparison", "recheck_tree"]
 
-SCHEMA = "duhem paving certificate 1"
+SCHEMA = "duhem region certificate 2"
 _MOST_DEPTH = 200
 _TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
-_LEAF = {
-    "open": {"verdict"},
-    "outside": {"verdict"},
-    "refuted": {"verdict", "rule", "evidence"},
-    "proved": {"verdict", "rule", "evidence", "needs"},
-}
+_SAID = {
+    "open": (),
+    "outside": (),
+    "refuted": ("rule", "evidence"),
+    "proved": ("rule", "evidence", "needs"),
+}  # of a leaf, beside its verdict
 
 
 class TreeLeaf(NamedTuple):
@@ -61,13 +62,20 @@ def read_comparison(text: str, names: Collection[str]) -> Term:
     reader = Reader(over(StatedLaw(("",), None, number(0), None, dict.fromkeys(names, Bounds(None, None)), ())))
     if found.op not in COMPARISONS or not found.names() <= {*names, "pi"} or reader.undecided(found) is not None:
         raise NotWritten("a tree is divided by what is no comparison of its parameters, or has not always a value")
-    found = found._replace(args=tuple(side if side.names() else number(exact_value(side)) for side in found.args))
+    found = found._replace(args=tuple(map(_in_short, found.args)))
     poly = reader.domain.polynomial(gap(found))
     slopes = [(m[0][0], c) for m, c in poly.items() if [n for _, n in m] == [1] and m[0][0].names() <= {*names}]
     if len(slopes) != 1 or len(poly) > 1 + (() in poly) or slopes[0][0].op != "name":
         return found
     ((x, c),) = slopes
     return Term((">" if c > 0 else "<") + "=" * found.op.endswith("="), (x, number(-poly.get((), Fraction(0)) / c)))
+
+
+def _in_short(side: Term) -> Term:
+    """A fraction as one number."""
+    with suppress(NotWritten):
+        return side if side.names() else number(exact_value(side))
+    return side
 
 
 def opposite(comparison: str) -> str:
@@ -139,11 +147,11 @@ def _leaves(
             told = way if here.constraints == law.constraints else (*way, text)  # the ends of ranges are said as they are in the end
             yield from _leaves(here, claim, names, as_object(node[key]), told, depth + 1)
         return
-    if node["verdict"] not in _LEAF or set(node) != _LEAF[node["verdict"]]:
+    if node["verdict"] not in _SAID or set(node) != {"verdict", *_SAID[node["verdict"]]}:
         raise NotWritten("a leaf does not say what holds on it")
     reason = ""
     if node["verdict"] == "proved":
-        reason = proof_fails(claim, law, node)
+        reason = proof_fails(claim, settled(law, names), node)
     elif node["verdict"] == "refuted":
         reason = family_fails(claim, node["rule"], law, names, as_object(node["evidence"]))
     elif node["verdict"] == "outside":

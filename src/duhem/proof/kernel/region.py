@@ -36,6 +36,7 @@ from fractions import Fraction
 from itertools import chain, pairwise
 from math import prod
 
+from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
 from duhem.proof.kernel.forms import apart, at_end_of, multiple
@@ -49,7 +50,6 @@ from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, pr
 __all__ = ["convex_by_its_profile", "convex_in_its_region", "region_of", "round_at_its_ends", "where_loads_allow"]
 
 _ONE = Fraction(1)
-_Place = tuple[Fraction, Fraction]  # a root exactly, or between two numbers that are none
 
 
 # -- bodies with a profile ---------------------------------------------------------------------------------------------
@@ -57,24 +57,21 @@ _Place = tuple[Fraction, Fraction]  # a root exactly, or between two numbers tha
 
 def convex_by_its_profile(f: Term, loads: Collection[Term], domain: StatedDomain) -> bool:
     """Whether f is defined and {f <= 0} is convex where the ``loads`` of the law are >= 0."""
-    try:
+    with suppress(NotWritten):
         poly, sides = domain.polynomial(f), [domain.polynomial(load) for load in loads]
         _moving(poly, domain)  # NotWritten where forces divide
         return domain.facts(f).defined and any(_by_load(poly, t, sides, domain) for t in chain(sides, _leading(poly, domain)))
-    except NotWritten:
-        return False
+    return False
 
 
 def _by_load(poly: Polynomial, load: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> bool:
     """Whether the body has a profile along this load, and one that makes it convex."""
-    try:
+    with suppress(NotWritten):
         x, place = _solved(load, domain)
         profile = _profile(replaced(poly, x, place), domain)
         along = [side for side in (replaced(side, x, place) for side in sides) if not _moving(side, domain)]
-        rounded = any(_concave_root(*found) for found in _in_numbers(profile, along, domain))
-        return rounded or _concave_between_sides(profile, along, domain)
-    except NotWritten:
-        return False
+        return any(_rounded(h, lines, domain) for h, lines in _measured(profile, along, domain))
+    return False
 
 
 def _moving(poly: Polynomial, domain: StatedDomain) -> list[Term]:
@@ -135,34 +132,24 @@ def _profile(poly: Polynomial, domain: StatedDomain) -> Polynomial:
     return negated(poly)
 
 
-def _in_numbers(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Line, Line, list[Line]]]:
-    """The profile H, H'^2 - 2 H H'' and the sides, where no constants are left in them."""
-    for h, lines in _measured(profile, sides, domain):
-        read = [p for poly in (h, *lines) if (p := on_the_line(poly)) is not None]
-        if len(read) > len(lines) and (bend := on_the_line(_bend(h))) is not None:
-            yield read[0], bend, read[1:]
-
-
-def _measured(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Polynomial, list[Polynomial]]]:
-    """The profile and its sides without positive factors; t is measured in a constant > 0, if need be."""
-    if not profile:
-        return
+def _measured(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> Iterator[tuple[Polynomial, list[Line]]]:
+    """The profile without positive factors, and the sides in which no constants are left; t is measured in a constant > 0, if need be."""
     names = {x for m in profile for x, _ in m if x != RAY and domain.of(x) == POSITIVE}
-    for unit in (None, *sorted(names)):
+    for unit in (None, *sorted(names)) if profile else ():
         scaled: Polynomial = {tuple(sorted([(RAY, 1), *([] if unit is None else [(unit, 1)])])): Fraction(1)}
-        h, *lines = (without_content(replaced(p, RAY, scaled), domain) for p in (profile, *sides) if p)
-        yield h, lines
+        h, *others = (without_content(replaced(p, RAY, scaled), domain) for p in (profile, *sides) if p)
+        yield h, [line for line in map(on_the_line, others) if line is not None]
 
 
-def _concave_between_sides(profile: Polynomial, sides: Collection[Polynomial], domain: StatedDomain) -> bool:
-    """Whether H > 0 between two sides, and sqrt H is concave, for all parameters; at a side it may be 0."""
-    for h, lines in _measured(profile, sides, domain):
-        ends = [line for line in map(on_the_line, lines) if line is not None and len(line) == 2]
-        low, high = ([Fraction(-p[0], p[1]) for p in ends if p[1] * way > 0] for way in (1, -1))
-        if low and high and max(low) < min(high):
-            between = max(low), min(high)
-            return nonnegative(_without_ends(h, *between), between, domain, strict=True) and nonnegative(_bend(h), between, domain)
-    return False
+def _rounded(h: Polynomial, sides: Collection[Line], domain: StatedDomain) -> bool:
+    """Whether sqrt H is concave where H >= 0, or H > 0 between two sides and sqrt H concave, for all parameters; at a side it may be 0."""
+    bend, (low, high) = _bend(h), _between(sides)
+    line, bent = on_the_line(h), on_the_line(bend)
+    if line is not None and bent is not None and _concave_root(line, bent, sides):
+        return True
+    if low is None or high is None or low >= high:
+        return False
+    return nonnegative(_without_ends(h, low, high), (low, high), domain, strict=True) and nonnegative(bend, (low, high), domain)
 
 
 def _without_ends(h: Polynomial, low: Fraction, high: Fraction) -> Polynomial:
@@ -186,7 +173,8 @@ def _bend(h: Polynomial) -> Polynomial:
 
 def _concave_root(line: Line, bend: Line, sides: Collection[Line]) -> bool:
     """Whether sqrt H is concave, by its ``bend``, where H >= 0 and the sides, of degree 1 at most, are >= 0, which is an interval then."""
-    low, high = _between(sides, 1 + max(map(_beyond_roots, (line, bend, *sides))))
+    far = 1 + max(map(_beyond_roots, (line, bend, *sides)))  # beyond it nothing changes any more
+    low, high = (end * far if x is None else x for end, x in zip((-1, 1), _between(sides), strict=True))
     if low >= high:
         return True  # no more than one value of t is left
     ends = [(low, low), *roots(parts(line)[0], low, high), (high, high)]
@@ -197,14 +185,10 @@ def _concave_root(line: Line, bend: Line, sides: Collection[Line]) -> bool:
     return len(above) == 1 and zeros <= {above[0], above[0] + 1} and nonnegative_on_the_line(bend, ends[above[0]][0], ends[above[0] + 1][1])
 
 
-def _between(sides: Collection[Line], far: Fraction) -> _Place:
-    """Where t lies; beyond ``far`` nothing changes any more."""
-    low, high = -far, far
-    for side in sides:
-        if len(side) == 2:
-            at = Fraction(-side[0], side[1])
-            low, high = (max(low, at), high) if side[1] > 0 else (low, min(high, at))
-    return low, high
+def _between(sides: Collection[Line]) -> tuple[Fraction | None, Fraction | None]:
+    """Where t lies; None for no end."""
+    low, high = ([Fraction(-p[0], p[1]) for p in sides if len(p) == 2 and p[1] * way > 0] for way in (1, -1))
+    return max(low, default=None), min(high, default=None)
 
 
 def _beyond_roots(p: Line) -> Fraction:
@@ -218,12 +202,9 @@ def _beyond_roots(p: Line) -> Fraction:
 def convex_in_its_region(law: StatedLaw) -> bool:
     """Whether every part of g is quasiconvex, or of a convex set, where all of its loads allow it to be <= 0; g has a value there."""
     _, others, inside = law.once(where_loads_allow)
-    found = [(part, inside.facts(part)) for part in others]
     return all(
-        (known.defined and known.quasiconvex)
-        or _convex_below_a_product(part, inside)
-        or convex_by_its_profile(part, [*inside.sides], inside)
-        for part, known in found
+        _shown(part, inside).quasiconvex or _convex_below_a_product(part, inside) or convex_by_its_profile(part, [*inside.sides], inside)
+        for part in others
     )
 
 
@@ -264,8 +245,8 @@ def _loads_of_a_product(part: Term, domain: StatedDomain) -> Iterator[Term]:
 
 def _leaves(x: Term, h: Term, domain: StatedDomain) -> bool:
     """Whether h >= 0, and x >= 0 where it is 0: that is where a load is 0."""
-    known = domain.facts(h)
-    if not (known.defined and known.nonnegative):
+    known = _shown(h, domain)
+    if not known.nonnegative:
         return False
     base = h
     while base.op == "pos" or (base.op == "**" and domain.facts(base.args[1]).sign == POSITIVE):
@@ -287,7 +268,7 @@ def region_of(law: StatedLaw) -> frozenset[object]:
 def _loads_and_others(g: Term, domain: StatedDomain) -> tuple[list[Term], list[Term]]:
     """What a maximum is taken of: loads, which are affine and defined everywhere, and the rest."""
     parts = [*_greatest(g)]
-    loads = [part for part in parts if not domain.constant(part) and domain.facts(part).affine and domain.facts(part).defined]
+    loads = [part for part in parts if not domain.constant(part) and _shown(part, domain).affine]
     return loads, [part for part in parts if part not in loads]
 
 
@@ -335,9 +316,7 @@ def _cleared(product: Term, rest: Term, domain: StatedDomain) -> tuple[Term, Ter
     scale, moving = apart(product, domain)
     under = [f for f in moving if f.op == "**" and f.args[1].op == "number" and f.args[1].value < 0 and f.args[1].value.denominator == 1]
     above = [f for f in moving if f not in under]
-    if not under or len(above) != 1 or not domain.constant(rest) or domain.facts(scale).sign != POSITIVE:
-        return None
-    if any(domain.facts(f).sign != POSITIVE for f in under):
+    if not under or len(above) != 1 or not domain.constant(rest) or any(domain.facts(f).sign != POSITIVE for f in (scale, *under)):
         return None
     divisors = [part for f in under for part in _repeated(f.args[0]) * -int(f.args[1].value)]
     return above[0], product_of(rest, Term("**", (scale, number(-1))), *divisors)
@@ -357,27 +336,21 @@ def _below(power: Term, rest: Term, domain: StatedDomain) -> bool:
     if n is None or n.denominator > 1 or n <= 0:
         return False
     scale, moving = apart(rest, domain)
-    u, c, concave = domain.facts(power.args[0]), domain.facts(minus(scale)), [domain.facts(f) for f in moving]
-    convex = u.defined and (u.convex_in_size if n % 2 == 0 else u.convex)
-    return (
-        convex and c.defined and c.nonnegative and 0 < len(concave) <= n and all(v.defined and v.concave and v.nonnegative for v in concave)
-    )
+    u, c, concave = _shown(power.args[0], domain), _shown(minus(scale), domain), [_shown(f, domain) for f in moving]
+    convex = u.convex_in_size if n % 2 == 0 else u.convex
+    return convex and c.nonnegative and 0 < len(concave) <= n and all(v.concave and v.nonnegative for v in concave)
 
 
 def _below_a_load(square: Term, rest: Term, domain: StatedDomain) -> bool:
     scale, moving = apart(rest, domain)
-    c, squared = domain.facts(minus(scale)), [i for i, f in enumerate(moving) if f.op == "**" and f.args[1] == number(2)]
-    if not squared or len(moving) != 2 or not (c.defined and c.sign in (NEGATIVE, POSITIVE)):
+    c, squared = _shown(minus(scale), domain), [i for i, f in enumerate(moving) if f.op == "**" and f.args[1] == number(2)]
+    if not squared or len(moving) != 2 or c.sign not in (NEGATIVE, POSITIVE):
         return False
     load, other = moving[squared[0]].args[0], moving[1 - squared[0]]
     w = other if c.sign == POSITIVE else minus(other)
-    x, root = domain.facts(load), domain.facts(Term("**", (square, number(Fraction(1, 2)))))
-    profile = domain.facts(times_load(load, w, domain))
-    return (
-        (root.defined and root.convex and x.defined and x.affine and x.nonnegative and domain.facts(w).defined)
-        and profile.defined
-        and profile.concave
-    )
+    x, root = _shown(load, domain), _shown(Term("**", (square, number(Fraction(1, 2)))), domain)
+    profile = _shown(times_load(load, w, domain), domain)
+    return root.convex and x.affine and x.nonnegative and domain.facts(w).defined and profile.concave
 
 
 def _share_of_a_load(power: Term, rest: Term, domain: StatedDomain) -> bool:
@@ -386,17 +359,17 @@ def _share_of_a_load(power: Term, rest: Term, domain: StatedDomain) -> bool:
         return False
     _, moving = apart(power.args[0], domain)
     under = [y for f in moving if f.op == "**" and f.args[1] == number(-1) for y in apart(f.args[0], domain)[1]]
-    above, ratio = [f for f in moving if f.op != "**" or f.args[1] != number(-1)], domain.facts(power.args[0])
-    if len(under) != 1 or len(above) != 1 or not (ratio.defined and ratio.nonnegative):
+    above = [f for f in moving if f.op != "**" or f.args[1] != number(-1)]
+    if len(under) != 1 or len(above) != 1 or not _shown(power.args[0], domain).nonnegative:
         return False
-    u, x, whole = domain.facts(above[0]), domain.facts(under[0]), domain.facts(times_load(under[0], minus(rest), domain))
-    return (
-        (u.defined and u.convex and u.nonnegative and x.defined and x.affine and x.sign == POSITIVE)
-        and domain.facts(rest).defined
-        and domain.facts(rest).quasiconvex
-        and whole.defined
-        and whole.concave
-    )
+    u, x, whole = (_shown(part, domain) for part in (above[0], under[0], times_load(under[0], minus(rest), domain)))
+    return u.convex and u.nonnegative and x.affine and x.sign == POSITIVE and _shown(rest, domain).quasiconvex and whole.concave
+
+
+def _shown(term: Term, domain: StatedDomain) -> Facts:
+    """What is shown of a part that has a value; of another nothing is."""
+    known = domain.facts(term)
+    return known if known.defined else Facts()
 
 
 def _positive_multiple(term: Term, load: Term, domain: StatedDomain) -> bool:
@@ -411,11 +384,10 @@ def round_at_its_ends(law: StatedLaw) -> bool:
     if not loads or len(others) != 1:
         return False
     inside = domain.where(dict.fromkeys(map(minus, loads), False))
-    shape, (gauge, parts) = inside.facts(others[0]), _gauge_and_parts(others[0], domain)
-    size = domain.facts(gauge)
+    gauge, parts = _gauge_and_parts(others[0], domain)
+    size = _shown(gauge, domain)
     return (
-        (shape.defined and shape.convex)
-        and (size.defined and size.convex and size.nonnegative and smooth_but_where_zero(gauge, domain))
+        (_shown(others[0], inside).convex and size.convex and size.nonnegative and smooth_but_where_zero(gauge, domain))
         and all(inside.facts(h).concave and inside.facts(h).nonnegative and smooth_but_where_zero(h, domain) for h in parts)
         and all(_ends_round(load, loads, parts, domain) for load in loads)
     )
@@ -437,11 +409,6 @@ def _gauge_and_parts(f: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
 
 def _ends_round(load: Term, loads: list[Term], parts: list[Term], domain: StatedDomain) -> bool:
     """Whether the other loads are < 0 where this one is 0, and of the h one is 0 there and the others > 0."""
-    others = [domain.facts(at_end_of(load, other, domain)) for other in loads if other is not load]
-    ends = [domain.facts(at_end_of(load, h, domain)) for h in parts]
-    signs = sorted(h.sign for h in ends)
-    return (
-        all(known.defined for known in (*others, *ends))
-        and all(other.sign == NEGATIVE for other in others)
-        and signs == [ZERO, *[POSITIVE] * (len(parts) - 1)]
-    )
+    others = [_shown(at_end_of(load, other, domain), domain) for other in loads if other is not load]
+    signs = sorted(_shown(at_end_of(load, h, domain), domain).sign for h in parts)
+    return all(other.sign == NEGATIVE for other in others) and signs == [ZERO, *[POSITIVE] * (len(parts) - 1)]

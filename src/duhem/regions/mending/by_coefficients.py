@@ -1,5 +1,7 @@
 """The sos-convex polynomial with the monomials of g whose limit load is nearest to that of a polynomial law.
 
+Of a law of more than two forces that is none it is a polynomial of degree 4, and a form where K is symmetric about zero force.
+
 P is sos-convex if y . Hess P(x) y is a sum of squares of polynomials in x and y, which are linear in y; then it is convex (Helton, Nie
 2010, Math. Program. 122, 21).  That is a semidefinite condition on the coefficients, asked with a margin, so that rounded ones satisfy it.
 """
@@ -16,30 +18,28 @@ import numpy as np
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.text import formula
-from duhem.law.formula_law import Criterion
 from duhem.regions.mending.formulas import decimal, times, total
-from duhem.regions.mending.limit_load import ScaledLaw
+from duhem.regions.mending.limit_load import ScaledLaw, limit_loads
 
 __all__ = ["by_coefficients"]
 
 Monomial = tuple[int, ...]
 _SOLVED = ("optimal", "optimal_inaccurate")
 _MARGINS = (1e-5, 1e-4, 1e-3)  # of the mean coefficient of a Gram matrix
-_LEAST, _POINTS, _MOST_SQUARES = 1e-9, 1000, 120
+_LEAST, _POINTS, _MOST_SQUARES, _MOST_FORCES = 1e-9, 1000, 120, 6
 
 
 def by_coefficients(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
     """g with other coefficients, the farther inside the border of sos-convexity the later; InputError for a g that is no polynomial."""
     import cvxpy as cp
 
-    law, poly = scaled.law, _polynomial(scaled.law)
+    law, powers = scaled.law, _monomials(scaled)
     some = np.flatnonzero(np.isfinite(scaled.loads))[:: max(1, len(scaled.loads) // _POINTS)]
-    ways, loads = scaled.ways[some], scaled.loads[some] * scaled.size
-    powers, size = [m for m in poly.monoms() if any(m)], float(loads.mean())
-    old = np.array([float(poly.coeff_monomial(m)) * size ** sum(m) for m in powers])
+    ways, loads, degrees = scaled.ways[some], scaled.loads[some], np.array([sum(m) for m in powers])
+    size, most = float(loads.mean()), int(degrees.max())
     table = np.column_stack([np.prod((ways * (loads / size)[:, None]) ** np.array(m), axis=1) for m in powers])
-    rate = table @ (old * np.array([sum(m) for m in powers]))  # sigma . grad g, over which what g changes is what the limit load does
+    old = np.linalg.lstsq(table, np.ones(len(table)))[0]
+    rate = table @ (old * degrees)  # sigma . grad g, over which what g changes is what the limit load does
     a, margin = cp.Variable(len(powers)), cp.Parameter(nonneg=True)
     sides: dict[Monomial, list[Any]] = {}
     for n, m in enumerate(powers):
@@ -54,7 +54,7 @@ def by_coefficients(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
         gram = cp.Variable((len(block), len(block)), PSD=True)
         for (i, p), (j, q) in combinations_with_replacement(enumerate(block), 2):
             sides.setdefault(tuple(np.add(p, q)), []).append(gram[i, j] + margin if i == j else 2 * gram[i, j])
-    off = ((loads / size / rate)[:, None] * table) @ (a - old)
+    off = cp.multiply(loads / size / rate, table @ a - 1.0)
     problem = cp.Problem(cp.Minimize(cp.sum_squares(off)), [sum(side) == 0 for side in sides.values()])
     for least in _MARGINS:
         margin.value = least * np.abs(old).mean()
@@ -63,19 +63,27 @@ def by_coefficients(scaled: ScaledLaw) -> Iterator[tuple[str, str]]:
             problem.solve(solver=cp.CLARABEL)
         if problem.status in _SOLVED:
             rounded = {m: decimal(x / size ** sum(m)) for m, x in zip(powers, a.value, strict=True) if abs(x) > _LEAST}
-            terms = (times(c, *zip(law.forces, m, strict=True)) for m, c in rounded.items())
-            yield total([*terms, formula(poly.coeff_monomial(1))]), "the nearest sos-convex polynomial with the same monomials"
+            scales = ([] if scaled.text == "1" else [(f"({scaled.text})", most - n)] for n in map(sum, rounded))
+            terms = (times(c, *zip(law.forces, m, strict=True), *unit) for (m, c), unit in zip(rounded.items(), scales, strict=True))
+            yield total([*terms, f"-({scaled.text})**{most}"]), f"the nearest sos-convex polynomial of degree {most}"
 
 
-def _polynomial(law: Criterion) -> sp.Poly:
-    fault = InputError("g is no polynomial of the forces with numbers for coefficients", where=law.name, remedy="mend it in another way")
-    try:
+def _monomials(scaled: ScaledLaw) -> list[Monomial]:
+    """Those of g, where it is a polynomial of the forces with numbers for coefficients; of another K with more forces those of degree 4.
+
+    Where K is not symmetric these are of less degrees too; no change of signs alters them that leaves K as it is.
+    """
+    law, ways, n = scaled.law, scaled.ways[:_POINTS], len(scaled.law.forces)
+    with suppress(sp.PolynomialError):
         poly = sp.Poly(law.g.xreplace(law.settled()), *law.force_symbols())
-    except sp.PolynomialError:
-        raise fault from None
-    if poly.total_degree() < 2 or not all(c.is_Rational for m, c in poly.terms() if any(m)):
-        raise fault
-    return poly
+        if poly.total_degree() >= 2 and all(c.is_Rational for m, c in poly.terms() if any(m)):
+            return [m for m in poly.monoms() if any(m)]
+    if not (2 < n <= _MOST_FORCES and law.pressure is None and np.isfinite(scaled.loads).all()):
+        raise InputError("g is no polynomial of the forces with numbers for coefficients", where=law.name, remedy="mend it in another way")
+    loads = {s: limit_loads(law, scaled.values, ways * (1 - 2 * np.array(s))) for s in product((0, 1), repeat=n)}
+    signs = [s for s, own in loads.items() if np.allclose(own, loads[(0,) * n])]
+    least = 4 if (1,) * n in signs else 1
+    return [m for m in product(range(5), repeat=n) if least <= sum(m) <= 4 and all(np.dot(s, m) % 2 == 0 for s in signs)]
 
 
 def _squares(powers: list[Monomial], n: int) -> list[list[Monomial]]:

@@ -12,8 +12,8 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.law.domain import POSITIVE, Domain
 from duhem.law.formula_law import Criterion
-from duhem.proof.kernel.parameter_cells import ParameterCell
 from duhem.regions.entry import region, shape_parameters
+from duhem.regions.line import ParameterCell
 from duhem.regions.mending.limit_load import ScaledLaw
 from duhem.regions.result import ParameterRegion
 
@@ -41,8 +41,7 @@ def by_parameters(scaled: ScaledLaw, base: Criterion) -> Iterator[tuple[Criterio
         value = Fraction(fixed[name].p, fixed[name].q)
         with suppress(InputError):
             found = region(plain.within({name: ranges[name]}), name, steps=_STEPS // len(names))
-            stretches = found.stretches("proved") if isinstance(found, ParameterRegion) else []  # it is of one
-            near = [x for cell in stretches for x in _decimals(cell, value)]
+            near = [x for cell in found.stretches("proved") for x in _decimals(cell, value)]
             if near:
                 x = min(near, key=lambda x: abs(x - value))
                 moved = law.within({name: Domain.fixed(sp.Rational(x.numerator, x.denominator))})

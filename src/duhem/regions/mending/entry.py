@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from duhem.law.catalogue import load_formula
 from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
+from duhem.law.placed_toml import meant
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import verdict_within, verify
 from duhem.regions.mending.by_coefficients import by_coefficients
@@ -40,9 +40,7 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
     ranges of the forces.  Raises InputError for an unknown law or way, and where the law cannot be mended by it.
     """
     if by not in ("auto", *WAYS):
-        near = get_close_matches(str(by), WAYS, n=1)
-        remedy = f"did you mean {near[0]!r}?" if near else f"one of: auto, {', '.join(WAYS)}"
-        raise InputError(f"no law is mended by {by!r}", where="by", remedy=remedy)
+        raise InputError(f"no law is mended by {by!r}", where="by", remedy=meant(str(by), ("auto", *WAYS)))
     if not (isinstance(harmonics, int) and 1 <= harmonics <= 16):
         raise InputError(f"{harmonics} harmonics are asked for", where="harmonics", remedy="ask for 1 to 16")
     base = load_formula(law)
