@@ -95,7 +95,8 @@ def test_a_profile_in_numbers_measures_in_one_constant() -> None:
 @pytest.mark.parametrize(
     ("profile", "sides", "rounded"),
     [
-        ("m + t", [(0, 1), (1, -1)], True), ("m + t", [(0, 1)], False), ("q + t", [(0, 1), (1, -1)], False), ("m + t**2", [(0, 1), (1, -1)], False),
+        ("m + t", [(0, 1), (1, -1)], True), ("m + t", [(0, 1)], False), ("q + t", [(0, 1), (1, -1)], False),
+        ("m + t**2", [(0, 1), (1, -1)], False),
         ("m*t - m*t**2", [(0, 1), (1, -1)], True), ("t - t**2", [], True), ("t**2", [(0, 1)], True), ("m + t", [(1, 1), (-2, -1)], False),
     ],
 )  # fmt: skip

@@ -8,13 +8,12 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.errors import InputError
+from duhem.errors import InputError, meant
 from duhem.law.catalogue import load_formula
 from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain, simple_points
-from duhem.law.placed_toml import meant
 from duhem.proof.recheck import document_of
 from duhem.proof.statement import state
 from duhem.regions.asked import MOST_STEPS, constraints_on

@@ -8,12 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from duhem.errors import InputError
+from duhem.errors import InputError, meant
 from duhem.law.catalogue import load_formula
 from duhem.law.criterion_file import criterion_text, reads
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
-from duhem.law.placed_toml import meant
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import verdict_within, verify
 from duhem.regions.mending.by_coefficients import by_coefficients
