@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
 from math import isqrt
 
 import mpmath
 import sympy as sp
-from sympy.polys.polyerrors import BasePolynomialError
 
 from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.signs import sign_at
 from duhem.proof.kernel.term import NotWritten
 
 __all__ = ["closest_fractions", "narrowed", "simplest", "square_root_near", "written_root"]
@@ -43,14 +42,20 @@ def square_root_near(low: Fraction, high: Fraction) -> RealRoot | None:
     found = mpmath.findpoly(float((low + high) / 2), 2, maxcoeff=_MOST_COEFFICIENT, tol=_ALIKE)
     if found is None or isqrt(max(found[1] ** 2 - 4 * found[0] * found[2], 0)) ** 2 == found[1] ** 2 - 4 * found[0] * found[2]:
         return None
-    return narrowed(found[::-1], 2 * low - high, 2 * high - low)
+    return narrowed(tuple(found[::-1]), 2 * low - high, 2 * high - low)
 
 
-def narrowed(poly: Sequence[int], low: Fraction, high: Fraction, bits: int = 40) -> RealRoot | None:
+def narrowed(poly: tuple[int, ...], low: Fraction, high: Fraction, bits: int = 40) -> RealRoot | None:
     """The root of a polynomial between two fractions, enclosed to so many binary digits; None where it has not one there."""
-    with suppress(NotWritten, BasePolynomialError):
-        ends = sp.Poly(poly[::-1], sp.Symbol("x")).refine_root(low, high, eps=sp.Rational(1, 2**bits))
-        return RealRoot.read({"polynomial": [str(c) for c in poly], "enclosure": [str(end) for end in ends]})
+    if sign_at(poly, low) * sign_at(poly, high) >= 0:
+        return None
+    while high - low > Fraction(1, 2**bits):  # SymPy's refine_root goes by continued fractions, which may take for ever
+        middle = simplest(low + (high - low) / 4, high - (high - low) / 4)
+        if (here := sign_at(poly, middle)) == 0:
+            return RealRoot.of(middle)
+        low, high = (middle, high) if here == sign_at(poly, low) else (low, middle)
+    with suppress(NotWritten):
+        return RealRoot.read({"polynomial": [str(c) for c in poly], "enclosure": [str(low), str(high)]})
     return None
 
 

@@ -224,7 +224,7 @@ def _double_root(poly: Polynomial, variable: str, at: Fraction, near: float) -> 
         values = {x: t if x == RAY else sp.Rational(str(exact_value(x.put(here)))) for m in poly for x, _ in m}
         whole = sp.Poly(sp.Add(*(sp.Mul(sp.Rational(str(c)), *(values[x] ** n for x, n in m)) for m, c in poly.items())), t)
         for factor in (factor for factor, _ in sp.factor_list(whole)[1] if factor.degree() >= 2):
-            plain = [int(c) for c in reversed(sp.Poly(factor, t).clear_denoms(convert=True)[1].all_coeffs())]
+            plain = tuple(int(c) for c in reversed(sp.Poly(factor, t).clear_denoms(convert=True)[1].all_coeffs()))
             for root in np.roots(plain[::-1]):
                 if abs(root.imag) < 1e-6 and abs(root.real - near) < 0.02:
                     x = Fraction(float(root.real))

@@ -273,7 +273,7 @@ def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpP
         both, both_nearer = (np.minimum(v, v[opposite]) for v in (found, nearer))
         home = tuple(-c / max(map(abs, place)) for c in place) if any(place) else None
         back = [k for k, way in enumerate(ways) if way == home]  # on which floats may not see that a load is 0
-        falls = [(k, 0.1) for k in back] + [(k, nearer[k] / found[k]) for k in np.argsort(found)[:2] if found[k] < 0]
+        falls = [(k, 0.1) for k in back] + [(k, nearer[k] / found[k]) for k in np.argsort(found)[:2] if -np.inf < found[k] < 0]
         outside = [k for k in np.argsort(-both) if both[k] > 0]
         for k, fall in falls[:2]:  # where g rises less steeply than it falls, K has a tangent
             steep = [i for i in outside if both_nearer[i] > both[i] * fall / _SAME][:_SHOWN]

@@ -15,6 +15,7 @@ from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import needs_of, objection, rules_of
 from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.definedness import rarely_zero
 from duhem.proof.kernel.stated_law import StatedLaw, inhabited
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, product_of
@@ -84,10 +85,17 @@ def _ranges(law: Text, blocked: Blocked | None) -> Iterator[tuple[str, Text]]:
 
 def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[str, Text]]:
     """g with a limit written out, and in a maximum with loads without which a part has no value."""
-    if blocked is None or "g" not in law or blocked.part.op not in ("log", "**"):
+    if blocked is None or "g" not in law or blocked.part.op not in ("log", "**", "atan2"):
         return
     read = stated(law)
     if not isinstance(read, StatedLaw) or not blocked.part.names() & {*read.forces}:
+        return
+    size = _size(blocked.part)
+    if over(read).facts(size).nonnegative and rarely_zero(size, over(read)):
+        swap = {x: Term("where", (Term(">", (size, number(0))), x, number(0))) for x in _without_a_value(read.g, size)}
+        told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in swap.items())
+        yield f"write {told}, if you mean 0 there", {**law, "g": in_text(read.g.put(swap), {})}
+    if blocked.part.op == "atan2":
         return
     g, base, domain = read.g, blocked.part.args[0], over(read)
     scale = domain.facts(product_of(*(f for f in factors(base) if domain.constant(f)))).sign
@@ -100,6 +108,22 @@ def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[s
         told = f"write {ways[0]} for {ways[1]}, and max(..., {said}) for g: so g has its limit where this is 0"
         yield told, {**law, "g": f"max({in_text(g.put({whole: limit}), {})}, {ends})"}
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
+
+
+def _size(part: Term) -> Term:
+    """What is 0 where a quotient or an angle has no value, by its first power."""
+    if part.op == "atan2":
+        return Term("norm", part.args)
+    return _size(part.args[0]) if part.op == "**" else part
+
+
+def _without_a_value(term: Term, size: Term) -> Iterator[Term]:
+    """The largest parts of a sum that divide by a size, or ask for an angle of what has it."""
+    if term.op in ("+", "max", "min"):
+        for a in term.args:
+            yield from _without_a_value(a, size)
+    elif any(_size(x) == size for x in term.parts() if x.op == "atan2" or (x.op == "**" and not x.args[1].value > 0)):
+        yield term
 
 
 def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked) -> Iterator[str]:
