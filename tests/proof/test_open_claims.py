@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from random import Random
@@ -28,8 +29,8 @@ from tests.oracles import drawn_formulas
 ANY = Domain()
 
 
-def law(g: str, parameters: dict[str, Domain] | None = None, forces: str = "ab", **more: object) -> Criterion:
-    return Criterion("law", g, parameters or {}, tuple(forces), None, **more)  # type: ignore[arg-type]
+def law(g: str, parameters: dict[str, Domain] | None = None, forces: Sequence[str] = "ab", **more: object) -> Criterion:
+    return Criterion("law", g, parameters or {}, **({"forces": tuple(forces)} if forces else {}), pressure=None, **more)  # type: ignore[arg-type]
 
 
 QUADRATIC = "a**2/x**2 + k*a*b + b**2/y**2 + a - 1"
@@ -50,6 +51,8 @@ TOLD = [
     (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "smoothness", "norm(a, b)", "may be 0 on the boundary", "--set d=1/2"),
     (law("sqrt(a**2 + c**2) - (d + m*b)", {"c": ANY, "d": ANY, "m": ANY}), "smoothness",
         "a**2 + c**2", "may be 0", "narrow c to what is > 0"),
+    (law("-k*(1 + c*cos3theta) + sqrt(3*J2)", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress={"name": "s", "kind": "principal"}),
+        "origin", "1/J2(s)**(3/2)", "at zero force", "write where(J2(s) > 0, -k*(1 + c*cos3theta(s)), 0) for -k*(1 + c*cos3theta(s))"),
     (law("1 - exp(-(a**2 + b**2)**2) - k + 0*a", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows", "another form"),
     (law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", {"t": POSITIVE}), "convexity",
         "where(3*max", "a choice by the forces", "another form"),
@@ -78,6 +81,8 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     if found := re.match(r"write (?:(?P<limit>where.*) for (?P<part>.*), and )?max\((?:g|\.\.\.), (?P<ends>.*)\) for g", action):
         g = criterion.written if found["part"] is None else criterion.written.replace(found["part"], found["limit"])
         more["g"] = f"max({g}, {found['ends']})"
+    if found := re.match(r"write (where.*) for .*, if you mean 0 there", action):
+        more["g"] = f"{found[1]} + sqrt(3*J2)"  # the rest of the one law that is told so
     settings = dict(re.findall(r"--set (\w+)=(\S+)", action))
     criterion = replace(criterion, **more)  # type: ignore[arg-type]
     return criterion.fix(settings) if settings else criterion
