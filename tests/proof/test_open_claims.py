@@ -14,6 +14,7 @@ import pytest
 
 import duhem
 from duhem import Criterion, Verdict, verify
+from duhem.expression.abbreviations import Stress
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -51,7 +52,7 @@ TOLD = [
     (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "smoothness", "norm(a, b)", "may be 0 on the boundary", "--set d=1/2"),
     (law("sqrt(a**2 + c**2) - (d + m*b)", {"c": ANY, "d": ANY, "m": ANY}), "smoothness",
         "a**2 + c**2", "may be 0", "narrow c to what is > 0"),
-    (law("-k*(1 + c*cos3theta) + sqrt(3*J2)", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress={"name": "s", "kind": "principal"}),
+    (law("-k*(1 + c*cos3theta) + sqrt(3*J2)", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress=Stress("s", "principal")),
         "origin", "1/J2(s)**(3/2)", "at zero force", "write where(J2(s) > 0, -k*(1 + c*cos3theta(s)), 0) for -k*(1 + c*cos3theta(s))"),
     (law("1 - exp(-(a**2 + b**2)**2) - k + 0*a", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows", "another form"),
     (law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", {"t": POSITIVE}), "convexity",
