@@ -32,7 +32,7 @@ def of_differences(text: str) -> str:
 J2, J3 = "((A - B)**2 + (B - C)**2 + (C - A)**2)/6", "(2*A - B - C)*(2*B - C - A)*(2*C - A - B)/27"
 MOVED = [
     f"({J2})**3 - 9/4*({J3})**2 - k", f"sqrt({J2}) + k*0 - 1", "max(A, B, C) - min(A, B, C) - k", "norm(A, 2*B) + abs(C) - m",
-    "where(A + B > 0, (A + B)**2, 2*(A + B)**4) + C**2 - 1", "norm(2*A - B, A + C) - k",
+    "where(A + B > 0, (A + B)**2, 2*(A + B)**4) + C**2 - 1", "norm(2*A - B, A + C) - k", "norm(m*A - m*B, C + B, k*C) - 1",
 ]  # fmt: skip
 STAYS = [
     "norm(a, b, c) - k", "max(a - x, -a - y) - k*norm(b, c)", "norm(k*a - x, b) - 1", "(a - x)**2 + abs(a - y) - 1",

@@ -29,7 +29,7 @@ from duhem.proof.kernel.definedness import AGAINST, in_quotients
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.polynomial import Polynomial, negated, slope, solved, times, total, written
+from duhem.proof.kernel.polynomial import Polynomial, divided, negated, shared, slope, solved, times, total, written
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, sum_of
@@ -139,10 +139,10 @@ def about_its_centre(law: StatedLaw) -> StatedLaw:
         return law
     for part in dict.fromkeys(law.g.parts()):
         if _is_affine(part, domain):
-            poly = domain.polynomial(part)
+            poly = divided(own := domain.polynomial(part), shared(own, domain.constant))
             moving = {m: c for m, c in poly.items() if any(x.name in law.forces for x, _ in m)}
             if any(len(m) > 1 for m in moving):
-                return law  # a parameter scales a force
+                continue  # a parameter scales a force
             rows.append(({m[0][0]: c for m, c in moving.items()}, {m: -c for m, c in poly.items() if m not in moving}))
     centre = solved(rows) or {}
     swap = {x: sum_of(x, written(value)) for x, value in centre.items() if value}
