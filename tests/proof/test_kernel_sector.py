@@ -60,7 +60,8 @@ VALUES: list[tuple[str, int | F]] = [  # a formula and its degree: above 0 it is
     ("where(J2 <= 0, 0, LAST**2/FIRST)", 1), ("where(FIRST > 0, J2/FIRST, 0*FIRST)", 1),
     ("where(J2 > 0, J2/FIRST, FIRST)", 1), ("where(J2 > 0, J2/FIRST, J2/FIRST)", 1),
     ("where(J2/FIRST > 0, J2/FIRST, 0)", 1), ("where(J2 > 0, J2/FIRST, 0) + 2*FIRST", 1), ("-LAST*(2*FIRST + LAST)", 2),
-    ("(FIRST/3 - LAST)**3", 3), ("4**(1/2)*FIRST", 1), ("(2*J2)**(1/2)", 1), ("(J2*FIRST**2/4)**(1/2)", 2),
+    ("(FIRST/3 - LAST)**3", 3),
+    ("abs(LAST/FIRST)**2*FIRST", 1), ("abs(LAST)**4/J2", 2), ("4**(1/2)*FIRST", 1), ("(2*J2)**(1/2)", 1), ("(J2*FIRST**2/4)**(1/2)", 2),
 ]  # fmt: skip
 OTHERS = [
     "FIRST + J2", "FIRST**LAST", "FIRST**e", "exp(FIRST)", "cos(FIRST)", "LAST**(1/2)", "LAST**-1", "(LAST + 2)**2", "a*FIRST", "I1*FIRST",

@@ -408,7 +408,8 @@ class DeviatoricReader(PlaneVariable):
                 exponent = term.args[1]
                 if not (self.within.constant(exponent) and self.domain.facts(exponent).defined):
                     raise NotWritten("an exponent varies")
-                return self.power(self.read(term.args[0]), self.domain.polynomial(exponent))
+                base, even = term.args[0], exponent.op == "number" and exponent.value % 2 == 0
+                return self.power(self.read(base.args[0] if even and base.op == "abs" else base), self.domain.polynomial(exponent))
             case "cos":
                 return self.cosine(term.args[0])
             case "where":
