@@ -23,7 +23,7 @@ from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.polynomial import negated, written
 from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
-from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_form_of, without_outer_map
+from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, parse, sum_of
@@ -63,7 +63,7 @@ def objection(
 ) -> str:
     """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does.
 
-    ``as_written`` says what it reads: True the law as its text says it, False the law in its normal form, None both.
+    ``as_written`` says what it reads: True the law as its text says it, False the law in its normal forms, None both.
     """
     rules = _rules(law)
     if (claim, rule) not in rules:
@@ -98,11 +98,11 @@ def _suits(claim: str, rule: str, law: StatedLaw | StatedCurve) -> bool:
 def _objection_to_forms(
     claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, as_written: bool | None
 ) -> str:
-    """The objection to a law as it is written, and in its normal form, or to one of these; evidence on sums is of g as it is written."""
+    """The objection to a law as it is written, and in its normal forms, or to some of these; evidence on sums is of g as it is written."""
     found = f"the rule {rule!r} does not show it" if as_written is False else _objection_in_cases(claim, rule, check, law, evidence)
     if found and not as_written and "convex sums" not in evidence and isinstance(law, StatedLaw) and not law.of_rates:
         with suppress(*UNREADABLE):
-            if (form := law.once(_spelled_otherwise)) is not None and not _objection_in_cases(claim, rule, check, form, evidence):
+            if any(not _objection_in_cases(claim, rule, check, form, evidence) for form in law.once(_spelled_otherwise)):
                 return ""
     return found
 
@@ -150,16 +150,17 @@ def _forms(claim: str, law: StatedLaw | StatedCurve, moves: bool = False) -> Ite
         yield principal
 
 
-def _spelled_otherwise(law: StatedLaw) -> StatedLaw | None:
-    """The normal form, if it says the same of K: g has a value for all forces, or where the same loads allow it and it is continuous."""
+def _spelled_otherwise(law: StatedLaw) -> tuple[StatedLaw, ...]:
+    """The normal forms that say the same of K: g has a value for all forces, or where the same loads allow it, and is continuous there."""
     if law.viscous or law.g.large:
-        return None  # the rates of a potential are the gradient of the formula as written, at a kink too
-    form = normal_form_of(law)
-    if form is None or not law.once(obligations.formula):
-        return form
-    if law.once(obligations.formula_where_loads_allow) or form.once(obligations.formula_where_loads_allow):
-        return None
-    return form if region_of(law) <= region_of(form) and not chooses(form.g, over(form)) else None
+        return ()  # the rates of a potential are the gradient of the formula as written, at a kink too
+    if not law.once(obligations.formula):
+        return normal_forms(law)
+    if law.once(obligations.formula_where_loads_allow):
+        return ()
+    loads = region_of(law)
+    forms = (form for form in normal_forms(law) if not form.once(obligations.formula_where_loads_allow))
+    return tuple(form for form in forms if loads <= region_of(form) and not chooses(form.g, over(form)))
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:

@@ -117,11 +117,11 @@ class Reader(NamedTuple):
         return known if known in _SETTLED else known & self.more(term)
 
     def sign(self, term: Term) -> Sign:
-        """The signs that a formula may have, all of whose parts have values: so its normal form has its value."""
+        """The signs that a formula may have, all of whose parts have values: so its normal forms have its value."""
         known = self._sign_as_written(term)
-        with suppress(NotWritten):
-            if known not in _SETTLED and not self.domain.constant(term):
-                form = normal(term, self.domain)
+        for collects in () if known in _SETTLED or self.domain.constant(term) else (False, True):
+            with suppress(NotWritten):
+                form = normal(term, self.domain, collects)
                 if known & NEGATIVE and known & POSITIVE:
                     known &= self.domain.sign(form)
                 if known not in _SETTLED:

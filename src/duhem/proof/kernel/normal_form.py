@@ -59,11 +59,12 @@ _MOST_TERMS = 300  # of what is multiplied out
 _HIGHEST, _KEPT = 3, "power of a sum"  # whole powers that are multiplied out; the word of the others while polynomials are made
 
 
-def normal(term: Term, domain: StatedDomain) -> Term:
-    """The normal form; NotWritten where sums and products have too many terms."""
+def normal(term: Term, domain: StatedDomain, collects: bool = True) -> Term:
+    """The normal form; or that with simpler words alone, sums and products as they are.  NotWritten where there is too much of these."""
     if term.large:
         raise NotWritten("a formula is too large")
-    return _as_written(_Form(domain, domain.kept.setdefault("normal forms", {})).of(term))
+    found = _Form(domain, collects, domain.kept.setdefault(f"normal forms, {collects}", {})).of(term)
+    return _as_written(found) if collects else found
 
 
 def _square(ramp: str, d: Term) -> Polynomial:
@@ -71,9 +72,10 @@ def _square(ramp: str, d: Term) -> Polynomial:
 
 
 class _Form(NamedTuple):
-    """What the terms of a ``domain`` become, and those that were asked for."""
+    """What the terms of a ``domain`` become, and those that were asked for; sums and products may be left as they are written."""
 
     domain: StatedDomain
+    collects: bool
     known: dict[Term, Term]
 
     def of(self, term: Term) -> Term:
@@ -93,6 +95,8 @@ class _Form(NamedTuple):
             return self._kink(term.op, *term.args)
         if term.op == "norm":
             return self._norm(term.args)
+        if term.op == "*" and not self.collects:
+            return self._collected(term)
         if term.op == "*":
             return self._collected(Term("*", tuple(self._power(x, number(n)) for x, n in Counter(factors(term)).items())))
         return self._power(*term.args) if term.op == "**" else term
@@ -171,7 +175,7 @@ class _Form(NamedTuple):
             content, word = negated(content), {"pos": "neg", "neg": "pos"}.get(word, word)
         elif sign != POSITIVE:
             return Term(word, (x,))
-        kink = Term(word, (self._presented(rest),))
+        kink = Term(word, (self._presented(rest) if self.collects or rest != poly else x,))
         return kink if number_in(content) == 1 else product_of(plainly(content), kink)
 
     def _content(self, poly: Polynomial) -> tuple[Polynomial, Polynomial]:
@@ -191,8 +195,8 @@ class _Form(NamedTuple):
             parts += [self._collected(product_of(c, x)) for x in moving[0].args] if inside else [a] if self._poly(a) else []
         if len(parts) < 2:
             return self._kink("abs", parts[0]) if parts else _ZERO
-        found = Term("norm", tuple(sorted(min(a, self._collected(minus(a))) for a in parts)))
-        plain = all(x.op == "name" or self.domain.constant(x) for a in parts for m in self._poly(a) for x, _ in m)
+        found = Term("norm", tuple(sorted(min(a, self._collected(minus(a))) if self.collects else a for a in parts)))
+        plain = self.collects and all(x.op == "name" or self.domain.constant(x) for a in parts for m in self._poly(a) for x, _ in m)
         return (self._root(sum_of(*(product_of(a, a) for a in parts))) if plain else None) or found
 
     def _power(self, base: Term, exponent: Term) -> Term:
@@ -202,9 +206,9 @@ class _Form(NamedTuple):
             return self._power_of_power(base, exponent)
         if p == 1:
             return base
-        if p.denominator == 1 and p > 1 and (parts := self._ramps(base)):
+        if self.collects and p.denominator == 1 and p > 1 and (parts := self._ramps(base)):
             return added([product_of(self._power_of_constant(c, int(p)), Term("**", (ramp, number(p)))) for c, ramp in parts])
-        if base.op == "+" and p.denominator == 1 and p > _HIGHEST:
+        if self.collects and base.op == "+" and p.denominator == 1 and p > _HIGHEST:
             return Term(_KEPT, (base, number(p)))
         if p > 0 and p % 2 == 0 and base.op in ("abs", "norm"):
             square = sum_of(*(product_of(a, a) for a in base.args)) if base.op == "norm" else base.args[0]
@@ -213,9 +217,9 @@ class _Form(NamedTuple):
             return norm
         if p.denominator == 1 and p < 0 and base.op == "*":
             return self._collected(Term("*", tuple(self._power(a, number(p)) for a in base.args)))
-        if p.denominator == 1 and p < 0 and base.op == "+":
+        if self.collects and p.denominator == 1 and p < 0 and base.op == "+":
             return self._presented(self._times_power(ONE, self._reduced(self._poly(base)), int(p)))
-        return self._power_of_power(self._factored(base) if 0 < p < 1 else base, number(p))
+        return self._power_of_power(self._factored(base) if self.collects and 0 < p < 1 else base, number(p))
 
     def _ramps(self, base: Term) -> list[tuple[Term, Term]]:
         """x and y with pos(d) and neg(d) for x pos(d) + y neg(d), of which one part is 0 at a time; else none."""
@@ -312,7 +316,19 @@ class _Form(NamedTuple):
 
     def _collected(self, term: Term) -> Term:
         """What is added up and multiplied, multiplied out and collected; a kink is drawn out of a sum where that leaves less."""
+        if not self.collects:
+            return self._drawn_out(self._folded(term))
         return self._drawn_out(self._presented(self._with_sizes(self._reduced(self._poly(term)))))
+
+    def _folded(self, term: Term) -> Term:
+        """A product with its numbers as one."""
+        if term.op != "*":
+            return term
+        value, others = Fraction(1), list[Term]()
+        for f in factors(term):
+            known = number_in(self.domain.polynomial(f)) if self.domain.constant(f) else None
+            value, others = (value, [*others, f]) if known is None else (value * known, others)
+        return scaled(number(value), tuple((f, 1) for f in others))
 
     def _with_sizes(self, poly: Polynomial) -> Polynomial:
         """Ramps that are added up as sizes: pos(d) is (|d| + d)/2, neg(d) is (|d| - d)/2."""
@@ -510,7 +526,8 @@ class _Form(NamedTuple):
             poly, rest = self._poly(d), sum_of(*term.args[:i], *term.args[i + 1 :])
             whole, beside = self._poly(product_of(c, d)), self._poly(rest)
             if moving[0].op == "abs" and beside in (whole, negated(whole)):  # c |d| + c d, c |d| - c d
-                return self._presented(self._poly(product_of(number(2), c, Term("pos" if beside == whole else "neg", (d,)))))
+                ramp = product_of(number(2), c, Term("pos" if beside == whole else "neg", (d,)))
+                return self._presented(self._poly(ramp)) if self.collects else self._folded(ramp)
             plain = len(poly) < 4 and not any(self._is_word(x) for m in poly for x, _ in m)
             if plain or self.domain.facts(c).sign & NEGATIVE:
                 continue

@@ -34,32 +34,34 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, sum_of
 
-__all__ = ["about_its_centre", "cases", "in_principal_stresses", "normal_form_of", "without_outer_map"]
+__all__ = ["about_its_centre", "cases", "in_principal_stresses", "normal_forms", "without_outer_map"]
 
 _SIZE = Term("name", name="size of the inner formula")  # no name of a law has blanks
 _LONGEST = 1_500  # parts of g
 
 
-def normal_form_of(law: StatedLaw) -> StatedLaw | None:
-    """The law in its normal form, what has no value somewhere beside g as written; none where that is the law as it was written.
+def normal_forms(law: StatedLaw) -> tuple[StatedLaw, ...]:
+    """The law in its normal forms, what has no value somewhere beside g as written; none of these is the law as it was written.
 
-    There is none of a very long g: each rule would work through it once more.
+    There are none of a very long g: each rule would work through it twice more.
     """
     if law.g.size() > _LONGEST:
-        return None
-    domain = over(law)
+        return ()
+    domain, found = over(law), list[StatedLaw]()
 
-    def beside(term: Term) -> Term:
+    def beside(term: Term, collects: bool) -> Term:
         if domain.facts(term).defined:
-            return normal(term, domain)
+            return normal(term, domain, collects)
         with suppress(NotWritten):  # a slip that is too long stays as it is, and g has its normal form all the same
             return in_quotients(term, domain)
         return term
 
-    with suppress(NotWritten):
-        new = _rewritten(law, partial(normal, domain=domain), beside)
-        return new if new != law else None
-    return None
+    for collects in (False, True):
+        with suppress(NotWritten):
+            new = _rewritten(law, partial(normal, domain=domain, collects=collects), partial(beside, collects=collects))
+            if new not in (law, *found):
+                found.append(new)
+    return tuple(found)
 
 
 def _rewritten(law: StatedLaw, bound: Callable[[Term], Term], beside: Callable[[Term], Term]) -> StatedLaw:
