@@ -130,7 +130,7 @@ SPELLED = [
         "(abs(x - y) - e*(x - y))*(abs(y - x) + e*(y - x)) + (abs(y) + e*y)*(e*y + abs(y))",
     ),
     tuple(
-        f"wide*abs({K1} + {K2})**8 + wide*{kink}**8 + (2 - wide)*abs(2*{K2})**8"  # Barlat and Lian (1989), whose sums are not multiplied out
+        f"wide*abs({K1} + {K2})**8 + wide*{kink}**8 + (2 - wide)*abs(2*{K2})**8"  # Barlat and Lian (1989), not multiplied out
         for kink in (f"abs({K1} - {K2})", f"where({K1} - {K2} >= 0, {K1} - {K2}, -({K1} - {K2}))", f"max({K1} - {K2}, -({K1} - {K2}))")
     ),
     ("x**2 + k*y**2", "pos(x)**2 + k*(pos(y) + neg(y))**2 + neg(x)**2", "pos(x)**2 + 2*pos(x)*neg(x) + neg(x)**2 + max(k, -k)*y**2"),
