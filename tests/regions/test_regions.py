@@ -25,6 +25,7 @@ from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.recheck import RecheckedRegion
 from duhem.regions import entry
 from duhem.regions.line import Decided, ParameterCell
+from duhem.regions.numbers import square_root_near
 from duhem.show.printing import text
 from tests.long import mostly_long
 from tests.regions.test_planes import tampered
@@ -346,3 +347,18 @@ def test_cells_are_within_the_domain_whatever_a_certificate_says() -> None:
     made["sha256"] = digest(made)
     done = duhem.recheck(made)
     assert isinstance(done, RecheckedRegion) and len(done.failed) == 2 and all("e >= 0" in cell.said for cell in done.cells[1:])
+
+
+@pytest.mark.parametrize(
+    ("x", "found"),
+    [
+        ("1/3", False),
+        ("37/50", False),
+        ("-2", False),
+        ("0.3535533905932738", True),
+        ("1.618033988749895", True),
+    ],
+)
+def test_the_root_of_a_short_quadratic_is_none_of_a_fraction(x: str, found: bool) -> None:
+    near = Fraction(x)
+    assert (square_root_near(near - Fraction(1, 10**9), near + Fraction(1, 10**9)) is not None) is found

@@ -40,8 +40,8 @@ def closest_fractions(x: float) -> list[Fraction]:
 def square_root_near(low: Fraction, high: Fraction) -> RealRoot | None:
     """The root of a polynomial of degree 2 with small coefficients between, if there is one (H. Ferguson, D. Bailey 1992: PSLQ)."""
     found = mpmath.findpoly(float((low + high) / 2), 2, maxcoeff=_MOST_COEFFICIENT, tol=_ALIKE)
-    if found is None or isqrt(max(found[1] ** 2 - 4 * found[0] * found[2], 0)) ** 2 == found[1] ** 2 - 4 * found[0] * found[2]:
-        return None
+    if found is None or len(found) < 3 or isqrt(max(under := found[1] ** 2 - 4 * found[0] * found[2], 0)) ** 2 == under:
+        return None  # a fraction, or not real
     return narrowed(tuple(found[::-1]), 2 * low - high, 2 * high - low)
 
 
