@@ -216,3 +216,12 @@ def test_other_names_may_begin_as_a_tensor_does_and_lines_may_break() -> None:
         "law", "sqrt(3*J2(s\n  - x)) - s_y - x_max", forces=("s_1", "s_2", "s_3"), pressure=None, parameters=dict.fromkeys(names, Domain())
     )
     assert {"x_1", "s_y"} <= {str(x) for x in law.g.free_symbols}
+
+
+def test_a_long_sum_of_tensors_is_gone_through_once() -> None:
+    names = [f"{tensor}_{i}" for tensor in "sx" for i in (1, 2, 3)]
+    known = {name: symbol(name) for name in names}
+    text = f"J2({'+'.join(['s'] * 60)} - {'-'.join(['x'] * 60)})"
+    found = parse_expression(text, known, short=Abbreviations(known=frozenset(known)))
+    values = dict(zip(known.values(), (3, -1, 2, 1, 1, 5), strict=True))
+    assert found.subs(values) == 3600 * _value("J2(s)", "principal", (2, -2, -3))

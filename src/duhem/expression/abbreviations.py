@@ -332,13 +332,13 @@ def _degree(text: str, tensors: set[str]) -> int | None:
 
     def degree(node: ast.AST) -> int | None:
         match node:
-            case ast.BinOp(one, ast.Add() | ast.Sub(), two):
-                return degree(one) if degree(one) == degree(two) else None
-            case ast.BinOp(one, ast.Mult(), two):
+            case ast.BinOp(one, ast.Add() | ast.Sub() | ast.Mult() | ast.Div() as way, two):
                 ones, twos = degree(one), degree(two)
-                return None if ones is None or twos is None or ones + twos > 1 else ones + twos
-            case ast.BinOp(one, ast.Div(), two) if degree(two) == 0:
-                return degree(one)
+                if ones is None or twos is None:
+                    return None
+                if isinstance(way, ast.Add | ast.Sub):
+                    return ones if ones == twos else None
+                return None if ones + twos > 1 or (twos and isinstance(way, ast.Div)) else ones + twos
             case ast.UnaryOp(_, one):
                 return degree(one)
             case ast.Name(name) if spelled(name) in tensors:
