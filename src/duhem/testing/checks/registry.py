@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import UNMEASURED, NothingToCheck, Query, Visited
+from duhem.testing.checks.query import UNMEASURED, NothingToCheck, Query
+from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.case import Case
 
 __all__ = ["Check", "Finding", "enter", "judged", "register", "registered", "violated", "worst"]

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import NothingToCheck, Query, Reply, Visited
+from duhem.testing.checks.query import NothingToCheck, Query, Reply
 from duhem.testing.checks.registry import Finding, register, worst
+from duhem.testing.checks.visited import Visited
 
 __all__: list[str] = []
 
