@@ -49,7 +49,7 @@ def narrowed(poly: tuple[int, ...], low: Fraction, high: Fraction, bits: int = 4
     """The root of a polynomial between two fractions, enclosed to so many binary digits; None where it has not one there."""
     if sign_at(poly, low) * sign_at(poly, high) >= 0:
         return None
-    while high - low > Fraction(1, 2**bits):  # SymPy's refine_root goes by continued fractions, which may take for ever
+    while high - low > Fraction(1, 2**bits):  # SymPy's refine_root did not end for some
         middle = simplest(low + (high - low) / 4, high - (high - low) / 4)
         if (here := sign_at(poly, middle)) == 0:
             return RealRoot.of(middle)

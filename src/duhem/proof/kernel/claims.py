@@ -38,7 +38,7 @@ class RuleRow(NamedTuple):
     value before, and the argument as a sentence with its source.
 
     One that shows nothing without evidence, or is asked only where it is offered, works ``by_evidence``; some say nothing of a law of more
-    than ``most_forces``.
+    than ``most_forces``.  What one that ``moves`` shows without evidence of K, it shows of K wherever that is moved.
     """
 
     needed: frozenset[str]
@@ -47,6 +47,7 @@ class RuleRow(NamedTuple):
     sentence: str
     by_evidence: bool = False
     most_forces: int = 1_000
+    moves: bool = False
 
 
 _OF_THE_STATE = ("state_laws", "thermal")  # the claims that are about neither K nor the rates
@@ -73,17 +74,17 @@ def objection(
         return "no force is a function of the rates" if of_rates else "a law whose forces are functions of the rates has no K"
     if _large(law) and rule not in _OF_GRAPHS:
         return f"g is too large for the rule {rule!r}"
-    needed, check, reads = rules[claim, rule][:3]
-    if not needed <= settled:
-        return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
+    row = rules[claim, rule]
+    if not row.needed <= settled:
+        return f"it rests on {', '.join(sorted(row.needed - settled))}, not confirmed"
     try:
         once = law.once if isinstance(law, StatedLaw) else lambda ask: ask(law)
-        undecided = once(obligations.constraints) or once(reads)
+        undecided = once(obligations.constraints) or once(row.reads)
         if isinstance(law, StatedLaw) and claim in _MORE:
             undecided = undecided or once(_MORE[claim])
     except UNREADABLE as fault:
         undecided = f"the law cannot be read: {in_words(fault)}"
-    return undecided or _objection_to_forms(claim, rule, check, law, evidence, as_written)
+    return undecided or _objection_to_forms(claim, rule, row, law, evidence, as_written)
 
 
 def _large(law: StatedLaw | StatedCurve) -> bool:
@@ -96,29 +97,27 @@ def _suits(claim: str, rule: str, law: StatedLaw | StatedCurve) -> bool:
 
 
 def _objection_to_forms(
-    claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, as_written: bool | None
+    claim: str, rule: str, row: RuleRow, law: StatedLaw | StatedCurve, evidence: Evidence, as_written: bool | None
 ) -> str:
     """The objection to a law as it is written, and in its normal forms, or to some of these; evidence on sums is of g as it is written."""
-    found = f"the rule {rule!r} does not show it" if as_written is False else _objection_in_cases(claim, rule, check, law, evidence)
+    found = f"the rule {rule!r} does not show it" if as_written is False else _objection_in_cases(claim, rule, row, law, evidence)
     if found and not as_written and "convex sums" not in evidence and isinstance(law, StatedLaw) and not law.of_rates:
         with suppress(*UNREADABLE):
-            if any(not _objection_in_cases(claim, rule, check, form, evidence) for form in law.once(_spelled_otherwise)):
+            if any(not _objection_in_cases(claim, rule, row, form, evidence) for form in law.once(_spelled_otherwise)):
                 return ""
     return found
 
 
-def _objection_in_cases(
-    claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, depth: int = 0
-) -> str:
+def _objection_in_cases(claim: str, rule: str, row: RuleRow, law: StatedLaw | StatedCurve, evidence: Evidence, depth: int = 0) -> str:
     """The objection to a law, and to each of those that it is where a choice of constants goes one way."""
     reasons, unread = set[str](), ""
     try:
-        for form in _forms(claim, law, moves=rule == "composition" and not evidence):
-            reasons.add(_objection(rule, check, form, evidence))
+        for form in _forms(claim, law, moves=row.moves and not evidence):
+            reasons.add(_objection(rule, row.check, form, evidence))
             if "" in reasons:
                 return ""
         parts = law.once(cases) if isinstance(law, StatedLaw) and not law.of_rates and not law.g.large and depth < _MOST_CASES else ()
-        if parts and not any(_objection_in_cases(claim, rule, check, part, evidence, depth + 1) for part in parts):
+        if parts and not any(_objection_in_cases(claim, rule, row, part, evidence, depth + 1) for part in parts):
             return ""
     except UNREADABLE as fault:
         unread = f"the law cannot be read: {in_words(fault)}"  # what it can be read as has been examined
@@ -128,8 +127,8 @@ def _objection_in_cases(
 def _forms(claim: str, law: StatedLaw | StatedCurve, moves: bool = False) -> Iterator[StatedLaw | StatedCurve]:
     """The law as written; with the forces of its energy put in; with the same boundary and a simpler g; moved; in principal stresses.
 
-    What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.  Where it
-    ``moves``, the rule neither rests on the origin nor has evidence, which are of the law where it is.
+    What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.  What
+    ``moves`` has a value for all forces.
     """
     if isinstance(law, StatedCurve) or law.of_rates:
         yield law
@@ -144,7 +143,7 @@ def _forms(claim: str, law: StatedLaw | StatedCurve, moves: bool = False) -> Ite
         yield inner
     if (simpler := law.once(without_outer_map)) != law:
         yield simpler
-    if moves and claim in ("convexity", "smoothness") and (moved := simpler.once(about_its_centre)) != simpler:
+    if moves and not law.once(obligations.formula) and (moved := simpler.once(about_its_centre)) != simpler:
         yield (simpler := moved)
     if claim not in ("duality", *_OF_THE_STATE) and (principal := simpler.once(in_principal_stresses)) is not None:
         yield principal
@@ -419,7 +418,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("convexity", "composition"): RuleRow(
         _NONE, convexity, obligations.formula_where_loads_allow,
-        "g is quasiconvex by the rules of composition (Grant, Boyd, Ye 2006; Agrawal, Boyd 2020)",
+        "g is quasiconvex by the rules of composition (Grant, Boyd, Ye 2006; Agrawal, Boyd 2020)", moves=True,
     ),
     ("convexity", "sign"): RuleRow(
         _NONE, without_boundary, obligations.formula_in_ranges, "g is nowhere > 0, so that K is everything, or nowhere <= 0: K is empty",
@@ -455,7 +454,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("smoothness", "composition"): RuleRow(
         _NONE, smoothness, obligations.formula_where_loads_allow,
         "g is C^1 wherever g = 0, and grad g != 0 there because g is convex and somewhere negative; or K is convex, "
-        "and round where its loads end (Rockafellar 1970, theorem 25.5)",
+        "and round where its loads end (Rockafellar 1970, theorem 25.5)", moves=True,
     ),
     ("smoothness", "polar-seams"): RuleRow(
         _ORIGIN, lambda law, _: StarGauge(law).smooth(), obligations.numbers_in_formula,

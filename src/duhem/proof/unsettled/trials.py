@@ -90,11 +90,8 @@ def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[s
     read = stated(law)
     if not isinstance(read, StatedLaw) or not blocked.part.names() & {*read.forces}:
         return
-    size = _size(blocked.part)
-    if over(read).facts(size).nonnegative and rarely_zero(size, over(read)):
-        swap = {x: Term("where", (Term(">", (size, number(0))), x, number(0))) for x in _without_a_value(read.g, size)}
-        told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in swap.items())
-        yield f"write {told}, if you mean 0 there", {**law, "g": in_text(read.g.put(swap), {})}
+    if blocked.part.op != "log":
+        yield from _beside_a_tip(law, read, _size(blocked.part), names)
     if blocked.part.op == "atan2":
         return
     g, base, domain = read.g, blocked.part.args[0], over(read)
@@ -108,6 +105,14 @@ def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[s
         told = f"write {ways[0]} for {ways[1]}, and max(..., {said}) for g: so g has its limit where this is 0"
         yield told, {**law, "g": f"max({in_text(g.put({whole: limit}), {})}, {ends})"}
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
+
+
+def _beside_a_tip(law: Text, read: StatedLaw, size: Term, names: Names) -> Iterator[tuple[str, Text]]:
+    """g with 0 for what has no value where a size is 0, on a set without an inside."""
+    if over(read).facts(size).nonnegative and rarely_zero(size, over(read)):
+        swap = {x: Term("where", (Term(">", (size, number(0))), x, number(0))) for x in _without_a_value(read.g, size)}
+        told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in swap.items())
+        yield f"write {told}, if you mean 0 there", {**law, "g": in_text(read.g.put(swap), {})}
 
 
 def _size(part: Term) -> Term:
