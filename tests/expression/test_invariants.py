@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import permutations
 
 import numpy as np
@@ -225,3 +226,11 @@ def test_a_long_sum_of_tensors_is_gone_through_once() -> None:
     found = parse_expression(text, known, short=Abbreviations(known=frozenset(known)))
     values = dict(zip(known.values(), (3, -1, 2, 1, 1, 5), strict=True))
     assert found.subs(values) == 3600 * _value("J2(s)", "principal", (2, -2, -3))
+
+
+def test_a_law_with_another_parameter_has_another_tensor() -> None:
+    """What a definition was read with is no longer what it is read with."""
+    fixed = Criterion("law", "J2(s) - 1", forces=("s_1", "s_2", "s_3"), pressure=None)
+    names = dict.fromkeys(("x_1", "x_2", "x_3"), Domain())
+    moved = replace(fixed, g="J2(s - x) - 1", written="", parameters=names)
+    assert {"x_1", "x_2", "x_3"} <= {str(x) for x in moved.g.free_symbols}

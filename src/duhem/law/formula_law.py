@@ -349,7 +349,7 @@ class Criterion(DeclaredLaw):
         put(self, "_symbols", self._declared(*self.velocities.values()))
         known = self.symbols()
         define = self.define
-        if not isinstance(define, Definitions) or define.short.stress != self.stress or not define.short.known:
+        if not isinstance(define, Definitions) or (define.short.stress, define.short.known) != (self.stress, frozenset(known)):
             define = Definitions.of(define, known, self.stress, self.name)
         put(self, "define", define)
         short = define.short

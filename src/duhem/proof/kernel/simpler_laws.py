@@ -135,7 +135,7 @@ def _alone(g: Term, f: Term, domain: StatedDomain) -> bool:
 
 
 def about_its_centre(law: StatedLaw) -> StatedLaw:
-    """The law of sigma - X where all sums of multiples of the forces in g are 0 at one X that is not 0; any other law as it is."""
+    """The law of sigma - X where the sums of forces times numbers in g are all 0 at one X that is not 0; any other law as it is."""
     domain, rows = over(law), list[tuple[dict[Term, Fraction], Polynomial]]()
     if law.surfaces or any(name in law.forces for name, _ in law.ranges):
         return law
