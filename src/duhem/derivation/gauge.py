@@ -1,14 +1,14 @@
 """Gauges and their polars, the calculus behind the dissipation potential.
 
 A gauge is convex, non-negative and positively homogeneous of degree 1; its polar is the support function of its unit
-ball, polar(d) = sup { x . d : gauge(x) <= 1 }.  Every class here knows its value, its polar, a point of the unit ball
-that attains the supremum, the linear equalities on d outside of which the supremum is infinite, and the theorems used.
+ball, polar(d) = sup { x . d : gauge(x) <= 1 }.  Every :data:`Gauge` knows its ``value`` at x; for d != 0 its ``polar`` and a point of the
+unit ball that attains the supremum (``maximiser``); the linear forms of d that vanish where the polar is finite (``domain``); and the
+theorems used, in order (``steps``).
 Reference throughout: R. T. Rockafellar, Convex Analysis, Princeton 1970.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -21,32 +21,6 @@ from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 __all__ = ["Gauge", "Holder", "Polytope", "Quadratic", "Separable", "Side", "sign_of"]
 
 Exprs = tuple[sp.Expr, ...]
-
-
-class Gauge(ABC):
-    """A gauge on the space of the forces."""
-
-    @abstractmethod
-    def value(self, x: Sequence[sp.Expr]) -> sp.Expr:
-        """The gauge at ``x``."""
-
-    @abstractmethod
-    def polar(self, d: Sequence[sp.Expr]) -> sp.Expr:
-        """sup of x . d over the unit ball, for d on the domain."""
-
-    @abstractmethod
-    def maximiser(self, d: Sequence[sp.Expr]) -> Exprs:
-        """A point of the unit ball where the supremum is attained, for d != 0 on the domain."""
-
-    @abstractmethod
-    def domain(self, d: Sequence[sp.Expr]) -> Exprs:
-        """Linear forms of d that vanish where the polar is finite."""
-
-    @property
-    @abstractmethod
-    def steps(self) -> tuple[str, ...]:
-        """The theorems that give the polar, in the order of their use."""
-
 
 Coordinates = Mapping[Exprs, sp.Expr]  # of each row: what stands for it in x, or in d
 
@@ -156,7 +130,7 @@ class Holder:
 
 
 @dataclass(frozen=True)
-class Separable(Gauge):
+class Separable:
     """A tree of coordinates with linearly independent rows, without their offsets; a direction all rows ignore leaves it unchanged."""
 
     tree: Side | Holder
@@ -195,7 +169,7 @@ class Separable(Gauge):
 
 
 @dataclass(frozen=True)
-class Quadratic(Gauge):
+class Quadratic:
     """sqrt(x . A x) with A symmetric and positive semidefinite."""
 
     matrix: sp.ImmutableMatrix
@@ -236,7 +210,7 @@ class Quadratic(Gauge):
 
 
 @dataclass(frozen=True)
-class Polytope(Gauge):
+class Polytope:
     """max of numeric linear forms; the unit ball, up to the directions all forms ignore, is the hull of ``vertices``."""
 
     rows: sp.ImmutableMatrix
@@ -285,6 +259,9 @@ class Polytope(Gauge):
     def steps(self) -> tuple[str, ...]:
         rule = f"a linear form is greatest over a polytope at one of its {len(self.vertices)} vertices (Rockafellar 1970, Corollary 32.3.4)"
         return (rule, *_invariance(self.rows))
+
+
+Gauge = Separable | Quadratic | Polytope
 
 
 def sign_of(number: sp.Expr) -> int:
