@@ -21,7 +21,7 @@ from typing import ClassVar, NamedTuple, Protocol, TypeAlias
 
 from duhem.errors import DuhemError, words_of
 from duhem.law.curve_law import Law
-from duhem.screening.rows import Row, RowBlock
+from duhem.screening.rows import Row, RowBlock, told
 from duhem.version import __version__
 
 __all__ = [
@@ -125,8 +125,8 @@ class Campaign:
     @property
     def fingerprint(self) -> str:
         """What tells the campaign's table from every other: all that is asked, and the version of duhem."""
-        told = [__version__, self.inquiry.told(), self.seconds, self.memory, *(block.told() for block in self.blocks)]
-        return hashlib.sha256(json.dumps(told).encode()).hexdigest()
+        parts = [__version__, self.inquiry.told(), self.seconds, self.memory, *map(told, self.blocks)]
+        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
 class VerdictLine(NamedTuple):

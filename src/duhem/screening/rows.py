@@ -12,7 +12,6 @@ import hashlib
 import json
 import os
 import random
-from abc import ABC, abstractmethod
 from array import array
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
@@ -33,7 +32,7 @@ from duhem.law.placed_toml import text_of
 from duhem.law.table_file import cells_of, header_of, lines_of, reading
 from duhem.show.place import parquet_packages
 
-__all__ = ["Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "cells_in_lines", "counted", "given"]
+__all__ = ["Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "cells_in_lines", "counted", "given", "told"]
 
 _FINENESS = 10**6  # equal parts of a range, at whose ends values are drawn
 _TRIES = 1_000
@@ -94,36 +93,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class RowBlock(ABC):
-    """Rows of one kind, counted from 0 on."""
-
-    @abstractmethod
-    def __len__(self) -> int: ...
-
-    @abstractmethod
-    def row(self, i: int, number: int) -> Row: ...
-
-    def told(self) -> str:
-        """The block in words that tell it from every other."""
-        return json.dumps([type(self).__name__, *(_told(getattr(self, each.name)) for each in fields(self))])
-
-
-def _told(value: Any) -> Any:
-    """A value of a block as JSON takes it."""
-    match value:
-        case LawName():
-            return value.told()
-        case bytes():
-            return hashlib.sha256(value).hexdigest()
-        case tuple():
-            return [_told(each) for each in value]
-        case Fraction() | Span():
-            return str(value)
-    return value
-
-
-@dataclass(frozen=True)
-class Given(RowBlock):
+class Given:
     """Pairs of a law and its values."""
 
     pairs: tuple[tuple[LawName, tuple[tuple[str, str], ...]], ...]
@@ -137,7 +107,7 @@ class Given(RowBlock):
 
 
 @dataclass(frozen=True)
-class Grid(RowBlock):
+class Grid:
     """Every combination of the values on ``axes``, the last axis first."""
 
     name: LawName
@@ -170,7 +140,7 @@ class Span:
 
 
 @dataclass(frozen=True)
-class Draw(RowBlock):
+class Draw:
     """``count`` points drawn in the spans, each from the seed and its number; again where a constraint of the law does not hold."""
 
     name: LawName
@@ -200,7 +170,7 @@ class Draw(RowBlock):
 
 
 @dataclass(frozen=True)
-class TableRows(RowBlock):
+class TableRows:
     """Rows of a table: ``columns`` are named as parameters, ``None`` is passed over; ``text`` has a line a row, cells between tabs."""
 
     name: LawName
@@ -225,6 +195,29 @@ class TableRows(RowBlock):
             return Row(number, self.name, dict(self.values), fault)
         read = {name: _exact(cell) for name, cell in zip(self.columns, cells, strict=True) if name is not None}
         return Row(number, self.name, {**dict(self.values), **read})
+
+
+RowBlock = Given | Grid | Draw | TableRows
+"""Rows of one kind: so many, and ``row(i, number)`` of them, counted from 0 on."""
+
+
+def told(block: RowBlock) -> str:
+    """The block in words that tell it from every other."""
+    return json.dumps([type(block).__name__, *(_told(getattr(block, each.name)) for each in fields(block))])
+
+
+def _told(value: Any) -> Any:
+    """A value of a block as JSON takes it."""
+    match value:
+        case LawName():
+            return value.told()
+        case bytes():
+            return hashlib.sha256(value).hexdigest()
+        case tuple():
+            return [_told(each) for each in value]
+        case Fraction() | Span():
+            return str(value)
+    return value
 
 
 def _exact(cell: str) -> str:
