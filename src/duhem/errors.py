@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
-__all__ = ["DuhemError", "InputError", "MissingExtraError", "faults_at", "meant", "words_of"]
+__all__ = ["DuhemError", "InputError", "MissingExtraError", "faults_at", "imported_from", "meant", "words_of"]
 
 
 class DuhemError(Exception):
@@ -43,6 +43,15 @@ class MissingExtraError(DuhemError, ImportError):
 
     def __init__(self, module: str, extra: str) -> None:
         super().__init__(f"{module} is not installed", remedy=f'install it with: pip install "duhem[{extra}]"')
+
+
+@contextmanager
+def imported_from(module: str, extra: str) -> Iterator[None]:
+    """A MissingExtraError where what is imported here is not installed."""
+    try:
+        yield
+    except ImportError:
+        raise MissingExtraError(module, extra) from None
 
 
 def words_of(fault: BaseException) -> str:

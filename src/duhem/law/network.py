@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.errors import InputError, MissingExtraError
+from duhem.errors import InputError, imported_from
 from duhem.expression.abbreviations import Stress
 from duhem.law.learned import MOST_NUMBERS, Book, LearnedFile, check_numbers, exact, read_from
 
@@ -512,10 +512,8 @@ def onnx_network(file: str | os.PathLike[str], name: str, *, forces: Sequence[st
     The last axis of its one input has the ``forces``, and its one output has one part.  InputError for anything else, with the node and
     its operator; MissingExtraError without the package onnx.
     """
-    try:
+    with imported_from("onnx", "learned"):
         import onnx
-    except ImportError:
-        raise MissingExtraError("onnx", "learned") from None
     with read_from(file, "export the network again"):
         model = onnx.load(os.fspath(file))
         onnx.checker.check_model(model)

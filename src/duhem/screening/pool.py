@@ -30,7 +30,7 @@ from time import monotonic
 from types import TracebackType
 from typing import Any, Self
 
-from duhem.errors import DuhemError, InputError, MissingExtraError
+from duhem.errors import DuhemError, InputError, imported_from
 from duhem.projection.in_blocks import cores
 from duhem.screening import worker
 from duhem.screening.campaign import Campaign, as_text, ended
@@ -307,10 +307,8 @@ class Cluster:
 
 
 def _distributed() -> Any:
-    try:
+    with imported_from("distributed", "cluster"):
         import distributed
-    except ImportError:
-        raise MissingExtraError("distributed", "cluster") from None
     return distributed
 
 

@@ -15,7 +15,7 @@ from itertools import chain
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from duhem.errors import MissingExtraError
+from duhem.errors import MissingExtraError, imported_from
 from duhem.show.page import printable
 from duhem.show.printing import Typeset
 from duhem.version import __version__
@@ -39,10 +39,8 @@ _BARS = {"|": 0.3, _NORM: 0.45}
 
 def check() -> None:
     """Raises MissingExtraError without latex2mathml."""
-    try:
+    with imported_from("latex2mathml", "report"):
         import latex2mathml.converter  # noqa: F401
-    except ImportError:
-        raise MissingExtraError("latex2mathml", "report") from None
 
 
 def mathematics(latex: str) -> tuple[Element, ...]:

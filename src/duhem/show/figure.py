@@ -14,7 +14,7 @@ from textwrap import fill
 from typing import IO, TYPE_CHECKING, Any, Literal
 from warnings import catch_warnings, filterwarnings
 
-from duhem.errors import InputError, MissingExtraError
+from duhem.errors import InputError, imported_from
 from duhem.show.place import check_place, written
 
 if TYPE_CHECKING:
@@ -95,10 +95,8 @@ def style() -> Iterator[None]:
 
     Raises MissingExtraError without matplotlib.
     """
-    try:
+    with imported_from("matplotlib", "plot"):
         from matplotlib.style import context
-    except ImportError:
-        raise MissingExtraError("matplotlib", "plot") from None
     with context(["default", _STYLE]), catch_warnings():
         filterwarnings("ignore", message=_NO_LETTER, category=UserWarning)
         yield
@@ -296,14 +294,10 @@ def check(file: Target | None) -> None:
     Raises MissingExtraError without matplotlib or contourpy, which it brings, InputError for an ending it cannot write, a folder
     that is not there, and a place that cannot be written to.
     """
-    try:
+    with imported_from("matplotlib", "plot"):
         from matplotlib.backends.backend_agg import FigureCanvasAgg
-    except ImportError:
-        raise MissingExtraError("matplotlib", "plot") from None
-    try:
+    with imported_from("contourpy", "plot"):
         import contourpy  # noqa: F401
-    except ImportError:
-        raise MissingExtraError("contourpy", "plot") from None
     if file is None or callable(getattr(file, "write", None)):
         return
     if not isinstance(file, str | bytes | os.PathLike):

@@ -19,7 +19,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO, Self
 
-from duhem.errors import InputError, MissingExtraError
+from duhem.errors import InputError, MissingExtraError, imported_from
 
 __all__ = [
     "DAMAGED", "MARK", "UNREADABLE", "AnyPath", "GrowingFile", "another", "beside", "check_growing", "check_kept", "check_parquet",
@@ -115,11 +115,9 @@ def check_parquet() -> None:
 
 def parquet_packages() -> tuple[Any, Any]:
     """``pyarrow`` and ``pyarrow.parquet``; MissingExtraError without them."""
-    try:
+    with imported_from("pyarrow", "parquet"):
         import pyarrow
         from pyarrow import parquet
-    except ImportError:
-        raise MissingExtraError("pyarrow", "parquet") from None
     return pyarrow, parquet
 
 
