@@ -25,8 +25,9 @@ LAW = '''\
 Forces: two tangential stresses; pressure sigma_n <= 0 in compression.  Verdicts: every claim holds.  Source: made up.
 """
 
-from duhem.law import Domain, criterion
 from duhem.expression import Norm
+from duhem.law.domain import Domain
+from duhem.law.formula_law import criterion
 
 
 @criterion(parameters={"tilt": Domain.between(0, "1/2")}, source="made up")

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from duhem import POSITIVE, Criterion
 from duhem.derivation.derive import derive
-from duhem.law import POSITIVE, Criterion
 from duhem.law.atlas.entry import groups
 from tests.derivation.derived import EVERY_RUN, LAWS, derived
 from tests.long import mostly_long

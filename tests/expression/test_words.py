@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from duhem import Criterion
 from duhem.errors import InputError
 from duhem.expression import Atan2, Norm, Where, ball_series, balls, build, fold, jets, mpmath_, numpy_, symbol
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.dimensions import degree
 from duhem.expression.parse import parse_as_written, parse_expression
 from duhem.expression.text import formula
-from duhem.law import Criterion
 from tests.long import mostly_long
 
 x, y = symbol("x"), symbol("y")

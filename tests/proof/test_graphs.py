@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from duhem import Criterion, load, project, recheck, verify
+from duhem import Criterion, Domain, load, project, recheck, verify
 from duhem.errors import InputError
 from duhem.expression import numpy_, symbol
 from duhem.expression.parse import parse_as_written
-from duhem.law import Domain
 from duhem.law.criterion_file import criterion_text, reads
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.graph_subject import GraphSubject

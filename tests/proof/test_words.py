@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from duhem import POSITIVE, Criterion, Domain
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.parse import parse_expression
-from duhem.law import POSITIVE, Criterion, Domain
 from duhem.proof.decide import Question, Sense
 from duhem.proof.decide.deciders import decide
 from duhem.proof.verification import verify
