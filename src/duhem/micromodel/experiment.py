@@ -20,7 +20,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
 from duhem.law.catalogue import load_formula
-from duhem.micromodel.facets import F_0, HEIGHT, K_N, SLOPE, U, averages, exact_coefficients, height
+from duhem.micromodel.facets import F_0, K_N, SLOPE, averages, exact_coefficients, height, mean
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import text
 
@@ -225,10 +225,7 @@ def errata(experiment: Experiment = STEEL_ON_ALUMINIUM) -> tuple[Erratum, ...]:
 
 
 def _spring_force() -> Erratum:
-    top = HEIGHT / SLOPE["alpha"]
-    period = HEIGHT * (1 / SLOPE["alpha"] + 1 / SLOPE["beta"])
-    rise = sp.integrate(height("alpha"), (U, 0, top)) + sp.integrate(height("beta"), (U, top, period))
-    as_printed = sp.expand(sp.cancel(-(F_0 + K_N * sp.cancel(rise / period))))
+    as_printed = sp.expand(-(F_0 + K_N * mean({side: height(side) for side in SLOPE})))
     derived = sp.expand(averages(+1).normal)
     return Erratum(
         "Eq. (9)",
