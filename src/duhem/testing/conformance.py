@@ -23,7 +23,7 @@ from duhem.law.catalogue import attribute, load, load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.state import check_stateless
-from duhem.testing.checks import material_checks, state_checks  # noqa: F401 (they register their checks, and what they import)
+from duhem.testing.checks import law_checks, material_checks  # noqa: F401 (they register their checks)
 from duhem.testing.checks.law_in_state import Places
 from duhem.testing.checks.query import NoReply
 from duhem.testing.checks.registry import Check, judged, registered
