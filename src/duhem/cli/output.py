@@ -29,6 +29,7 @@ __all__ = [
     "as_json",
     "aside",
     "check_outputs",
+    "deliver",
     "endless_page",
     "page",
     "say",
@@ -61,6 +62,13 @@ def wrote(what: str, file: str | None) -> None:
     """Say on standard error what was written to a file, if there is one; standard output holds results alone."""
     if file is not None:
         aside(f"wrote {what} to {file}")
+
+
+def deliver(what: str, file: str | None, write: Callable[[str], object]) -> None:
+    """Write a file, if one is asked for, and say so."""
+    if file is not None:
+        write(file)
+        wrote(what, file)
 
 
 def aside(text: object) -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
 
 from duhem.cli.arguments import complete_law, read_fixed_formula, read_numbers
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, Progress, as_json, check_outputs, page, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, Progress, as_json, check_outputs, deliver, page, say
 from duhem.show.place import write
 from duhem.version import __version__
 
@@ -47,10 +48,6 @@ def carry_out(measure: Callable[[Progress], Study], json_file: str | None, plot:
     with Progress("measuring") as progress:
         done = measure(progress)
     say(text(done, page()))
-    if json_file is not None:
-        write(json_file, as_json({"duhem": __version__, **done.to_dict()}) + "\n")
-    if plot is not None:
-        draw(done, plot)
-    wrote("the results", json_file)
-    wrote("the picture", plot)
+    deliver("the results", json_file, lambda file: write(file, as_json({"duhem": __version__, **done.to_dict()}) + "\n"))
+    deliver("the picture", plot, partial(draw, done))
     return INTERRUPTED if done.interrupted else FAILED if done.failed else HELD

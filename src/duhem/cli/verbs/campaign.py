@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from duhem.cli.arguments import modules_beside_the_user
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, as_json, aside, page, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, as_json, aside, deliver, page, say, wrote
 
 if TYPE_CHECKING:
     from duhem.benchmark.extreme_cases import StressCases
@@ -123,10 +124,8 @@ def campaign(
             aside(stop)
             return INTERRUPTED
     say(text(summary, page()))
-    if picture is not None:
-        summary.plot(picture, axes=over)
     wrote(f"the table of {len(asked)} rows", table)
-    wrote("the picture", picture)
+    deliver("the picture", picture, partial(summary.plot, axes=over))
     return FAILED if summary.errors else REFUTED if summary.refuted else HELD
 
 

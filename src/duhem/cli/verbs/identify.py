@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import click
 
 from duhem.cli.arguments import complete_law, convex_option, format_option, read_fixed_formula, settings_option
-from duhem.cli.output import HELD, Progress, as_json, aside, check_outputs, page, say, wrote
+from duhem.cli.output import HELD, Progress, as_json, aside, check_outputs, deliver, page, say
 
 __all__ = ["identify"]
 
@@ -73,11 +73,7 @@ def identify(
                 aside(f"only {own.stated(name)} is tried, where K is proved convex")
     with Progress("identifying"):
         done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed, convex=convex)
-    if out is not None:
-        done.to_toml(out)
     say(text(done, page()) if form == "text" else as_json(done.to_dict()))
-    if plot is not None:
-        done.plot(plot)
-    wrote("the fitted law", out)
-    wrote("the picture", plot)
+    deliver("the fitted law", out, done.to_toml)
+    deliver("the picture", plot, done.plot)
     return HELD

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import click
 
 from duhem.cli.arguments import choice_option, format_option, law_argument, modules_beside_the_user, read_settings, settings_option
-from duhem.cli.output import HELD, UNDECIDED, Progress, as_json, check_outputs, page, say, wrote
+from duhem.cli.output import HELD, UNDECIDED, Progress, as_json, check_outputs, deliver, page, say
 
 __all__ = ["mend"]
 
@@ -41,11 +41,7 @@ def mend(law: str, settings: Sequence[str], by: str, harmonics: int, out: str | 
     check_outputs(plot, [out], [law])
     with modules_beside_the_user(law), Progress("mending"):
         done = mended(law, by, read_settings(settings), harmonics=harmonics)
-    if out is not None:
-        done.to_toml(out)
     say(text(done, page()) if form == "text" else as_json(done.to_dict(out)))
-    if plot is not None:
-        done.plot(plot)
-    wrote("the mended law", out)
-    wrote("the picture", plot)
+    deliver("the mended law", out, done.to_toml)
+    deliver("the picture", plot, done.plot)
     return UNDECIDED if strict and not done.admissible else HELD

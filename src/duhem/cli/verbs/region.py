@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import click
 
 from duhem.cli.arguments import format_option, law_argument, modules_beside_the_user, read_law, read_pair, read_settings, settings_option
-from duhem.cli.output import HELD, INTERRUPTED, UNDECIDED, Progress, as_json, check_outputs, page, say, wrote
+from duhem.cli.output import HELD, INTERRUPTED, UNDECIDED, Progress, as_json, check_outputs, deliver, page, say
 from duhem.errors import InputError
 
 __all__ = ["region"]
@@ -66,12 +66,8 @@ def region(
         say(text(found, page()))
     else:
         say(latex(found) if form == "latex" else as_json(found.to_dict()))
-    if plot is not None:
-        found.plot(plot)
-    if certificate is not None:
-        found.certificate(certificate)
-    wrote("the picture", plot)
-    wrote("the certificate", certificate)
+    deliver("the picture", plot, found.plot)
+    deliver("the certificate", certificate, found.certificate)
     if isinstance(found, regions.PavedRegion) and found.stopped:
         return INTERRUPTED
     return UNDECIDED if strict and not found.exact else HELD

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import click
 
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, USAGE, Progress, aside, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, USAGE, Progress, aside, deliver, say, wrote
 
 __all__ = ["simulate"]
 
@@ -76,10 +78,8 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
             return INTERRUPTED
     if table is None:
         say(history.to_text().removesuffix("\n"))
-    if figure is not None:
-        history.plot(figure, units=(chosen.stress_unit, chosen.length_unit))
     wrote(f"the history of {len(history)} knots", table)
-    wrote("the picture", figure)
+    deliver("the picture", figure, partial(history.plot, units=(chosen.stress_unit, chosen.length_unit)))
     if (remark := history.remark()) is not None:
         aside(remark)
     return HELD

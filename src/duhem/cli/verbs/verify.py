@@ -24,7 +24,7 @@ from duhem.cli.arguments import (
     report_format_option,
     settings_option,
 )
-from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, UNDECIDED, Progress, as_json, aside, page, say, wrote
+from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, UNDECIDED, Progress, as_json, aside, deliver, page, say, wrote
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
@@ -152,9 +152,7 @@ def verify(
         say(as_xml(as_suite(found, strict=strict, expected=own) for found, own in zip(done, due, strict=False)))
     if interrupted:
         return INTERRUPTED
-    if certificate is not None:
-        done[0].certificate(certificate)
-        wrote("the certificate", certificate)
+    deliver("the certificate", certificate, done[0].certificate)
     if report is not None:
         from duhem.cli.report import again, article, without
         from duhem.show.document import as_page
