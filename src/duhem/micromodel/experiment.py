@@ -73,8 +73,6 @@ class Consistency:
     ``by_plus`` and ``by_minus`` from one reading each, ``both`` their intersection, None where it is empty for certain.
     """
 
-    scatter_plus: sp.Rational
-    scatter_minus: sp.Rational
     by_plus: Range
     by_minus: Range
     both: Range | None
@@ -159,7 +157,7 @@ class Experiment:
         by_minus = Range(*(self.local_friction(minus=self.measured_minus + s) for s in (-sm, sm)))
         low = max(by_plus.low, by_minus.low, key=lambda b: b.low)
         high = min(by_plus.high, by_minus.high, key=lambda b: b.high)
-        return Consistency(sp_, sm, by_plus, by_minus, Range(low, high) if low.low <= high.high else None)
+        return Consistency(by_plus, by_minus, Range(low, high) if low.low <= high.high else None)
 
     def least_scatter(self) -> tuple[Bracket, Bracket]:
         """(mu, s): the least s for which readings off by s each allow a common mu, and that mu.

@@ -93,10 +93,9 @@ def spring_force(side: str) -> sp.Expr:
 
 @dataclass(frozen=True)
 class Averages:
-    """Mean forces over one period for one direction of slip: ``normal`` (7), ``tangential`` (11), ``coefficient`` |t|/|n|."""
+    """Mean forces over one period for one direction of slip: ``normal`` (7), and ``coefficient``, the tangential (11) over it."""
 
     normal: sp.Expr
-    tangential: sp.Expr
     coefficient: sp.Expr
 
 
@@ -112,7 +111,7 @@ def averages(direction: int) -> Averages:
     forces = {side: spring_force(side) for side in SPANS}
     normal = mean(forces)
     tangential = mean({side: -apparent(MU[side], slopes[side], direction) * force for side, force in forces.items()})
-    return Averages(normal, tangential, _signed(sp.cancel(-direction * tangential / normal)))
+    return Averages(normal, _signed(sp.cancel(-direction * tangential / normal)))
 
 
 @cache
