@@ -24,18 +24,7 @@ from duhem.law.curve_law import Law
 from duhem.screening.rows import Row, RowBlock, told
 from duhem.version import __version__
 
-__all__ = [
-    "Answer",
-    "Campaign",
-    "Claimed",
-    "Inquiry",
-    "VerdictLine",
-    "as_text",
-    "asked",
-    "ended",
-    "lines_of",
-    "number_of",
-]
+__all__ = ["Answer", "Campaign", "Claimed", "Inquiry", "VerdictLine", "as_text", "asked", "ended", "lines_of", "number_of"]
 
 _MOST = 1_000  # characters of an error
 _A_LIBRARY = 100_000_000  # bytes: what is mapped at once of a large one, or for a thread
