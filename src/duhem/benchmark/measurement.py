@@ -5,6 +5,7 @@ from __future__ import annotations
 import tracemalloc
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from statistics import median
 from time import perf_counter
 from typing import Any, ClassVar, TypeVar
 
@@ -30,10 +31,8 @@ class Spread:
     @classmethod
     def of(cls, seconds: list[float], share: float = 1.0) -> Spread:
         """From the runs, each multiplied by ``share``."""
-        ordered = sorted(s * share for s in seconds)
-        middle = len(ordered) // 2
-        median = ordered[middle] if len(ordered) % 2 else 0.5 * (ordered[middle - 1] + ordered[middle])
-        return cls(ordered[0], median, ordered[-1], len(ordered))
+        own = [s * share for s in seconds]
+        return cls(min(own), median(own), max(own), len(own))
 
 
 @dataclass(frozen=True)

@@ -216,29 +216,29 @@ def _inside(domain: Any, random: Random) -> sp.Rational:
     return domain.high - size if domain.high is not None else size * random.choice((-1, 1))
 
 
-def defects(law: Criterion, support: SupportFunction, parameters: int = 3, directions: int = 6) -> tuple[str, ...]:
+def defects(law: Criterion, support: SupportFunction) -> tuple[str, ...]:
     """What was found against ``support``: empty where nothing was; not to be able to evaluate it is a defect too."""
     try:
-        return tuple(_defects(law, support, parameters, directions))
+        return tuple(_defects(law, support))
     except (ArithmeticError, TypeError, ValueError, mpmath.libmp.NoConvergence) as error:
         return (f"the claim cannot be evaluated: {error}",)
 
 
-def _defects(law: Criterion, support: SupportFunction, parameters: int, directions: int) -> Iterator[str]:
+def _defects(law: Criterion, support: SupportFunction) -> Iterator[str]:
     random, forces = Random(2007), law.force_symbols()
     others = [s for s in law.symbols().values() if s not in forces]
     fine, rough, doubles = mpmath_.digits(DIGITS), mpmath_.digits(ROUGH), mpmath_.doubles()
     g, g_roughly, g_of_doubles = (mpmath_.compiled([law.g], [*forces, *others], context) for context in (fine, rough, doubles))
     claim = mpmath_.compiled([support.potential, *(support.maximiser or ()), *support.centre], [*support.rates, *others], fine)
     tried, small = 0, fine.mpf(10) ** -SMALL
-    for values in sample_values(law, support.requires, random, parameters):
+    for values in sample_values(law, support.requires, random, 3):
         rest = [values[s] for s in others]
         tried += 1
-        rates = [_direction(support, values, random) for _ in range(directions)]
+        rates = [_direction(support, values, random) for _ in range(6)]
         claims = [finite(claim(*d, *rest)) for d in rates]
         n = len(forces)
         centre = claims[0][-n:]
-        rays = [[random.gauss(0, 1) for _ in range(n)] for _ in range(4 * directions)]
+        rays = [[random.gauss(0, 1) for _ in range(n)] for _ in range(4 * len(rates))]
 
         def level(x: list[float], rest: Sequence[Any] = tuple(mpmath_.number(rough, v) for v in rest)) -> float:
             try:
@@ -264,7 +264,7 @@ def _defects(law: Criterion, support: SupportFunction, parameters: int, directio
         yield "no parameter values satisfy what the potential requires"
 
 
-def gauges_agree(law: Criterion, support: SupportFunction, gauge: sp.Expr, points: int = 24) -> bool:
+def gauges_agree(law: Criterion, support: SupportFunction, gauge: sp.Expr) -> bool:
     """Whether two gauges of K agree to 30 digits at random exact points, and agree with g on what lies inside."""
     random, forces = Random(1970), law.force_symbols()
     others = [s for s in law.symbols().values() if s not in forces]
@@ -272,7 +272,7 @@ def gauges_agree(law: Criterion, support: SupportFunction, gauge: sp.Expr, point
     both = mpmath_.compiled([gauge, support.gauge, law.g], [*forces, *others], fine)
     small = fine.mpf(10) ** -SMALL
     for values in sample_values(law, support.requires, random, 4):
-        for _ in range(points):
+        for _ in range(24):
             x = [sp.Rational(random.randint(-60, 60), random.randint(7, 40)) for _ in forces]
             *gauges, g = both(*x, *(values[s] for s in others))
             first, second = finite(gauges)

@@ -64,7 +64,7 @@ _SHORT, _LONG = 1e-3, 1e5  # between which numbers are written out
 _LEAST, _MOST = 1e-200, 1e200
 _NO_LETTER = r"Glyph \d+ .*missing from (font|current font)|Matplotlib currently does not support \w+ natively"
 _HELD = "\u00a0=\u00a0"
-_CHARACTER = 0.0075  # inches, of a letter of one point
+_CHARACTER = 0.075  # inches, of a letter
 
 
 def palette(i: int) -> str:
@@ -178,10 +178,10 @@ def _sheet_of(places: tuple[Axes, ...]) -> Figure:
     return sheet
 
 
-def wrapped(text: str, width: float, points: float = 10.0) -> str:
-    """``text`` in lines that fit into ``width`` inches, in letters of so many points; words too long are broken, `a = b` is one word."""
+def wrapped(text: str, width: float) -> str:
+    """``text`` in lines that fit into ``width`` inches; words too long are broken, `a = b` is one word."""
     kept = text.replace(" = ", _HELD)
-    return "\n".join(fill(line, max(8, int(width / (_CHARACTER * points)))) for line in kept.splitlines()).replace(_HELD, " = ")
+    return "\n".join(fill(line, max(8, int(width / _CHARACTER))) for line in kept.splitlines()).replace(_HELD, " = ")
 
 
 def shortened(text: str, most: int = 36) -> str:
@@ -433,13 +433,13 @@ def _sides(room: Bbox, lines: list[Path], edges: list[Path]) -> Iterator[tuple[d
             yield from ((side, free, place) for side in _SIDES)
 
 
-def _uncrowd(sheet: Figure, places: tuple[Axes, ...], rounds: int = 6) -> None:
+def _uncrowd(sheet: Figure, places: tuple[Axes, ...]) -> None:
     from matplotlib.ticker import LogLocator, MaxNLocator
 
     numbered = [
         axis for axes in places for axis in (axes.xaxis, axes.yaxis) if isinstance(axis.get_major_locator(), LogLocator | MaxNLocator)
     ]
-    for _ in range(rounds):
+    for _ in range(6):
         sheet.draw_without_rendering()
         crowded = [axis for axis in numbered if _touching(axis)]
         long = [_brought_in(axis) for axes in places for axis in (axes.xaxis, axes.yaxis)]
