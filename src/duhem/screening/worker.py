@@ -11,6 +11,7 @@ import os
 import pickle
 import signal
 import sys
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
@@ -53,30 +54,30 @@ def _serve(link: Connection) -> None:
 
 def _bound_memory(campaign: Campaign) -> None:
     """So much more than there is now."""
-    try:
+    with suppress(ImportError, OSError, ValueError):  # a platform that does not count
         import resource
 
         with open("/proc/self/statm") as stream:
             now = int(stream.read().split()[0]) * resource.getpagesize()
-        most = now + int(campaign.memory * _GIGABYTE)
-        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-        resource.setrlimit(resource.RLIMIT_AS, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
-    except (ImportError, OSError, ValueError):  # a platform that does not count
-        pass
+        _bound(resource.RLIMIT_AS, now + int(campaign.memory * _GIGABYTE))
+        _bound(resource.RLIMIT_CORE, 0)
 
 
 def _bound_seconds(campaign: Campaign) -> None:
     """So many more of the processor than were taken so far, to the next whole one."""
-    try:
+    with suppress(ImportError, OSError, ValueError):
         import resource
 
         used = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
-        hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
-        most = int(used + campaign.seconds) + 1
-        resource.setrlimit(resource.RLIMIT_CPU, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
-    except (ImportError, OSError, ValueError):
-        pass
+        _bound(resource.RLIMIT_CPU, int(used + campaign.seconds) + 1)
+
+
+def _bound(limit: int, most: int) -> None:
+    """At ``most``, as far as the system lets it."""
+    import resource
+
+    hard = resource.getrlimit(limit)[1]
+    resource.setrlimit(limit, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
 
 
 if __name__ == "__main__":
