@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
+from html import escape
 from importlib import import_module
 from math import isfinite
 from typing import Any, ClassVar, NoReturn
@@ -181,16 +182,12 @@ def _row(cells: Sequence[str], tag: str) -> str:
 
 
 def _cell(content: str | Typeset, typeset: bool) -> str:
-    from html import escape
-
     if isinstance(content, str):
         return _prose(content)
     return escape(rf"$\displaystyle {content.latex}$") if typeset else f"<code>{escape(content.text)}</code>"
 
 
 def _prose(text: str) -> str:
-    from html import escape
-
     return "".join(f"<span>{c}</span>" if c in _TYPESET else c for c in escape(text))
 
 
@@ -213,8 +210,6 @@ def _formula(content: str | Typeset) -> str:
 
 def marked(text: str) -> str:
     """Text that is text in Markdown."""
-    from html import escape
-
     return "".join(f"\\{c}" if c in _MARKS else c for c in escape(" ".join(text.split()), quote=False))
 
 

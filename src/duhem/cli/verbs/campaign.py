@@ -10,6 +10,7 @@ import click
 
 from duhem.cli.arguments import modules_beside_the_user
 from duhem.cli.output import FAILED, HELD, INTERRUPTED, REFUTED, Progress, as_json, aside, deliver, page, say, wrote
+from duhem.errors import InputError
 
 if TYPE_CHECKING:
     from duhem.benchmark.extreme_cases import StressCases
@@ -61,7 +62,6 @@ def campaign(
     precedence.
     """
     from duhem.api.increments import project
-    from duhem.errors import InputError
     from duhem.expression.spelling import spelled
     from duhem.screening import entry, file, plane
     from duhem.screening.table import finished_csv
@@ -142,7 +142,6 @@ def _stress(**options: Any) -> StressCases:
 
 
 def _alone(asked: Campaign, row: int) -> int:
-    from duhem.errors import InputError
     from duhem.screening.campaign import lines_of
     from duhem.screening.pool import Pool
     from duhem.screening.summary import AGAINST
