@@ -22,7 +22,7 @@ from typing import Any
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, exact
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
-from duhem.proof.kernel.polynomial import ONE, Polynomial, negated, slope, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, slope, times, total, written
 from duhem.proof.kernel.stated_law import StatedFace, StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, minus, parse, product_of, sum_of
 
@@ -51,7 +51,9 @@ def is_steep(law: StatedLaw, identities: Sequence[Identity]) -> bool:
 
 
 def falls_from_zero(law: StatedLaw) -> bool:
-    """Whether g is a polynomial with g(0) <= 0 and grad g(0) != 0, so that it is negative somewhere near."""
+    """Whether g is a polynomial with g(0) <= 0 and grad g(0) != 0, so that it is negative somewhere near; or a x^2 + b x + c along the axis
+    of a force x, with b^2 > 4 a c, so that it is negative somewhere on that.
+    """
     domain = over(law)
     g = domain.polynomial(law.g)
     if not domain.facts(law.g).defined or any(not domain.constant(x) and (x.op != "name" or n < 0) for m in g for x, n in m):
@@ -60,7 +62,13 @@ def falls_from_zero(law: StatedLaw) -> bool:
     def at_zero(f: Polynomial) -> Sign:
         return domain.facts(written({m: c for m, c in f.items() if all(domain.constant(x) for x, _ in m)})).sign
 
-    return not at_zero(g) & POSITIVE and any(not at_zero(slope(g, Term("name", name=x))) & ZERO for x in law.forces)
+    def crosses_zero(x: Term) -> bool:
+        c, b, a, *more = *in_powers({m: k for m, k in g.items() if all(y == x or domain.constant(y) for y, _ in m)}, x), {}, {}
+        gap = total(times(b, b), times({(): Fraction(-4)}, times(a, c)))
+        return not any(more) and domain.facts(written(gap)).sign == POSITIVE
+
+    forces = [Term("name", name=x) for x in law.forces]
+    return (not at_zero(g) & POSITIVE and any(not at_zero(slope(g, x)) & ZERO for x in forces)) or any(map(crosses_zero, forces))
 
 
 def is_a_graph(law: StatedLaw) -> bool:

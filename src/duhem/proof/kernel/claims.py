@@ -274,7 +274,8 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and d g(r sigma)/dr > 0 there, as its degrees in the forces show."""
     domain = _over(law, evidence)
-    return domain.facts(law.g).defined and grows_along_rays(law.g, domain) and smooth_near_the_boundary(law.g, domain)
+    defined = domain.facts(law.g).defined or _inside_at_tips(law)
+    return defined and grows_along_rays(law.g, domain) and smooth_near_the_boundary(law.g, domain)
 
 
 def one_force(law: StatedLaw, evidence: Evidence) -> bool:

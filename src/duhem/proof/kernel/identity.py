@@ -16,6 +16,7 @@ __all__ = ["alike", "in_order", "multiplied_out", "multiplied_through", "signs_a
 
 _MOST_STEPS, _HIGHEST = 60, 64
 _SORTED = ("norm", "max", "min")
+_EVEN = ("abs", "norm", "cos", "cosh")  # the same for x and -x
 
 
 def multiplied_out(term: Term, domain: StatedDomain) -> Term:
@@ -128,7 +129,7 @@ def in_order(term: Term, domain: StatedDomain, powers: bool = False) -> Term:
         return term
     args = [_sorted(domain.polynomial(in_order(a, domain, powers))) for a in term.args]
     even = term.op == "**" and args[1].op == "number" and args[1].value % 2 == 0
-    if term.op in ("abs", "norm") or even:
+    if term.op in _EVEN or even:
         sized = 1 if even else len(args)
         args[:sized] = [min(a, _sorted(domain.polynomial(minus(a)))) for a in args[:sized]]
     if even and powers:

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.semidefinite import zero_with
 from duhem.proof.kernel.spectrum import freed_of_eigenvalues, freed_of_roots
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
@@ -78,8 +79,10 @@ def _signs_at(tip: Term, term: Term, domain: StatedDomain) -> tuple[Sign, Sign]:
 
 
 def _sign_without(term: Term, tip: Term, domain: StatedDomain) -> Sign:
-    """That of the term with the tip put to 0, where that is a constant: so it is wherever the tip is 0."""
+    """That of the term with the tip put to 0, and what is 0 with it, where that is a constant: so it is wherever the tip is 0."""
     put = term.put({tip: number(0)})
+    if not domain.constant(put):
+        put = put.put(dict.fromkeys(zero_with(tip, domain), number(0)))
     rest = domain.facts(put)
     return rest.sign if rest.defined and domain.constant(put) else ANY
 

@@ -14,16 +14,17 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from itertools import combinations_with_replacement
 from math import factorial, prod
 
 from duhem.proof.kernel.domain import POSITIVE, ZERO, StatedDomain
-from duhem.proof.kernel.forms import Matrix, by_forces, leading_minors, principal_minors
+from duhem.proof.kernel.forms import Matrix, by_forces, leading_minors, principal_minors, quadratic
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, times, written
-from duhem.proof.kernel.term import NotWritten, Term, minus, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, product_of, sum_of
 
-__all__ = ["catalecticant", "homogeneous_parts", "in_coordinates", "semidefinite", "sum_of_even_powers"]
+__all__ = ["catalecticant", "homogeneous_parts", "in_coordinates", "semidefinite", "sum_of_even_powers", "zero_with"]
 
 _SMALL, _LARGEST_BLOCK, _MOST_ROWS = 3, 6, 21
 
@@ -32,6 +33,17 @@ def semidefinite(matrix: Matrix, domain: StatedDomain) -> bool:
     """Whether each block of the symmetric matrix is positive semidefinite."""
     blocks = ([[matrix[i][j] for j in block] for i in block] for block in _blocks(matrix, domain))
     return all(_minors(b, domain) if len(b) <= _SMALL else _dominant(b, domain) or _leading_above_0(b, domain) for b in blocks)
+
+
+def zero_with(term: Term, domain: StatedDomain) -> list[Term]:
+    """The forces that are 0 wherever a term is: those of blocks that are positive definite, of a semidefinite form that it, or its square, is."""
+    names = [f for f in domain.law.forces if f in term.names()]
+    with suppress(NotWritten):
+        matrix, row, rest = quadratic(product_of(term, term) if term.op in ("abs", "norm") else term, names, domain)
+        if semidefinite(matrix, domain) and not any(domain.polynomial(x) for x in (*row, rest)):
+            blocks = ((block, [[matrix[i][j] for j in block] for i in block]) for block in _blocks(matrix, domain))
+            return [Term("name", name=names[i]) for block, own in blocks if _leading_above_0(own, domain) for i in block]
+    return []
 
 
 def _minors(matrix: Matrix, domain: StatedDomain) -> bool:
