@@ -214,6 +214,9 @@ class EigMax(_Real):
     def eval(cls, *entries: sp.Expr) -> sp.Expr | None:
         return sp.Max(*entries[:3]) if all(shear.is_zero for shear in entries[3:]) else None
 
+    def _eval_is_finite(self) -> bool | None:
+        return all(a.is_finite for a in self.args) or None
+
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         """By the adjugate of self - matrix, which is a multiple of n n^T, n the unit eigenvector; undefined at a double eigenvalue."""
         x, y, z, yz, xz, xy = (*(self - a for a in self.args[:3]), *(-a for a in self.args[3:]))

@@ -72,9 +72,9 @@ def falls_from_zero(law: StatedLaw) -> bool:
 
 
 def is_a_graph(law: StatedLaw) -> bool:
-    """Whether g = h - z with a force z that is not in h: grad g is never 0."""
+    """Whether g = h + c z, c a number, with a force z that is not in h: grad g is never 0."""
     g = over(law).polynomial(law.g)
-    lone = [f for f in law.forces if g.get(((Term("name", name=f), 1),)) == -1]
+    lone = [f for f in law.forces if g.get(((Term("name", name=f), 1),))]
     return any(sum(f in x.names() for m in g for x, _ in m) == 1 for f in lone)
 
 

@@ -12,7 +12,7 @@ from duhem.proof.kernel.boxes import convex_in_its_box
 from duhem.proof.kernel.cones import Fan
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.definedness import divides_by_zero_force, undecided_beside
+from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
@@ -21,7 +21,7 @@ from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.polynomial import negated, written
-from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends
+from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends, where_loads_allow
 from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
 from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -310,10 +310,12 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
     """d g(r sigma)/dr > 0 at r = 1 wherever g = 0: so sigma . n > 0 for every limit n of grad g there; or K is a cone: it is 0."""
-    domain = over(law)
-    if not (law.associated and (domain.facts(law.g).defined or _inside_at_tips(law))):
-        return False
-    return is_cone(law.g, domain) or grows_along_rays(law.g, domain)
+    inside = law.once(where_loads_allow)[2]
+    places = [over(law)] if over(law).facts(law.g).defined or _inside_at_tips(law) else []
+    parts = law.g.args[1:] if law.g.op == "where" else (law.g,)
+    if Reader(inside).undecided(law.g) is None and not any(chooses(part, inside) for part in parts):
+        places.append(inside)
+    return law.associated and any(is_cone(law.g, domain) or grows_along_rays(law.g, domain) for domain in places)
 
 
 def _inside_at_tips(law: StatedLaw) -> bool:
@@ -332,6 +334,14 @@ def power(law: StatedLaw, evidence: Evidence) -> bool:
 def potential(law: StatedLaw, evidence: Evidence) -> bool:
     """The flow is the gradient of a potential, and the power is the ``share`` of the evidence times g, and something >= 0 (Euler)."""
     return law.potential is not None and potential_flows_outward(law.potential, law.g, parse(evidence["share"]), within_ranges(law))
+
+
+def convex_potential(law: StatedLaw, _: Evidence) -> bool:
+    """The flow is a subgradient of a potential that is convex, and least at zero force."""
+    if law.potential is None:
+        return False
+    shown = over(law).facts(law.potential)
+    return shown.defined and shown.convex and state.least_at_zero(law.potential, law)
 
 
 def power_share(law: StatedLaw, evidence: Evidence) -> bool:
@@ -497,13 +507,17 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "(Euler)", most_forces=_PLANE,
     ),
     ("dissipation", "homogeneity"): RuleRow(
-        _NONE, homogeneity, obligations.formula_but_at_tips,
+        _NONE, homogeneity, obligations.formula_where_loads_allow,
         "the degrees of the parts of g in the forces show that sigma . grad g > 0 wherever g = 0, or that K is a cone "
         "and sigma . grad g = 0 (Euler)",
     ),
     ("dissipation", "potential"): RuleRow(
         _NONE, potential, obligations.formula_and_potential,
         "the degrees of the parts of the potential in the forces show that force . flow >= 0 wherever g = 0 (Euler)", True,
+    ),
+    ("dissipation", "convex-potential"): RuleRow(
+        _NONE, convex_potential, obligations.formula_and_potential,
+        "the potential h is convex and least at zero force, so force . flow >= h - h(0) >= 0 (Rockafellar 1970, section 23)",
     ),
     ("dissipation", "boundary-power"): RuleRow(_NONE, power, obligations.formula_and_flow, "force . flow >= 0 wherever g = 0"),
     ("dissipation", "power-share"): RuleRow(

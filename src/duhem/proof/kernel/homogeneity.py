@@ -3,7 +3,7 @@
 :func:`by_degree` splits a formula into its parts G_k.  The other functions answer yes or no, each for one argument below; they leave
 the signs of the sums to the domain.  False, or NotWritten, means only that this argument does not apply.
 
-With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Euler).  Where g = 0 it is the sum of (k - m) G_k as well,
+With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Euler), and k c of a term c log y, y of degree k.  Where g = 0 it is the sum of (k - m) G_k as well,
 for every m; one of these sums that is positive everywhere shows that g rises outward on its zeros.  The power of a flow that is the
 gradient of a potential is such a sum too, and so is its limit where gradients meet.  Where all of g is of one degree, g keeps its sign
 along each ray: K is a cone, and sigma . n = 0 for every normal n at sigma.
@@ -15,18 +15,19 @@ the apex of a cone, g has a cone of normals, and the formula of a flow like the 
 
 from __future__ import annotations
 
-from fractions import Fraction
+from collections.abc import Collection
 
-from duhem.proof.kernel.curvature import within_ranges
+from duhem.proof.kernel.boundary import falls_from_zero, is_a_graph
+from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import undecided_beside
-from duhem.proof.kernel.domain import POSITIVE, StatedDomain
-from duhem.proof.kernel.identity import in_order, signs_as_sizes, value, vanishes
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
+from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import chooses
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, written
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, joined, number_in, written
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["by_degree", "flows_with_a_share_of_g", "grows_along_rays", "is_cone", "potential_flows_outward"]
 
@@ -34,10 +35,22 @@ _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
 
 def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
-    """Whether d g(r sigma)/dr > 0 at r = 1 wherever g = 0, g being defined everywhere."""
-    parts = by_degree(g, domain)
-    sums = (sum_of(*(product_of(number(k - m), part) for k, part in parts.items() if k != m)) for m in parts)
-    return any(domain.facts(power).sign == POSITIVE for power in sums)
+    """Whether d g(r sigma)/dr > 0 at r = 1 wherever g = 0, or >= 0 and grad g != 0; of a choice that no ray changes, each value's."""
+    if g.op == "where" and g.args[0].op in COMPARISONS:
+        return len(by_degree(gap(g.args[0]), domain)) == 1 and all(grows_along_rays(value, domain) for value in g.args[1:])
+    poly = domain.polynomial(g)
+    logs = {x: _degree_of_all(x.args, domain) for m in poly for x, _ in m if x.op == "log" and not domain.constant(x)}
+    more = [product_of(k, written({joined(m, ((x, -1),)): c * n})) for x, k in logs.items() for m, c in poly.items() for y, n in m if y == x]
+    parts = _by_degree(poly, domain, logs)
+    sums = (sum_of(*more, *(product_of(_plain(sum_of(k, minus(m)), domain), part) for k, part in parts.items() if k != m)) for m in parts)
+    signs = [domain.facts(power).sign for power in sums]
+    return POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and _is_steep(g, domain))
+
+
+def _is_steep(g: Term, domain: StatedDomain) -> bool:
+    """Whether no limit of grad g is 0 where g = 0: they are subgradients of a convex g, which is not least there, or a force is in one."""
+    law = domain.law._replace(g=g)
+    return is_a_graph(law) or (over(law).facts(g).convex and falls_from_zero(law))
 
 
 def is_cone(g: Term, domain: StatedDomain) -> bool:
@@ -90,50 +103,41 @@ def _never_negative_where_zero(power: Term, scale: Term, law: StatedLaw) -> bool
     return left.never_negative(in_order(power, left))
 
 
-def by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:
-    """The parts of each degree, multiplied out; NotWritten where something in it has none."""
-    parts: dict[Fraction, Polynomial] = {}
-    for m, c in domain.polynomial(term).items():
-        parts.setdefault(sum((n * _degree(x, domain) for x, n in m), Fraction(0)), {})[m] = c
+def by_degree(term: Term, domain: StatedDomain) -> dict[Term, Term]:
+    """The parts of each degree, a constant, multiplied out; NotWritten where something in it has none."""
+    return _by_degree(domain.polynomial(term), domain)
+
+
+def _by_degree(poly: Polynomial, domain: StatedDomain, free: Collection[Term] = ()) -> dict[Term, Term]:
+    parts: dict[Term, Polynomial] = {}
+    for m, c in poly.items():
+        parts.setdefault(_plain(_rate(m, domain, free), domain), {})[m] = c
     return {k: written(part) for k, part in parts.items()}
 
 
-def _rate(m: Monomial, domain: StatedDomain) -> Term:
-    """The degree of a product, in which powers may have any constant exponents."""
-    rates = [sum_of()]
-    for x, n in m:
-        free = x.op == "**" and not domain.constant(x) and domain.constant(x.args[1]) and value(x.args[1], domain) is None
-        own = product_of(x.args[1], number(_degree_of_all(x.args[:1], domain))) if free else number(_degree(x, domain))
-        rates.append(product_of(number(n), own))
-    return sum_of(*rates)
+def _rate(m: Monomial, domain: StatedDomain, free: Collection[Term] = ()) -> Term:
+    """The degree of a product, in which powers may have any constant exponents; what is ``free`` counts as of degree 0."""
+    return sum_of(*(product_of(number(n), _degree(x, domain)) for x, n in m if x not in free))
 
 
-def _degree(x: Term, domain: StatedDomain) -> Fraction:
+def _degree(x: Term, domain: StatedDomain) -> Term:
     if domain.constant(x):
-        return Fraction(0)
+        return number(0)
     if x.op == "name":
-        return Fraction(1)
-    if x.op == "**":
-        p = value(x.args[1], domain)
-        return _degree_of_root(x.args[0], x.args[1], domain) if p is None else p * _degree_of_all((x.args[0],), domain)
+        return number(1)
+    if x.op == "**" and domain.constant(x.args[1]):
+        return product_of(x.args[1], _degree_of_all(x.args[:1], domain))
     if x.op in _ALIKE:
         return _degree_of_all(x.args, domain)
     raise NotWritten(f"{x.op} has no degree in the forces")
 
 
-def _degree_of_root(inner: Term, r: Term, domain: StatedDomain) -> Fraction:
-    """Of (a f^q + ...)^r, whatever q and r are, if q r is a number."""
-    found = set[Fraction]()
-    for m in domain.polynomial(inner):
-        ((f, n),) = ((y, n) for y, n in m if not domain.constant(y))  # ValueError unless there is one
-        k = value(product_of(f.args[1], r), domain) if f.op == "**" and n == 1 else None
-        if k is None:
-            raise NotWritten("a power has no degree in the forces")
-        found.add(k * _degree_of_all((f.args[0],), domain))
-    (k,) = found
-    return k
-
-
-def _degree_of_all(terms: tuple[Term, ...], domain: StatedDomain) -> Fraction:
+def _degree_of_all(terms: tuple[Term, ...], domain: StatedDomain) -> Term:
     (k,) = {k for term in terms for k in by_degree(term, domain)}  # ValueError unless there is one
     return k
+
+
+def _plain(constant: Term, domain: StatedDomain) -> Term:
+    """The same, multiplied out and in order."""
+    poly = domain.polynomial(constant)
+    return number(poly.get((), 0)) if number_in(poly) is not None else written(dict(sorted(poly.items())))

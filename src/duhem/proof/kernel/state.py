@@ -13,13 +13,12 @@ rate of its temperature, so that there is nothing to show of it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
-from duhem.proof.kernel.domain import ZERO, StatedDomain
+from duhem.proof.kernel.domain import ZERO
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.polynomial import written
@@ -29,7 +28,7 @@ from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
 __all__ = [
     "convex_in_each_variable", "energy_differentiable", "epigraph", "forces_of_rates_have_a_value", "has_default_energy",
-    "heat_flows_downhill", "in_state", "potential_least_at_zero", "rate_epigraph", "state_laws_agree", "stored_and_rates",
+    "heat_flows_downhill", "in_state", "least_at_zero", "potential_least_at_zero", "rate_epigraph", "state_laws_agree", "stored_and_rates",
 ]  # fmt: skip
 
 
@@ -69,23 +68,31 @@ def potential_least_at_zero(law: StatedLaw) -> str:
     """Whether a potential of rates is 0 at 0 and no less elsewhere: it is >= 0, or convex and even, or convex with no slope at 0."""
     if not law.viscous:
         return ""
-    names = [Term("name", name=f) for f in law.forces]
-    domain, zero = over(law), {x: number(0) for x in names}
-    known, there = domain.facts(law.g), domain.facts(law.g.put(zero))
+    there = over(law).facts(law.g.put(_at_zero(law)))
     if not (there.defined and there.sign == ZERO):
         return "the potential is not shown to be 0 at zero force"
-    if domain.never_negative(law.g):
-        return ""
-    even = vanishes(in_order(sum_of(law.g, minus(law.g.put({x: minus(x) for x in names}))), domain), domain)
-    if known.convex and (even or _flat(law, zero, domain)):
-        return ""
-    return "the potential is not shown to be least at zero force"
+    return "" if least_at_zero(law.g, law) else "the potential is not shown to be least at zero force"
 
 
-def _flat(law: StatedLaw, zero: Mapping[Term, Term], domain: StatedDomain) -> bool:
+def least_at_zero(potential: Term, law: StatedLaw) -> bool:
+    """Whether a potential is no less than at zero force: by its sign, or as it is convex, and even or without a slope there."""
+    domain, start = over(law), potential.put(_at_zero(law))
+    there = domain.facts(start)
+    if there.defined and domain.never_negative(potential if there.sign == ZERO else sum_of(potential, minus(start))):
+        return True
+    opposite = potential.put({x: minus(x) for x in _at_zero(law)})
+    even = vanishes(in_order(sum_of(potential, minus(opposite)), domain), domain)
+    return domain.facts(potential).convex and (even or _flat(potential, law))
+
+
+def _at_zero(law: StatedLaw) -> dict[Term, Term]:
+    return {Term("name", name=f): number(0) for f in law.forces}
+
+
+def _flat(potential: Term, law: StatedLaw) -> bool:
     """Whether a potential has no slope at zero force."""
-    slopes = (domain.facts(slope.put(zero)) for slope in gradient(law.g, law.forces))
-    return smooth_everywhere(law.g, domain) and all(slope.defined and slope.sign == ZERO for slope in slopes)
+    slopes = (over(law).facts(slope.put(_at_zero(law))) for slope in gradient(potential, law.forces))
+    return smooth_everywhere(potential, over(law)) and all(slope.defined and slope.sign == ZERO for slope in slopes)
 
 
 def _unused(law: StatedLaw) -> str:

@@ -72,6 +72,7 @@ __all__ = [
     "without_k",
 ]  # fmt: skip
 
+_PLAIN = 2  # choices of the parameters that are plain
 _NO_POINT = "a chord leaves K, so K is not convex, but no boundary point was confirmed where grad g leaves the normal cone of K"
 _CHORD = (
     "the way from `inside` to the midpoint of a chord of K crosses the boundary outward, at a sigma between `inside` and `outside`, "
@@ -248,10 +249,11 @@ def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
 
 
 def _at_least_exponents(subject: FormulaSubject) -> list[Values]:
-    """The plainest choice with each exponent at its least value, where |x|^a may have a kink."""
+    """The plainest choices with each exponent at its least value, where |x|^a may have a kink."""
     exponents = {x for power in subject.simple.g.atoms(sp.Pow) for x in power.exp.free_symbols}
     least = {x: fraction(own.low) for x in exponents if (own := subject.law.parameters.get(x.name)) and own.low is not None}
-    return [{**plain, **least} for plain in itertools.islice(subject.choices(1), 1)] if least else []
+    found = ({**plain, **least} for plain in itertools.islice(subject.choices(_PLAIN), _PLAIN if least else 0))
+    return list({tuple(one.items()): one for one in found}.values())
 
 
 def _not_smooth(subject: FormulaSubject, found: Iterable[Witness | None], method: str, detail: str) -> Evidence | None:

@@ -28,7 +28,7 @@ from duhem.expression.number import rational
 from duhem.expression.text import formula
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.plane_section import LocalPiece, PlaneSection, local_pieces
+from duhem.proof.facts.plane_section import LocalPiece, PlaneSection, kinks_decided, local_pieces
 from duhem.proof.facts.subject import Values
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.points import decimal_pair, witness
@@ -57,7 +57,7 @@ def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, n
             for seam in seams(local_pieces(subject, parameters, section, box)):
                 if len(seam.crossed) != 1 or seam.kept:
                     continue
-                normals = _normals(subject, seam, section, centre, box, radius)
+                normals = _normals(subject, parameters, seam, section, centre, box, radius)
                 if normals is not None:
                     return _shown(subject, parameters, section, place, radius, seam.crossed[0], normals)
     return None
@@ -84,7 +84,9 @@ def _beside(expr: sp.Expr, switch: sp.Expr, side: int, box: Any) -> int | None:
     return sign
 
 
-def _normals(subject: FormulaSubject, seam: Seam, section: PlaneSection, centre: Any, box: Any, radius: Fraction) -> list[list[Any]] | None:
+def _normals(
+    subject: FormulaSubject, parameters: Values, seam: Seam, section: PlaneSection, centre: Any, box: Any, radius: Fraction
+) -> list[list[Any]] | None:
     """Outward normals of the two sides over the box in all forces, surely not parallel in the plane; None if that is open."""
     (switch,), (before, after) = seam.crossed, (seam.before, seam.after)
     assert isinstance(before, LocalPiece) and isinstance(after, LocalPiece)
@@ -99,7 +101,7 @@ def _normals(subject: FormulaSubject, seam: Seam, section: PlaneSection, centre:
     if side in (-1, 1) and len(section.forces) == 2:  # K ends on the seam: towards `before` if that is outside, else towards `after`
         one = full[0] = [-side * after.signs[switch] * c for c in along]
         crossing = [two]
-    elif enclose(before.expr - after.expr, box).contains(0) and not _jumps(subject):
+    elif enclose(before.expr - after.expr, box).contains(0) and not _jumps(subject, parameters, section, box):
         crossing = [one, two]
     else:
         return None
@@ -107,8 +109,11 @@ def _normals(subject: FormulaSubject, seam: Seam, section: PlaneSection, centre:
     return full if certain and all(c.is_finite() for n in full for c in n) else None
 
 
-def _jumps(subject: FormulaSubject) -> bool:
-    return almost_everywhere(subject.simple.g).has(Where) and not subject.continuous
+def _jumps(subject: FormulaSubject, parameters: Values, section: PlaneSection, box: Any) -> bool:
+    """Whether g may jump in the box: where it does somewhere, and some choice is open there."""
+    g = almost_everywhere(subject.formula_at(parameters))
+    around = {x: enclose(form, box) for x, form in section.coordinates().items()}
+    return kinks_decided(g, around).has(Where) and not subject.continuous
 
 
 def _shown(
