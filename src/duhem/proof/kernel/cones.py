@@ -8,7 +8,6 @@ The rays have directions that are numbers, with roots perhaps, so that what is a
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -20,7 +19,7 @@ from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.pieces import CHOICES, pieces
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import NotWritten, Term, minus, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["Fan"]
 
@@ -56,9 +55,9 @@ class Fan:
             else:
                 thin += [(f, ray) for ray in rays]
             parts = by_degree(f, self._domain)
-            if {*parts} != {0, 1} or self._domain.facts(parts[Fraction(0)]).sign != NEGATIVE:
+            if {*parts} != {number(0), number(1)} or self._domain.facts(parts[number(0)]).sign != NEGATIVE:
                 raise NotWritten("a part of g is not of degree 1 less a constant")
-            constants.append(self._domain.polynomial(parts[Fraction(0)]))
+            constants.append(self._domain.polynomial(parts[number(0)]))
         if not self._cones or any(c != d for c, d in pairwise(constants)) or not all(map(self._defined, self._cones)):
             raise NotWritten("the constant is not the same everywhere, or a part of g may be undefined")
         self._seams = list(self._found_seams())

@@ -3,10 +3,12 @@
 :func:`by_degree` splits a formula into its parts G_k.  The other functions answer yes or no, each for one argument below; they leave
 the signs of the sums to the domain.  False, or NotWritten, means only that this argument does not apply.
 
-With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Euler), and k c of a term c log y, y of degree k.  Where g = 0 it is the sum of (k - m) G_k as well,
-for every m; one of these sums that is positive everywhere shows that g rises outward on its zeros.  The power of a flow that is the
-gradient of a potential is such a sum too, and so is its limit where gradients meet.  Where all of g is of one degree, g keeps its sign
-along each ray: K is a cone, and sigma . n = 0 for every normal n at sigma.
+With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Euler), where log y is of degree 0 but adds k, the degree of
+y, times what it is multiplied by.  Where g = 0 it is the sum of (k - m) G_k as well, for every m; one of these sums that is positive
+everywhere shows that g rises outward on its zeros.  So does one that is >= 0, of power, where grad g tends to 0 nowhere on g = 0.  The
+power of a flow that is the gradient of a potential is such a sum too, and so is its limit where gradients meet.  Where all of g is of one
+degree, g keeps its sign along each ray: K is a cone, and sigma . n = 0 for every normal n at sigma, as it is where a choice of formulas
+changes that each ray keeps.
 
 A flow of the law's own whose power is a constant times g and something >= 0 has power >= 0 wherever g = 0.  Where a tip of g is 0, as at
 the apex of a cone, g has a cone of normals, and the formula of a flow like the gradient of a potential no value; see
@@ -40,7 +42,7 @@ def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
         return len(by_degree(gap(g.args[0]), domain)) == 1 and all(grows_along_rays(value, domain) for value in g.args[1:])
     poly = domain.polynomial(g)
     logs = {x: _degree_of_all(x.args, domain) for m in poly for x, _ in m if x.op == "log" and not domain.constant(x)}
-    more = [product_of(k, written({joined(m, ((x, -1),)): c * n})) for x, k in logs.items() for m, c in poly.items() for y, n in m if y == x]
+    more = [product_of(logs[x], written({joined(m, ((x, -1),)): c * n})) for m, c in poly.items() for x, n in m if x in logs]
     parts = _by_degree(poly, domain, logs)
     sums = (sum_of(*more, *(product_of(_plain(sum_of(k, minus(m)), domain), part) for k, part in parts.items() if k != m)) for m in parts)
     signs = [domain.facts(power).sign for power in sums]

@@ -36,7 +36,7 @@ def semidefinite(matrix: Matrix, domain: StatedDomain) -> bool:
 
 
 def zero_with(term: Term, domain: StatedDomain) -> list[Term]:
-    """The forces that are 0 wherever a term is: those of blocks that are positive definite, of a semidefinite form that it, or its square, is."""
+    """The forces that are 0 wherever a term is, if it, or the square of a size, is a semidefinite form: those of its definite blocks."""
     names = [f for f in domain.law.forces if f in term.names()]
     with suppress(NotWritten):
         matrix, row, rest = quadratic(product_of(term, term) if term.op in ("abs", "norm") else term, names, domain)

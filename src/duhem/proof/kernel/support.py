@@ -163,7 +163,7 @@ def _polar(gauge: Term, other: Term, radius: Term, dual: Mapping[str, str], doma
 
 
 def _polar_of_one(gauge: Term, other: Term, radius: Term, force: str, slip: str, domain: StatedDomain) -> bool:
-    if not all(list(by_degree(part, domain)) == [1] for part in (gauge, other)):
+    if not all(list(by_degree(part, domain)) == [number(1)] for part in (gauge, other)):
         return False
     for way in (number(1), number(-1)):
         weight, width = at(gauge, [force], [way]), at(other, [slip], [way])

@@ -240,10 +240,10 @@ def smoothness_at_corners(subject: FormulaSubject) -> Evidence | None:
 
 
 def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
-    """An exact boundary point to which K narrows: the tip of a cone, of a drop, a cusp."""
-    from duhem.proof.search.corners import sharp_points  # numpy, only when something is looked for
+    """An exact boundary point to which K narrows: the tip of a cone, of a drop, a cusp; a saddle of g."""
+    from duhem.proof.search.corners import centred_choices, sharp_points  # numpy, only when something is looked for
 
-    choices = subject.choices(1, _at_least_exponents(subject))
+    choices = subject.choices(1, [*_at_least_exponents(subject), *centred_choices(subject)])
     found = (sharp_point(subject, *one) for parameters in choices for one in sharp_points(subject, parameters))
     return _not_smooth(subject, found, "witness-sharp-point", "the boundary has a sharp point")
 

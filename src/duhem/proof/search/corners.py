@@ -33,12 +33,12 @@ from duhem.proof.facts.subject import Point, Values, rationals
 from duhem.proof.search.boundary_points import scout
 from duhem.proof.search.edges import edges
 
-__all__ = ["Crossing", "crossings", "section_corners", "sharp_points"]
+__all__ = ["Crossing", "centred_choices", "crossings", "section_corners", "sharp_points"]
 
 _MOST, _NEAREST = 16, 2  # crossings of one seam; places nearest to it
 _MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
 _START = 8_000  # steps from one place to a crossing, or to none
-_PLANES, _TIPS, _PLACES = 6, 6, 6
+_PLANES, _TIPS, _PLACES, _CENTRES = 6, 6, 6, 3
 _DIRECTIONS = 1440
 _JUMP = 1e-4  # of the direction, in radians: a smooth boundary turns less where it is looked at so closely
 _STEPS = 4_000  # of a place, or of looking around a plane, by the operations in the formula
@@ -265,7 +265,7 @@ def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpP
         with np.errstate(all="ignore"):
             return np.broadcast_to(level(*points.T), len(ways))
 
-    for place in dict.fromkeys([*_plain_places(g, forces), *_on_edges(g, forces, pointed)]):
+    for place in dict.fromkeys([*_plain_places(g, forces), *_centre(g, forces), *_on_edges(g, forces, pointed)]):
         if not subject.budget.pays(_PLACE):
             return
         size = _SHARP * max(1.0, *(abs(float(c)) for c in place))
@@ -288,6 +288,28 @@ def _plain_places(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[Point]:
             for root in sorted(form.ground_roots()):
                 if root:
                     yield tuple(Fraction(int(root.p), int(root.q)) if k == i else Fraction(0) for k in range(len(forces)))
+
+
+def centred_choices(subject: FormulaSubject) -> Iterator[Values]:
+    """Choices of the parameters at which a quadratic g is 0 at its centre: its matrix, with 1 as a force more, has the determinant 0."""
+    forces, one = subject.simple.forces, sp.Dummy()
+    if not subject.simple.g.is_polynomial(*forces) or (form := sp.Poly(subject.simple.g, *forces)).total_degree() != 2:
+        return
+    matrix = sp.hessian(form.homogenize(one).as_expr(), (*forces, one))
+    for plain in subject.choices(_CENTRES):
+        for x in plain:
+            at = matrix.subs({y: rational(value) for y, value in plain.items() if y != x})
+            over = sp.numer(sp.together(at.det()))
+            if over.has(x) and (line := sp.Poly(over, x)).domain in (sp.ZZ, sp.QQ):
+                yield from ({**plain, x: fraction(root)} for root in line.ground_roots())
+
+
+def _centre(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[Point]:
+    """That of a quadratic g, where g is 0 there."""
+    if g.is_polynomial(*forces) and (form := sp.Poly(g, *forces)).total_degree() == 2 and form.domain in (sp.ZZ, sp.QQ):
+        matrix, row = sp.hessian(g, forces), sp.Matrix([sp.diff(g, x).subs(dict.fromkeys(forces, 0)) for x in forces])
+        if matrix.det() and not form(*(centre := tuple(-matrix.LUsolve(row)))):
+            yield tuple(map(fraction, centre))
 
 
 def _on_edges(g: sp.Expr, forces: Sequence[sp.Symbol], pointed: Sequence[tuple[int, ...]]) -> Iterator[Point]:
