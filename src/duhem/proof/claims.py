@@ -264,6 +264,7 @@ A boundary curve is C^1 if it does not cross itself (it is convex, or T x T' > 0
             Finder(FormulaSubject, evidence.smoothness_by_identities),
             ProofMethod(FormulaSubject, evidence.smoothness_on_boundary),
             OF_GRAPH,
+            ProofMethod(GraphSubject, refuters.smoothness_at_corners),
         ),
     ),
     Claim(

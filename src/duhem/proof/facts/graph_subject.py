@@ -6,22 +6,34 @@ The kernel alone proves what is said of such a law.  A refutation is a value enc
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import islice
 
 import sympy as sp
 
 from duhem.expression import holds_at
 from duhem.expression.number import fraction, rational
+from duhem.expression.vocabulary import KINKS
 from duhem.law.domain import REAL
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Point, Subject, Values, plain_choices, rationals
 
 __all__ = ["GraphSubject"]
 
 _QUESTION_STEPS = 8_000_000
 _MOST_CHOICES = 200
+_LONGEST, _WRITTEN_OUT_STEPS = 20_000, 400_000_000
+
+
+def _length(expr: sp.Basic, known: dict[sp.Basic, int]) -> int:
+    """How many parts it has as it is written, those that stand in several places counted in each."""
+    if expr not in known:
+        known[expr] = 1 + sum(_length(a, known) for a in expr.args)
+    return known[expr]
 
 
 class GraphSubject(Subject):
@@ -63,6 +75,17 @@ class GraphSubject(Subject):
     def nowhere(self) -> Point:
         """Zero force."""
         return (Fraction(0),) * len(self.law.forces)
+
+    @cached_property
+    def written_out(self) -> FormulaSubject | None:
+        """The law with g written out, where it has kinks and is short enough for that."""
+        graph = self.law.graph
+        if graph is None or not graph.formula.has(*KINKS) or _length(graph.formula, {}) > _LONGEST:
+            return None
+        named = dict(zip(graph.names, self.law.g.args[1:], strict=True))
+        found = FormulaSubject(replace(self.law, g=graph.formula.xreplace(named)), self.effort)
+        found.allow(_WRITTEN_OUT_STEPS)
+        return found
 
     def named(self, values: Values) -> dict[str, Fraction]:
         """Parameters, forces and pressure by their names in the law."""

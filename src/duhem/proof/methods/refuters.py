@@ -19,6 +19,7 @@ from duhem.expression.number import fraction, rational
 from duhem.law.domain import POSITIVE
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
+from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.facts.special_places import undefined_at_zero
 from duhem.proof.facts.subject import Point, Values
@@ -232,8 +233,10 @@ def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence
 # -- corners ----------------------------------------------------------------------------------------------------------
 
 
-def smoothness_at_corners(subject: FormulaSubject) -> Evidence | None:
+def smoothness_at_corners(subject: FormulaSubject | GraphSubject) -> Evidence | None:
     """A boundary point on a seam where the one-sided normals differ: in two forces on any seam, in more in some planes."""
+    if isinstance(subject, GraphSubject):
+        return None if subject.written_out is None else smoothness_at_corners(subject.written_out)
     choices = subject.choices(6 if len(subject.simple.forces) == 2 else 2, _at_least_exponents(subject))
     found = (corner(subject, *one) for parameters in choices for one in _suggested(subject, parameters))
     return _not_smooth(subject, found, "witness-corner", "the outward normal jumps at a corner of the boundary")
