@@ -207,7 +207,8 @@ def test_a_root_of_what_is_never_0_has_no_tip(under: str, right: bool) -> None:
         ("a**2 + b**2 - m*b + 0/e", False),
         ("abs(a) - m*b", False),
         ("sqrt(a**2 + m) - sqrt(m) - b", True),  # a graph over the other forces
-        ("sqrt(a**2 + m) - sqrt(m) - 2*b", False),  # true, but neither a polynomial nor seen as a graph
+        ("sqrt(a**2 + m) - sqrt(m) - 2*b", True),
+        ("sqrt(a**2 + m) - sqrt(m) - e*b", False),  # a line, for e = 0
     ],
 )
 def test_a_convex_polynomial_that_falls_from_the_origin(g: str, right: bool) -> None:
