@@ -169,6 +169,50 @@ def test_signs_over_what_a_constraint_bounds(constraint: str) -> None:
     assert shown[1] > 3
 
 
+@pytest.mark.parametrize("constraint", ["m < k", "m <= k"])
+def test_what_is_linear_between_ends_that_touch_0(constraint: str) -> None:
+    """k A + m (B - A) is between k A and k B for 0 <= m <= k; A and B have zeros of even multiplicity at any place, or change sign."""
+    domain, rng, shown = over(law("a - k", constraint, k=POSITIVE, m={"min": "0"})), Random(5), [0, 0]
+    k, m = (Term("name", name=n) for n in "km")
+    grid = [F(i, 40) for i in range(-40, 41)]
+
+    def drawn() -> list[F]:
+        root, level, turned = F(rng.randint(-9, 9), 7), rng.choice((0, 0, 1)), rng.choice((1, 1, 1, -1))
+        return [turned * (root * root + level), turned * -2 * root, F(turned)]
+
+    for _ in range(30):
+        a, b = drawn(), drawn()
+        shares = ((k, a), (m, [d - c for c, d in zip(a, b, strict=True)]))
+        drawn_poly = {tuple(sorted((x, n) for x, n in ((RAY, i), (of, 1)) if n)): c for of, own in shares for i, c in enumerate(own) if c}
+        weak, strict = (nonnegative_over(drawn_poly, (F(-1), F(1)), domain, s) for s in (False, True))
+        at_ends = [[sum(c * t**i for i, c in enumerate(end)) for t in grid] for end in (a, b)]
+        assert weak is all(nonnegative_on_the_line(line(end), F(-1), F(1)) for end in (a, b))
+        between = [x + share * (y - x) for x, y in zip(*at_ends, strict=True) for share in (F(0), F(1, 2), F(99, 100))]
+        assert not strict or min(between) > 0
+        assert not strict or constraint == "m < k" or min(at_ends[1]) > 0
+        shown[0], shown[1] = shown[0] + weak, shown[1] + strict
+    assert shown[0] > 10 and shown[1] > 0
+
+
+@pytest.mark.parametrize(
+    ("constraint", "m", "right"),
+    [
+        ("m < k", {"min": "0"}, True),
+        ("abs(m) < k", {}, True),
+        ("m <= k", {"min": "0"}, False),
+        ("m < 2*k", {"min": "0"}, False),
+        ("m < k + n", {"min": "0"}, False),
+        ("m < k", {}, False),
+        ("n < k", {"min": "0"}, False),
+    ],
+)
+@pytest.mark.parametrize("waves", [2, 4])
+def test_a_wave_that_a_constraint_keeps_above_0(constraint: str, m: dict[str, str], right: bool, waves: int) -> None:
+    wavy = law(f"norm(a, b) + s*(k + m*cos({waves}*atan2(b, a)))", constraint, k=POSITIVE, m=m, n=POSITIVE)
+    assert (judged(wavy) is not None) is right
+    assert (not objection("dissipation", "euler", frozenset({"origin"}), wavy, {})) is right
+
+
 def test_a_constraint_may_leave_one_value() -> None:
     here, e = over(law("a - e", "e >= 1", e=span(0, 1))), Term("name", name="e")
     for shift, factor, weak, strict in (

@@ -199,6 +199,17 @@ class StatedDomain:
             self._spans[constant] = span(constant, self.of, self.bounds)
         return self._spans[constant]
 
+    def ends(self, x: Term, way: int) -> Iterator[tuple[Polynomial, bool]]:
+        """What a parameter is no less than (``way`` 1), or no greater (-1), and whether it is never that: by its range and constraints."""
+        low, high, *left_out = self.bounds[x.name]
+        if (end := low if way > 0 else high) is not None:
+            yield {(): end} if end else {}, left_out[way < 0]
+        for known, sharp in self._gaps:
+            if all(n == 1 for m in known for y, n in m if y == x) and (own := known.get(((x, 1),))) and own * way > 0:
+                rest = {m: c / -own for m, c in known.items() if m != ((x, 1),)}
+                if all(x not in dict(m) for m in rest):
+                    yield rest, sharp
+
     def sign_of_multiple(self, term: Term) -> Sign:
         """Of a constraint times something: the product of their signs."""
         poly = self.polynomial(term) if self._gaps else {}

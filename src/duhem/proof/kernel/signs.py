@@ -31,7 +31,7 @@ from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.constant_value import sign_of_radicals, sign_over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.identity import multiplied_through
-from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, root_of_square, times, total, written
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, replaced, root_of_square, times, total, written
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = [
@@ -46,6 +46,7 @@ _FINEST = Fraction(1, 2**30)  # a root is enclosed at least as finely as this
 _MOST_HALVINGS = 3
 _MOST_DEGREE = 80  # about ten seconds of Sturm's theorem
 _MOST_SHARES = 100_000  # terms of polynomials, times their degrees, of one question
+_LINEAR = 60  # terms of a polynomial that is looked at where a parameter has its ends
 _FEW, _SHORT = 3, 12  # names and terms of a polynomial
 _ONE_SIGN = (NEGATIVE, ZERO, POSITIVE)
 _WAVES = ("sin", "cos", "tan")
@@ -150,7 +151,27 @@ def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, stric
     if _InRanges(between, domain).above(poly, strict):
         return True
     moving = any(x == RAY for m in poly for x, _ in m)  # of a constant the constraints are asked by who asks for its sign
-    return bool(moving and domain.law.constraints) and _nonnegative_with_constraints(poly, between, domain, strict, _MOST_HALVINGS)
+    if not moving or not domain.law.constraints:
+        return False
+    return _nonnegative_with_constraints(poly, between, domain, strict, _MOST_HALVINGS) or _at_ends(poly, between, domain, strict)
+
+
+def _at_ends(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool) -> bool:
+    """Whether a P that is linear in a parameter is >= 0 at two ends of it, which other parameters may give.
+
+    It is > 0 where it is so at those ends that are reached; if none is, where its mean at both is.
+    """
+    for x in sorted({x for m in poly for x, _ in m if x.name in domain.bounds} if len(poly) <= _LINEAR else ()):
+        if any(n != 1 for m in poly for y, n in m if y == x):
+            continue
+        for ends in product(domain.ends(x, 1), domain.ends(x, -1)):
+            with suppress(NotWritten):
+                values = [replaced(poly, x, end) for end, _ in ends]
+                reached = [value for value, (_, left_out) in zip(values, ends, strict=True) if not left_out] or [total(*values)]
+                asked = [(value, False) for value in values] + [(value, True) for value in reached if strict]
+                if all(_InRanges(between, domain).above(*one) for one in asked):
+                    return True
+    return False
 
 
 def _nonnegative_with_constraints(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool, halvings: int) -> bool:
