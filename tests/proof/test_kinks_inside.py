@@ -14,7 +14,8 @@ from duhem import Criterion, Domain
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.methods import refuters
+from duhem.proof.methods import evidence, refuters
+from duhem.proof.verification import Confirmations
 from tests.oracles.reevaluation import confirmed as shown_again
 
 POSITIVE = {"positive": True}
@@ -210,6 +211,29 @@ def test_a_convex_potential_least_at_zero(potential: str, values: Mapping[str, f
     law = stated(g, EXPONENTS, flow={"potential": potential})
     assert confirmed("dissipation", "convex-potential", law) is right
     assert bool(least_power(level(g, values), level(potential, values)) > -1e-6) is right
+
+
+@pytest.mark.parametrize(
+    ("direction", "right"),
+    [
+        (("(M - q/p)/(1 - N)", "1"), True),
+        (("(M - q/p)/(1 + N)", "1"), True),
+        (("(q/p - M)/(1 - N)", "1"), False),
+        (("-2*M/N", "1"), False),
+    ],
+)
+def test_a_share_of_g_with_an_exponent_that_is_a_parameter(direction: tuple[str, str], right: bool) -> None:
+    nor_sand = Criterion(
+        "law",
+        "q - M*p/N*(1 + (N - 1)*(p/k)**(N/(1 - N)))",
+        {"M": Domain.between("0.8", "1.6"), "N": Domain.between("0.1", "0.5"), "k": Domain(positive=True)},
+        forces=("p", "q"),
+        pressure=None,
+        flow=direction,
+        domain={"p": Domain.between(0), "q": Domain.between(0)},
+    )
+    kernel = Confirmations(nor_sand)
+    assert any(kernel.confirms("dissipation", found) for found in evidence.dissipation_by_shares(FormulaSubject(nor_sand))) is right
 
 
 # -- corners and saddles -------------------------------------------------------------------------------------------------
