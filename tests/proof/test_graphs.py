@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from duhem import Criterion, Domain, load, project, recheck, verify
+from duhem import Criterion, Domain, Verdict, load, project, recheck, verify
 from duhem.errors import InputError
 from duhem.expression import numpy_, symbol
 from duhem.expression.parse import parse_as_written
@@ -25,6 +25,7 @@ from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten, definitions
+from tests.oracles import reevaluation
 from tests.proof.networks import Network
 
 CLAIMS = ("origin", "convexity", "normality", "dissipation")
@@ -54,6 +55,25 @@ def test_a_network_with_weights_that_are_not_negative_is_proved_and_rechecked(
     found = verify(load(network.write(tmp_path)), claims=CLAIMS)
     assert {r.claim: (r.verdict.value, r.trust and r.trust.value) for r in found} == dict.fromkeys(CLAIMS, ("proved", "checked"))
     assert recheck(found.certificate()).ok
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("width", "layers", "activation", "cornered"),
+    [pytest.param(12, 2, "pos", True, marks=pytest.mark.long), (12, 2, "softplus", False), (12, 3, "pos", False)],
+)
+def test_a_short_network_of_ramps_has_a_corner(tmp_path: Path, width: int, layers: int, activation: str, cornered: bool) -> None:
+    """A long one is not looked at: all are cornered."""
+    law = load(Network(width, layers, activation).write(tmp_path))
+    found = verify(law, claims=["smoothness"])["smoothness"]
+    assert (found.verdict is Verdict.REFUTED) is cornered
+    assert not cornered or (found.witness is not None and reevaluation.confirmed(written_out(law), "smoothness", found.witness))
+
+
+def written_out(law: Criterion) -> Criterion:
+    subject = GraphSubject(law).written_out
+    assert subject is not None
+    return subject.law
 
 
 def test_the_weights_are_those_of_the_tables(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ The kernel alone proves what is said of such a law.  A refutation is a value enc
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
@@ -14,6 +15,7 @@ from itertools import islice
 import sympy as sp
 
 from duhem.expression import holds_at
+from duhem.expression.fold import Graph
 from duhem.expression.number import fraction, rational
 from duhem.expression.vocabulary import KINKS
 from duhem.law.domain import REAL
@@ -27,13 +29,15 @@ __all__ = ["GraphSubject"]
 _QUESTION_STEPS = 8_000_000
 _MOST_CHOICES = 200
 _LONGEST, _WRITTEN_OUT_STEPS = 20_000, 400_000_000
+_WORD = re.compile(r"\w+")
 
 
-def _length(expr: sp.Basic, known: dict[sp.Basic, int]) -> int:
-    """How many parts it has as it is written, those that stand in several places counted in each."""
-    if expr not in known:
-        known[expr] = 1 + sum(_length(a, known) for a in expr.args)
-    return known[expr]
+def _length(graph: Graph) -> int:
+    """How many words its formula has once it is written out."""
+    known: dict[str, int] = {}
+    for name, text in (*graph.nodes, ("g", graph.last)):
+        known[name] = sum(known.get(word, 1) for word in _WORD.findall(text))
+    return known["g"]
 
 
 class GraphSubject(Subject):
@@ -80,7 +84,7 @@ class GraphSubject(Subject):
     def written_out(self) -> FormulaSubject | None:
         """The law with g written out, where it has kinks and is short enough for that."""
         graph = self.law.graph
-        if graph is None or not graph.formula.has(*KINKS) or _length(graph.formula, {}) > _LONGEST:
+        if graph is None or _length(graph) > _LONGEST or not graph.formula.has(*KINKS):
             return None
         named = dict(zip(graph.names, self.law.g.args[1:], strict=True))
         found = FormulaSubject(replace(self.law, g=graph.formula.xreplace(named)), self.effort)

@@ -51,25 +51,22 @@ def is_steep(law: StatedLaw, identities: Sequence[Identity]) -> bool:
 
 
 def falls_from_zero(law: StatedLaw) -> bool:
-    """Whether g is a polynomial with g(0) <= 0 and grad g(0) != 0, so that it is negative somewhere near; or a x^2 + b x + c along the axis
-    of a force x, with b^2 > 4 a c, so that it is negative somewhere on that.
+    """Whether g is a polynomial and negative somewhere on an axis: g(0) <= 0 and the slope there is not 0; or it is a x^2 + b x + c, with
+    b^2 > 4 a c.
     """
     domain = over(law)
     g = domain.polynomial(law.g)
     if not domain.facts(law.g).defined or any(not domain.constant(x) and (x.op != "name" or n < 0) for m in g for x, n in m):
         return False
 
-    def at_zero(f: Polynomial) -> Sign:
-        return domain.facts(written({m: c for m, c in f.items() if all(domain.constant(x) for x, _ in m)})).sign
-
-    def crosses_zero(x: Term) -> bool:
+    def falls(x: Term) -> bool:
         along = in_powers({m: k for m, k in g.items() if all(y == x or domain.constant(y) for y, _ in m)}, x)
         c, b, a = (*along, Polynomial(), Polynomial())[:3]
         gap = total(times(b, b), times({(): Fraction(-4)}, times(a, c)))
-        return len(along) <= 3 and domain.facts(written(gap)).sign == POSITIVE
+        here, rise, apart = (domain.facts(written(f)).sign for f in (c, b, gap))
+        return (not here & POSITIVE and not rise & ZERO) or (len(along) <= 3 and apart == POSITIVE)
 
-    forces = [Term("name", name=x) for x in law.forces]
-    return (not at_zero(g) & POSITIVE and any(not at_zero(slope(g, x)) & ZERO for x in forces)) or any(map(crosses_zero, forces))
+    return any(falls(Term("name", name=x)) for x in law.forces)
 
 
 def is_a_graph(law: StatedLaw) -> bool:
