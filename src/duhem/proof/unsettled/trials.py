@@ -15,7 +15,6 @@ from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import needs_of, objection, rules_of
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.definedness import rarely_zero
 from duhem.proof.kernel.stated_law import StatedLaw, inhabited
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, product_of
@@ -33,16 +32,23 @@ _TURNS, _MOST_CHOICES = 7, 6  # of plain values
 
 
 def that_help(
-    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Sequence[Choice]
+    claim: str,
+    law: Text,
+    settled: frozenset[str],
+    blocked: Blocked | None,
+    names: Names,
+    choices: Sequence[Choice],
+    limits: Sequence[tuple[str, str]] = (),
 ) -> list[str]:
     """What to do, so that the claim is proved: one action a kind, each seen to help.
 
-    ``choices`` are values of the free parameters at which it is tried, after plain ones.
+    ``choices`` are values of the free parameters at which it is tried, after plain ones; ``limits`` say what to write for g, and it.
     """
     asked = _Asked(claim, settled)
-    kinds = (_signs(law, blocked, choices), _ranges(law, blocked), _forms(law, blocked, names))
+    forms = chain(((told, {**law, "g": g}) for told, g in limits), _forms(law, blocked, names))
+    kinds = (_signs(law, blocked, choices), _ranges(law, blocked))
     found = ([action for action, changed in kind if asked(changed)][:1] for kind in kinds)
-    return [*chain.from_iterable(found), *_values(law, blocked, choices, asked)]
+    return [*chain.from_iterable(found), *_with_least_lost(forms, asked), *_values(law, blocked, choices, asked)]
 
 
 class _Asked:
@@ -51,18 +57,29 @@ class _Asked:
     def __init__(self, claim: str, settled: frozenset[str]) -> None:
         self.claim, self.settled, self.steps = claim, settled, _ALL
 
-    def __call__(self, law: Text) -> bool:
-        """Whether it proves the claim without evidence, with what that may rest on."""
+    def __call__(self, law: Text, *claims: str, of_a_part: bool = True) -> bool:
+        """Whether it proves the claim without evidence, or others, with what that may rest on; ``of_a_part`` of a law holds what is settled."""
         if self.steps < 0:
             return False
-        known = set(self.settled)
+        known, wanted = set(self.settled if of_a_part else ()), claims or (self.claim,)
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
             read = stated(law)
-            for name in (*sorted(needs_of(self.claim, read) - known, key=_BEFORE.index), self.claim):
+            needed = {*wanted}.union(*(needs_of(name, read) for name in wanted)) - known
+            for name in sorted(needed, key=_BEFORE.index):
                 if any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read)):
                     known.add(name)
         self.steps -= purse.spent + _READING
-        return self.claim in known
+        return known.issuperset(wanted)
+
+
+def _with_least_lost(forms: Iterator[tuple[str, Text]], asked: _Asked) -> list[str]:
+    """The first form of g of which the claim is proved, and best all that is proved of the law as it is; what else is open then is said."""
+    found = [(told, changed) for told, changed in forms if asked(changed, of_a_part=False)]
+    lost = [[name for name in sorted(asked.settled) if name in _BEFORE and not asked(changed, name, of_a_part=False)] for _, changed in found]
+    best = min(range(len(found)), key=lambda i: (len(lost[i]), len(found[i][0])), default=None)
+    if best is None:
+        return []
+    return [found[best][0] + (f" (for this claim alone: {' and '.join(lost[best])} would be open)" if lost[best] else "")]
 
 
 def _signs(law: Text, blocked: Blocked | None, choices: Sequence[Choice]) -> Iterator[tuple[str, Text]]:
@@ -90,8 +107,6 @@ def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[s
     read = stated(law)
     if not isinstance(read, StatedLaw) or not blocked.part.names() & {*read.forces}:
         return
-    if blocked.part.op != "log":
-        yield from _beside_a_tip(law, read, _size(blocked.part), names)
     if blocked.part.op == "atan2":
         return
     g, base, domain = read.g, blocked.part.args[0], over(read)
@@ -105,30 +120,6 @@ def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[s
         told = f"write {ways[0]} for {ways[1]}, and max(..., {said}) for g: so g has its limit where this is 0"
         yield told, {**law, "g": f"max({in_text(g.put({whole: limit}), {})}, {ends})"}
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
-
-
-def _beside_a_tip(law: Text, read: StatedLaw, size: Term, names: Names) -> Iterator[tuple[str, Text]]:
-    """g with 0 for what has no value where a size is 0, on a set without an inside."""
-    if over(read).facts(size).nonnegative and rarely_zero(size, over(read)):
-        swap = {x: Term("where", (Term(">", (size, number(0))), x, number(0))) for x in _without_a_value(read.g, size)}
-        told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in swap.items())
-        yield f"write {told}, if you mean 0 there", {**law, "g": in_text(read.g.put(swap), {})}
-
-
-def _size(part: Term) -> Term:
-    """What is 0 where a quotient or an angle has no value, by its first power."""
-    if part.op == "atan2":
-        return Term("norm", part.args)
-    return _size(part.args[0]) if part.op == "**" else part
-
-
-def _without_a_value(term: Term, size: Term) -> Iterator[Term]:
-    """The largest parts of a sum that divide by a size, or ask for an angle of what has it."""
-    if term.op in ("+", "max", "min"):
-        for a in term.args:
-            yield from _without_a_value(a, size)
-    elif any(_size(x) == size for x in term.parts() if x.op == "atan2" or (x.op == "**" and not x.args[1].value > 0)):
-        yield term
 
 
 def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked) -> Iterator[str]:

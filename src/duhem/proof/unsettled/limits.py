@@ -1,0 +1,136 @@
+"""What to write for a formula that has no value where a size or a load is 0: a value of a part there, or the formula without the divisor.
+
+Whether K stays what it was is looked at in floats, close to where the load is 0: a value there is no limit because it is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from itertools import islice
+
+import numpy as np
+
+from duhem.expression.numpy_ import compiled
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.kernel.curvature import within_ranges
+from duhem.proof.kernel.definedness import Reader, rarely_zero
+from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
+from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.term import Term, factors, number, product_of, sum_of
+from duhem.proof.unsettled.term_text import Names, in_text
+
+__all__ = ["keeps_k", "with_values"]
+
+_MOST = 4  # parts in one formula, and ways to choose each
+_CHOICES, _DRAWN = 2, 24  # of parameters; of places, and around each
+_NEAR, _SAME, _ROUNDING = 1e-6, 1e-3, 1e-9
+_ZERO, _ONE = number(0), number(1)
+
+
+def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
+    """What to write, and g: with 0 for a part that has no value, the part being small or large; g times what it is divided by."""
+    domain, seen = within_ranges(read), set[Term]()
+    if (tip := _tip(read.g, domain)) is None:
+        return
+    _, size, power = tip
+    scaled = _times(read.g, size, power)
+    for start, rank in ((start, rank) for start in (read.g, scaled) for rank in range(_MOST)):
+        g, put = start, list[tuple[Term, Term]]()
+        while (tip := _tip(g, domain)) is not None and len(put) < _MOST:
+            above = _above(start, tip[0], names)
+            x = above[min(rank, len(above) - 1)]
+            if any(x in limit.parts() for _, limit in put):
+                break
+            put.append((x, Term("where", (Term(">", (tip[1], _ZERO)), x, _ZERO))))
+            g = g.put(dict(put[-1:]))
+        if g != read.g and g not in seen:
+            seen.add(g)
+            told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"
+            by = in_text(size if power == _ONE else Term("**", (size, power)), names)
+            yield f"write {told if start is read.g else f'{in_text(g, names)} for g, which is {by} times g'}", g
+
+
+def _tip(g: Term, domain: StatedDomain) -> tuple[Term, Term, Term] | None:
+    """A part without a value, what is 0 there and else > 0, and the power of it that divides; None where that is not seen."""
+    if (part := Reader(domain).undecided(g)) is None or part.op not in ("**", "log", "atan2"):
+        return None
+    size, power = (Term("norm", part.args) if part.op == "atan2" else part), _ONE
+    while size.op in ("**", "log"):
+        size, power = size.args[0], number(power.value * -abs(size.args[1].value)) if size.op == "**" and size.args[1].op == "number" else power
+    loads = [x for x in factors(size) if not x.names() or not domain.constant(x)]
+    size = loads[0] if len(loads) == 1 else size if len(loads) == len(factors(size)) else Term("*", tuple(loads))
+    if domain.facts(size).sign & NEGATIVE or not rarely_zero(size, domain):
+        return None
+    raised = (x.args[1] for x in g.parts() if x.op == "**" and x.args[1].op != "number" and part in x.args[0].parts())
+    return part, size, next(raised, number(abs(power.value)))
+
+
+def _above(g: Term, part: Term, names: Names) -> list[Term]:
+    """Parts that hold a part: those that have a name, then the product that it stands in, then the term of the sum; the smallest first."""
+    found = [x for x in g.parts() if x != part and part in x.parts()]
+    named = [x for x in found if x in names]
+    whole = [x for x in found if x.op == "*"]
+    return [*named, *whole[:1], *whole[-1:], *found[:1]] or [part]
+
+
+def _times(term: Term, size: Term, power: Term) -> Term:
+    """A formula times a power of a size by which it may divide."""
+    if term.op == "+":
+        return sum_of(*(_times(a, size, power) for a in term.args if a != _ZERO))
+    if term.op == "**" and term.args[1] == power and power.op != "number":
+        return Term("**", (_times(term.args[0], size, _ONE), power))
+    rest, own = _split(term, size)
+    for i, x in enumerate(rest):
+        if x != term and x.op in ("+", "**") and _divides(x, size):
+            return product_of(*rest[:i], _times(x, size, power), *rest[i + 1 :])
+    left = number(own + power.value) if power.op == "number" else sum_of(number(own), power)
+    more = [] if left == _ZERO else [size] if left == _ONE else [Term("**", (size, left))]
+    return product_of(*rest, *more)
+
+
+def _split(term: Term, size: Term) -> tuple[list[Term], Fraction]:
+    """The factors of a term but for powers of a size, and the power of that."""
+    if factors(term) == factors(size):
+        return [], Fraction(1)
+    if term.op == "**" and term.args[1].op == "number":
+        rest, own = _split(term.args[0], size)
+        if own:
+            return ([Term("**", (product_of(*rest), term.args[1]))] if rest else []), own * term.args[1].value
+    if term.op == "*":
+        parts = [_split(a, size) for a in term.args]
+        return [x for rest, _ in parts for x in rest], sum((own for _, own in parts), Fraction(0))
+    return [term], Fraction(0)
+
+
+def _divides(term: Term, size: Term) -> bool:
+    return any(_split(x, size)[1] < 0 for x in term.parts() if x.op == "**")
+
+
+def keeps_k(subject: FormulaSubject, g: str) -> bool:
+    """Whether K seems to be as before at places where g has no value and a changed g has: one near those around, or of a sign found there."""
+    law, rng = subject.law, np.random.default_rng(7)
+    changed, table = replace(law, g=g, written=""), law.symbols()
+    old, new = (compiled(x.g, table.values()) for x in (law, changed))
+    low, high = (np.array([end if (own := getattr(law.domain.get(f), side, None)) is None else float(own) for f in law.forces])
+                 for side, end in (("low", -np.inf), ("high", np.inf)))
+    n = len(law.forces)
+    equal = np.repeat(np.array([[0.0], [1.0], [-1.0], [30.0], [-30.0]]), n, axis=1)
+    equal[:, 3 if law.stress else n :] = 0.0
+    drawn = rng.standard_normal((_DRAWN, n)) * (1 - np.eye(n)[np.arange(_DRAWN) % n])
+    places = np.clip(np.concatenate([equal, drawn, 30 * drawn]), low, high)
+    for parameters in islice(subject.choices(_CHOICES), _CHOICES):
+        known = {x: float(v) for x, v in subject.named(subject.values_at(parameters, subject.nowhere)).items()}
+        others = [known[name] for name in [*table][n:]]
+        tips = [z for z in places if not np.isfinite(old(*z, *others))]
+        for z in tips:
+            here = float(new(*z, *others))
+            around = np.clip(z + _NEAR * max(1.0, np.abs(z).max()) * np.concatenate([equal[:3], drawn]), low, high)
+            near = old(*around.T, *others)
+            near = near[np.isfinite(near)]
+            if np.all(np.abs(near - here) <= _SAME * (1 + abs(here))):
+                continue
+            if not (np.any(near <= 0) if here <= _ROUNDING else np.all(near > 0)):
+                return False
+    return True
