@@ -176,5 +176,7 @@ def told(law: Law, claim: str, asked: str) -> str:
         return ""
     if found.exact and found.short not in ("true", "false"):
         return found.sentence
-    more = "" if claim == "convexity" else f" --claim {claim}"
-    return "" if found.exact else f"for which {' and '.join(names)} {claim} holds: duhem region {asked} {' '.join(names)}{more}"
+    which, more = f"for which {' and '.join(names)} {claim} holds", "" if claim == "convexity" else f" --claim {claim}"
+    if not found.exact and found.open_share == 1:
+        return f"{which} is open: no range of their values was decided, so first find one value, or one form of g, for which it is"
+    return "" if found.exact else f"{which}: duhem region {asked} {' '.join(names)}{more}"

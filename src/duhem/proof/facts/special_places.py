@@ -25,7 +25,7 @@ Place = Mapping[sp.Symbol, sp.Expr]
 def undefined_place(subject: FormulaSubject, obligation: Obligation) -> tuple[str, str]:
     """The hydrostatic axis or zero force, and the remedy, where what is divided by or under a logarithm is 0 there; else twice ""."""
     normal, shear = subject.problem.forces[:3], subject.problem.forces[3:]
-    remedy = "; if you mean its limit there, write where({} > 0, ..., 0) around this part"
+    remedy = "; if you mean its limit there, write where({} > 0, ..., ...) around this part, with this limit at the end"
     axis = dict.fromkeys(normal, sp.Dummy("p", nonzero=True, real=True)) | dict.fromkeys(shear, sp.S.Zero)
     if len(normal) == 3 and len(shear) in (0, 3) and _vanishes(obligation, axis):
         equal = " = ".join(map(str, normal)) + "".join(f", {x} = 0" for x in shear)

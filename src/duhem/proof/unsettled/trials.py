@@ -25,10 +25,11 @@ __all__ = ["that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
-_A_TRIAL, _ALL, _READING = 200_000, 1_500_000, 5_000  # steps
+_A_TRIAL, _A_KIND, _READING = 200_000, 450_000, 5_000  # steps of one trial and of all of one kind; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "0", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES = 7, 6  # of plain values
+_HALVINGS = 3  # of what is left between a narrower range and the whole
 
 
 def that_help(
@@ -47,15 +48,18 @@ def that_help(
     asked = _Asked(claim, settled)
     forms = chain(((told, {**law, "g": g}) for told, g in limits), _forms(law, blocked, names))
     kinds = (_signs(law, blocked, choices), _ranges(law, blocked))
-    found = ([action for action, changed in kind if asked(changed)][:1] for kind in kinds)
-    return [*chain.from_iterable(found), *_with_least_lost(forms, asked), *_values(law, blocked, choices, asked)]
+    found = list[str]()
+    for kind in kinds:
+        asked.steps = _A_KIND
+        found += [action for action, changed in kind if asked(changed)][:1]
+    return [*found, *_with_least_lost(forms, asked), *_values(law, blocked, choices, asked)]
 
 
 class _Asked:
     """The kernel, as long as steps are left."""
 
     def __init__(self, claim: str, settled: frozenset[str]) -> None:
-        self.claim, self.settled, self.steps = claim, settled, _ALL
+        self.claim, self.settled, self.steps = claim, settled, _A_KIND
 
     def __call__(self, law: Text, *claims: str, of_a_part: bool = True) -> bool:
         """Whether it proves the claim without evidence, or others, with what that may rest on; ``of_a_part`` of a law holds what is settled."""
@@ -74,6 +78,7 @@ class _Asked:
 
 def _with_least_lost(forms: Iterator[tuple[str, Text]], asked: _Asked) -> list[str]:
     """The first form of g of which the claim is proved, and best all that is proved of the law as it is; what else is open then is said."""
+    asked.steps = _A_KIND
     found = [(told, changed) for told, changed in forms if asked(changed, of_a_part=False)]
     lost = [[name for name in sorted(asked.settled) if name in _BEFORE and not asked(changed, name, of_a_part=False)] for _, changed in found]
     best = min(range(len(found)), key=lambda i: (len(lost[i]), len(found[i][0])), default=None)
@@ -123,21 +128,40 @@ def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[s
 
 
 def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked) -> Iterator[str]:
-    """The fewest parameters to fix, at plain values at which the claim is proved, and how far one of them may vary."""
+    """How far one parameter may vary with which the claim is proved, or the fewest to fix beside it, at plain values."""
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
-    fixed = next((dict(choice) for choice in chain(_choices(law), choices) if asked(_with(law, choice))), {})
-    for name in sorted(fixed, key=lambda name: name in part):
-        fewer = {x: value for x, value in fixed.items() if x != name}
-        fixed = fewer if fewer and asked(_with(law, fewer)) else fixed
-    for name, value in fixed.items():
-        others = {x: v for x, v in fixed.items() if x != name}
-        beside = "".join(f" and --set {x}={v}" for x, v in others.items())
-        for domain, told in _narrower(law["parameters"][name]):
-            if Bounds.read(domain).holds(value) and asked(_with({**law, "parameters": {**law["parameters"], name: domain}}, others)):
-                yield f"narrow {name} to {told}{beside}"
-                return
-    if fixed:
-        yield " ".join(f"--set {x}={v}" for x, v in fixed.items())
+    known, asked.steps = [*_choices(law), *choices], _A_KIND
+    if (found := _narrowed(law, sorted({name for choice in known for name in choice}), known, {}, asked)) is None:
+        asked.steps = 2 * _A_KIND
+        fixed = next((dict(choice) for choice in known if asked(_with(law, choice))), {})
+        for name in sorted(fixed, key=lambda name: name in part):
+            fewer = {x: value for x, value in fixed.items() if x != name}
+            fixed = fewer if fewer and asked(_with(law, fewer)) else fixed
+        others = {name: {x: v for x, v in fixed.items() if x != name} for name in fixed}
+        wider = (_narrowed(law, [name], [fixed], beside, asked) for name, beside in others.items())
+        found = next(filter(None, wider), " ".join(f"--set {x}={v}" for x, v in fixed.items()))
+    if found:
+        yield found
+
+
+def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: Choice, asked: _Asked) -> str | None:
+    """A part of the domain of one parameter, with one of the values known, in which the claim is proved, others fixed beside."""
+    parts = [(name, *part) for name in names for part in _narrower(law["parameters"][name])]
+
+    def proved(name: str, domain: Text) -> bool:
+        holds = any(Bounds.read(domain).holds(choice[name]) for choice in known)
+        return holds and asked(_with({**law, "parameters": {**law["parameters"], name: domain}}, others))
+
+    for name, domain, told in sorted(parts, key=lambda part: (" = " in part[2], law["parameters"][part[0]].get("max") is None)):
+        if not proved(name, domain):
+            continue
+        own, key = Bounds.read(law["parameters"][name]), told[:3]
+        bad = own.high if key == "max" else own.low
+        for _ in range(_HALVINGS if bad is not None and key in domain else 0):
+            wider = {**domain, key: str(end := (Fraction(domain[key]) + bad) / 2)}
+            domain, told, bad = (wider, f"{key} = {end}", bad) if proved(name, wider) else (domain, told, end)
+        return f"narrow {name} to {told}" + "".join(f" and --set {x}={v}" for x, v in others.items())
+    return None
 
 
 def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
@@ -166,20 +190,20 @@ def _with(law: Text, fixed: Choice) -> Text:
 
 
 def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
-    """Parts of a domain: from 1 or up to 1, above or below 0, either half; as it is declared and in words."""
+    """Parts of a domain: above 0, from 1 or up to 1, or either half, below 0; as it is declared and in words."""
     own = Bounds.read(domain)
     if own.single:
         return
     if own.sign() & (ZERO | NEGATIVE) and own.sign() & POSITIVE:
         yield {"positive": True, **({} if own.high is None else {"max": str(own.high)})}, "what is > 0 (positive = true)"
-    if own.sign() & NEGATIVE and own.sign() & POSITIVE:
-        yield {"max": "0", **({} if own.low is None else {"min": str(own.low)})}, "max = 0"
     beyond = Fraction(1) if own.low is None or own.low < 1 else own.low + 1
     end = beyond if own.low is None or own.high is None else (own.low + own.high) / 2
     if own.holds(end) and end not in (own.low, own.high):
         yield {"min": str(end), **({} if own.high is None else {"max": str(own.high)})}, f"min = {end}"
         below = {"positive": True} if own.open and own.low == 0 else {} if own.low is None else {"min": str(own.low)}
         yield {**below, "max": str(end)}, f"max = {end}"
+    if own.sign() & NEGATIVE and own.sign() & POSITIVE:
+        yield {"max": "0", **({} if own.low is None else {"min": str(own.low)})}, "max = 0"
 
 
 def _plain(domain: Text) -> Iterator[Fraction]:
