@@ -1,30 +1,33 @@
-"""What to write for a formula that has no value where a size or a load is 0: a value of a part there, or the formula without the divisor.
+"""Where formulas have no value or jump, and what to write: for a part a value where a load is 0, or the formula without the divisor.
 
 Whether K stays what it was is looked at in floats, close to where the load is 0: a value there is no limit because it is written.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from itertools import islice
+from itertools import islice, product
 
 import numpy as np
 
 from duhem.expression.numpy_ import compiled
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import within_ranges
 from duhem.proof.kernel.definedness import Reader, rarely_zero
-from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
+from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, gap
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import Term, factors, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
 from duhem.proof.unsettled.term_text import Names, in_text
 
-__all__ = ["keeps_k", "with_values"]
+__all__ = ["jump", "keeps_k", "with_values"]
 
 _MOST = 4  # parts in one formula, and ways to choose each
 _CHOICES, _DRAWN = 2, 24  # of parameters; of places, and around each
+_PLACES = tuple(map(Fraction, ("0", "1", "-1", "2", "-2", "3", "-3", "6", "-6", "1/2", "-1/2")))
 _NEAR, _SAME, _ROUNDING = 1e-6, 1e-3, 1e-9
 _ZERO, _ONE = number(0), number(1)
 
@@ -41,10 +44,11 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
         while (tip := _tip(g, domain)) is not None and len(put) < _MOST:
             above = _above(start, tip[0], names)
             x = above[min(rank, len(above) - 1)]
-            if any(x in limit.parts() for _, limit in put):
-                break
             put.append((x, Term("where", (Term(">", (tip[1], _ZERO)), x, _ZERO))))
-            g = g.put(dict(put[-1:]))
+            if (changed := g.put(dict(put[-1:]))) == g or any(x in limit.parts() for _, limit in put[:-1]):
+                g = read.g  # what is put in has that part again
+                break
+            g = changed
         if g != read.g and g not in seen:
             seen.add(g)
             told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"
@@ -125,7 +129,8 @@ def keeps_k(subject: FormulaSubject, g: str) -> bool:
         others = [known[name] for name in [*table][n:]]
         tips = [z for z in places if not np.isfinite(old(*z, *others))]
         for z in tips:
-            here = float(new(*z, *others))
+            if not np.isfinite(here := float(new(*z, *others))):
+                return False
             around = np.clip(z + _NEAR * max(1.0, np.abs(z).max()) * np.concatenate([equal[:3], drawn]), low, high)
             near = old(*around.T, *others)
             near = near[np.isfinite(near)]
@@ -134,3 +139,17 @@ def keeps_k(subject: FormulaSubject, g: str) -> bool:
             if not (np.any(near <= 0) if here <= _ROUNDING else np.all(near > 0)):
                 return False
     return True
+
+
+def jump(choice: Term, forces: Sequence[str], values: Mapping[str, Fraction]) -> str:
+    """A plain place at which a choice by the forces changes over from one value to another, in exact arithmetic; "" where none is found."""
+    condition, one, two = choice.args
+    moving = sorted(choice.names() & {*forces})
+    for place in product(_PLACES, repeat=len(moving)):
+        at = {**values, **dict(zip(moving, place, strict=True))}
+        swap = {Term("name", name=name): number(value) for name, value in at.items()}
+        with suppress(NotWritten, ZeroDivisionError):
+            if exact_value(gap(condition).put(swap)) == 0 and (a := exact_value(one.put(swap))) != (b := exact_value(two.put(swap))):
+                there = ", ".join(f"{name} = {at[name]}" for name in sorted(choice.names()))
+                return f"; it jumps from {a} to {b} at {there}"
+    return ""

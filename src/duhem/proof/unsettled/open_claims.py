@@ -26,7 +26,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.unsettled.blocked import blocked, in_forces
-from duhem.proof.unsettled.limits import keeps_k, with_values
+from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
 from duhem.proof.unsettled.trials import that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
@@ -111,22 +111,23 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
         told = (f"settle {first} first: {claim} follows from it, so what helps {first} helps here",)
         return Unsettled(inequality, actions=told)
     limits = list(_limits(asked))
-    part, why, actions = _blocked(asked, limits)
+    actions = [] if decide is None else list(_decided(asked, decide, [(told, {"g": g}) for told, g in limits[: claim == "origin"]]))
+    part, why, helps = _blocked(asked, None if any(Verdict.REFUTED in action for action in actions) else limits)
+    actions = helps or actions
     place, measure, margin = _closest(asked)
     bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
     if decide is not None and (bad or not actions):
-        of_g = ((told, {"g": g}) for told, g in limits[: claim == "origin"])
-        fixed = (_set(values) for values in islice(_choices(asked), bool(_free(law) and not actions)))
-        actions = (*actions, *_decided(asked, decide, chain([_set(bad)] if bad else [], of_g, fixed)))
+        choices = () if actions or not _free(law) else islice(_choices(asked), 1)
+        actions = [*actions, *_decided(asked, decide, map(_set, (*([bad] if bad else []), *choices)))]
     if bad and claim not in _OF_G:
-        actions = (*actions, f"{_set(bad)[0]} (in floating point the claim seems to be violated there)")
+        actions = [*actions, f"{_set(bad)[0]} (in floating point the claim seems to be violated there)"]
     if exhausted and subject.effort < EFFORTS["thorough"]:
-        actions = (*actions, "--effort thorough: the steps for this claim ran out before every method had tried")
-    return Unsettled(inequality, part, why, place, measure, margin, actions)
+        actions = [*actions, "--effort thorough: the steps for this claim ran out before every method had tried"]
+    return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
 
-def _blocked(asked: _Asked, limits: Sequence[tuple[str, str]]) -> tuple[str | None, str | None, tuple[str, ...]]:
-    """The part that no rule reads, why, and what helps."""
+def _blocked(asked: _Asked, limits: Sequence[tuple[str, str]] | None) -> tuple[str | None, str | None, list[str]]:
+    """The part that no rule reads, why, and what helps, of which ``limits`` may be some; None where nothing need be tried."""
     proved = frozenset(name for name, evidence in asked.settled.items() if evidence.verdict is Verdict.PROVED and name != asked.claim)
     names = names_of(asked.law)
     found = None
@@ -134,11 +135,15 @@ def _blocked(asked: _Asked, limits: Sequence[tuple[str, str]]) -> tuple[str | No
         found = None if "boundary" in asked.text else blocked(asked.claim, in_forces(asked.claim, StatedLaw.read(asked.text)))
     actions = list[str]()
     with suppress(*UNREADABLE):
-        actions = that_help(asked.claim, asked.text, proved, found, names, list(_choices(asked)), limits)
+        actions = [] if limits is None else that_help(asked.claim, asked.text, proved, found, names, list(_choices(asked)), limits)
     text = None if found is None else in_text(found.part, names)
     if text is not None and len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
-    return text, None if found is None else found.why, tuple(actions)
+    why = None if found is None else found.why
+    if found is not None and found.part.op == "where" and isinstance(asked.law, Criterion):
+        load = {} if asked.law.pressure is None else {asked.law.pressure: Fraction(-1)}
+        why = f"{why}{jump(found.part, asked.law.forces, next(_choices(asked), {}) | load)}"
+    return text, why, actions
 
 
 def _limits(asked: _Asked) -> Iterator[tuple[str, str]]:
@@ -150,7 +155,7 @@ def _limits(asked: _Asked) -> Iterator[tuple[str, str]]:
                     yield told, text
 
 
-def _choices(asked: _Asked) -> Iterator[Mapping[str, Fraction]]:
+def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:
     """Values of the law's free parameters, as its subject chooses them."""
     subject, free = asked.subject, _free(asked.law)
     for values in subject.choices(_CHOICES):

@@ -25,10 +25,11 @@ __all__ = ["that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
-_A_TRIAL, _A_KIND, _READING = 200_000, 450_000, 5_000  # steps of one trial and of all of one kind; for reading a law
+_A_TRIAL, _A_KIND, _READING = 200_000, 400_000, 5_000  # steps of one trial and of all of one kind; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "0", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES = 7, 6  # of plain values
+_MOST_FORCES = 3  # of a law that may be meant for one sign of a force
 _HALVINGS = 3  # of what is left between a narrower range and the whole
 
 
@@ -52,7 +53,8 @@ def that_help(
     for kind in kinds:
         asked.steps = _A_KIND
         found += [action for action, changed in kind if asked(changed)][:1]
-    return [*found, *_with_least_lost(forms, asked), *_values(law, blocked, choices, asked)]
+    found += _with_least_lost(forms, asked)
+    return found or [*_values(law, blocked, choices, asked)]
 
 
 class _Asked:
@@ -99,7 +101,7 @@ def _signs(law: Text, blocked: Blocked | None, choices: Sequence[Choice]) -> Ite
 
 def _ranges(law: Text, blocked: Blocked | None) -> Iterator[tuple[str, Text]]:
     ranges = law.get("domain", {})
-    for force in () if blocked is None else sorted(blocked.part.names() & {*law["forces"]} - {*ranges}):
+    for force in () if blocked is None or len(law["forces"]) > _MOST_FORCES else sorted(blocked.part.names() & {*law["forces"]} - {*ranges}):
         for end, side in (("min", ">="), ("max", "<=")):
             action = f"ask for {force} {side} 0 alone: {force} = {{ {end} = 0 }} in the section [domain]"
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
