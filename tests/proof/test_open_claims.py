@@ -57,12 +57,13 @@ TOLD = [
         "a**2 + c**2", "may be 0", "narrow c to what is > 0"),
     (law("-k*(1 + c*cos3theta(s)) + sqrt(3*J2(s))", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress=Stress("s", "principal")),
         "origin", "1/J2(s)**(3/2)", "at zero force", "write where(J2(s) > 0, cos3theta(s), 0) for cos3theta(s), if you mean 0 there"),
-    (law("norm(a, b) - c*(1 + d*cos(4*atan2(b, a)))", {"c": POSITIVE, "d": Domain.between(0, 1)}), "origin", "1/norm(a, b)**4", "at zero force",
-        "write where(norm(a, b) > 0, cos(4*atan2(b, a)), 0) for cos(4*atan2(b, a)), if you mean 0 there"),
+    (law("norm(a, b) - c*(1 + d*cos(4*atan2(b, a)))", {"c": POSITIVE, "d": Domain.between(0, 1)}), "origin",
+        "1/norm(a, b)**4", "at zero force", "write where(norm(a, b) > 0, cos(4*atan2(b, a)), 0) for cos(4*atan2(b, a)), if you mean 0 there"),
     (law("m*log(p/c) + q/p", {"m": POSITIVE, "c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "convexity", "q/p",
         "a product of 2 parts", "write where(p > 0, m*log(p/c)*p, 0) + q for g, which is p times g"),
-    (law("(q/(m*p))**n + log(p/c)", {"m": POSITIVE, "c": POSITIVE, "n": Domain.between(1, 5)}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}),
-        "origin", "1/(m*p)", "at zero force", "write (q/m)**n + where(p > 0, log(p/c)*p**n, 0) for g, which is p**n times g"),
+    (law("(q/(m*p))**n + log(p/c)", {"m": POSITIVE, "c": POSITIVE, "n": Domain.between(1, 5)}, "pq",
+         domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "origin", "1/(m*p)", "at zero force",
+        "write (q/m)**n + where(p > 0, log(p/c)*p**n, 0) for g, which is p**n times g"),
     (law("((a + b + c)**3/(a*b*c) - 27)*(a + b + c)**m - h", {"m": Domain.between(0, 1), "h": POSITIVE}, "abc",
          domain=dict.fromkeys("abc", AT_LEAST_0)), "origin", "1/(a*b*c)", "at zero force",
         "write ((a + b + c)**3 - 27*a*b*c)*(a + b + c)**m - h*a*b*c for g, which is a*b*c times g"),
@@ -215,9 +216,7 @@ def test_a_value_at_a_tip_with_which_a_claim_is_refuted_is_suggested() -> None:
 
 
 # g has no value at a load of 0, with 0 for a part zero force lies in K, and K is another set
-@pytest.mark.parametrize(
-    ("g", "forces"), [("log(p) + q", "pq"), ("q/p - m", "pq"), ("((a + b + c)**3/(a*b*c) - 27) - m", "abc")]
-)
+@pytest.mark.parametrize(("g", "forces"), [("log(p) + q", "pq"), ("q/p - m", "pq"), ("((a + b + c)**3/(a*b*c) - 27) - m", "abc")])
 def test_no_value_is_suggested_that_changes_k(g: str, forces: str) -> None:
     loaded = law(g, {"m": POSITIVE}, forces, domain=dict.fromkeys(forces, AT_LEAST_0))
     told = [*with_values(StatedLaw.read(law_as_text(loaded)), {})]

@@ -262,7 +262,10 @@ def test_verify_ends_with_the_region() -> None:
 
 def test_the_command_that_finds_more_is_of_the_same_law_and_said_where_some_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = duhem.load("limacon").fix({"mu": "1/3"})
-    for steps, open_share, said in ((1, None, " is open: 1 steps decide no range of values"), (1, 0.5, ": duhem region limacon --set mu=1/3 e")):
+    for steps, open_share, said in (
+        (1, None, " is open: 1 steps decide no range of values"),
+        (1, 0.5, ": duhem region limacon --set mu=1/3 e"),
+    ):
         monkeypatch.setattr(entry, "_STEPS_OF_A_SENTENCE", steps)
         if open_share is not None:
             half = SimpleNamespace(exact=False, open_share=open_share)

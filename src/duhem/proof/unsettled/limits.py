@@ -14,6 +14,7 @@ from itertools import islice, product
 import numpy as np
 
 from duhem.expression.numpy_ import compiled
+from duhem.law.domain import Domain
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import within_ranges
@@ -52,31 +53,31 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
         if g != read.g and g not in seen:
             seen.add(g)
             told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"
-            by = in_text(size if power == _ONE else Term("**", (size, power)), names)
-            yield f"write {told if start is read.g else f'{in_text(g, names)} for g, which is {by} times g'}", g
+            whole = f"{in_text(g, names)} for g, which is {in_text(_power(size, power), names)} times g"
+            yield f"write {told if start is read.g else whole}", g
 
 
 def _tip(g: Term, domain: StatedDomain) -> tuple[Term, Term, Term] | None:
     """A part without a value, what is 0 there and else > 0, and the power of it that divides; None where that is not seen."""
     if (part := Reader(domain).undecided(g)) is None or part.op not in ("**", "log", "atan2"):
         return None
-    size, power = (Term("norm", part.args) if part.op == "atan2" else part), _ONE
+    size, power = (Term("norm", part.args) if part.op == "atan2" else part), Fraction(1)
     while size.op in ("**", "log"):
-        size, power = size.args[0], number(power.value * -abs(size.args[1].value)) if size.op == "**" and size.args[1].op == "number" else power
+        power *= abs(size.args[1].value) if size.op == "**" else 1
+        size = size.args[0]
     loads = [x for x in factors(size) if not x.names() or not domain.constant(x)]
     size = loads[0] if len(loads) == 1 else size if len(loads) == len(factors(size)) else Term("*", tuple(loads))
     if domain.facts(size).sign & NEGATIVE or not rarely_zero(size, domain):
         return None
     raised = (x.args[1] for x in g.parts() if x.op == "**" and x.args[1].op != "number" and part in x.args[0].parts())
-    return part, size, next(raised, number(abs(power.value)))
+    return part, size, next(raised, number(power or 1))
 
 
 def _above(g: Term, part: Term, names: Names) -> list[Term]:
     """Parts that hold a part: those that have a name, then the product that it stands in, then the term of the sum; the smallest first."""
     found = [x for x in g.parts() if x != part and part in x.parts()]
-    named = [x for x in found if x in names]
     whole = [x for x in found if x.op == "*"]
-    return [*named, *whole[:1], *whole[-1:], *found[:1]] or [part]
+    return [*(x for x in found if x in names), *whole[:1], *whole[-1:], *found[:1]] or [part]
 
 
 def _times(term: Term, size: Term, power: Term) -> Term:
@@ -86,57 +87,48 @@ def _times(term: Term, size: Term, power: Term) -> Term:
     if term.op == "**" and term.args[1] == power and power.op != "number":
         return Term("**", (_times(term.args[0], size, _ONE), power))
     rest, own = _split(term, size)
-    for i, x in enumerate(rest):
-        if x != term and x.op in ("+", "**") and _divides(x, size):
-            return product_of(*rest[:i], _times(x, size, power), *rest[i + 1 :])
+    for x in rest:
+        if x != term and x.op in ("+", "**") and any(_split(y, size)[1] < 0 for y in x.parts()):
+            return product_of(*(_times(y, size, power) if y is x else y for y in rest))
     left = number(own + power.value) if power.op == "number" else sum_of(number(own), power)
-    more = [] if left == _ZERO else [size] if left == _ONE else [Term("**", (size, left))]
-    return product_of(*rest, *more)
+    return product_of(*rest, *([] if left == _ZERO else [_power(size, left)]))
+
+
+def _power(size: Term, power: Term) -> Term:
+    return size if power == _ONE else Term("**", (size, power))
 
 
 def _split(term: Term, size: Term) -> tuple[list[Term], Fraction]:
     """The factors of a term but for powers of a size, and the power of that."""
     if factors(term) == factors(size):
         return [], Fraction(1)
-    if term.op == "**" and term.args[1].op == "number":
-        rest, own = _split(term.args[0], size)
-        if own:
-            return ([Term("**", (product_of(*rest), term.args[1]))] if rest else []), own * term.args[1].value
+    if term.op == "**" and term.args[1].op == "number" and (found := _split(term.args[0], size))[1]:
+        return [Term("**", (product_of(*found[0]), term.args[1]))] if found[0] else [], found[1] * term.args[1].value
     if term.op == "*":
         parts = [_split(a, size) for a in term.args]
         return [x for rest, _ in parts for x in rest], sum((own for _, own in parts), Fraction(0))
     return [term], Fraction(0)
 
 
-def _divides(term: Term, size: Term) -> bool:
-    return any(_split(x, size)[1] < 0 for x in term.parts() if x.op == "**")
-
-
 def keeps_k(subject: FormulaSubject, g: str) -> bool:
-    """Whether K seems to be as before at places where g has no value and a changed g has: one near those around, or of a sign found there."""
-    law, rng = subject.law, np.random.default_rng(7)
-    changed, table = replace(law, g=g, written=""), law.symbols()
-    old, new = (compiled(x.g, table.values()) for x in (law, changed))
-    low, high = (np.array([end if (own := getattr(law.domain.get(f), side, None)) is None else float(own) for f in law.forces])
-                 for side, end in (("low", -np.inf), ("high", np.inf)))
-    n = len(law.forces)
-    equal = np.repeat(np.array([[0.0], [1.0], [-1.0], [30.0], [-30.0]]), n, axis=1)
-    equal[:, 3 if law.stress else n :] = 0.0
+    """Whether K seems to be as before where g has no value and a changed g has: one near those around, or of a sign found there."""
+    law, rng, n = subject.law, np.random.default_rng(7), len(subject.law.forces)
+    table, ranges = law.symbols(), [law.domain.get(f, Domain()) for f in law.forces]
+    old, new = (compiled(x.g, table.values()) for x in (law, replace(law, g=g, written="")))
+    low, high = np.array([[-np.inf if x.low is None else float(x.low), np.inf if x.high is None else float(x.high)] for x in ranges]).T
+    equal = np.outer((0.0, 1.0, -1.0, 30.0, -30.0), np.arange(n) < (3 if law.stress else n))
     drawn = rng.standard_normal((_DRAWN, n)) * (1 - np.eye(n)[np.arange(_DRAWN) % n])
     places = np.clip(np.concatenate([equal, drawn, 30 * drawn]), low, high)
     for parameters in islice(subject.choices(_CHOICES), _CHOICES):
-        known = {x: float(v) for x, v in subject.named(subject.values_at(parameters, subject.nowhere)).items()}
-        others = [known[name] for name in [*table][n:]]
-        tips = [z for z in places if not np.isfinite(old(*z, *others))]
-        for z in tips:
-            if not np.isfinite(here := float(new(*z, *others))):
-                return False
+        known = subject.named(subject.values_at(parameters, subject.nowhere))
+        others = [float(known[name]) for name in [*table][n:]]
+        for z in (z for z in places if not np.isfinite(old(*z, *others))):
+            here = float(new(*z, *others))
             around = np.clip(z + _NEAR * max(1.0, np.abs(z).max()) * np.concatenate([equal[:3], drawn]), low, high)
             near = old(*around.T, *others)
             near = near[np.isfinite(near)]
-            if np.all(np.abs(near - here) <= _SAME * (1 + abs(here))):
-                continue
-            if not (np.any(near <= 0) if here <= _ROUNDING else np.all(near > 0)):
+            found = np.any(near <= 0) if here <= _ROUNDING else np.all(near > 0)
+            if not np.isfinite(here) or not (found or np.all(np.abs(near - here) <= _SAME * (1 + abs(here)))):
                 return False
     return True
 
@@ -149,7 +141,7 @@ def jump(choice: Term, forces: Sequence[str], values: Mapping[str, Fraction]) ->
         at = {**values, **dict(zip(moving, place, strict=True))}
         swap = {Term("name", name=name): number(value) for name, value in at.items()}
         with suppress(NotWritten, ZeroDivisionError):
-            if exact_value(gap(condition).put(swap)) == 0 and (a := exact_value(one.put(swap))) != (b := exact_value(two.put(swap))):
-                there = ", ".join(f"{name} = {at[name]}" for name in sorted(choice.names()))
-                return f"; it jumps from {a} to {b} at {there}"
+            border, a, b = (exact_value(x.put(swap)) for x in (gap(condition), one, two))
+            if border == 0 and a != b:
+                return f"; it jumps from {a} to {b} at {', '.join(f'{name} = {at[name]}' for name in sorted(choice.names()))}"
     return ""

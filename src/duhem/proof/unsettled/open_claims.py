@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from itertools import chain, islice
+from itertools import islice
 from typing import Any, NamedTuple
 
 from duhem.errors import InputError
@@ -141,8 +141,7 @@ def _blocked(asked: _Asked, limits: Sequence[tuple[str, str]] | None) -> tuple[s
         text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
     why = None if found is None else found.why
     if found is not None and found.part.op == "where" and isinstance(asked.law, Criterion):
-        load = {} if asked.law.pressure is None else {asked.law.pressure: Fraction(-1)}
-        why = f"{why}{jump(found.part, asked.law.forces, next(_choices(asked), {}) | load)}"
+        why = f"{why}{jump(found.part, asked.law.forces, {**next(_choices(asked), {}), asked.law.pressure or '': Fraction(-1)})}"
     return text, why, actions
 
 
@@ -168,15 +167,13 @@ def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:
 def _decided(asked: _Asked, decide: Decide, changes: Iterable[tuple[str, Mapping[str, Any]]]) -> Iterator[str]:
     """The first change of the law with which the claim, one about g alone, is decided: values of parameters, or g."""
     law = asked.law
-    plain = isinstance(law, Criterion) and not (law.forces_of_rates or law.viscous) and asked.claim in _OF_G
-    for told, changed in changes if plain else ():
-        verdict = Verdict.UNDECIDED
-        with suppress(InputError):  # a variable of the state may not be 0
-            other = replace(law, written="", **changed) if "g" in changed else law.fix(changed)
-            verdict = decide(other, asked.claim, _STEPS)
-        if verdict not in _OPEN:
-            yield f"{told} (then it is {verdict})"
-            return
+    if isinstance(law, Criterion) and not (law.forces_of_rates or law.viscous) and asked.claim in _OF_G:
+        for told, changed in changes:
+            with suppress(InputError):  # a variable of the state may not be 0
+                other = replace(law, written="", **changed) if "g" in changed else law.fix(changed)
+                if isinstance(other, Criterion) and (verdict := decide(other, asked.claim, _STEPS)) not in _OPEN:
+                    yield f"{told} (then it is {verdict})"
+                    return
 
 
 def _set(values: Mapping[str, Any]) -> tuple[str, dict[str, str]]:

@@ -30,7 +30,6 @@ _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "dua
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "0", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES = 7, 6  # of plain values
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
-_HALVINGS = 3  # of what is left between a narrower range and the whole
 
 
 def that_help(
@@ -54,7 +53,7 @@ def that_help(
         asked.steps = _A_KIND
         found += [action for action, changed in kind if asked(changed)][:1]
     found += _with_least_lost(forms, asked)
-    return found or [*_values(law, blocked, choices, asked)]
+    return found or [*_values(law, blocked, choices, asked, alone=not limits)]
 
 
 class _Asked:
@@ -64,7 +63,7 @@ class _Asked:
         self.claim, self.settled, self.steps = claim, settled, _A_KIND
 
     def __call__(self, law: Text, *claims: str, of_a_part: bool = True) -> bool:
-        """Whether it proves the claim without evidence, or others, with what that may rest on; ``of_a_part`` of a law holds what is settled."""
+        """Whether it proves the claim, or others, without evidence, with what that may rest on; ``of_a_part`` holds what is settled."""
         if self.steps < 0:
             return False
         known, wanted = set(self.settled if of_a_part else ()), claims or (self.claim,)
@@ -79,14 +78,14 @@ class _Asked:
 
 
 def _with_least_lost(forms: Iterator[tuple[str, Text]], asked: _Asked) -> list[str]:
-    """The first form of g of which the claim is proved, and best all that is proved of the law as it is; what else is open then is said."""
-    asked.steps = _A_KIND
-    found = [(told, changed) for told, changed in forms if asked(changed, of_a_part=False)]
-    lost = [[name for name in sorted(asked.settled) if name in _BEFORE and not asked(changed, name, of_a_part=False)] for _, changed in found]
-    best = min(range(len(found)), key=lambda i: (len(lost[i]), len(found[i][0])), default=None)
-    if best is None:
-        return []
-    return [found[best][0] + (f" (for this claim alone: {' and '.join(lost[best])} would be open)" if lost[best] else "")]
+    """The form of g of which the claim is proved, and all that is proved of the law as it is, or most; what is open then is said."""
+    asked.steps, found = _A_KIND, list[tuple[int, int, str]]()
+    for told, changed in forms:
+        if asked(changed, of_a_part=False):
+            lost = [name for name in sorted(asked.settled & {*_BEFORE}) if not asked(changed, name, of_a_part=False)]
+            more = f" (for this claim alone: {' and '.join(lost)} would be open)" if lost else ""
+            found.append((len(lost), len(told), told + more))
+    return [min(found)[2]] if found else []
 
 
 def _signs(law: Text, blocked: Blocked | None, choices: Sequence[Choice]) -> Iterator[tuple[str, Text]]:
@@ -101,7 +100,9 @@ def _signs(law: Text, blocked: Blocked | None, choices: Sequence[Choice]) -> Ite
 
 def _ranges(law: Text, blocked: Blocked | None) -> Iterator[tuple[str, Text]]:
     ranges = law.get("domain", {})
-    for force in () if blocked is None or len(law["forces"]) > _MOST_FORCES else sorted(blocked.part.names() & {*law["forces"]} - {*ranges}):
+    for force in (
+        () if blocked is None or len(law["forces"]) > _MOST_FORCES else sorted(blocked.part.names() & {*law["forces"]} - {*ranges})
+    ):
         for end, side in (("min", ">="), ("max", "<=")):
             action = f"ask for {force} {side} 0 alone: {force} = {{ {end} = 0 }} in the section [domain]"
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
@@ -129,11 +130,12 @@ def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[s
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
 
 
-def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked) -> Iterator[str]:
-    """How far one parameter may vary with which the claim is proved, or the fewest to fix beside it, at plain values."""
+def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked, alone: bool) -> Iterator[str]:
+    """How far one parameter may vary with which the claim is proved, first ``alone``, or the fewest to fix beside it, at plain values."""
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     known, asked.steps = [*_choices(law), *choices], _A_KIND
-    if (found := _narrowed(law, sorted({name for choice in known for name in choice}), known, {}, asked)) is None:
+    names = sorted({name for choice in known if alone for name in choice})
+    if (found := _narrowed(law, names, known, {}, asked)) is None:
         asked.steps = 2 * _A_KIND
         fixed = next((dict(choice) for choice in known if asked(_with(law, choice))), {})
         for name in sorted(fixed, key=lambda name: name in part):
@@ -155,14 +157,8 @@ def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: 
         return holds and asked(_with({**law, "parameters": {**law["parameters"], name: domain}}, others))
 
     for name, domain, told in sorted(parts, key=lambda part: (" = " in part[2], law["parameters"][part[0]].get("max") is None)):
-        if not proved(name, domain):
-            continue
-        own, key = Bounds.read(law["parameters"][name]), told[:3]
-        bad = own.high if key == "max" else own.low
-        for _ in range(_HALVINGS if bad is not None and key in domain else 0):
-            wider = {**domain, key: str(end := (Fraction(domain[key]) + bad) / 2)}
-            domain, told, bad = (wider, f"{key} = {end}", bad) if proved(name, wider) else (domain, told, end)
-        return f"narrow {name} to {told}" + "".join(f" and --set {x}={v}" for x, v in others.items())
+        if proved(name, domain):
+            return f"narrow {name} to {told}" + "".join(f" and --set {x}={v}" for x, v in others.items())
     return None
 
 

@@ -139,7 +139,9 @@ def _shown(
         **{f"n{i}_{x}": decimal_pair(c) for i, n in ((1, one), (2, two)) for x, c in zip(section.forces, n, strict=True)},
     }
     size = abs(float(across.mid())) if len(one) == 2 else math.sqrt(abs(float(across.mid())))
-    statement = f"within {radius} of this point the boundary has a corner {where}: {ends}the normals n1, n2 of its two sides are not parallel"
+    statement = (
+        f"within {radius} of this point the boundary has a corner {where}: {ends}the normals n1, n2 of its two sides are not parallel"
+    )
     return witness(subject, points, values, statement, {"corner_degrees": math.degrees(math.atan2(size, float(dot.mid())))})
 
 
