@@ -106,8 +106,8 @@ def constant(node: Any) -> float:
 def _quotient(number: Any) -> float:
     try:
         return int(number.p) / int(number.q)  # correctly rounded
-    except OverflowError:  # as parameters fixed in a power make it
-        return math.inf if number.p > 0 else -math.inf
+    except OverflowError:
+        raise InputError("a number of the formula is too large for double precision", remedy="rescale it") from None
 
 
 def _power(node: Any, base: Any, exponent: Any) -> Any:

@@ -128,7 +128,7 @@ def keeps_k(subject: FormulaSubject, g: str) -> bool:
             near = old(*around.T, *others)
             near = near[np.isfinite(near)]
             found = np.any(near <= 0) if here <= _ROUNDING else np.all(near > 0)
-            if not np.isfinite(here) or not (found or np.all(np.abs(near - here) <= _SAME * (1 + abs(here)))):
+            if np.isfinite(here) and len(near) and not (found or np.all(np.abs(near - here) <= _SAME * (1 + abs(here)))):
                 return False
     return True
 

@@ -52,7 +52,7 @@ def that_help(
     for kind in kinds:
         asked.steps = _A_KIND
         found += [action for action, changed in kind if asked(changed)][:1]
-    found += _with_least_lost(forms, asked)
+    found += _with_least_lost(law, forms, asked)
     return found or [*_values(law, blocked, choices, asked, alone=not limits)]
 
 
@@ -77,12 +77,13 @@ class _Asked:
         return known.issuperset(wanted)
 
 
-def _with_least_lost(forms: Iterator[tuple[str, Text]], asked: _Asked) -> list[str]:
+def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked) -> list[str]:
     """The form of g of which the claim is proved, and all that is proved of the law as it is, or most; what is open then is said."""
     asked.steps, found = _A_KIND, list[tuple[int, int, str]]()
     for told, changed in forms:
         if asked(changed, of_a_part=False):
-            lost = [name for name in sorted(asked.settled & {*_BEFORE}) if not asked(changed, name, of_a_part=False)]
+            claims = [name for name in _BEFORE[:3] if name != asked.claim and asked(law, name, of_a_part=False)]
+            lost = [name for name in claims if not asked(changed, name, of_a_part=False)]
             more = f" (for this claim alone: {' and '.join(lost)} would be open)" if lost else ""
             found.append((len(lost), len(told), told + more))
     return [min(found)[2]] if found else []
