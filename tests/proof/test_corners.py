@@ -109,3 +109,29 @@ NOT_SHARP = [
 @pytest.mark.parametrize("one", NOT_SHARP)
 def test_a_smooth_boundary_has_no_sharp_point(one):
     assert refuters.smoothness_at_sharp_points(FormulaSubject(one())) is None
+
+
+JOINED = [  # two boundaries that meet, or one and the seam, where g jumps
+    law("where(b < 1, abs(a) - 1 - b, (a/2)**2 + (b - 1)**2 - 1)", forces=TWO),  # a cone with an elliptic cap
+    law("where(a > 0, a**2 + b**2 - 1, 3*(a + abs(b) - 1))", forces=TWO),
+    law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", forces=TWO, t=POSITIVE),  # Griffith (1924)
+    law("max(where(a > 0, a**2 + c**2, -a), where(b > 0, b**2 + c**2, b**2/4 - b + c**2)) - 1"),  # as of Hashin (1980)
+]
+SMOOTHLY_JOINED = [  # g jumps, the outward normal does not
+    law("where(a > 0, a**2 + b**2 - 1, 5*(a**2 + b**2 - 1))", forces=TWO),
+    law("where(a > 0, a**2 + b**2 - 1, abs(b) - 1)", forces=TWO),
+    law("where(a > 0, norm(a, b) - 1, a**2 + b**2 - 1)", forces=TWO),
+    law("where(a > 0, a**2 + b**2 + c**2 - 1, 5*(a**2 + b**2 + c**2 - 1))"),
+]
+
+
+@pytest.mark.parametrize("one", JOINED)
+def test_a_corner_is_shown_where_g_jumps(one):
+    one = one()
+    found = refuters.smoothness_at_corners(FormulaSubject(one))
+    assert found is not None and found.witness is not None and confirmed(one, "smoothness", found.witness)
+
+
+@pytest.mark.parametrize("one", SMOOTHLY_JOINED)
+def test_a_jump_of_g_alone_is_no_corner(one):
+    assert refuters.smoothness_at_corners(FormulaSubject(one())) is None

@@ -338,3 +338,12 @@ def test_where_a_ray_comes_back_into_k_an_associated_slip_does_work_on_it(g: str
     law = Criterion("again", g, {"c": Domain(low=1, high=2)}, ("a", "b"), None)
     found = verify(law, claims=["dissipation"])["dissipation"]
     assert found.verdict is Verdict.REFUTED and found.witness is not None and confirmed(law, "dissipation", found.witness)
+
+
+@pytest.mark.parametrize("angle", ["0", "1/5", "-3/10"])
+def test_a_flow_is_refuted_where_zero_force_is_the_apex_of_a_cone(angle: str) -> None:
+    """A point of the boundary, drawn towards the apex, stays on it; drawn towards a point inside it lies in K."""
+    cone = f"abs(a*cos({angle}) + b*sin({angle})) + (b*cos({angle}) - a*sin({angle}))/2"
+    law = Criterion("cone", cone, {}, forces=A_B, pressure=None, flow=(f"sign(a)*cos({angle})", f"sign(a)*sin({angle})"))
+    found = refuters.normality_at_points(FormulaSubject(law))
+    assert found is not None and found.witness is not None and confirmed(law, "normality", found.witness)

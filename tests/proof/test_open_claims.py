@@ -8,6 +8,7 @@ import re
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 from random import Random
 
 import pytest
@@ -17,17 +18,19 @@ from duhem import Criterion, Verdict, verify
 from duhem.expression.abbreviations import Stress
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.certificate import law_as_text
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
 from duhem.proof.unsettled import open_claims
 from duhem.proof.unsettled.blocked import blocked
+from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
 from duhem.proof.verdict import Unsettled
 from duhem.show.printing import sheet, text
 from tests.long import long_at
 from tests.oracles import drawn_formulas
 
-ANY = Domain()
+ANY, AT_LEAST_0 = Domain(), Domain.between(0)
 
 
 def law(g: str, parameters: dict[str, Domain] | None = None, forces: Sequence[str] = "ab", **more: object) -> Criterion:
@@ -47,13 +50,26 @@ TOLD = [
         "(s + n)**k", "not shown to have a value", "write max(g, -(s + n)) for g"),
     (law(QUADRATIC, {"x": POSITIVE, "y": POSITIVE, "k": ANY}), "smoothness", "a**2/x**2", "matrix is not shown to be positive semidefinite",
         'add the constraint "'),
-    (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "dissipation", "norm(a, b)", "rise along the rays", "narrow d to max = 1"),
+    (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "dissipation",
+        "norm(a, b)", "rise along the rays", "narrow d to max = 1"),
     (law("norm(a, b) - log(s/t)", {"s": POSITIVE, "t": POSITIVE}), "dissipation", "norm(a, b) - log(s/t)", "rays", "narrow s to min = 1"),
-    (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "smoothness", "norm(a, b)", "may be 0 on the boundary", "--set d=1/2"),
+    (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "smoothness",
+        "norm(a, b)", "may be 0 on the boundary", "narrow d to max = 0"),
     (law("sqrt(a**2 + c**2) - (d + m*b)", {"c": ANY, "d": ANY, "m": ANY}), "smoothness",
         "a**2 + c**2", "may be 0", "narrow c to what is > 0"),
-    (law("-k*(1 + c*cos3theta) + sqrt(3*J2)", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress=Stress("s", "principal")),
-        "origin", "1/J2(s)**(3/2)", "at zero force", "write where(J2(s) > 0, -k*(1 + c*cos3theta(s)), 0) for -k*(1 + c*cos3theta(s))"),
+    (law("-k*(1 + c*cos3theta(s)) + sqrt(3*J2(s))", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress=Stress("s", "principal")),
+        "origin", "1/J2(s)**(3/2)", "at zero force", "write where(J2(s) > 0, cos3theta(s), 0) for cos3theta(s), if you mean 0 there"),
+    (law("norm(a, b) - c*(1 + d*cos(4*atan2(b, a)))", {"c": POSITIVE, "d": Domain.between(0, 1)}), "origin",
+        "1/norm(a, b)**4", "at zero force",
+        "write where(norm(a, b) > 0, cos(4*atan2(b, a)), 0) for cos(4*atan2(b, a)), if you mean 0 there"),
+    (law("m*log(p/c) + q/p", {"m": POSITIVE, "c": POSITIVE}, "pq", domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "convexity", "q/p",
+        "a product of 2 parts", "write where(p > 0, m*log(p/c)*p, 0) + q for g, which is p times g"),
+    (law("(q/(m*p))**n + log(p/c)", {"m": POSITIVE, "c": POSITIVE, "n": Domain.between(1, 5)}, "pq",
+         domain={"p": AT_LEAST_0, "q": AT_LEAST_0}), "origin", "1/(m*p)", "at zero force",
+        "write (q/m)**n + where(p > 0, log(p/c)*p**n, 0) for g, which is p**n times g"),
+    (law("((a + b + c)**3/(a*b*c) - 27)*(a + b + c)**m - h", {"m": Domain.between(0, 1), "h": POSITIVE}, "abc",
+         domain=dict.fromkeys("abc", AT_LEAST_0)), "origin", "1/(a*b*c)", "at zero force",
+        "write ((a + b + c)**3 - 27*a*b*c)*(a + b + c)**m - h*a*b*c for g, which is a*b*c times g"),
     (law("1 - exp(-(a**2 + b**2)**2) - k + 0*a", {"k": Domain.between(0, "9/10")}), "convexity", "exp(", "no rule shows", "another form"),
     (law("where(3*max(a, b) + min(a, b) > 0, max(a, b) - t, (a - b)**2/(8*t) + a + b)", {"t": POSITIVE}), "convexity",
         "where(3*max", "a choice by the forces", "another form"),
@@ -64,6 +80,13 @@ def opened(criterion: Criterion, claim: str) -> Unsettled:
     found = verify(criterion, claims=[claim], effort="quick")[claim]
     assert found.verdict in (Verdict.TESTED, Verdict.UNDECIDED) and found.unsettled is not None
     return found.unsettled
+
+
+def written_out(criterion: Criterion, text: str) -> str:
+    """A text with the invariants of the law's stress written out, as they are in the law."""
+    for word in () if criterion.stress is None else ("cos3theta", "J2"):
+        text = text.replace(f"{word}({criterion.stress.name})", f"({criterion.stress.written_out(word, None)})")
+    return text
 
 
 def changed(criterion: Criterion, action: str) -> Criterion:
@@ -82,8 +105,11 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     if found := re.match(r"write (?:(?P<limit>where.*) for (?P<part>.*), and )?max\((?:g|\.\.\.), (?P<ends>.*)\) for g", action):
         g = criterion.written if found["part"] is None else criterion.written.replace(found["part"], found["limit"])
         more["g"] = f"max({g}, {found['ends']})"
-    if found := re.match(r"write (where.*) for .*, if you mean 0 there", action):
-        more["g"] = f"{found[1]} + sqrt(3*J2)"  # the rest of the one law that is told so
+    if found := re.match(r"write (.*) for (.*), if you mean 0 there", action):
+        limit, part = (written_out(criterion, text) for text in found.groups())
+        more["g"] = criterion.written.replace(part, limit)
+    if found := re.match(r"write (.*) for g, which is", action):
+        more["g"] = found[1]
     settings = dict(re.findall(r"--set (\w+)=(\S+)", action))
     criterion = replace(criterion, **more)  # type: ignore[arg-type]
     return criterion.fix(settings) if settings else criterion
@@ -126,7 +152,7 @@ def test_the_closest_place_is_told_with_its_margin() -> None:
 @pytest.mark.long
 def test_a_place_at_which_the_claim_seems_to_fail_is_suggested() -> None:
     found = opened(TOLD[0][0], "convexity")
-    sets = next(action for action in found.actions if "seems to be violated" in action)
+    sets = next(action for action in found.actions if "(then it is refuted)" in action)
     assert verify(changed(TOLD[0][0], sets), claims=["convexity"])["convexity"].verdict is Verdict.REFUTED
 
 
@@ -181,3 +207,36 @@ def test_no_constraint_is_suggested_that_no_parameter_satisfies(g: str, constant
     found = opened(law(g.format(constant), {"c": ANY}, "a"), "convexity")
     assert found.part is not None and found.part.startswith("c*")
     assert not any("add the constraint" in action for action in found.actions)
+
+
+def in_principal(g: str, **parameters: Domain) -> Criterion:
+    return law(g, parameters, (), stress=Stress("s", "principal"))
+
+
+def test_a_value_at_a_tip_with_which_a_claim_is_refuted_is_suggested() -> None:
+    found = opened(in_principal("sqrt(J2(s))*(2 + cos3theta(s)) + c", c=POSITIVE), "origin")
+    assert [*found.actions] == ["write where(J2(s) > 0, cos3theta(s), 0) for cos3theta(s), if you mean 0 there (then it is refuted)"]
+
+
+# g has no value at a load of 0, with 0 for a part zero force lies in K, and K is another set
+@pytest.mark.parametrize(("g", "forces"), [("log(p) + q", "pq"), ("q/p - m", "pq"), ("((a + b + c)**3/(a*b*c) - 27) - m", "abc")])
+def test_no_value_is_suggested_that_changes_k(g: str, forces: str) -> None:
+    loaded = law(g, {"m": POSITIVE}, forces, domain=dict.fromkeys(forces, AT_LEAST_0))
+    told = [*with_values(StatedLaw.read(law_as_text(loaded)), {})]
+    kept = {said: keeps_k(FormulaSubject(loaded), in_text(changed_g, {})) for said, changed_g in told}
+    assert any("if you mean 0 there" in said for said in kept) and any("times g" in said for said in kept)
+    assert not any(keeps for said, keeps in kept.items() if "if you mean 0 there" in said)
+    assert not any("if you mean 0 there" in action for action in opened(loaded, "origin").actions)
+
+
+@pytest.mark.parametrize(
+    ("choice", "place"),
+    [
+        ("where(a > 0, a**2 + b**2, -a)", "; it jumps from 1 to 0 at a = 0, b = 1"),
+        ("where(a > b, a - k, 2*a)", "; it jumps from -2 to 0 at a = 0, b = 0, k = 2"),
+        ("where(a > 0, a*b, -a)", ""),
+        ("where(a**2 > 2, a, 0)", ""),  # at no plain place
+    ],
+)
+def test_a_jump_is_told_at_an_exact_place(choice: str, place: str) -> None:
+    assert jump(parse(choice), ("a", "b"), {"k": Fraction(2)}) == place

@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -259,10 +260,18 @@ def test_verify_ends_with_the_region() -> None:
     assert done.output.endswith("For which parameters\n  convexity holds exactly for e <= 1/2\n")
 
 
-def test_the_command_that_finds_more_is_of_the_same_law(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(entry, "_STEPS_OF_A_SENTENCE", 1)
-    done = CliRunner().invoke(cli, ["verify", "limacon", "--set", "mu=1/3", "--claims", "convexity"])
-    assert done.output.endswith("for which e convexity holds: duhem region limacon --set mu=1/3 e\n")
+def test_the_command_that_finds_more_is_of_the_same_law_and_said_where_some_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = duhem.load("limacon").fix({"mu": "1/3"})
+    for steps, open_share, said in (
+        (1, None, " is open: 1 steps decide no range of values"),
+        (1, 0.5, ": duhem region limacon --set mu=1/3 e"),
+    ):
+        monkeypatch.setattr(entry, "_STEPS_OF_A_SENTENCE", steps)
+        if open_share is not None:
+            half = SimpleNamespace(exact=False, open_share=open_share)
+            monkeypatch.setattr(entry, "region", lambda *_, half=half, **__: half)
+        told = entry.told(asked, "convexity", "limacon --set mu=1/3")
+        assert told.startswith("for which e convexity holds" + said)
 
 
 def test_what_goes_wrong_beside_the_verdicts_leaves_them_as_they_are(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:

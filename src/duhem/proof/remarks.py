@@ -124,10 +124,10 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
     proved = any(evidence.verdict is Verdict.PROVED for claim, evidence in settled.items() if claim != "state_laws")
     if subject.doubtful:
         first = subject.doubtful[0]
-        place, remedy = undefined_place(subject, first)
+        place = undefined_place(subject, first)
         yield (
             f"duhem could not show that g has a value for all forces: it {first.does} {formula(_stated(subject, first.expr))}. "
-            + (f"g has no value {place}{'' if proved else remedy}. " if place else "")
+            + (f"g has no value {place}. " if place else "")
             + (_CONTINUED if proved else "A point where g has no value does not belong to K. ")
             + "For such a formula, duhem reports only proofs that the kernel confirms"
         )

@@ -171,10 +171,13 @@ def told(law: Law, claim: str, asked: str) -> str:
     try:
         if not isinstance(law, Criterion) or claim not in _ASKED or len(names := shape_parameters(law)) not in (1, 2):
             return ""
-        found = region(law, None, claim, steps=_STEPS_OF_A_SENTENCE // len(names) ** 2)
+        steps = _STEPS_OF_A_SENTENCE // len(names) ** 2
+        found = region(law, None, claim, steps=steps)
     except Exception:  # the verdicts stand, whatever goes wrong in what is said beside them
         return ""
     if found.exact and found.short not in ("true", "false"):
         return found.sentence
-    more = "" if claim == "convexity" else f" --claim {claim}"
-    return "" if found.exact else f"for which {' and '.join(names)} {claim} holds: duhem region {asked} {' '.join(names)}{more}"
+    which, more = f"for which {' and '.join(names)} {claim} holds", "" if claim == "convexity" else f" --claim {claim}"
+    if not found.exact and found.open_share == 1:
+        return f"{which} is open: {steps:,} steps decide no range of values: first find one value, or a form of g, for which it is decided"
+    return "" if found.exact else f"{which}: duhem region {asked} {' '.join(names)}{more}"

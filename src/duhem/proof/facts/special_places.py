@@ -1,4 +1,4 @@
-"""Places at which a formula certainly has no value, or no gradient, and what to write if the limit of a part of it is meant there."""
+"""Places at which a formula certainly has no value, or no gradient."""
 
 from __future__ import annotations
 
@@ -8,9 +8,7 @@ from typing import NamedTuple
 import sympy as sp
 
 from duhem.expression import Norm, Where, defined_at
-from duhem.expression.dimensions import degree
 from duhem.expression.text import formula
-from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Question, Sense
 from duhem.proof.decide.question import Obligation, obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -22,17 +20,13 @@ _JUMPS = (sp.sign, sp.Heaviside, sp.DiracDelta, sp.Derivative, sp.Piecewise, Whe
 Place = Mapping[sp.Symbol, sp.Expr]
 
 
-def undefined_place(subject: FormulaSubject, obligation: Obligation) -> tuple[str, str]:
-    """The hydrostatic axis or zero force, and the remedy, where what is divided by or under a logarithm is 0 there; else twice ""."""
+def undefined_place(subject: FormulaSubject, obligation: Obligation) -> str:
+    """The hydrostatic axis or zero force, where what is divided by or under a logarithm is 0 there; else ""."""
     normal, shear = subject.problem.forces[:3], subject.problem.forces[3:]
-    remedy = "; if you mean its limit there, write where({} > 0, ..., 0) around this part"
     axis = dict.fromkeys(normal, sp.Dummy("p", nonzero=True, real=True)) | dict.fromkeys(shear, sp.S.Zero)
     if len(normal) == 3 and len(shear) in (0, 3) and _vanishes(obligation, axis):
-        equal = " = ".join(map(str, normal)) + "".join(f", {x} = 0" for x in shear)
-        return f"where {equal}", remedy.format(_size(subject.law))
-    if _vanishes(obligation, dict.fromkeys(subject.problem.forces, sp.S.Zero)):
-        return "at zero force", remedy.format("...")
-    return "", ""
+        return f"where {' = '.join(map(str, normal))}" + "".join(f", {x} = 0" for x in shear)
+    return "at zero force" if _vanishes(obligation, dict.fromkeys(subject.problem.forces, sp.S.Zero)) else ""
 
 
 def limits_taken(subject: FormulaSubject) -> Iterator[str]:
@@ -43,56 +37,11 @@ def limits_taken(subject: FormulaSubject) -> Iterator[str]:
         yield f"g has no value at zero force, for it {part.does} {formula(part.expr)}: duhem uses its limit there, and K is closed"
 
 
-def _size(law: Criterion) -> str:
-    """What is 0 on the axis alone: J2, or six times it."""
-    if law.stress is not None:
-        return f"J2({law.stress.name})"
-    x, y, z, *shear = law.forces
-    return f"({x} - {y})**2 + ({y} - {z})**2 + ({z} - {x})**2" + "".join(f" + 6*{s}**2" for s in shear)
-
-
 def undefined_at_zero(subject: FormulaSubject) -> str:
-    """That g has no value at zero force, and what to write for it; "" where it has one, or where that is not seen."""
+    """That g has no value at zero force, and why; "" where it has one, or where that is not seen."""
     zero = dict.fromkeys(subject.problem.forces, sp.S.Zero)
-    if (doubtful := next((o for o in subject.doubtful if _vanishes(o, zero)), None)) is not None:
-        return f"g has no value {''.join(undefined_place(subject, doubtful))}"
-    part = next((o for o in obligations(subject.problem.stated) if _vanishes(o, zero)), None)
-    if part is None:
-        return ""
-    law, forces = subject.law, subject.law.forces
-    away = (f"norm({', '.join(forces)})" if len(forces) > 1 else f"abs({forces[0]})") + " > 0"
-    if small := _vanishing_quotients(law.g, law.force_symbols()):
-        several = len(small) > 1
-        return (
-            f"g has no value at zero force: {' and '.join(map(formula, small))} {'are' if several else 'is'} 0/0 there, with the limit 0; "
-            f"write where({away}, ..., 0) around {'each' if several else 'it'}"
-        )
-    return (
-        f"g has no value at zero force: it {part.does} {formula(part.expr)}, which is 0 there; "
-        f"write where({away}, ..., ...) around it, with the value of g there at the end"
-    )
-
-
-def _vanishing_quotients(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Expr]:
-    """All quotients in g with a divisor that is 0 at zero force, if each tends to 0 there; else none.
-
-    Of a positive degree it does: it is defined, and without a ``where`` continuous, on the unit sphere of the forces, so bounded there.
-    """
-    found = list[sp.Expr]()
-    walk = sp.preorder_traversal(g)
-    for part in walk:
-        if any(divisor.subs(dict.fromkeys(forces, sp.S.Zero)).is_zero for divisor in _divisors(part)):
-            order = degree(part, forces)
-            if order is None or not order.is_positive or part.has(Where):
-                return []
-            found.append(part)
-            walk.skip()
-    return found
-
-
-def _divisors(part: sp.Basic) -> list[sp.Expr]:
-    factors = [f for f in sp.Mul.make_args(part) if isinstance(f, sp.Pow)]
-    return [f.base for f in factors if f.exp.is_negative]
+    part = next((o for o in (*subject.doubtful, *obligations(subject.problem.stated)) if _vanishes(o, zero)), None)
+    return "" if part is None else f"g has no value at zero force: it {part.does} {formula(part.expr)}, which is 0 there"
 
 
 def _vanishes(obligation: Obligation, place: dict[sp.Symbol, sp.Expr]) -> bool:

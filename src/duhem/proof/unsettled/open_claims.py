@@ -6,8 +6,9 @@ the claim rests on another that is open.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from itertools import islice
 from typing import Any, NamedTuple
@@ -25,6 +26,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.unsettled.blocked import blocked, in_forces
+from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
 from duhem.proof.unsettled.trials import that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
@@ -48,6 +50,7 @@ _OF_A_CURVE = {
     "normality": "d . T' = 0 and d x T' > 0 at every angle",
     "dissipation": "T . d >= 0 at every angle",
 }
+_OF_G = ("origin", "convexity", "smoothness")  # claims about g alone
 _STEPS = 3_000_000
 Decide = Callable[[Criterion, str, int], Verdict]
 _CHOICES = 6  # of parameters
@@ -107,19 +110,24 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
     if first is not None:
         told = (f"settle {first} first: {claim} follows from it, so what helps {first} helps here",)
         return Unsettled(inequality, actions=told)
-    part, why, actions = _blocked(asked)
-    if not actions and decide is not None:
-        actions = tuple(_decided(asked, decide))
+    limits = list(_limits(asked))
+    actions = [] if decide is None else list(_decided(asked, decide, [(told, {"g": g}) for told, g in limits[: claim == "origin"]]))
+    part, why, helps = _blocked(asked, None if any(Verdict.REFUTED in action for action in actions) else limits)
+    actions = helps or actions
     place, measure, margin = _closest(asked)
-    if margin is not None and margin < 0 and (sets := [f"--set {x}={place[x]}" for x in _free(law) if x in place]):
-        actions = (*actions, f"{' '.join(sets)} (in floating point the claim seems to be violated there)")
+    bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
+    if decide is not None and (bad or not actions):
+        choices = () if actions or not _free(law) else islice(_choices(asked), 1)
+        actions = [*actions, *_decided(asked, decide, map(_set, (*([bad] if bad else []), *choices)))]
+    if bad and claim not in _OF_G:
+        actions = [*actions, f"{_set(bad)[0]} (in floating point the claim seems to be violated there)"]
     if exhausted and subject.effort < EFFORTS["thorough"]:
-        actions = (*actions, "--effort thorough: the steps for this claim ran out before every method had tried")
-    return Unsettled(inequality, part, why, place, measure, margin, actions)
+        actions = [*actions, "--effort thorough: the steps for this claim ran out before every method had tried"]
+    return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
 
-def _blocked(asked: _Asked) -> tuple[str | None, str | None, tuple[str, ...]]:
-    """The part that no rule reads, why, and what helps."""
+def _blocked(asked: _Asked, limits: Sequence[tuple[str, str]] | None) -> tuple[str | None, str | None, list[str]]:
+    """The part that no rule reads, why, and what helps, of which ``limits`` may be some; None where nothing need be tried."""
     proved = frozenset(name for name, evidence in asked.settled.items() if evidence.verdict is Verdict.PROVED and name != asked.claim)
     names = names_of(asked.law)
     found = None
@@ -127,14 +135,26 @@ def _blocked(asked: _Asked) -> tuple[str | None, str | None, tuple[str, ...]]:
         found = None if "boundary" in asked.text else blocked(asked.claim, in_forces(asked.claim, StatedLaw.read(asked.text)))
     actions = list[str]()
     with suppress(*UNREADABLE):
-        actions = that_help(asked.claim, asked.text, proved, found, names, list(_choices(asked)))
+        actions = [] if limits is None else that_help(asked.claim, asked.text, proved, found, names, list(_choices(asked)), limits)
     text = None if found is None else in_text(found.part, names)
     if text is not None and len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
-    return text, None if found is None else found.why, tuple(actions)
+    why = None if found is None else found.why
+    if found is not None and found.part.op == "where" and isinstance(asked.law, Criterion):
+        why = f"{why}{jump(found.part, asked.law.forces, {**next(_choices(asked), {}), asked.law.pressure or '': Fraction(-1)})}"
+    return text, why, actions
 
 
-def _choices(asked: _Asked) -> Iterator[Mapping[str, Fraction]]:
+def _limits(asked: _Asked) -> Iterator[tuple[str, str]]:
+    """What to write for g, and it, where g has no value at a tip: such that K seems to be as it was."""
+    with suppress(*UNREADABLE, TooDearError), within(_STEPS):
+        if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
+            for told, g in with_values(read, names_of(asked.law)):
+                if keeps_k(asked.subject, text := in_text(g, {})):
+                    yield told, text
+
+
+def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:
     """Values of the law's free parameters, as its subject chooses them."""
     subject, free = asked.subject, _free(asked.law)
     for values in subject.choices(_CHOICES):
@@ -144,17 +164,20 @@ def _choices(asked: _Asked) -> Iterator[Mapping[str, Fraction]]:
             yield {name: named[name] for name in free}
 
 
-def _decided(asked: _Asked, decide: Decide) -> Iterator[str]:
-    """Values of all parameters at which the claim, one about g alone, is decided."""
+def _decided(asked: _Asked, decide: Decide, changes: Iterable[tuple[str, Mapping[str, Any]]]) -> Iterator[str]:
+    """The first change of the law with which the claim, one about g alone, is decided: values of parameters, or g."""
     law = asked.law
-    plain = isinstance(law, Criterion) and not (law.forces_of_rates or law.viscous) and asked.claim in ("origin", "convexity", "smoothness")
-    for choice in islice(_choices(asked), 1 if plain and _free(law) else 0):
-        verdict = Verdict.UNDECIDED
-        with suppress(InputError):  # a variable of the state may not be 0
-            fixed = law.fix({name: str(value) for name, value in choice.items()})
-            verdict = decide(fixed, asked.claim, _STEPS) if isinstance(fixed, Criterion) else verdict
-        if verdict not in _OPEN:
-            yield f"{' '.join(f'--set {name}={value}' for name, value in choice.items())} (then it is {verdict})"
+    if isinstance(law, Criterion) and not (law.forces_of_rates or law.viscous) and asked.claim in _OF_G:
+        for told, changed in changes:
+            with suppress(InputError):  # a variable of the state may not be 0
+                other = replace(law, written="", **changed) if "g" in changed else law.fix(changed)
+                if isinstance(other, Criterion) and (verdict := decide(other, asked.claim, _STEPS)) not in _OPEN:
+                    yield f"{told} (then it is {verdict})"
+                    return
+
+
+def _set(values: Mapping[str, Any]) -> tuple[str, dict[str, str]]:
+    return " ".join(f"--set {name}={value}" for name, value in values.items()), {name: str(value) for name, value in values.items()}
 
 
 def _free(law: Law) -> list[str]:

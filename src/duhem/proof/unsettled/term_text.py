@@ -10,6 +10,7 @@ from duhem.errors import InputError
 from duhem.expression.abbreviations import INVARIANTS
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion, Definitions
+from duhem.proof.kernel.stated_law import without_angles
 from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, Term, number, parse
 
 __all__ = ["in_text", "names_of"]
@@ -34,6 +35,10 @@ def names_of(law: Law) -> Names:
     for name, text in texts.items():
         with suppress(*UNREADABLE):
             found.setdefault(parse(text), name)
+    with suppress(*UNREADABLE):
+        for part in parse(law.written).parts() if isinstance(law, Criterion) else ():
+            if part.op in ("cos", "sin") and (read := without_angles(part)) != part:
+                found.setdefault(read, in_text(part, found))
     return {term: name for term, name in found.items() if term.args}
 
 

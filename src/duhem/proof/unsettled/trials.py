@@ -15,7 +15,6 @@ from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import needs_of, objection, rules_of
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.definedness import rarely_zero
 from duhem.proof.kernel.stated_law import StatedLaw, inhabited
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, product_of
@@ -26,43 +25,68 @@ __all__ = ["that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
-_A_TRIAL, _ALL, _READING = 200_000, 1_500_000, 5_000  # steps
+_A_TRIAL, _A_KIND, _READING = 200_000, 400_000, 5_000  # steps of one trial and of all of one kind; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "0", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES = 7, 6  # of plain values
+_MOST_FORCES = 3  # of a law that may be meant for one sign of a force
 
 
 def that_help(
-    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Sequence[Choice]
+    claim: str,
+    law: Text,
+    settled: frozenset[str],
+    blocked: Blocked | None,
+    names: Names,
+    choices: Sequence[Choice],
+    limits: Sequence[tuple[str, str]] = (),
 ) -> list[str]:
     """What to do, so that the claim is proved: one action a kind, each seen to help.
 
-    ``choices`` are values of the free parameters at which it is tried, after plain ones.
+    ``choices`` are values of the free parameters at which it is tried, after plain ones; ``limits`` say what to write for g, and it.
     """
     asked = _Asked(claim, settled)
-    kinds = (_signs(law, blocked, choices), _ranges(law, blocked), _forms(law, blocked, names))
-    found = ([action for action, changed in kind if asked(changed)][:1] for kind in kinds)
-    return [*chain.from_iterable(found), *_values(law, blocked, choices, asked)]
+    forms = chain(((told, {**law, "g": g}) for told, g in limits), _forms(law, blocked, names))
+    kinds = (_signs(law, blocked, choices), _ranges(law, blocked))
+    found = list[str]()
+    for kind in kinds:
+        asked.steps = _A_KIND
+        found += [action for action, changed in kind if asked(changed)][:1]
+    found += _with_least_lost(law, forms, asked)
+    return found or [*_values(law, blocked, choices, asked, alone=not limits)]
 
 
 class _Asked:
     """The kernel, as long as steps are left."""
 
     def __init__(self, claim: str, settled: frozenset[str]) -> None:
-        self.claim, self.settled, self.steps = claim, settled, _ALL
+        self.claim, self.settled, self.steps = claim, settled, _A_KIND
 
-    def __call__(self, law: Text) -> bool:
-        """Whether it proves the claim without evidence, with what that may rest on."""
+    def __call__(self, law: Text, *claims: str, of_a_part: bool = True) -> bool:
+        """Whether it proves the claim, or others, without evidence, with what that may rest on; ``of_a_part`` holds what is settled."""
         if self.steps < 0:
             return False
-        known = set(self.settled)
+        known, wanted = set(self.settled if of_a_part else ()), claims or (self.claim,)
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
             read = stated(law)
-            for name in (*sorted(needs_of(self.claim, read) - known, key=_BEFORE.index), self.claim):
+            needed = {*wanted}.union(*(needs_of(name, read) for name in wanted)) - known
+            for name in sorted(needed, key=_BEFORE.index):
                 if any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read)):
                     known.add(name)
         self.steps -= purse.spent + _READING
-        return self.claim in known
+        return known.issuperset(wanted)
+
+
+def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked) -> list[str]:
+    """The form of g of which the claim is proved, and all that is proved of the law as it is, or most; what is open then is said."""
+    asked.steps, found = _A_KIND, list[tuple[int, int, str]]()
+    for told, changed in forms:
+        if asked(changed, of_a_part=False):
+            claims = [name for name in _BEFORE[:3] if name != asked.claim and asked(law, name, of_a_part=False)]
+            lost = [name for name in claims if not asked(changed, name, of_a_part=False)]
+            more = f" (for this claim alone: {' and '.join(lost)} would be open)" if lost else ""
+            found.append((len(lost), len(told), told + more))
+    return [min(found)[2]] if found else []
 
 
 def _signs(law: Text, blocked: Blocked | None, choices: Sequence[Choice]) -> Iterator[tuple[str, Text]]:
@@ -77,7 +101,9 @@ def _signs(law: Text, blocked: Blocked | None, choices: Sequence[Choice]) -> Ite
 
 def _ranges(law: Text, blocked: Blocked | None) -> Iterator[tuple[str, Text]]:
     ranges = law.get("domain", {})
-    for force in () if blocked is None else sorted(blocked.part.names() & {*law["forces"]} - {*ranges}):
+    for force in (
+        () if blocked is None or len(law["forces"]) > _MOST_FORCES else sorted(blocked.part.names() & {*law["forces"]} - {*ranges})
+    ):
         for end, side in (("min", ">="), ("max", "<=")):
             action = f"ask for {force} {side} 0 alone: {force} = {{ {end} = 0 }} in the section [domain]"
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
@@ -90,8 +116,6 @@ def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[s
     read = stated(law)
     if not isinstance(read, StatedLaw) or not blocked.part.names() & {*read.forces}:
         return
-    if blocked.part.op != "log":
-        yield from _beside_a_tip(law, read, _size(blocked.part), names)
     if blocked.part.op == "atan2":
         return
     g, base, domain = read.g, blocked.part.args[0], over(read)
@@ -107,46 +131,36 @@ def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[s
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
 
 
-def _beside_a_tip(law: Text, read: StatedLaw, size: Term, names: Names) -> Iterator[tuple[str, Text]]:
-    """g with 0 for what has no value where a size is 0, on a set without an inside."""
-    if over(read).facts(size).nonnegative and rarely_zero(size, over(read)):
-        swap = {x: Term("where", (Term(">", (size, number(0))), x, number(0))) for x in _without_a_value(read.g, size)}
-        told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in swap.items())
-        yield f"write {told}, if you mean 0 there", {**law, "g": in_text(read.g.put(swap), {})}
-
-
-def _size(part: Term) -> Term:
-    """What is 0 where a quotient or an angle has no value, by its first power."""
-    if part.op == "atan2":
-        return Term("norm", part.args)
-    return _size(part.args[0]) if part.op == "**" else part
-
-
-def _without_a_value(term: Term, size: Term) -> Iterator[Term]:
-    """The largest parts of a sum that divide by a size, or ask for an angle of what has it."""
-    if term.op in ("+", "max", "min"):
-        for a in term.args:
-            yield from _without_a_value(a, size)
-    elif any(_size(x) == size for x in term.parts() if x.op == "atan2" or (x.op == "**" and not x.args[1].value > 0)):
-        yield term
-
-
-def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked) -> Iterator[str]:
-    """The fewest parameters to fix, at plain values at which the claim is proved, and how far one of them may vary."""
+def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked, alone: bool) -> Iterator[str]:
+    """How far one parameter may vary with which the claim is proved, first ``alone``, or the fewest to fix beside it, at plain values."""
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
-    fixed = next((dict(choice) for choice in chain(_choices(law), choices) if asked(_with(law, choice))), {})
-    for name in sorted(fixed, key=lambda name: name in part):
-        fewer = {x: value for x, value in fixed.items() if x != name}
-        fixed = fewer if fewer and asked(_with(law, fewer)) else fixed
-    for name, value in fixed.items():
-        others = {x: v for x, v in fixed.items() if x != name}
-        beside = "".join(f" and --set {x}={v}" for x, v in others.items())
-        for domain, told in _narrower(law["parameters"][name]):
-            if Bounds.read(domain).holds(value) and asked(_with({**law, "parameters": {**law["parameters"], name: domain}}, others)):
-                yield f"narrow {name} to {told}{beside}"
-                return
-    if fixed:
-        yield " ".join(f"--set {x}={v}" for x, v in fixed.items())
+    known, asked.steps = [*_choices(law), *choices], _A_KIND
+    names = sorted({name for choice in known if alone for name in choice})
+    if (found := _narrowed(law, names, known, {}, asked)) is None:
+        asked.steps = 2 * _A_KIND
+        fixed = next((dict(choice) for choice in known if asked(_with(law, choice))), {})
+        for name in sorted(fixed, key=lambda name: name in part):
+            fewer = {x: value for x, value in fixed.items() if x != name}
+            fixed = fewer if fewer and asked(_with(law, fewer)) else fixed
+        others = {name: {x: v for x, v in fixed.items() if x != name} for name in fixed}
+        wider = (_narrowed(law, [name], [fixed], beside, asked) for name, beside in others.items())
+        found = next(filter(None, wider), " ".join(f"--set {x}={v}" for x, v in fixed.items()))
+    if found:
+        yield found
+
+
+def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: Choice, asked: _Asked) -> str | None:
+    """A part of the domain of one parameter, with one of the values known, in which the claim is proved, others fixed beside."""
+    parts = [(name, *part) for name in names for part in _narrower(law["parameters"][name])]
+
+    def proved(name: str, domain: Text) -> bool:
+        holds = any(Bounds.read(domain).holds(choice[name]) for choice in known)
+        return holds and asked(_with({**law, "parameters": {**law["parameters"], name: domain}}, others))
+
+    for name, domain, told in sorted(parts, key=lambda part: (" = " in part[2], law["parameters"][part[0]].get("max") is None)):
+        if proved(name, domain):
+            return f"narrow {name} to {told}" + "".join(f" and --set {x}={v}" for x, v in others.items())
+    return None
 
 
 def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
@@ -175,20 +189,20 @@ def _with(law: Text, fixed: Choice) -> Text:
 
 
 def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
-    """Parts of a domain: from 1 or up to 1, above or below 0, either half; as it is declared and in words."""
+    """Parts of a domain: above 0, from 1 or up to 1, or either half, below 0; as it is declared and in words."""
     own = Bounds.read(domain)
     if own.single:
         return
     if own.sign() & (ZERO | NEGATIVE) and own.sign() & POSITIVE:
         yield {"positive": True, **({} if own.high is None else {"max": str(own.high)})}, "what is > 0 (positive = true)"
-    if own.sign() & NEGATIVE and own.sign() & POSITIVE:
-        yield {"max": "0", **({} if own.low is None else {"min": str(own.low)})}, "max = 0"
     beyond = Fraction(1) if own.low is None or own.low < 1 else own.low + 1
     end = beyond if own.low is None or own.high is None else (own.low + own.high) / 2
     if own.holds(end) and end not in (own.low, own.high):
         yield {"min": str(end), **({} if own.high is None else {"max": str(own.high)})}, f"min = {end}"
         below = {"positive": True} if own.open and own.low == 0 else {} if own.low is None else {"min": str(own.low)}
         yield {**below, "max": str(end)}, f"max = {end}"
+    if own.sign() & NEGATIVE and own.sign() & POSITIVE:
+        yield {"max": "0", **({} if own.low is None else {"min": str(own.low)})}, "max = 0"
 
 
 def _plain(domain: Text) -> Iterator[Fraction]:

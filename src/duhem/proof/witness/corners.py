@@ -47,7 +47,7 @@ _T = sp.Symbol("t", positive=True)
 def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, near: Sequence[Fraction]) -> Witness | None:
     """The corner near a place of a plane of forces, on a seam with one switch.
 
-    Where g jumps, only one between the boundary of one piece and the seam, which g does not cross.
+    Where g jumps, one of two boundaries that may meet on the seam, or of one and the seam, which g does not cross.
     """
     for limit, radius in _BOXES:
         place = [c.limit_denominator(limit) for c in near]
@@ -59,7 +59,8 @@ def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, n
                     continue
                 normals = _normals(subject, parameters, seam, section, centre, box, radius)
                 if normals is not None:
-                    return _shown(subject, parameters, section, place, radius, seam.crossed[0], normals)
+                    ends = "" if _joined(subject, parameters, seam, section, box) else "K ends on it, or "
+                    return _shown(subject, parameters, section, place, radius, seam.crossed[0], normals, ends)
     return None
 
 
@@ -101,7 +102,9 @@ def _normals(
     if side in (-1, 1) and len(section.forces) == 2:  # K ends on the seam: towards `before` if that is outside, else towards `after`
         one = full[0] = [-side * after.signs[switch] * c for c in along]
         crossing = [two]
-    elif enclose(before.expr - after.expr, box).contains(0) and not _jumps(subject, parameters, section, box):
+    elif enclose(before.expr - after.expr, box).contains(0) and (
+        len(section.forces) == 2 or _joined(subject, parameters, seam, section, box)
+    ):
         crossing = [one, two]
     else:
         return None
@@ -109,11 +112,12 @@ def _normals(
     return full if certain and all(c.is_finite() for n in full for c in n) else None
 
 
-def _jumps(subject: FormulaSubject, parameters: Values, section: PlaneSection, box: Any) -> bool:
-    """Whether g may jump in the box: where it does somewhere, and some choice is open there."""
-    g = almost_everywhere(subject.formula_at(parameters))
-    around = {x: enclose(form, box) for x, form in section.coordinates().items()}
-    return kinks_decided(g, around).has(Where) and not subject.continuous
+def _joined(subject: FormulaSubject, parameters: Values, seam: Seam, section: PlaneSection, box: Any) -> bool:
+    """Whether g is continuous across the seam: as no choice is open in the box, or as the pieces are one where their switch is 0."""
+    g, around = almost_everywhere(subject.formula_at(parameters)), {x: enclose(form, box) for x, form in section.coordinates().items()}
+    if subject.continuous or not kinks_decided(g, around).has(Where):
+        return True
+    return bool(sp.cancel((seam.before.expr - seam.after.expr) / seam.crossed[0]).is_number)
 
 
 def _shown(
@@ -124,6 +128,7 @@ def _shown(
     radius: Fraction,
     switch: sp.Expr,
     normals: list[list[Any]],
+    ends: str,
 ) -> Witness:
     at = subject.values_at(parameters, section.point(place))
     one, two = normals
@@ -139,7 +144,9 @@ def _shown(
         **{f"n{i}_{x}": decimal_pair(c) for i, n in ((1, one), (2, two)) for x, c in zip(section.forces, n, strict=True)},
     }
     size = abs(float(across.mid())) if len(one) == 2 else math.sqrt(abs(float(across.mid())))
-    statement = f"within {radius} of this point the boundary has a corner {where}: the normals n1, n2 of its two sides are not parallel"
+    statement = (
+        f"within {radius} of this point the boundary has a corner {where}: {ends}the normals n1, n2 of its two sides are not parallel"
+    )
     return witness(subject, points, values, statement, {"corner_degrees": math.degrees(math.atan2(size, float(dot.mid())))})
 
 

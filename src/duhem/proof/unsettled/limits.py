@@ -1,0 +1,147 @@
+"""Where formulas have no value or jump, and what to write: for a part a value where a load is 0, or the formula without the divisor.
+
+Whether K stays what it was is looked at in floats, close to where the load is 0: a value there is no limit because it is written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from fractions import Fraction
+from itertools import islice, product
+
+import numpy as np
+
+from duhem.expression.numpy_ import compiled
+from duhem.law.domain import Domain
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.kernel.constant_value import exact_value
+from duhem.proof.kernel.curvature import within_ranges
+from duhem.proof.kernel.definedness import Reader, rarely_zero
+from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, gap
+from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
+from duhem.proof.unsettled.term_text import Names, in_text
+
+__all__ = ["jump", "keeps_k", "with_values"]
+
+_MOST = 4  # parts in one formula, and ways to choose each
+_CHOICES, _DRAWN = 2, 24  # of parameters; of places, and around each
+_PLACES = tuple(map(Fraction, ("0", "1", "-1", "2", "-2", "3", "-3", "6", "-6", "1/2", "-1/2")))
+_NEAR, _SAME, _ROUNDING = 1e-6, 1e-3, 1e-9
+_ZERO, _ONE = number(0), number(1)
+
+
+def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
+    """What to write, and g: with 0 for a part that has no value, the part being small or large; g times what it is divided by."""
+    domain, seen = within_ranges(read), set[Term]()
+    if (tip := _tip(read.g, domain)) is None:
+        return
+    _, size, power = tip
+    scaled = _times(read.g, size, power)
+    for start, rank in ((start, rank) for start in (read.g, scaled) for rank in range(_MOST)):
+        g, put = start, list[tuple[Term, Term]]()
+        while (tip := _tip(g, domain)) is not None and len(put) < _MOST:
+            above = _above(start, tip[0], names)
+            x = above[min(rank, len(above) - 1)]
+            put.append((x, Term("where", (Term(">", (tip[1], _ZERO)), x, _ZERO))))
+            if (changed := g.put(dict(put[-1:]))) == g or any(x in limit.parts() for _, limit in put[:-1]):
+                g = read.g  # what is put in has that part again
+                break
+            g = changed
+        if g != read.g and g not in seen:
+            seen.add(g)
+            told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"
+            whole = f"{in_text(g, names)} for g, which is {in_text(_power(size, power), names)} times g"
+            yield f"write {told if start is read.g else whole}", g
+
+
+def _tip(g: Term, domain: StatedDomain) -> tuple[Term, Term, Term] | None:
+    """A part without a value, what is 0 there and else > 0, and the power of it that divides; None where that is not seen."""
+    if (part := Reader(domain).undecided(g)) is None or part.op not in ("**", "log", "atan2"):
+        return None
+    size, power = (Term("norm", part.args) if part.op == "atan2" else part), Fraction(1)
+    while size.op in ("**", "log"):
+        power *= abs(size.args[1].value) if size.op == "**" else 1
+        size = size.args[0]
+    loads = [x for x in factors(size) if not x.names() or not domain.constant(x)]
+    size = loads[0] if len(loads) == 1 else size if len(loads) == len(factors(size)) else Term("*", tuple(loads))
+    if domain.facts(size).sign & NEGATIVE or not rarely_zero(size, domain):
+        return None
+    raised = (x.args[1] for x in g.parts() if x.op == "**" and x.args[1].op != "number" and part in x.args[0].parts())
+    return part, size, next(raised, number(power or 1))
+
+
+def _above(g: Term, part: Term, names: Names) -> list[Term]:
+    """Parts that hold a part: those that have a name, then the product that it stands in, then the term of the sum; the smallest first."""
+    found = [x for x in g.parts() if x != part and part in x.parts()]
+    whole = [x for x in found if x.op == "*"]
+    return [*(x for x in found if x in names), *whole[:1], *whole[-1:], *found[:1]] or [part]
+
+
+def _times(term: Term, size: Term, power: Term) -> Term:
+    """A formula times a power of a size by which it may divide."""
+    if term.op == "+":
+        return sum_of(*(_times(a, size, power) for a in term.args if a != _ZERO))
+    if term.op == "**" and term.args[1] == power and power.op != "number":
+        return Term("**", (_times(term.args[0], size, _ONE), power))
+    rest, own = _split(term, size)
+    for x in rest:
+        if x != term and x.op in ("+", "**") and any(_split(y, size)[1] < 0 for y in x.parts()):
+            return product_of(*(_times(y, size, power) if y is x else y for y in rest))
+    left = number(own + power.value) if power.op == "number" else sum_of(number(own), power)
+    return product_of(*rest, *([] if left == _ZERO else [_power(size, left)]))
+
+
+def _power(size: Term, power: Term) -> Term:
+    return size if power == _ONE else Term("**", (size, power))
+
+
+def _split(term: Term, size: Term) -> tuple[list[Term], Fraction]:
+    """The factors of a term but for powers of a size, and the power of that."""
+    if factors(term) == factors(size):
+        return [], Fraction(1)
+    if term.op == "**" and term.args[1].op == "number" and (found := _split(term.args[0], size))[1]:
+        return [Term("**", (product_of(*found[0]), term.args[1]))] if found[0] else [], found[1] * term.args[1].value
+    if term.op == "*":
+        parts = [_split(a, size) for a in term.args]
+        return [x for rest, _ in parts for x in rest], sum((own for _, own in parts), Fraction(0))
+    return [term], Fraction(0)
+
+
+def keeps_k(subject: FormulaSubject, g: str) -> bool:
+    """Whether K seems to be as before where g has no value and a changed g has: one near those around, or of a sign found there."""
+    law, rng, n = subject.law, np.random.default_rng(7), len(subject.law.forces)
+    table, ranges = law.symbols(), [law.domain.get(f, Domain()) for f in law.forces]
+    old, new = (compiled(x.g, table.values()) for x in (law, replace(law, g=g, written="")))
+    low, high = np.array([[-np.inf if x.low is None else float(x.low), np.inf if x.high is None else float(x.high)] for x in ranges]).T
+    equal = np.outer((0.0, 1.0, -1.0, 30.0, -30.0), np.arange(n) < (3 if law.stress else n))
+    drawn = rng.standard_normal((_DRAWN, n)) * (1 - np.eye(n)[np.arange(_DRAWN) % n])
+    places = np.clip(np.concatenate([equal, drawn, 30 * drawn]), low, high)
+    for parameters in islice(subject.choices(_CHOICES), _CHOICES):
+        known = subject.named(subject.values_at(parameters, subject.nowhere))
+        others = [float(known[name]) for name in [*table][n:]]
+        for z in (z for z in places if not np.isfinite(old(*z, *others))):
+            here = float(new(*z, *others))
+            around = np.clip(z + _NEAR * max(1.0, np.abs(z).max()) * np.concatenate([equal[:3], drawn]), low, high)
+            near = old(*around.T, *others)
+            near = near[np.isfinite(near)]
+            found = np.any(near <= 0) if here <= _ROUNDING else np.all(near > 0)
+            if np.isfinite(here) and len(near) and not (found or np.all(np.abs(near - here) <= _SAME * (1 + abs(here)))):
+                return False
+    return True
+
+
+def jump(choice: Term, forces: Sequence[str], values: Mapping[str, Fraction]) -> str:
+    """A plain place at which a choice by the forces changes over from one value to another, in exact arithmetic; "" where none is found."""
+    condition, one, two = choice.args
+    moving = sorted(choice.names() & {*forces})
+    for place in product(_PLACES, repeat=len(moving)):
+        at = {**values, **dict(zip(moving, place, strict=True))}
+        swap = {Term("name", name=name): number(value) for name, value in at.items()}
+        with suppress(NotWritten, ZeroDivisionError):
+            border, a, b = (exact_value(x.put(swap)) for x in (gap(condition), one, two))
+            if border == 0 and a != b:
+                return f"; it jumps from {a} to {b} at {', '.join(f'{name} = {at[name]}' for name in sorted(choice.names()))}"
+    return ""
