@@ -3,10 +3,8 @@
 Rules: Grant, Boyd, Ye (2006), Disciplined convex programming; Agrawal, Boyd (2020), Disciplined quasiconvex programming.
 A part counts only where it is shown to be defined, for all forces, the whole domain and every pressure sigma_n < 0.
 
-Parts of a sum show something together: a part that stands several times, kinks of one x, the matrix of a quadratic form.
-phi(x) = right x for x >= 0 and left x for x <= 0, such as |x| - k x, is convex for left <= right; of a convex x so is phi(x) where phi does
-not fall (left >= 0), of a concave one where it does not rise (right <= 0).  phi >= 0 for left <= 0 <= right: |x| - k x with |k| <= 1
-(Cazacu, Plunkett, Barlat 2006, IJP 22, 1171).
+Parts of a sum show something together: the matrix of a quadratic form; in the normal form a part that stands several times and kinks of one
+x, for |x| - k x is (1 - k) pos(x) + (1 + k) neg(x) there (Cazacu, Plunkett, Barlat 2006, IJP 22, 1171).
 
 c max(x, ...) - c min(x, ...) is >= 0 for c >= 0, as x lies between; so is the greatest less the least eigenvalue of a matrix.
 
@@ -16,11 +14,12 @@ degree is convex where its matrix is (:mod:`semidefinite`).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
-from operator import or_
+from operator import and_, or_
 
 from duhem.proof.kernel.bounds import Facts, of_sum, signs_of_product
 from duhem.proof.kernel.definedness import has_value
@@ -28,7 +27,7 @@ from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.forms import apart, degree_at_most, multiple, quadratic, sign_within
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.polynomial import Monomial, written
+from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled, shape_of_two
 from duhem.proof.kernel.semidefinite import semidefinite, sum_of_even_powers
 from duhem.proof.kernel.signs import sign_of_constant
@@ -44,8 +43,8 @@ _HALF, _ONE = number(Fraction(1, 2)), number(1)
 _SIGN_KEPT = (  # words that rise, and have the sign of what they are of; a new word is a row here
     "tanh", "atan",
 )  # fmt: skip
+_KINKS, _MOST_KINDS = ("abs", "pos", "neg"), 12  # of a sum, the parts that are not equal
 _PRICE = 100  # steps for a part of a formula, beside what its polynomials cost
-_Bend = tuple[Term, Term, Term]  # x, right, left
 
 
 def over(law: StatedLaw) -> StatedDomain:
@@ -70,8 +69,9 @@ def shown(term: Term, domain: StatedDomain) -> Facts:
         known = replace(domain.facts(plain), defined=known.defined)
     if domain.constant(term):
         known = Facts(known.defined, sign_of_constant(term, known.sign, domain), True, True, True)
-    elif not (known.defined and known.convex) and not term.large:
-        known = _of_parts_together(term, known, domain)
+    elif not term.large:
+        known = _of_its_spelling(term, known, domain)
+        known = known if known.defined and known.convex else _of_parts_together(term, known, domain)
     if domain.sides and not domain.constant(term):
         known = replace(known, sign=known.sign & sign_within(term, known, domain))
     return known
@@ -81,25 +81,38 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
     """What is shown of a term by rules that look at more than its parts one by one."""
     if term.op in ("+", "*", "**", "where") and (found := convex_in_deviator(term, domain)) is not None:
         return replace(found, defined=found.defined or known.defined)
-    if term.op == "+" and known.defined and (like := collected(term, domain)) != term and (found := domain.facts(like)).convex:
-        return replace(found, sign=found.sign & known.sign)
     if term.op == "+" and known.defined and (squared := by_its_matrix(term, known, domain)) != known:
         return squared
     if known.defined and (found := quasiconvex_with_parts_freed(term, domain)) is not None:
         return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
-    rooted = term.op == "**" and term.args[1] == _HALF and term.args[0].op in ("+", "*", "**") and known.defined and not known.convex
-    if rooted and (root := _normal(term, domain)) != term:
-        found = domain.facts(root)
-        return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=known.quasiconvex or found.quasiconvex)
     return known
 
 
-def _normal(term: Term, domain: StatedDomain) -> Term:
-    """The normal form, which is its own; the term where that is too long, or another's."""
+def _of_its_spelling(term: Term, known: Facts, domain: StatedDomain) -> Facts:
+    """What is shown of a term by its normal form, of a root that is not convex, and of a sum with kinks or with one part several times."""
+    if not known.defined or known.affine or (known.convex and (known.nonnegative or term.op != "+")):
+        return known
+    parts = [(part, len(scales)) for part, scales in _summed(term, domain).items() if not domain.constant(part)] if term.op == "+" else []
+    kinked = len(parts) <= _MOST_KINDS and any(part.op in _KINKS or (n > 1 and part.op != "name") for part, n in parts)
+    rooted = term.op == "**" and term.args[1] == _HALF and term.args[0].op in ("+", "*", "**")
     with suppress(NotWritten):
-        if normal(found := normal(term, domain), domain) == found:
-            return found
-    return term
+        form = normal(term, domain) if kinked or rooted else term
+        found = [domain.facts(form)] if form != term and normal(form, domain) == form else []  # one that is its own
+        found += [_by_its_word(spelled, domain) for spelled in _by_one_ramp(term, domain)] if kinked and form == term else []
+        sign, convex = reduce(and_, (shape.sign for shape in found), known.sign), any(shape.convex for shape in (known, *found))
+        return replace(known, sign=sign, convex=convex, quasiconvex=convex or any(shape.quasiconvex for shape in (known, *found)))
+    return known
+
+
+def _by_one_ramp(term: Term, domain: StatedDomain) -> Iterator[Term]:
+    """A sum with neg(x) = pos(x) - x and |x| = 2 pos(x) - x, and with pos(x) = neg(x) + x and |x| = 2 neg(x) + x; every part once."""
+    for ramp, way in (("pos", -1), ("neg", 1)):
+        swapped = list[Term]()
+        for part, scales in _summed(term, domain).items():
+            ramps = [Term(ramp, part.args)] * (2 if part.op == "abs" else 1)
+            turned = part.op in _KINKS and part.op != ramp and not domain.constant(part)
+            swapped.append(product_of(sum_of(*scales), sum_of(*ramps, product_of(number(way), *part.args)) if turned else part))
+        yield sum_of(*(product_of(sum_of(*scales), part) for part, scales in _summed(sum_of(*swapped), domain).items()))
 
 
 def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
@@ -178,9 +191,9 @@ def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
         known = replace(known, convex=True, quasiconvex=True)
     if term.large:
         return known
-    if known.sign & NEGATIVE and (nonnegative_when_bent(term, domain) or nonnegative_as_a_spread(term, domain)):
+    if known.sign & NEGATIVE and nonnegative_as_a_spread(term, domain):
         known = replace(known, sign=known.sign & ~NEGATIVE)
-    return known if known.convex or not convex_when_bent(term, domain) else replace(known, convex=True, quasiconvex=True)
+    return known
 
 
 def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
@@ -344,14 +357,6 @@ def _minkowski(term: Term, domain: StatedDomain) -> bool:
 # -- parts of a sum together -------------------------------------------------------------------------------------------
 
 
-def collected(term: Term, domain: StatedDomain) -> Term:
-    """A sum with every part that depends on the forces once, with the sum of its coefficients; as it is where none stands twice."""
-    found = _summed(term, domain)
-    if all(len(scales) == 1 or domain.constant(part) or part.op == "name" for part, scales in found.items()):
-        return term
-    return sum_of(*(product_of(sum_of(*scales), part) for part, scales in found.items()))
-
-
 def _summed(term: Term, domain: StatedDomain) -> dict[Term, list[Term]]:
     """What is added up, in sums within sums too, each part with the constants it is multiplied by."""
     found: dict[Term, list[Term]] = {}
@@ -366,23 +371,6 @@ def _summed(term: Term, domain: StatedDomain) -> dict[Term, list[Term]]:
         else:
             found.setdefault(part, []).append(scale)
     return found
-
-
-def convex_when_bent(term: Term, domain: StatedDomain) -> bool:
-    """Whether a sum is convex, the kinks of one x taken together and with the multiples of x."""
-    with suppress(NotWritten):
-        bends, rest = _bends(term, domain)
-        return bool(bends) and all(domain.facts(part).convex for part in rest) and all(_convex(*bend, domain) for bend in bends)
-    return False
-
-
-def nonnegative_when_bent(term: Term, domain: StatedDomain) -> bool:
-    """Whether a sum is made of phi >= 0 and what is >= 0 itself."""
-    with suppress(NotWritten):
-        bends, rest = _bends(term, domain)
-        rises = (not domain.facts(right).sign & NEGATIVE and not domain.facts(left).sign & POSITIVE for _, right, left in bends)
-        return bool(bends) and all(domain.facts(part).nonnegative for part in rest) and all(rises)
-    return False
 
 
 def nonnegative_as_a_spread(term: Term, domain: StatedDomain) -> bool:
@@ -406,42 +394,6 @@ def _beneath(low: Term, top: Term, domain: StatedDomain) -> bool:
     if top.op == "max":
         return low.op == "min" and bool({*top.args} & {*low.args})
     return low.op == "eigmax" and all(not domain.polynomial(sum_of(a, b)) for a, b in zip(top.args, low.args, strict=True))
-
-
-def _convex(x: Term, right: Term, left: Term, domain: StatedDomain) -> bool:
-    inner = domain.facts(x)
-    if domain.facts(sum_of(right, minus(left))).sign & NEGATIVE:
-        return False
-    rises, falls = not domain.facts(left).sign & NEGATIVE, not domain.facts(right).sign & POSITIVE
-    return inner.affine or (inner.convex and rises) or (inner.concave and falls)
-
-
-def _bends(term: Term, domain: StatedDomain) -> tuple[list[_Bend], list[Term]]:
-    """A phi for every x that stands under a kink, and the terms in none of them."""
-    kinks, rest = dict[frozenset[tuple[Monomial, Fraction]], tuple[Term, list[tuple[Term, Term]]]](), list[Term]()
-    for part, scales in _summed(term, domain).items():
-        scale = sum_of(*scales)
-        if part.op not in ("abs", "pos", "neg") or domain.constant(part):
-            rest.append(product_of(scale, part))
-            continue
-        (x,), right, left = part.args, scale, minus(scale)
-        poly = domain.polynomial(x)
-        if poly and poly[min(poly)] < 0:  # of x and -x one
-            x, right, left = minus(x), *((right, left) if part.op == "abs" else (number(0), left))
-        elif part.op != "abs":
-            left = number(0)
-        if part.op == "neg":
-            right, left = minus(left), minus(right)
-        kinks.setdefault(frozenset(domain.polynomial(x).items()), (x, []))[1].append((right, left))
-    bends = list[_Bend]()
-    for x, slopes in kinks.values():
-        poly, whole = domain.polynomial(x), sum_of(*rest)
-        multiples = {part: c for part in (whole, *rest) if (c := multiple(domain.polynomial(part), poly, domain)) is not None}
-        own = [whole] if whole in multiples else [part for part in rest if part in multiples]
-        rest = [] if whole in multiples else [part for part in rest if part not in multiples]
-        shares = [written(multiples[part]) for part in own]
-        bends.append((x, sum_of(*(right for right, _ in slopes), *shares), sum_of(*(left for _, left in slopes), *shares)))
-    return bends, rest
 
 
 def by_its_matrix(term: Term, known: Facts, domain: StatedDomain) -> Facts:

@@ -504,8 +504,9 @@ class _Form(NamedTuple):
                 continue
             (d,), own = size.args, {joined(moving, m): a for m, a in c.items()}
             inner, rest = self._poly(d), total(poly, negated(own))
-            forces = {m: a for m, a in rest.items() if any(not self.domain.constant(x) for x, _ in m)}
-            tried = [c, negated(c), *([k] if (k := multiple(forces, inner, self.domain)) else [])]
+            shares, beside = by_forces(inner, self.domain), by_forces(rest, self.domain)
+            along = total(*(times(beside.get(m, {}), {m: Fraction(1)}) for m in shares if m))
+            tried = [c, negated(c), *([k] if (k := multiple(along, inner, self.domain)) else [])]
             left = {i: total(rest, negated(times(k, inner))) for i, k in enumerate(tried)}
             best = min(left, key=lambda i: len(left[i]))
             if len(left[best]) < len(rest):

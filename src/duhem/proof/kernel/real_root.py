@@ -57,10 +57,6 @@ class RealRoot(NamedTuple):
         """Whether it is seen to be less than another."""
         return self.high < other.low or (self.high == other.low and not (self.exact and other.exact))
 
-    def sign_before(self) -> int:
-        """The sign of its polynomial just below it."""
-        return -1 if self.exact else sign_at(self.poly, self.low)
-
     def reduced(self, poly: Polynomial) -> Polynomial:
         """A polynomial with the same value where the variable is this number: its rest by the polynomial of the number."""
         if self.exact:
