@@ -26,10 +26,17 @@ class TestsOfLines(NamedTuple):
 
     def of(self, module: Path, line: int) -> list[str]:
         """The tests that run the statement at a line, the quickest first; all of them where an import runs it."""
-        lines = self.ran.get(str(module), {})
-        who = {context for at in _statement(module, line) for context in lines.get(at, ())}
+        who = self._who(module, line)
         chosen = (test for test in self.seconds if EVERY in who or test in who or test.split("::")[0] in who)
         return sorted(chosen, key=self.seconds.__getitem__)
+
+    def run_on_import(self, module: Path, line: int) -> bool:
+        """Whether an import runs the statement at a line."""
+        return EVERY in self._who(module, line)
+
+    def _who(self, module: Path, line: int) -> set[str]:
+        lines = self.ran.get(str(module), {})
+        return {context for at in _statement(module, line) for context in lines.get(at, ())}
 
 
 def _statement(module: Path, line: int) -> range:

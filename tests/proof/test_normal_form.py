@@ -203,6 +203,12 @@ WRONG = [
     "((1 + w)*pos(x - y) + (1 - w)*neg(x + y))**2 - s",
     "where(x > 1, x**2 + 1, x**2) + y**2 - s",  # it jumps
     "(v - pos(v - w))*abs(x) + y**2 - s",
+    "pos(x) + (exp(-neg(x)) - y**2) - s",
+    "pos(x) + exp(-neg(x))*exp(-y**2) - s",
+    "pos(x) + 2*exp(-neg(x)) - s",
+    "pos(x) + exp(-2*neg(x)) - s",
+    "pos(x) + exp(-neg(y)) - s",
+    "pos(x) - exp(-neg(x)) - s",
     "max(norm(x - y, y - z) - sqrt(pos((F + 3*pos(F)**2)*(F + 1))), -F, F - 1)",
     "max(norm(x - y, y - z) - sqrt(pos((pos(F)**2 - F + 1)*(F + 2))), -F, F - 1)",
 ]
@@ -328,6 +334,13 @@ def test_a_choice_by_a_load_has_the_value_of_what_was_written(seed: int) -> None
     assert _changed([_choices(rng) for _ in range(25)], rng) > 40
 
 
+@pytest.mark.parametrize(
+    "text", ["sqrt(40 + x**2 - pos(y)**2)", "sqrt((x - y)**2 + 99*k**2 - e*neg(y)**2)", "y/sqrt(1 + x**2)**3", "norm(x, 1)**2/norm(x, 1)**5"]
+)
+def test_so_it_has_where_something_is_subtracted_or_divided_by(text: str) -> None:
+    _changed([text], Random(1))
+
+
 def _changed(texts: Sequence[str], rng: Random) -> int:
     """How many normal forms differ from what was written; each has its value, and the signs that are shown hold."""
     changed = 0
@@ -362,6 +375,11 @@ SIGNS = [
     ("m/k*exp(-e) + u", POSITIVE),
     ("m + (k - m)*exp(-(v/u)**2)", POSITIVE),
     ("2 - (e)**u", POSITIVE),
+    ("1 - e**u", ZERO | POSITIVE),
+    ("1 - (m/k)**wide", ZERO | POSITIVE),
+    ("(k/m)**wide - 1", ZERO | POSITIVE),
+    ("n**u - 1", ZERO | POSITIVE),
+    ("1 - n**(-u)", ZERO | POSITIVE),
     ("3*(sin(phi) - sin(psi))/(3 - sin(phi))/(3 - sin(psi))", ZERO | POSITIVE),
     ("sin(phi)", ZERO | POSITIVE),
     ("cos(phi)", POSITIVE),

@@ -148,6 +148,22 @@ def test_values_of_other_parameters_must_be_admitted() -> None:
     assert set(at_values(put, {"mu_a": "3", "mu_b": "1"}, ["shift"]).parameters) == {"shift"}
 
 
+@pytest.mark.parametrize(
+    ("constraint", "names", "left"),
+    [("x*x >= 2", [], True), ("x*x >= 2", ["x", "y"], True), ("x + y >= 2", ["x", "y"], True), ("x + y >= 2", [], None), ("x + y >= 2", ["x"], None),
+     ("x >= z", ["x", "z"], None), ("x + z >= 0", [], False), ("x + z >= 1", ["x"], False)],
+)  # fmt: skip
+def test_what_relates_what_is_left_is_assumed_of_a_region_alone(constraint: str, names: list[str], left: bool | None) -> None:
+    """At z = 1, x and y being >= 0: None is refused, False is shown and goes."""
+    ranges = {name: {"min": "0"} for name in ("x", "y", "z")}
+    law = StatedLaw.read({**FORM, "g": "x*q**2 + y - z", "parameters": ranges, "constraints": [constraint]})
+    if left is None:
+        with pytest.raises(NotWritten):
+            at_values(law, {"z": "1"}, names)
+    else:
+        assert at_values(law, {"z": "1"}, names).constraints == law.constraints * left
+
+
 @pytest.mark.parametrize("relation", ["b**3 + a <= 1", "a + b**3 < 1", "a*exp(b) <= 1", "b**3 <= 1 - a**2"])
 def test_one_value_to_which_a_relation_leaves_no_other_is_not_refuted(relation: str) -> None:
     """Two branches of a hyperbola: so it is for every a > 0, but where b >= 0 is left no value there is no law."""

@@ -159,8 +159,6 @@ class Reader(NamedTuple):
 def asks(term: Term, known: dict[Term, bool] | None = None) -> bool:
     """Whether some part asks for more than the values of its own parts; ``known`` keeps what was found."""
     known = {} if known is None else known
-    if not term.args:
-        return False
     if term not in known:
         n = term.args[1] if term.op == "**" else term
         whole = n.op == "number" and n.value >= 0 and n.value.denominator == 1

@@ -360,7 +360,7 @@ class DeviatoricReader(PlaneVariable):
 
     def emptied(self, term: Term) -> Term:
         """The term as it is where the deviator is 0; what is compared stays, for beside that place it may have another sign."""
-        if self.domain.constant(term) or term.op == "name" or term.op in COMPARISONS:
+        if term.op in COMPARISONS:
             return term
         value = self.value(term)
         if self.of_wave(term) is not None or (value is not None and value.degree > 0):

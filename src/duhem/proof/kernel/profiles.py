@@ -75,7 +75,7 @@ def _goes_on(ramp: Term, part: Term, domain: StatedDomain) -> bool:
     """Whether c (exp(-b neg(x)) + d) stands beside pos(x), with b, c >= 0 and b c <= 1."""
     c, inner = _apart(part, domain)
     moving = [a for each in inner for a in (each.args if each.op == "+" else (each,)) if not domain.constant(a)]
-    if len(inner) != 1 or len(moving) != 1 or moving[0].op != "exp":
+    if len(moving) != 1 or moving[0].op != "exp":
         return False
     b, below = _apart(moving[0].args[0], domain)
     known = [domain.facts(x) for x in (c, minus(b), sum_of(_ONE, product_of(b, c)))]
