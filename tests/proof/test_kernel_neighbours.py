@@ -7,12 +7,16 @@ from typing import Any
 
 import pytest
 
+from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import BITS, Enclosure, _odd_series, _series, enclosed
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import line, sign_at
+from duhem.proof.kernel.simpler_laws import in_principal_stresses
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import NotWritten
+from duhem.proof.kernel.term import NotWritten, parse
+from tests.oracles import drawn_formulas
 
 UNIT = 1 << BITS
 PARAMETERS = {
@@ -76,3 +80,112 @@ def test_a_root_of_second_degree_is_written_with_a_root(a: int, b: int) -> None:
 )
 def test_where_a_load_divides(g: str, right: bool) -> None:
     assert confirmed("convexity", "composition", g) is right
+
+
+# -- tensors -------------------------------------------------------------------------------------------------------------
+
+
+MEAN = "(a + b + c)/3"
+J2 = "(((a - b)**2 + (b - c)**2 + (c - a)**2)/6 + u**2 + v**2 + w**2)"
+J3 = f"((a - {MEAN})*((b - {MEAN})*(c - {MEAN}) - u**2) - w*(w*(c - {MEAN}) - u*v) + v*(w*u - (b - {MEAN})*v))"
+EIG = "eigmax(a, b, c, u, v, w)"
+
+
+@pytest.mark.parametrize(
+    ("g", "isotropic"),
+    [
+        (f"{J2} - 1", True),
+        (f"-{J3} - 2*{J2} - 1", True),
+        (f"(a + b + c)**2 - {J2}*(-1) - (u**2 + v**2 + w**2 + (a*a + b*b + c*c)/2)*2 - m", True),
+        (f"{EIG} - eigmax(-a, -b, -c, -u, -v, -w)*(-2) - m", True),
+        ("(-3)*(u**2 - b*c + v**2 - a*c + w**2 - a*b) + 0*u - 1", True),
+        ("(-3)*(u**2 - b*c + v**2 - a*c + w**2 - a*b) - 1", True),
+        (f"{J2} + u**2 - 1", False),
+        (f"{J2} - u*v*w - 1", False),
+        ("eigmax(a, b, c, u, w, v) - m", True),  # in another order
+        ("eigmax(a, b, c, u, v, -w) - m", False),
+        ("eigmax(a, b, c, u, v, 0) - m", False),
+        ("eigmax(a, b, 2*c, u, v, w) - m", False),
+        ("a + b - m", False),
+        ("-(a + b + c) - m", True),
+    ],
+)
+def test_a_law_in_principal_stresses_has_the_value_without_shear(g: str, isotropic: bool) -> None:
+    given = {"forces": [*"abcuvw"], "pressure": None, "parameters": PARAMETERS, "constraints": [], "g": g, "flow": None}
+    found = in_principal_stresses(StatedLaw.read(given))
+    assert (found is not None) is isotropic
+    for at in ({"a": 1.0, "b": -2.0, "c": 3.5}, {"a": -4.0, "b": -2.0, "c": 0.25}) if found else ():
+        here = {**at, "m": 0.7, "u": 0.0, "v": 0.0, "w": 0.0}
+        assert found is not None and found.forces == ("a", "b", "c") and not found.g.names() & {*"uvw"}
+        assert drawn_formulas.value(found.g, here) == pytest.approx(drawn_formulas.value(parse(g), here), abs=1e-9)
+
+
+# -- signs of numbers with roots ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "sign"),
+    [
+        ("sqrt(2) + sqrt(3) - sqrt(5 + 2*sqrt(6))", ZERO),
+        ("sqrt(2) + sqrt(3) - sqrt(5 + 2*sqrt(6)) + 1/10**80", POSITIVE),
+        ("sqrt(5 + 2*sqrt(6)) - sqrt(2) - sqrt(3) - 1/10**80", NEGATIVE),
+        ("(2 + sqrt(5))**(1/3) - (sqrt(5) - 2)**(1/3) - 1", ZERO),
+        ("1 - (2 + sqrt(5))**(1/3) + (sqrt(5) - 2)**(1/3) - 1/10**70", NEGATIVE),
+    ],
+)
+def test_the_sign_of_a_number_with_roots_is_a_fact_of_it(text: str, sign: int) -> None:
+    known = over(StatedLaw.read({"forces": ["a"], "pressure": None, "parameters": {}, "constraints": [], "g": "a", "flow": None})).facts(parse(text))
+    assert known.defined and known.sign == sign
+
+
+# -- support functions -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("g", "potential", "right"),
+    [
+        ("norm(a, b) - m", "m*norm(x, y)", True),
+        ("norm(a, b) - m", "m*norm(x, y) + norm(x, 2*y)", False),
+        ("norm(a, b) - m", "m*norm(x, y) - m*norm(x, y) + m*norm(x, y)", False),
+        ("a**2 + b**2 - m**2", "m*norm(x, y)", True),
+        ("a**2 + b**2 - m**2", "m*norm(x, y) + m*norm(x, y)", False),
+        ("2*a**2 + b**2 - m**2", "m*norm(x/sqrt(2), y)", True),
+        ("2*a**2 + b**2 - m**2", "m*norm(x, y)", False),
+        ("2*a**2 + b**2 - m**2", "-m*norm(x/sqrt(2), y)", False),
+        ("2*a**2 + b**2 - m**2", "m*abs(x/sqrt(2))", False),
+        ("max(a, -a, b, -b) - m", "m*(abs(x) + abs(y))", True),
+        ("min(a, -a, b, -b) - m", "m*(abs(x) + abs(y))", False),
+        ("max(a, -a, b, -b) - m", "m*max(x + y, x - y, y - x)", False),
+        ("max(a, -a, b) - m", "m*max(x + y, y - x)", False),  # unbounded
+        ("max(a, -a, b, -b) - m", "m*max(x + y, x - y, y - x, -x - y, 2*x)", False),
+        ("max(abs(a), abs(b)) - m", "m*min(abs(x) + abs(y), 3*abs(x) + 3*abs(y))", False),
+        ("abs(a)**3 + abs(b)**3 - 1", "(abs(x)**(3/2) + abs(y)**(3/2))**(2/3)", True),
+        ("abs(a)**3 + abs(b)**3 - 1", "(abs(x)**3 + abs(y)**3)**(1/3)", False),
+        ("abs(a)**3 + abs(b)**3 - 1", "(abs(x)**(3/2) + abs(y)**(3/2))**(1/3)", False),
+    ],
+)
+def test_what_is_a_support_function(g: str, potential: str, right: bool) -> None:
+    evidence = {"potential": potential, "slips": {"a": "x", "b": "y"}, "flat": []}
+    assert confirmed("duality", "polar-gauge", g, evidence, forces="ab") is right
+
+
+# -- fans --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("g", "convex", "smooth"),
+    [
+        ("where(a > 0, norm(a, b), norm(2*a, b)) - 1", True, True),
+        ("where(a > 0, norm(a, b), norm(2*a, b)) + 1", False, False),
+        ("where(a > 0, norm(a, b), norm(2*a, b)) - m", True, True),
+        ("where(a > 0, norm(a, b) - 1, norm(2*a, b) - 2)", False, False),
+        ("where(a > 0, norm(a, b), norm(2*a, b))**2 - 1", False, False),
+        ("where(a > 0, norm(a, b) - norm(a, b)**2, norm(2*a, b))", False, False),
+        ("where(abs(a) <= abs(b), abs(b), abs(a)) - 1", True, False),
+        ("where(abs(a) >= abs(b), abs(b), abs(a)) - 1", False, False),
+        ("where(abs(a) <= abs(b), 2*abs(b), abs(a)) - 1", False, False),  # it jumps
+    ],
+)
+def test_a_fan(g: str, convex: bool, smooth: bool) -> None:
+    assert confirmed("convexity", "fan", g, forces="ab") is convex
+    assert confirmed("smoothness", "fan", g, forces="ab") is smooth
