@@ -155,6 +155,11 @@ def test_the_sign_of_a_number_with_roots_is_a_fact_of_it(text: str, sign: int) -
         ("2*a**2 + b**2 - m**2", "m*abs(x/sqrt(2))", False),
         ("max(a, -a, b, -b) - m", "m*(abs(x) + abs(y))", True),
         ("min(a, -a, b, -b) - m", "m*(abs(x) + abs(y))", False),
+        ("min(abs(a), abs(b)) - m", "m*(abs(x) + abs(y))", False),
+        ("min(norm(a), norm(b)) - m", "m*(abs(x) + norm(y))", False),
+        ("a**2 + a*b + b**2 - m**2", "m*sqrt((x**2 - x*y + y**2)*4/3)", True),
+        ("a**2 + a*b + b**2 - m**2", "m*sqrt((x**2 + x*y + y**2)*4/3)", False),
+        ("a**2 + a*b + b**2 - m**2", "m*norm(x - y/2, y*sqrt(3)/2)*2/sqrt(3)", True),
         ("max(a, -a, b, -b) - m", "m*max(x + y, x - y, y - x)", False),
         ("max(a, -a, b) - m", "m*max(x + y, y - x)", False),  # unbounded
         ("max(a, -a, b, -b) - m", "m*max(x + y, x - y, y - x, -x - y, 2*x)", False),
