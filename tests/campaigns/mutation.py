@@ -38,7 +38,8 @@ TESTS: Mapping[str, str] = {
     " test_homogeneity test_power_share test_smooth_sections test_regions test_kernel test_composition_rules test_tampering test_fan"
     " test_states* test_potentials_of_rates test_heat* test_coupled*"
     " test_false_proofs test_undefined_parts test_product_bounds test_spectrum test_smooth_roots test_profiles test_isotropy"
-    " test_concave_profiles test_graphs test_normal_form test_parameter_cells",
+    " test_concave_profiles test_graphs test_normal_form test_parameter_cells test_smooth_regions test_sect* test_obligations"
+    " test_one_domain test_settled_parts test_restrictions test_surfaces regions/test_*",
     "decide": "decide/test_clearing decide/test_rays decide/test_exact_signs"
     " decide/test_degenerate_sets decide/test_deciders decide/test_* test_budget test_cells",
     "methods": "test_methods_formula test_methods_implicit test_methods_flow test_methods_neighbours test_open_answers test_curve_methods"
@@ -128,7 +129,8 @@ def meaning(code: str) -> str:
 
 def files(room: str) -> list[str]:
     """The test files of a room."""
-    return list(dict.fromkeys(str(f) for name in TESTS[room].split() for f in sorted(Path("tests/proof").glob(f"{name}.py"))))
+    found = ([*Path("tests/proof").glob(f"{name}.py"), *Path("tests").glob(f"{name}.py")] for name in TESTS[room].split())
+    return list(dict.fromkeys(str(f) for some in found for f in sorted(some)))
 
 
 def main() -> int:

@@ -76,10 +76,47 @@ def test_a_root_of_second_degree_is_written_with_a_root(a: int, b: int) -> None:
         ("max(a**3/p + b**2 - m, -p)", False),
         ("max(a**2/p**2 + b**2 - m, -p)", False),
         ("max(-a**2/p + b**2 - m, -p)", False),
+        ("max(norm(a, b) - p*(1 - p)**(1/2), -p, p - 1)", True),  # a weighted mean of p and p (1 - p)
+        ("max(norm(a, b) - (1 - p)**e*p, -p, p - 1)", True),
+        ("max(norm(a, b) - p*(1 - p**2)**e, -p, p - 1)", True),
+        ("max(norm(a, b) - p*(1 - p)**(3/2), -p, p - 1)", False),
+        ("max(norm(a, b) - p*(1 - p**2)**n, -p, p - 1)", False),
+        ("max(norm(a, b) - p*(1 - p)**e, -p, p - 2)", False),  # no value beyond 1
+        ("max(norm(a, b) - p*(1 - p)**e, p - 1)", False),
+        ("max(norm(a, b) + p*(1 - p)**e, -p, p - 1)", False),
+        ("sqrt(a**2 + a*b + b**2 + p + p**2 + m + 1) - 3 - m", True),
+        ("sqrt(a**2 + 3*a*b + b**2 + m) - 1 - m", False),
     ],
 )
-def test_where_a_load_divides(g: str, right: bool) -> None:
+def test_where_loads_allow(g: str, right: bool) -> None:
     assert confirmed("convexity", "composition", g) is right
+
+
+@pytest.mark.parametrize(
+    ("g", "right"),
+    [
+        ("max(norm(a, b) - sqrt(p*(1 - p)), -p, p - 1)", True),
+        ("max(norm(a, b) - 2*pos(p - p**2)**(2/3), -p, p - 1)", True),
+        ("max(norm(a + b, 2*b) - m*(p*(1 - p))**(n/4), -p, p - 1)", True),
+        ("max(norm(a, b) - (p*(1 - p)*(2 - p))**(1/3), -p, p - 1)", True),
+        ("max(norm(a, b) - (p*(1 - p)*(1 - p))**(1/3), -p, p - 1)", False),
+        ("max(norm(a, b) - p*(1 - p), -p, p - 1)", False),  # tips
+        ("max(norm(a, b) - (p*(1 - p))**(n/2), -p, p - 1)", False),
+        ("max(norm(a, b) - (p*(1 - p))**e, -p, p - 1)", False),
+        ("max(abs(a) + abs(b) - sqrt(p*(1 - p)), -p, p - 1)", False),  # edges
+        ("max(norm(a, b) + abs(a) - sqrt(p*(1 - p)), -p, p - 1)", False),
+        ("max(norm(a, b) - sqrt(p*(2 - p)), -p, p - 1)", False),  # an end that is a disc
+        ("max(norm(a, b) - sqrt(p), -p, p - 1)", False),
+        ("max(norm(a, b) - sqrt(p*(1 - p)), -p, p - 1, a - 1/10)", False),  # cut
+        ("max(norm(a, b) - sqrt(p*(1 - p)), -p, p - 1, -2*p)", False),
+        ("max(norm(a, b) + 1/10 - sqrt(p*(1 - p)), -p, p - 1)", False),
+        ("max(norm(a, b) - sqrt(min(p, 2 - 2*p)*(1 + p)), -p, p - 1)", False),  # a kink between the ends
+        ("max(norm(a, b) + sqrt(p*(1 - p)), -p, p - 1)", False),
+        ("max(norm(a, b) - q*sqrt(p*(1 - p)), -p, p - 1)", False),
+    ],
+)
+def test_what_is_round_at_its_ends(g: str, right: bool) -> None:
+    assert confirmed("smoothness", "composition", g, {"inside": {"p": "1/2"}}) is right
 
 
 # -- tensors -------------------------------------------------------------------------------------------------------------
