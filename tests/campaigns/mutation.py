@@ -140,9 +140,7 @@ def main() -> int:
     parser.add_argument("--room", action="append", choices=tuple(TESTS), help="only this one; may be repeated")
     parser.add_argument("--module", default="", help="only modules with this in their names")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument(
-        "--slow", action="store_true", help="ask the tests marked slow as well, those of the ordinary run"
-    )
+    parser.add_argument("--slow", action="store_true", help="ask the tests marked slow as well, those of the ordinary run")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as copy:
         for part in ("src", "tests", "pyproject.toml"):

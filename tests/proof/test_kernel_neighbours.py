@@ -171,7 +171,9 @@ def test_a_law_in_principal_stresses_has_the_value_without_shear(g: str, isotrop
     ],
 )
 def test_the_sign_of_a_number_with_roots_is_a_fact_of_it(text: str, sign: int) -> None:
-    known = over(StatedLaw.read({"forces": ["a"], "pressure": None, "parameters": {}, "constraints": [], "g": "a", "flow": None})).facts(parse(text))
+    known = over(StatedLaw.read({"forces": ["a"], "pressure": None, "parameters": {}, "constraints": [], "g": "a", "flow": None})).facts(
+        parse(text)
+    )
     assert known.defined and known.sign == sign
 
 

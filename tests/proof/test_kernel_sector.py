@@ -146,7 +146,8 @@ def shown(text: str) -> Facts | None:
         ("q*FIRST - LAST", ""),
         ("(FIRST**2 + J2)**(2/3)", ">= convex"), ("(FIRST**2 + J2)**(1/3)", ">= quasiconvex"),
         # Cazacu and Barlat (2004); with |J3| a kink points inward.  Drucker (1949)
-        ("(J2**(3/2) - e*J3)**(1/3)", ">= convex"), ("(J2**(3/2) - e*abs(J3)**1)**(1/3)", ""), ("(J2**3 - e*abs(J3)**2)**(1/6)", ">= convex"),
+        ("(J2**(3/2) - e*J3)**(1/3)", ">= convex"), ("(J2**(3/2) - e*abs(J3)**1)**(1/3)", ""),
+        ("(J2**3 - e*abs(J3)**2)**(1/6)", ">= convex"),
     ],
 )  # fmt: skip
 def test_what_is_shown_of_sectors(text: str, expected: str) -> None:

@@ -150,8 +150,10 @@ def test_values_of_other_parameters_must_be_admitted() -> None:
 
 @pytest.mark.parametrize(
     ("constraint", "names", "left"),
-    [("x*x >= 2", [], True), ("x*x >= 2", ["x", "y"], True), ("x + y >= 2", ["x", "y"], True), ("x + y >= 2", [], None), ("x + y >= 2", ["x"], None),
-     ("x >= z", ["x", "z"], None), ("x + z >= 0", [], False), ("x + z >= 1", ["x"], False)],
+    [
+        ("x*x >= 2", [], True), ("x*x >= 2", ["x", "y"], True), ("x + y >= 2", ["x", "y"], True), ("x + y >= 2", [], None),
+        ("x + y >= 2", ["x"], None), ("x >= z", ["x", "z"], None), ("x + z >= 0", [], False), ("x + z >= 1", ["x"], False),
+    ],
 )  # fmt: skip
 def test_what_relates_what_is_left_is_assumed_of_a_region_alone(constraint: str, names: list[str], left: bool | None) -> None:
     """At z = 1, x and y being >= 0: None is refused, False is shown and goes."""
