@@ -67,6 +67,7 @@ OTHERS = [
     "FIRST + J2", "FIRST**LAST", "FIRST**e", "exp(FIRST)", "cos(FIRST)", "LAST**(1/2)", "LAST**-1", "(LAST + 2)**2", "a*FIRST", "I1*FIRST",
     "cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/2)", "cos(acos(3*sqrt(3)/2*J3/J2**(3/2)/2)/3)", "cos(acos(J3/J2)/3)",
     "cos(acos(3*sqrt(3)/2*J3/J2**(3/2)) + 1/3)",
+    "cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/3 + acos(3*sqrt(3)/2*J3/J2**(3/2))**2)",
     "where(J2 > 0, J2/FIRST, 1)", "where(J2 >= 0, J2/FIRST, 0)", "where(J2 < 0, 0, J2/FIRST)", "where(LAST > 0, J2/FIRST, 0)",
     "where(J2 > 1, J2/FIRST, 0)", "where(J2 > 0, LAST/FIRST, 0)", "where(FIRST/J2 > 0, J2/FIRST, 0)",
     "where(J2 > 0, J2/FIRST, LAST/FIRST)",
