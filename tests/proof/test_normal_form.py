@@ -336,7 +336,16 @@ def test_a_choice_by_a_load_has_the_value_of_what_was_written(seed: int) -> None
 
 @pytest.mark.parametrize(
     "text",
-    ["sqrt(40 + x**2 - pos(y)**2)", "sqrt((x - y)**2 + 99*k**2 - e*neg(y)**2)", "y/sqrt(1 + x**2)**3", "norm(x, 1)**2/norm(x, 1)**5"],
+    [
+        "sqrt(40 + x**2 - pos(y)**2)",
+        "sqrt((x - y)**2 + 99*k**2 - e*neg(y)**2)",
+        "y/sqrt(1 + x**2)**3",
+        "norm(x, 1)**2/norm(x, 1)**5",
+        "(1 + y**2)**(1/2) + (1 + y**2)**(3/2) - x*(1 + y**2)**(1/3)",
+        "x/sqrt(1 + y**2) - sqrt(1 + y**2)*(1 + y**2)**(-2)*x**2",
+        "sqrt(70 + (e - 1)*(x - y)**2/3 + pos(x))",
+        "abs(x)**3/abs(x - 9)**2 - abs(x)*norm(x, y)**4/norm(x, y, 1)**3",
+    ],
 )
 def test_so_it_has_where_something_is_subtracted_or_divided_by(text: str) -> None:
     _changed([text], Random(1))
