@@ -7,16 +7,19 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import BITS, Enclosure, _odd_series, _series, enclosed
 from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.definedness import sign_on_axis
+from duhem.proof.kernel.plane_gauge import above_zero_along_rays
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import line, sign_at
 from duhem.proof.kernel.simpler_laws import in_principal_stresses
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.oracles import drawn_formulas
+from tests.proof.test_kernel_facts import domain, said
 
 UNIT = 1 << BITS
 PARAMETERS = {
@@ -86,6 +89,10 @@ def test_a_root_of_second_degree_is_written_with_a_root(a: int, b: int) -> None:
         ("max(norm(a, b) + p*(1 - p)**e, -p, p - 1)", False),
         ("sqrt(a**2 + a*b + b**2 + p + p**2 + m + 1) - 3 - m", True),
         ("sqrt(a**2 + 3*a*b + b**2 + m) - 1 - m", False),
+        ("max(norm(a, b) - sqrt((p**2 - p)/(-1)), -p, p - 1)", True),
+        ("max(norm(a, b) - sqrt(p)*sqrt(1 - p), -p, p - 1)", True),
+        ("max(norm(a, b) - sqrt(p)*sqrt(1 - p), -p, p - 2)", False),
+        ("max(norm(a, b) - sqrt((p**2 - p)/(-1)), -p)", False),
     ],
 )
 def test_where_loads_allow(g: str, right: bool) -> None:
@@ -234,3 +241,63 @@ def test_what_is_a_support_function(g: str, potential: str, right: bool) -> None
 def test_a_fan(g: str, convex: bool, smooth: bool) -> None:
     assert confirmed("convexity", "fan", g, forces="ab") is convex
     assert confirmed("smoothness", "fan", g, forces="ab") is smooth
+
+
+# -- where loads are 0 -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("where(a > 0, e*a**2, 0)", ">= convex"),  # 0 where e is
+        ("where(a > 0, m*a**p, 0)", ">= convex"),
+        ("where(0 < a, 3*a**(1/2), 0)", ">= concave quasiconvex"),
+        ("where(a > 0, a*(1 + log(a)), 0)", "? convex"),
+        ("where(a > 0, -a*log(a)*m, 0)", "? concave"),
+        ("where(a > 0, a**(1/2)*log(a), 0)", "?"),
+        ("where(a > 0, 3*a**k, 0)", "? undefined"),  # it grows without end
+        ("where(a > 0, a*log(a)*a**(-1), 0)", "? undefined"),
+        ("where(a > 0, m*a**e, 0)", "? undefined"),  # it jumps where e is 0
+        ("where(a > 0, 3*a**(1/2), 1)", "? undefined"),
+        ("where(a > 1, 3*a**(1/2), 0)", "? undefined"),
+        ("where(a > 0, 3*b*a, 0)", "? undefined"),
+    ],
+)
+def test_what_is_closed_where_a_load_ends(text: str, expected: str) -> None:
+    assert said(domain({"a": False}).facts(parse(text))) == expected
+
+
+def test_an_odd_power_of_what_has_either_sign_is_no_size() -> None:
+    assert not domain().facts(parse("((a + b)**3 + 4*abs(a)**3 + 4*abs(b)**3)**(1/3)")).convex  # 0 on a ray, like (a - b)**(2/3)
+    assert domain().facts(parse("((a + b)**4 + 4*abs(a)**4 + 4*abs(b)**4)**(1/4)")).convex
+
+
+@pytest.mark.parametrize(
+    ("g", "above"),
+    [
+        ("a**2 + b**2", True), ("a**2 + b**2 - a*b", True), ("norm(a, b) + abs(a)**3", True), ("abs(a) + abs(b)", True),
+        ("(a - b)**2", False), ("a**2", False), ("(abs(a) - abs(b))**2", False), ("norm(a, b) - a", False), ("norm(a, b) - 1", False), ("a**2 + 0*b", False),
+    ],
+)  # fmt: skip
+def test_what_is_above_zero_along_all_rays(g: str, above: bool) -> None:
+    given = {"forces": ["a", "b"], "pressure": None, "parameters": {}, "constraints": [], "g": g, "flow": None}
+    assert above_zero_along_rays(StatedLaw.read(given)) is above
+
+
+@pytest.mark.parametrize(
+    ("g", "tip", "sign"),
+    [
+        ("J2 - m", "J2", NEGATIVE), ("m - J2", "J2**2 + J2*norm(a - b, b - c, c - a)**2", POSITIVE),
+        ("J2 - m", "4*J2**3 - 27*J3**2", ANY),  # 0 where two of the principal values are equal too
+        ("J2 - m", "J2 - 1", ANY), ("J2 - a", "J2", ANY),
+    ],
+)  # fmt: skip
+def test_the_sign_on_the_axis_is_asked_where_nothing_else_is_on_it(g: str, tip: str, sign: int) -> None:
+    given = {"forces": ["a", "b", "c"], "pressure": None, "parameters": PARAMETERS, "constraints": [], "g": without_shear(g), "flow": None}
+    law = StatedLaw.read(given)
+    assert sign_on_axis(law.g, parse(without_shear(tip)), over(law)) == sign
+
+
+def without_shear(text: str) -> str:
+    swap = {"J2": "(((a - b)**2 + (b - c)**2 + (c - a)**2)/6)", "J3": "((2*a - b - c)*(2*b - c - a)*(2*c - a - b)/27)"}
+    return text.replace("J2", swap["J2"]).replace("J3", swap["J3"])

@@ -343,6 +343,8 @@ def test_a_choice_by_a_load_has_the_value_of_what_was_written(seed: int) -> None
         "norm(x, 1)**2/norm(x, 1)**5",
         "(1 + y**2)**(1/2) + (1 + y**2)**(3/2) - x*(1 + y**2)**(1/3)",
         "x/sqrt(1 + y**2) - sqrt(1 + y**2)*(1 + y**2)**(-2)*x**2",
+        "k*pos(x)**3 + k*neg(x)**3 - y",
+        "pos(x - y)**2*x + neg(x - y)**2*x - pos(y)**3 + neg(y)**3",
         "sqrt(70 + (e - 1)*(x - y)**2/3 + pos(x))",
         "abs(x)**3/abs(x - 9)**2 - abs(x)*norm(x, y)**4/norm(x, y, 1)**3",
     ],
