@@ -89,6 +89,11 @@ def test_a_root_of_second_degree_is_written_with_a_root(a: int, b: int) -> None:
         ("max(norm(a, b) + p*(1 - p)**e, -p, p - 1)", False),
         ("sqrt(a**2 + a*b + b**2 + p + p**2 + m + 1) - 3 - m", True),
         ("sqrt(a**2 + 3*a*b + b**2 + m) - 1 - m", False),
+        ("2*max(norm(a, b) - p - 1, p - 1)*3", True),
+        ("2*max(norm(a, b)*p - 1, p - 1, -p)", False),
+        ("2*max(norm(a, b) - p - 1, p - 1)*(a - 3)", False),
+        ("2*max(norm(a, b) - p - 1, p - 1)*q", False),
+        ("(-2)*max(norm(a, b) - p - 1, p - 1)", False),
         ("max(norm(a, b) - sqrt((p**2 - p)/(-1)), -p, p - 1)", True),
         ("max(norm(a, b) - sqrt(p)*sqrt(1 - p), -p, p - 1)", True),
         ("max(norm(a, b) - sqrt(p)*sqrt(1 - p), -p, p - 2)", False),
@@ -276,7 +281,8 @@ def test_an_odd_power_of_what_has_either_sign_is_no_size() -> None:
     ("g", "above"),
     [
         ("a**2 + b**2", True), ("a**2 + b**2 - a*b", True), ("norm(a, b) + abs(a)**3", True), ("abs(a) + abs(b)", True),
-        ("(a - b)**2", False), ("a**2", False), ("(abs(a) - abs(b))**2", False), ("norm(a, b) - a", False), ("norm(a, b) - 1", False), ("a**2 + 0*b", False),
+        ("(a - b)**2", False), ("a**2", False), ("(abs(a) - abs(b))**2", False), ("norm(a, b) - a", False), ("norm(a, b) - 1", False),
+        ("a**2 + 0*b", False),
     ],
 )  # fmt: skip
 def test_what_is_above_zero_along_all_rays(g: str, above: bool) -> None:
