@@ -189,6 +189,18 @@ def test_the_sign_of_a_number_with_roots_is_a_fact_of_it(text: str, sign: int) -
     assert known.defined and known.sign == sign
 
 
+@pytest.mark.parametrize(
+    ("text", "sign"),
+    [
+        ("exp(q) - q - 1/2", POSITIVE), ("exp(q) - q - 5/4", ANY), ("cos(q) - q**2/3", POSITIVE), ("cos(q) - 3*q**2/5", ANY),
+        ("cos(q)*q + 6/5 - q", POSITIVE), ("q - exp(q) + 1/2", NEGATIVE), ("q - exp(q) + 5/4", ANY),
+    ],
+)  # fmt: skip
+def test_the_sign_between_corners_of_a_range_is_asked_too(text: str, sign: int) -> None:
+    """exp(q) - q - 5/4 is > 0 at both ends of q, and < 0 at q = 0."""
+    assert domain().facts(parse(text)).sign == sign
+
+
 # -- support functions -------------------------------------------------------------------------------------------------
 
 
