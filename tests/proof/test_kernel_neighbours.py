@@ -89,6 +89,11 @@ def test_a_root_of_second_degree_is_written_with_a_root(a: int, b: int) -> None:
         ("max(norm(a, b) + p*(1 - p)**e, -p, p - 1)", False),
         ("sqrt(a**2 + a*b + b**2 + p + p**2 + m + 1) - 3 - m", True),
         ("sqrt(a**2 + 3*a*b + b**2 + m) - 1 - m", False),
+        ("max(a**2 - b*p, -b, -p)", True),
+        ("max((a**2 - 1)**2 - b*p, -b, -p)", False),  # an even power of what is convex and may be < 0
+        ("max(a**3 - b*p*(b + p), -b, -p)", True),
+        ("max((1 - a**2)**3 - b*p*(b + p), -b, -p)", False),
+        ("max(a**2 - b*p*(b + p), -b, -p)", False),
         ("2*max(norm(a, b) - p - 1, p - 1)*3", True),
         ("2*max(norm(a, b)*p - 1, p - 1, -p)", False),
         ("2*max(norm(a, b) - p - 1, p - 1)*(a - 3)", False),
