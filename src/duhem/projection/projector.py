@@ -31,6 +31,7 @@ from duhem.projection.increment import Increment, posed, setting
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.metric import Metric
+from duhem.projection.principal_stresses import principal
 from duhem.projection.residuals import Judge, Told, residuals
 from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
 from duhem.projection.row_by_row import any_of, dot, length, products, times, unit, widest
@@ -98,21 +99,7 @@ class Projector:
         given = method.options_of(options)
         if isinstance(given, Compiling):
             given = given.decided(len(question.pressure))
-        solution, vouched = method.solve(question, given), self._vouched(question)
-        judge, sure = Judge.of(question, solution, self._taken_as_convex(question)), bool(vouched.all())
-        told = _told(question, solution, judge, given) if sure else Told.nothing(len(vouched))
-        threads = given.sharing if isinstance(given, Compiling) else 1
-        found, settle = told.residuals, partial(_settle, question, told, vouched)
-        plainly = partial(_settle_plainly, question, told, vouched, solution) if sure else None
-        closely, seen = judge.look(solution, found, told.left, threads, plainly)
-        self._held(question, solution, found)
-        left = closely if sure else np.arange(len(vouched))
-        if left.size:
-            solution, found = put_right(question, solution, found, self._judged, seen)
-            in_blocks(left.size, BLOCK, lambda part: settle(solution, found, left[part]), threads)
-        worth = vouched | (len(vouched) <= FEW_SEARCHED)  # of many, where a stationary point is the closest one
-        refused = (told.status == Status.FAILED) | (told.status == Status.INACCURATE) & worth
-        self._asked_again(question, given, solution, found, told, np.flatnonzero(refused))
+        solution, found, told = self._told(question, given)
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(
             stress=solution.stress,
@@ -128,6 +115,38 @@ class Projector:
             tangent_pressure=slopes[1],
             compiled=isinstance(given, Compiling) and bool(given.compiled),
         )
+
+    def _told(self, question: Increment, given: Options) -> tuple[Solution, Residuals, Told]:
+        """The judged answers: of an isotropic law in its principal stresses, where they have their digits."""
+        compiled = not isinstance(given, Compiling) or given.compiled
+        if compiled or (reduced := principal(question)) is None:
+            return self._told_directly(question, given)
+        solution, found, told = self._told_directly(reduced.increment, given)
+        solution, sure = reduced.back(solution)
+        if (rest := np.flatnonzero(~sure | (told.status != Status.SLIP))).size:
+            others = self._told_directly(question.of(rest), given)
+            solution.put(rest, others[0])
+            found.put(rest, others[1])
+            told.dissipation[rest], told.status[rest] = others[2].dissipation, others[2].status
+        return solution, found, told
+
+    def _told_directly(self, question: Increment, given: Options) -> tuple[Solution, Residuals, Told]:
+        solution, vouched = self.method.solve(question, given), self._vouched(question)
+        judge, sure = Judge.of(question, solution, self._taken_as_convex(question)), bool(vouched.all())
+        told = _told(question, solution, judge, given) if sure else Told.nothing(len(vouched))
+        threads = given.sharing if isinstance(given, Compiling) else 1
+        found, settle = told.residuals, partial(_settle, question, told, vouched)
+        plainly = partial(_settle_plainly, question, told, vouched, solution) if sure else None
+        closely, seen = judge.look(solution, found, told.left, threads, plainly)
+        self._held(question, solution, found)
+        left = closely if sure else np.arange(len(vouched))
+        if left.size:
+            solution, found = put_right(question, solution, found, self._judged, seen)
+            in_blocks(left.size, BLOCK, lambda part: settle(solution, found, left[part]), threads)
+        worth = vouched | (len(vouched) <= FEW_SEARCHED)  # of many, where a stationary point is the closest one
+        refused = (told.status == Status.FAILED) | (told.status == Status.INACCURATE) & worth
+        self._asked_again(question, given, solution, found, told, np.flatnonzero(refused))
+        return solution, found, told
 
     def _asked_again(
         self, question: Increment, given: Options, solution: Solution, found: Residuals, told: Told, at: NDArray[np.intp]
