@@ -117,14 +117,13 @@ class Projector:
         )
 
     def _told(self, question: Increment, given: Options) -> tuple[Solution, Residuals, Told]:
-        """The judged answers: of an isotropic law in its principal stresses, where they have their digits."""
-        compiled = not isinstance(given, Compiling) or given.compiled
-        if compiled or (reduced := principal(question)) is None:
+        """The judged answers: of an isotropic law in its principal stresses, and where these lack digits by arrays."""
+        if not (isinstance(given, Compiling) and self.method.whole) or (reduced := principal(question)) is None:
             return self._told_directly(question, given)
         solution, found, told = self._told_directly(reduced.increment, given)
         solution, sure = reduced.back(solution)
         if (rest := np.flatnonzero(~sure | (told.status != Status.SLIP))).size:
-            others = self._told_directly(question.of(rest), given)
+            others = self._told_directly(question.of(rest), replace(given, compiled=False))
             solution.put(rest, others[0])
             found.put(rest, others[1])
             told.dissipation[rest], told.status[rest] = others[2].dissipation, others[2].status
