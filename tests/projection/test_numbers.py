@@ -49,10 +49,10 @@ def test_families_of_extremes(name: str, every: int, right: int) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("every", mostly_long([1, 29], 29))
-def test_ellipses_that_nearly_touch_no_stress_are_right_or_flagged(every: int) -> None:
+def test_ellipses_that_nearly_touch_no_stress_are_right(every: int) -> None:
     seen = total(list(tally(iter(family("grazing", every)), ["closed-form", "newton"]).values()))
     assert seen.points >= 1500 / every and seen.right >= 0.85 * seen.points
-    assert (seen.wrong_stress, seen.wrong_slip) == (0, 0)
+    assert (seen.wrong_stress, seen.wrong_slip, seen.right_flagged) == (0, 0, 0)
 
 
 @pytest.mark.parametrize("yield_stresses", [(1.5, 1.0), (1.001, 1.0), (33.0, 31.0), (70e6, 50e6)])

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import duhem
 from duhem.expression.numpy_ import evaluate
 from duhem.law.formula_law import Criterion
-from duhem.projection.scaled_formula import scaled
+from duhem.projection.scaled_formula import of_pressure_alone, scaled
 from tests.oracles.laws_by_hand import LAWS, increment
 
 SCALED = [(law.name, law.parameters) for law in LAWS] + [
@@ -111,3 +112,12 @@ def test_a_load_in_odd_powers_is_projected_onto(g: str, stress: float, load: flo
     found = duhem.project(Criterion("powers", g), [3.0 * load, 3.0 * load], -load)
     assert found.status[0] == duhem.Status.SLIP
     np.testing.assert_allclose(found.stress[0] / load, [stress, stress], rtol=1e-9)
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_a_datum_that_cancels_has_a_value_for_any_number_of_pressures(count: int) -> None:
+    """Also where the pressure has been put in, so that the datum is one number."""
+    p = sp.Symbol("p", real=True)
+    for datum in (1 - sp.cos(sp.Rational(1, 10**9)), 1 - sp.cos(p)):
+        found = of_pressure_alone(datum, {p: np.full(count, 1e-9)}).value
+        np.testing.assert_allclose(np.broadcast_to(found, (count,)), np.full(count, 5e-19), rtol=1e-15)

@@ -31,6 +31,7 @@ __all__ = ["Move", "Pair", "on_disk", "on_ellipse", "on_interval"]
 
 Pair = tuple[float, float]
 _MOST_ITERATIONS = 200
+_LAST = 1e-10  # of Newton's steps, as a share: the next would be its square, and rounding long before
 
 
 @dataclass(frozen=True)
@@ -158,7 +159,7 @@ def _solved(spent, slope, total: float, low: float) -> float:  # type: ignore[no
         new = y + f / slope(y)
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        if abs(new - y) <= 2e-16 * abs(new) or new == y:
+        if abs(new - y) <= _LAST * abs(new):
             return new
         y = new
         f = spent(y) - total

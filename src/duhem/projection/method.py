@@ -86,6 +86,11 @@ class Method(Generic[Own]):
     again: Callable[[Own, int], Callable[[Increment, Own], Solution]] | None = None
     plain: Callable[[Increment, bool], ClosestPoint | None] | None = None
 
+    @property
+    def whole(self) -> bool:
+        """Whether ``solve`` is that beside which ``plain`` was written: then it is asked of other laws too, and not of one solution."""
+        return self.plain is not None and self.plain.__module__ == self.solve.__module__
+
     def options_of(self, given: Mapping[str, Any]) -> Own:
         """Options by name; InputError for one that the method does not have, naming those it has."""
         known = [field.name for field in fields(self.options)]

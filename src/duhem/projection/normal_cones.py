@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache, reduce
-from itertools import combinations
+from itertools import chain, combinations, repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,8 +67,8 @@ def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
         best = off_edge(level, metric, suspect)
     left = np.flatnonzero(~(best <= 10.0 * _CLOSEST[0]))
     ways = beside(suspect.stress.shape[1])
-    askew = [(share, _askew(ways, turn)) for turn in range(_TURNS) for share in _CLOSEST] if level.jets.kinks else []
-    for share, way in [*((share, ways) for share in _BESIDE), *askew]:
+    askew = ((share, _askew(ways, turn)) for turn in range(_TURNS if level.jets.kinks else 0) for share in _CLOSEST)
+    for share, way in chain(zip(_BESIDE, repeat(ways)), askew):  # the latter are drawn where they are needed
         if not left.size:
             break
         best[left] = np.fmin(best[left], np.maximum(_off_normals(level, metric, suspect.of(left), share * way), share))

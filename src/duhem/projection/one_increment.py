@@ -106,10 +106,8 @@ class OneIncrement:
     @cached_property
     def _closest(self) -> ClosestPoint | None:
         """None for a law with ranges, in which an answer may lie or not, and for a method that solves in a way of its own."""
-        plain, solve = self.method.plain, self.method.solve
-        if self.setting.law.domain or plain is None or plain.__module__ != solve.__module__:
-            return None
-        return plain(self.setting, self.compiled)
+        plain = self.method.plain if self.method.whole and not self.setting.law.domain else None
+        return plain and plain(self.setting, self.compiled)
 
     @cached_property
     def _looks(self) -> dict[int, Look | None]:

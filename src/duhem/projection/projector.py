@@ -13,7 +13,7 @@ where it falls below zero K comes nearer.  That nothing is found shows nothing: 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
@@ -31,8 +31,9 @@ from duhem.projection.increment import Increment, posed, setting
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.metric import Metric
+from duhem.projection.principal_stresses import principal
 from duhem.projection.residuals import Judge, Told, residuals
-from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
+from duhem.projection.result import ACCURACY, Array, Judged, Projection, Residuals, Solution, Status
 from duhem.projection.row_by_row import any_of, dot, length, products, times, unit, widest
 from duhem.projection.scaled_formula import power_of_two
 from duhem.projection.scaled_yield_function import Level, level_of
@@ -40,7 +41,7 @@ from duhem.projection.variational_samples import looks, points_seen, tangents
 
 __all__ = ["ACCURACY", "Projector"]
 
-_REFUSED = Status.INACCURATE, Status.FAILED
+_REFUSED, _MOVED = (Status.INACCURATE, Status.FAILED), (Status.SLIP, Status.STATIONARY)
 _WORTH_COMPILING = 4_096  # points; fewer are judged sooner than their loop is loaded
 
 
@@ -98,7 +99,37 @@ class Projector:
         given = method.options_of(options)
         if isinstance(given, Compiling):
             given = given.decided(len(question.pressure))
-        solution, vouched = method.solve(question, given), self._vouched(question)
+        found = self._answers(question, given)
+        solution = found.solution
+        slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
+        return Projection(
+            stress=solution.stress,
+            slip=solution.slip,
+            multiplier=solution.multiplier,
+            dissipation=found.dissipation,
+            status=found.status,
+            method=method.name,
+            why=self.why,
+            residuals=found.residuals,
+            forces=question.law.forces,
+            tangent=slopes[0],
+            tangent_pressure=slopes[1],
+            compiled=isinstance(given, Compiling) and bool(given.compiled),
+        )
+
+    def _answers(self, question: Increment, given: Options) -> Judged:
+        """Those of an isotropic law are found in its principal stresses; where these lack digits, by arrays of all six."""
+        if not (isinstance(given, Compiling) and self.method.whole) or (reduced := principal(question)) is None:
+            return self._direct(question, given)
+        found = self._direct(reduced.increment, given)
+        solution, sure = reduced.back(found.solution)
+        found = replace(found, solution=solution)
+        if (rest := np.flatnonzero(~(sure & np.isin(found.status, _MOVED)))).size:
+            found.put(rest, self._direct(question.of(rest), replace(given, compiled=False)))
+        return found
+
+    def _direct(self, question: Increment, given: Options) -> Judged:
+        solution, vouched = self.method.solve(question, given), self._vouched(question)
         judge, sure = Judge.of(question, solution, self._taken_as_convex(question)), bool(vouched.all())
         told = _told(question, solution, judge, given) if sure else Told.nothing(len(vouched))
         threads = given.sharing if isinstance(given, Compiling) else 1
@@ -110,39 +141,15 @@ class Projector:
         if left.size:
             solution, found = put_right(question, solution, found, self._judged, seen)
             in_blocks(left.size, BLOCK, lambda part: settle(solution, found, left[part]), threads)
+        judged = Judged(solution, found, told.dissipation, told.status)
         worth = vouched | (len(vouched) <= FEW_SEARCHED)  # of many, where a stationary point is the closest one
         refused = (told.status == Status.FAILED) | (told.status == Status.INACCURATE) & worth
-        self._asked_again(question, given, solution, found, told, np.flatnonzero(refused))
-        slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
-        return Projection(
-            stress=solution.stress,
-            slip=solution.slip,
-            multiplier=solution.multiplier,
-            dissipation=told.dissipation,
-            status=told.status,
-            method=method.name,
-            why=self.why,
-            residuals=found,
-            forces=question.law.forces,
-            tangent=slopes[0],
-            tangent_pressure=slopes[1],
-            compiled=isinstance(given, Compiling) and bool(given.compiled),
-        )
-
-    def _asked_again(
-        self, question: Increment, given: Options, solution: Solution, found: Residuals, told: Told, at: NDArray[np.intp]
-    ) -> None:
-        """Put in the place of what the judge refuses what the method finds another way, where it has one and that passes."""
-        if self.method.again is None or not at.size:
-            return
-        another = self.method.again(given, len(told.status))
-        other = replace(self, method=replace(self.method, solve=another, again=None)).at(question.of(at))
-        better = np.flatnonzero(~np.isin(other.status, _REFUSED))
-        for mine, its in ((solution, other), (found, other.residuals), (told, other)):
-            for field in fields(mine):
-                if isinstance(into := getattr(mine, field.name), np.ndarray) and hasattr(its, field.name):
-                    into[at[better]] = getattr(its, field.name)[better]
-        solution.failed[at[better]] = False
+        if self.method.again is not None and (at := np.flatnonzero(refused)).size:  # another way, where that passes
+            another = self.method.again(given, len(vouched))
+            others = replace(self, method=replace(self.method, solve=another, again=None))._answers(question.of(at), given)
+            better = np.flatnonzero(~np.isin(others.status, _REFUSED))
+            judged.put(at[better], others.of(better))
+        return judged
 
     def _vouched(self, question: Increment) -> NDArray[np.bool_]:
         """Points (N,) at which a stationary point is the closest one, or nobody has asked whether it is."""

@@ -207,7 +207,7 @@ class Judge:
         off = np.where(turned <= rounding, share(turned, whole), share(turned, room))  # far from K a small angle can be a long way on it
         least = np.minimum(distance, room)
         spread = self._spread(stress, pressure, units, slope, multiplier, steep * reach * size, (depth + hidden * room) / least)
-        far_off = (out.feasibility[at] > _UNKNOWN) | (out.complementarity[at] > _UNKNOWN)  # wrong, whatever is beside
+        far_off = (np.fmin(below, out.feasibility[at]) > _UNKNOWN) | (out.complementarity[at] > _UNKNOWN)  # wrong, whatever is beside
         cone = turned.copy()  # the length of boundary that has the slip for a normal
         if (suspect := np.flatnonzero(~(off <= _SUSPECT))).size:
             some = suspect[~far_off[suspect]]
@@ -239,7 +239,7 @@ class Judge:
             out.variational[at] = np.fmax(out.variational[at], self.known.beside(pressure, point, moved, size, whole, room)) + 0.0 * whole
         near = ~far_off & (share(np.fmin(off * room, turned), whole) <= _CLOSE) & (share(gap, length(aim) + reach) <= _CLOSE)
         rounding_alone = (distance >= room) & (cone + across <= certain * room)  # of a long way from afar may be in doubt
-        left = np.flatnonzero(~sure)
+        left = np.flatnonzero(~sure | (out.feasibility[at] > ACCURACY))
         unknown = np.where(rounding_alone, 0.0, _UNKNOWN)[left]
         aside = share(turned, distance)[left]
         return self._refereed(at[left], multiplier[left], aside, units[left], balance[left], near[left], unknown, got, out)
@@ -262,6 +262,7 @@ class Judge:
         question, answer, points = self._closest_beside(at[few], got, multiplier[few], units[few])
         off = departures(question, answer, multiplier[few], aside[few], points)
         told = np.maximum(np.where(np.isnan(off), given[few], off), balance[few])
+        out.feasibility[at[few]] = np.fmin(out.feasibility[at[few]], off)  # a point of K is as near as that
         out.stationarity[at[few]] = np.where(np.isinf(off), out.stationarity[at[few]], told)
         return dict(zip(at[few].tolist(), points, strict=True))
 

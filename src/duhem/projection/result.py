@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from duhem.show.printing import Shown
 
-__all__ = ["ACCURACY", "NOT_CLOSEST", "NOT_SHOWN", "Array", "Pointwise", "Projection", "Residuals", "Solution", "Status"]
+__all__ = ["ACCURACY", "NOT_CLOSEST", "NOT_SHOWN", "Array", "Judged", "Pointwise", "Projection", "Residuals", "Solution", "Status"]
 
 Array = NDArray[np.float64]
 
@@ -54,6 +54,8 @@ class Pointwise:
         for f in fields(self):
             getattr(self, f.name)[at] = getattr(other, f.name)
 
+    __getitem__, __setitem__ = of, put  # as of arrays: one may be part of another
+
 
 @dataclass(frozen=True, eq=False)
 class Solution(Pointwise):
@@ -95,6 +97,16 @@ class Residuals(Pointwise):
         """Points (N,) that satisfy the conditions of stationarity and not the inequality: of a convex K there are none."""
         first = np.maximum.reduce([self.feasibility, self.multiplier_sign, self.complementarity, self.stationarity])
         return np.asarray((first <= ACCURACY) & (self.variational > ACCURACY))
+
+
+@dataclass(frozen=True, eq=False)
+class Judged(Pointwise):
+    """A solution with what the judge says of it: residuals, dissipation (N,) and status (N,)."""
+
+    solution: Solution
+    residuals: Residuals
+    dissipation: Array
+    status: NDArray[np.int8]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

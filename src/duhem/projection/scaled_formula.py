@@ -119,10 +119,10 @@ def of_pressure_alone(expr: sp.Expr, given: Mapping[sp.Symbol, Array]) -> Bounde
     lost = np.logical_not(off <= _TELLING * np.abs(value))
     if not np.any(lost):
         return Bounded(value, off)
-    value, off, lost = (np.array(x) for x in np.broadcast_arrays(value, off, lost))
-    points = [*zip(*(x[lost].tolist() for x in given.values()), strict=True)] or [()]  # () of a datum without a pressure
+    value, off, lost, *pressures = (np.array(x) for x in np.broadcast_arrays(value, off, lost, *given.values()))
+    points = [*zip(*(x[lost].tolist() for x in pressures), strict=True)] or [()] * np.count_nonzero(lost)  # () of one without a pressure
     known = {point: _enclosed(expr, tuple(given), point) for point in set(points)}
-    each = np.array([known[point] for point in points])
+    each = np.array([known[point] for point in points]).reshape(-1, 2)
     better = each[:, 1] < off[lost]
     value[lost], off[lost] = np.where(better, each[:, 0], value[lost]), np.where(better, each[:, 1], off[lost])
     return Bounded(value, off)
