@@ -12,10 +12,8 @@ import numpy as np
 import sympy as sp
 
 from duhem.proof.kernel.constant_value import exact_value
-from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.dents import FAMILIES, Dent, dents, multiplied_out
-from duhem.proof.kernel.forms import by_forces
-from duhem.proof.kernel.polynomial import Polynomial, times, total, written
+from duhem.proof.kernel.dents import FAMILIES, Dent, dents
+from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -32,7 +30,7 @@ _GRIDS = (32, 8, 8, 8)  # parts of a range, and of cells of grids within cells o
 _MOST_BOXES = 12  # at once
 _FAR = (Fraction(2), Fraction(32), Fraction(512))  # where a force that has no end ends
 _ROUNDING, _PRICE_OF_A_GRID = 1e-13, 2500
-_FEW_LINES = 4
+_FEW_LINES, _VERY_FAR = 4, 2.0**30
 _STEPS = tuple(tuple(Fraction(k, n) for k in range(-n, n + 1)) for n in (8, 2))  # of components of two and of three forces
 
 
@@ -109,23 +107,16 @@ def _stands_alone(g: Term, name: str) -> bool:
 
 
 def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
-    """Lines through a point outside K along which a polynomial g falls both ways, at all of the values that are looked at."""
-    domain = over(law)
-    parts, size = by_forces(multiplied_out(law.g, domain), domain), count(places)
-    if any(x.op != "name" or n < 0 for moving in parts for x, n in moving):
-        return
-    degree = max(sum(n for _, n in moving) for moving in parts)
-    top = written(total(*(times({moving: Fraction(1)}, part) for moving, part in parts.items() if sum(n for _, n in moving) == degree)))
-    here = {**places, "": np.zeros(size)}
+    """Lines through a point outside K along which g is < 0 far away both ways, at all of the values that are looked at."""
 
-    def along(term: Term, way: Mapping[str, str], scale: float = 1.0) -> Array:
-        return value_of(term, here | {f: scale * value_of(parse(way.get(f, "0")), here) for f in law.forces})
+    def along(way: Mapping[str, Fraction], scale: float) -> Array:
+        return value_of(law.g, {**places, **{f: np.full(count(places), scale * float(way.get(f, 0))) for f in law.forces}})
 
-    points = list(_plain_ways(law.forces))
-    outside = ((way, scale) for scale in (4, 64, 4096) for way in points if np.all(along(law.g, way, scale) > 0))
-    if degree % 2 == 0 and (found := next(outside, None)) is not None:
-        through = {f: str(found[1] * Fraction(x)) for f, x in found[0].items()}
-        yield from (Suggestion("line", {"through": through, "along": way}) for way in points if np.all(along(top, way) < 0))
+    ways = list(_plain_ways(law.forces))
+    if (found := next(((way, scale) for scale in (4, 64, 4096) for way in ways if np.all(along(way, scale) > 0)), None)) is not None:
+        through = {f: str(found[1] * x) for f, x in found[0].items()}
+        both = (way for way in ways if all(np.all(along(way, far) < 0) for far in (_VERY_FAR, -_VERY_FAR)))
+        yield from (Suggestion("line", {"through": through, "along": {f: str(x) for f, x in way.items()}}) for way in both)
 
 
 def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
@@ -176,13 +167,13 @@ def _midpoints(inside: Flags, outside: Flags) -> Iterator[tuple[tuple[int, ...],
                 yield tuple(int(i) + abs(k) for i, k in zip(at, step, strict=True)), step
 
 
-def _plain_ways(forces: Sequence[str]) -> Iterator[dict[str, str]]:
+def _plain_ways(forces: Sequence[str]) -> Iterator[dict[str, Fraction]]:
     """Vectors along axes, of two or three forces others with short components too."""
-    yield from ({f: "1"} for f in forces)
+    yield from ({f: Fraction(1)} for f in forces)
     if 1 < len(forces) <= len(_STEPS) + 1:
         for one in product(_STEPS[len(forces) - 2], repeat=len(forces)):
             if len([x for x in one if x]) > 1:
-                yield {f: str(x) for f, x in zip(forces, one, strict=True) if x}
+                yield {f: x for f, x in zip(forces, one, strict=True) if x}
 
 
 def _of_dents(found: Iterable[Dent], places: Mapping[str, Array], ends: Sequence[RealRoot]) -> Iterator[Suggestion]:

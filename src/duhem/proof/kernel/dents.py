@@ -25,13 +25,13 @@ from duhem.proof.kernel.forms import at, principal_minors
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.plane_function import PlaneFunction, Signs, derivatives, inner, roots_in
 from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, replaced, times, total, written
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, replaced, slope, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.semidefinite import catalecticant, homogeneous_parts, in_coordinates
 from duhem.proof.kernel.signs import RAY, Interval, nonnegative
 from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw, as_object
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, parse, product_of, sum_of
 
 __all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "multiplied_out"]
 
@@ -89,11 +89,14 @@ def dents(law: StatedLaw, family: str = "") -> Iterator[Dent]:
 
 
 def _of_the_gauge(law: StatedLaw) -> Iterator[Dent]:
-    gauge, domain = StarGauge(law), over(law)
-    for i, (poly, between) in enumerate(gauge.bends()):
-        yield Dent("gauge", f"arc {i}", poly, between, domain)
-    for i, (poly, between) in enumerate(gauge.jumps()):
-        yield Dent("gauge", f"seam {i}", poly, between, domain, seam=True)
+    domain = over(law)
+    for name, (g, forces) in _sections(law, domain):
+        with suppress(NotWritten):
+            gauge = StarGauge(law._replace(g=g, forces=forces), in_part=True)
+            for i, (poly, between) in enumerate(gauge.bends()):
+                yield Dent("gauge", f"{name}arc {i}", poly, between, domain)
+            for i, (poly, between) in enumerate(gauge.jumps()):
+                yield Dent("gauge", f"{name}seam {i}", poly, between, domain, seam=True)
 
 
 def _of_the_deviator(law: StatedLaw) -> Iterator[Dent]:
@@ -101,12 +104,12 @@ def _of_the_deviator(law: StatedLaw) -> Iterator[Dent]:
     domain = over(law)
     for i, reader in enumerate(deviatoric_readers(law.g, domain)):
         with suppress(NotWritten):
-            value = _deviatoric_part(law, domain, reader)
+            value, *others = _deviatoric_parts(law, domain, reader)
             if not (value.degree > 0 and reader.above(value.poly, strict=True)):
                 continue
             value = value if value.degree == 1 else reader.root(value)
-            roots = {w for p in (value.poly, *map(dict, value.powers), *value.powers.values()) for w in roots_in(p)}
-            if not all(reader.above(inner(w, domain), strict=True) for w in roots):
+            read = (p for part in (value, *others) for p in (part.poly, *map(dict, part.powers), *part.powers.values()))
+            if not all(reader.above(inner(w, domain), strict=True) for w in {w for p in read for w in roots_in(p)}):
                 continue
             found = derivatives(value, reader.along)
             rate = reader.plain(found.first)
@@ -116,10 +119,12 @@ def _of_the_deviator(law: StatedLaw) -> Iterator[Dent]:
             yield Dent("sector", f"far wall {i}", far, (_ONE, _ONE), domain, reader.signs, True)
 
 
-def _deviatoric_part(law: StatedLaw, domain: StatedDomain, reader: DeviatoricReader) -> PlaneFunction:
+def _deviatoric_parts(law: StatedLaw, domain: StatedDomain, reader: DeviatoricReader) -> list[PlaneFunction]:
     """What g is but for a constant < 0, where the forces are the tensor of the reader; of principal values, where their sum is 0.
 
-    The diagonal tensors of a trace, or without a third component, have all deviators.
+    The diagonal tensors of a trace, or without a third component, have all deviators.  Where g has a multiple of the trace for a term, K
+    has sections {F <= c} for every c > 0, so that with them the lowest part F' of F has a convex {F' <= 1}: F(e s)/e^k goes to F'(s) as e
+    goes to 0.  So there may be parts of several degrees k there, the lowest first.
     """
     names = [Term("name", name=f) for f in law.forces]
     meanings = [(m.second, m.third) for m in invariants(law.forces)]
@@ -127,26 +132,47 @@ def _deviatoric_part(law: StatedLaw, domain: StatedDomain, reader: DeviatoricRea
         raise NotWritten("the forces are another tensor")
     principal = len(names) == 3 and told == meanings[0]
     swap = {names[2]: sum_of(minus(names[0]), minus(names[1]))} if principal else {}
-    values, constants = list[PlaneFunction](), list[Term]()
-    for part in law.g.args if law.g.op == "+" else (law.g,):
+    values, rest = dict[Fraction, list[PlaneFunction]](), list[Term]()
+    for part in _summands(law.g, reader):
         value = None if domain.constant(part) else reader.value(part)
         if value is not None and value.degree > 0:
-            values.append(value)
-        elif domain.constant(part) or domain.constant(written(domain.polynomial(part.put(swap)))):
-            constants.append(part.put(swap))
+            values.setdefault(value.degree, []).append(value)
         else:
-            raise NotWritten("a part is no function of the deviator")
+            rest.append(part)
+    constants = [part.put(swap) for part in rest]
     known = domain.facts(sum_of(*constants)) if all(map(domain.constant, constants)) else _at_no_trace(constants, domain)
-    if not values or not (known.defined and known.sign == NEGATIVE):
+    below = len(values) == 1 and known.sign == NEGATIVE
+    if not (values and known.defined and (below or (principal and _moves_with_the_trace(rest, names, domain)))):
         raise NotWritten("g is no function of the deviator less a constant")
-    return reader.added(values)
+    return [reader.added(values[degree]) for degree in sorted(values)]
+
+
+def _summands(term: Term, reader: DeviatoricReader) -> Iterator[Term]:
+    """The parts of a sum; of a constant times one that is no such function those of this, multiplied out."""
+    moving = [f for f in factors(term) if not reader.domain.constant(f)]
+    if len(moving) != 1 or moving[0].op != "+" or (moving != [term] and reader.value(term) is not None):
+        yield term
+        return
+    scale = [f for f in factors(term) if f is not moving[0]]
+    for part in moving[0].args:
+        yield from _summands(product_of(*scale, part) if scale else part, reader)
+
+
+def _moves_with_the_trace(rest: list[Term], names: list[Term], domain: StatedDomain) -> bool:
+    """Whether a sum is a constant and a multiple, not 0, of the sum of the forces."""
+    poly = total(*map(domain.polynomial, rest))
+    rates = [slope(poly, x) for x in names]
+    affine = all(x in names or domain.constant(x) for m in poly for x, _ in m) and domain.constant(rate := written(rates[0]))
+    known = all(domain.facts(part).defined for part in rest)
+    return affine and known and rates[0] == rates[1] == rates[2] and domain.facts(rate).sign in (NEGATIVE, POSITIVE)
 
 
 def _at_no_trace(constants: list[Term], domain: StatedDomain) -> Facts:
     """What is known of a sum whose parts are constants once they are multiplied out."""
     whole = all(domain.facts(part).defined for part in constants)
-    known = domain.facts(written(total(*map(domain.polynomial, constants))))
-    return known if whole else replace(known, defined=False)
+    if not domain.constant(left := written(total(*map(domain.polynomial, constants)))):
+        raise NotWritten("a part is no function of the deviator")
+    return domain.facts(left) if whole else replace(domain.facts(left), defined=False)
 
 
 def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
@@ -165,7 +191,7 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
     if (degree := max(forms, default=0)) != 2:
         if not all(_is_plain(part, domain) for part in g.parts()):
             raise NotWritten("a part of g is no polynomial")
-        g, forces = _in_two_forces(law, domain)
+        g, forces = next((section for _, section in _sections(law, domain)), (g, forces))
         forms = homogeneous_parts(multiplied_out(g, domain), domain)
         if set(forms) != {0, 4} or domain.facts(written(forms[0][()])).sign != NEGATIVE:
             raise NotWritten("g is no quartic form less a constant")
@@ -187,14 +213,19 @@ def _is_plain(part: Term, domain: StatedDomain) -> bool:
     return powers or domain.constant(part) or part.op in ("name", "+", "*", "abs", "norm", "pos", "neg")
 
 
-def _in_two_forces(law: StatedLaw, domain: StatedDomain) -> tuple[Term, tuple[str, str]]:
-    """g in the plane; of a law that has none, where all but the first two forces are 0: a section of a convex K is convex."""
-    if len(law.forces) < 2:
-        raise NotWritten("there are not two forces")
+def _sections(law: StatedLaw, domain: StatedDomain) -> Iterator[tuple[str, tuple[Term, tuple[str, str]]]]:
+    """g in the plane; of a law that has none, in planes through zero: those of a convex K are convex.
+
+    There all but the first two forces are 0; of three the first two may be the same.
+    """
     with suppress(NotWritten):
-        return in_the_plane(law, domain)
-    first, second, *others = law.forces
-    return law.g.put({Term("name", name=f): number(0) for f in others}), (first, second)
+        yield "", in_the_plane(law, domain)
+        return
+    first, second, *others = law.forces if len(law.forces) > 1 else ("", "")
+    if others:
+        yield "plane ", (law.g.put({Term("name", name=f): number(0) for f in others}), (first, second))
+    if len(others) == 1:
+        yield "half-plane ", (law.g.put({Term("name", name=first): Term("name", name=second)}), (second, others[0]))
 
 
 FAMILIES: Mapping[str, Callable[[StatedLaw], Iterator[Dent]]] = {"form": _of_the_form, "sector": _of_the_deviator, "gauge": _of_the_gauge}
