@@ -90,13 +90,12 @@ def dents(law: StatedLaw, family: str = "") -> Iterator[Dent]:
 
 def _of_the_gauge(law: StatedLaw) -> Iterator[Dent]:
     domain = over(law)
-    for name, (g, forces) in _sections(law, domain):
-        with suppress(NotWritten):
-            gauge = StarGauge(law._replace(g=g, forces=forces), in_part=True)
-            for i, (poly, between) in enumerate(gauge.bends()):
-                yield Dent("gauge", f"{name}arc {i}", poly, between, domain)
-            for i, (poly, between) in enumerate(gauge.jumps()):
-                yield Dent("gauge", f"{name}seam {i}", poly, between, domain, seam=True)
+    g, forces = _in_two_forces(law, domain)
+    gauge = StarGauge(law._replace(g=g, forces=forces))
+    for i, (poly, between) in enumerate(gauge.bends()):
+        yield Dent("gauge", f"arc {i}", poly, between, domain)
+    for i, (poly, between) in enumerate(gauge.jumps()):
+        yield Dent("gauge", f"seam {i}", poly, between, domain, seam=True)
 
 
 def _of_the_deviator(law: StatedLaw) -> Iterator[Dent]:
@@ -191,7 +190,7 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
     if (degree := max(forms, default=0)) != 2:
         if not all(_is_plain(part, domain) for part in g.parts()):
             raise NotWritten("a part of g is no polynomial")
-        g, forces = next((section for _, section in _sections(law, domain)), (g, forces))
+        g, forces = _in_two_forces(law, domain)
         forms = homogeneous_parts(multiplied_out(g, domain), domain)
         if set(forms) != {0, 4} or domain.facts(written(forms[0][()])).sign != NEGATIVE:
             raise NotWritten("g is no quartic form less a constant")
@@ -213,19 +212,14 @@ def _is_plain(part: Term, domain: StatedDomain) -> bool:
     return powers or domain.constant(part) or part.op in ("name", "+", "*", "abs", "norm", "pos", "neg")
 
 
-def _sections(law: StatedLaw, domain: StatedDomain) -> Iterator[tuple[str, tuple[Term, tuple[str, str]]]]:
-    """g in the plane; of a law that has none, in planes through zero: those of a convex K are convex.
-
-    There all but the first two forces are 0; of three the first two may be the same.
-    """
+def _in_two_forces(law: StatedLaw, domain: StatedDomain) -> tuple[Term, tuple[str, str]]:
+    """g in the plane; of a law that has none, where all but the first two forces are 0: a section of a convex K is convex."""
+    if len(law.forces) < 2:
+        raise NotWritten("there are not two forces")
     with suppress(NotWritten):
-        yield "", in_the_plane(law, domain)
-        return
-    first, second, *others = law.forces if len(law.forces) > 1 else ("", "")
-    if others:
-        yield "plane ", (law.g.put({Term("name", name=f): number(0) for f in others}), (first, second))
-    if len(others) == 1:
-        yield "half-plane ", (law.g.put({Term("name", name=first): Term("name", name=second)}), (second, others[0]))
+        return in_the_plane(law, domain)
+    first, second, *others = law.forces
+    return law.g.put({Term("name", name=f): number(0) for f in others}), (first, second)
 
 
 FAMILIES: Mapping[str, Callable[[StatedLaw], Iterator[Dent]]] = {"form": _of_the_form, "sector": _of_the_deviator, "gauge": _of_the_gauge}

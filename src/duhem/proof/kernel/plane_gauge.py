@@ -189,22 +189,19 @@ def _cut(side: int, switches: Line, singles: bool, forces: tuple[str, str], doma
 
 
 class StarGauge:
-    """The gauge of a star-shaped law; NotWritten for a law that is not shown to have one.
+    """The gauge of a star-shaped law; NotWritten for a law that is not shown to have one."""
 
-    ``in_part`` it is that of any law along the rays where it has one, for :meth:`bends` and :meth:`jumps` alone.
-    """
-
-    def __init__(self, law: StatedLaw, *, in_part: bool = False) -> None:
+    def __init__(self, law: StatedLaw) -> None:
         self._domain = over(law)
         g, forces = in_the_plane(law, self._domain)
-        sides = [[_piece(arc, read, in_part) for arc, read in side] for side in arcs(g, forces, self._domain)]
-        if not all(one.meets(two) for side in sides for one, two in pairwise(side) if one and two):
+        sides = [[_Piece(arc, read) for arc, read in side] for side in arcs(g, forces, self._domain)]
+        if not all(one.meets(two) for side in sides for one, two in pairwise(side)):
             raise NotWritten("the gauge may jump")
-        self._sides = [[piece for piece in side if not (piece and piece.arc.single)] for side in sides]
+        self._sides = [[piece for piece in side if not piece.arc.single] for side in sides]
 
     def convex(self) -> bool:
         """gamma + gamma'' >= 0 on every arc, and gamma' does not jump down from one to the next."""
-        bent = all(piece.bends_outward() for side in self._sides for piece in side if piece)
+        bent = all(piece.bends_outward() for side in self._sides for piece in side)
         return bent and all(signs.nonnegative(jump, at, self._domain) for jump, at in self.jumps())
 
     def smooth(self) -> bool:
@@ -213,7 +210,7 @@ class StarGauge:
 
     def bends(self) -> Iterator[tuple[Polynomial, Interval]]:
         """gamma + gamma'' on each arc, up to positive factors, and for which t; these are exact ends or inside of them."""
-        for piece in (piece for side in self._sides for piece in side if piece):
+        for piece in (piece for side in self._sides for piece in side):
             yield piece.bend(), (piece.arc.start[1], piece.arc.stop[0])
 
     def jumps(self) -> Iterator[tuple[Polynomial, Interval]]:
@@ -222,10 +219,9 @@ class StarGauge:
         An end that is not exact is the one root that ``switches`` has between two numbers: the rise is 0 where it shares this root.
         """
         for side, after in zip(self._sides, self._sides[::-1], strict=True):
-            for one, two in ((one, two) for one, two in pairwise(side) if one and two):
+            for one, two in pairwise(side):
                 yield self._at_the_end(_rise(one.turn(), two.turn()), two.arc), two.arc.start
-            if (last := side[-1]) and (first := after[0]):
-                yield _rise(_at(last.turn(), 1), _at(first.turn(), -1)), (Fraction(0), Fraction(0))
+            yield _rise(_at(side[-1].turn(), 1), _at(after[0].turn(), -1)), (Fraction(0), Fraction(0))
 
     def _at_the_end(self, rise: Polynomial, arc: DirectionArc) -> Polynomial:
         """A rise where an arc begins, 0 if it is shown to be 0 there."""
@@ -275,16 +271,6 @@ class _Piece:
             return True
         ray = self.arc if self.arc.single else after.arc
         return ray.sign(ray.difference(self._psi, after._psi), strict=True) == 0
-
-
-def _piece(arc: DirectionArc, g: Graded, in_part: bool) -> _Piece | None:
-    """psi on an arc; None where it has none there, if that is let pass."""
-    try:
-        return _Piece(arc, g)
-    except NotWritten:
-        if in_part:
-            return None
-        raise
 
 
 def above_zero_along_rays(law: StatedLaw) -> bool:
