@@ -21,10 +21,11 @@ from duhem.regions.seen import Array, count, value_of
 __all__ = ["chords"]
 
 _STARTS, _TURNS = 193, 16  # of lines both ways from an axis, and around its origin
-_STEPS, _FEW = (1, 2, 4, 8), 12  # between the starts of two lines; of others every so many
+_STEPS, _FEW = (1, 2, 4), 12  # between the starts of two lines; of others every so many
 _FAR = (1, 64)  # along an axis, in halves of the range of a force that has one
 _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
-_HALVINGS, _ROUNDING, _PRICE = 40, 1e-13, 20_000
+_PARTS, _FINER = np.linspace(0.0, 1.0, 33), 8  # of what is between a radius inside and one outside, and how often
+_ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
 _FEW_PLACES = 3  # at which lines are looked for
 _MERIDIAN, _DEVIATORIC = (1, 1, 1), ((1, -1, 0), (1, 1, -2))
 _ALONG = (Fraction(0), Fraction(-1, 2))  # the meridian axis, where deviatoric planes lie
@@ -37,7 +38,7 @@ def chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[dict[str, di
     """The ends ``p`` and ``q`` of chords that leave K at all of some values of the parameters; with the same ends for all, if these do."""
     at = [*dict.fromkeys(np.linspace(0, count(places) - 1, _FEW_PLACES).round().astype(int).tolist())]
     few = {name: x[at] for name, x in places.items()}
-    for origin, along, across in _planes(law):
+    for origin, along, across in _planes(law, few):
         for far in _FAR:
             pay(_PRICE)
             lines = _Lines.of(law, few, _lines(origin, along, across, far))
@@ -47,8 +48,8 @@ def chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[dict[str, di
                     yield from ends.told(moving) if len(ends.lines) == len(best) else ()
 
 
-def _planes(law: StatedLaw) -> Iterator[tuple[Vector, Vector, Vector]]:
-    """A point, an axis through it, and the way of the lines: of three forces in meridian and deviatoric planes, else along two."""
+def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[tuple[Vector, Vector, Vector]]:
+    """A point, an axis through it, and the way of the lines: in meridian and deviatoric planes of principal values, else along two forces."""
     ends = dict(law.ranges)
     middle, half = list[Fraction](), list[Fraction]()
     for low, high, *_ in (ends.get(f, (None, None)) for f in law.forces):
@@ -56,10 +57,12 @@ def _planes(law: StatedLaw) -> Iterator[tuple[Vector, Vector, Vector]]:
         half.append((high - low) / 2 if both else Fraction(1))
         middle.append((high + low) / 2 if both else Fraction(0) if low is high else low + 1 if high is None else high - 1)
     n = len(half)
-    if n == len(_MERIDIAN):
+    turned = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :] if n == len(_MERIDIAN) else None
+    if turned is not None and np.ptp(_level(law, {name: x[:1] for name, x in places.items()}, turned)) < _ALIKE:
         yield from ((tuple(middle), _vector(_MERIDIAN), _vector(way)) for way in _DEVIATORIC)
         for share, (one, two) in ((share, ways) for share in _ALONG for ways in permutations(_DEVIATORIC)):
             yield tuple(m + share for m in middle), _vector(one), _vector(two)
+        return
     units = [tuple(half[i] if i == k else Fraction(0) for i in range(n)) for k in range(n)]
     for one, two in permutations(units, 2) if n > 1 else [(units[0], units[0])]:
         yield tuple(middle), one, two
@@ -100,16 +103,16 @@ class _Lines:
     @classmethod
     def of(cls, law: StatedLaw, places: Mapping[str, Array], lines: list[_Line]) -> _Lines:
         starts, ways = (np.array([[float(x) for x in line[i]] for line in lines])[:, None, :] for i in (0, 1))
-        stay = np.ones((len(lines), count(places)), dtype=bool)
-        low, high = np.full(stay.shape, np.nan), np.full(stay.shape, _RADII[-1])
-        for radius in _RADII:
-            inside = _level(law, places, starts + radius * ways + np.zeros((1, stay.shape[1], 1))) <= 0
-            low, high = np.where(stay & inside, radius, low), np.where(stay & ~inside, radius, high)
-            stay &= inside
-        for _ in range(_HALVINGS):
-            middle = (low + high) / 2
-            inside = _level(law, places, starts + middle[:, :, None] * ways) <= 0
-            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+        shape = (len(lines), count(places))
+        low, high = np.zeros(shape), np.full(shape, np.nan)
+        for shares in (_RADII, *[_PARTS] * _FINER):
+            radii = low[:, :, None] + shares * (1.0 if shares is _RADII else (high - low)[:, :, None])
+            points = starts[:, :, None] + radii[..., None] * ways[:, :, None]
+            inside = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2])) <= 0
+            first = np.logical_and.accumulate(inside.reshape(shape[0], -1, shape[1]), axis=1).sum(axis=1)[:, :, None]  # outside
+            low = np.take_along_axis(radii, np.maximum(first - 1, 0), axis=2)[:, :, 0]
+            high = np.take_along_axis(radii, np.minimum(first, len(shares) - 1), axis=2)[:, :, 0]
+            low[first[:, :, 0] == 0] = np.nan  # it does not start in K
         return cls(law, places, lines, starts, ways, low)
 
     def powers(self, moving: bool) -> Array:
