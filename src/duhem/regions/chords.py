@@ -5,7 +5,7 @@ In a plane of forces they join two points where lines from points of an axis lea
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -27,11 +27,13 @@ _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
 _PARTS, _FINER = np.linspace(0.0, 1.0, 33), 8  # of what is between a radius inside and one outside, and how often
 _ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
 _FEW_PLACES = 3  # at which lines are looked for
-_MERIDIAN, _DEVIATORIC = (1, 1, 1), ((1, -1, 0), (1, 1, -2))
+_TURNED = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :]  # principal values in every order
 _ALONG = (Fraction(0), Fraction(-1, 2))  # the meridian axis, where deviatoric planes lie
 
 Vector = tuple[Fraction, ...]
 _Line = tuple[Vector, Vector]  # from a point, one way
+_MERIDIAN: Vector = (Fraction(1),) * 3
+_DEVIATORIC: tuple[Vector, ...] = (Fraction(1), Fraction(-1), Fraction(0)), (Fraction(1), Fraction(1), Fraction(-2))
 
 
 def chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[dict[str, dict[str, str]]]:
@@ -49,27 +51,23 @@ def chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[dict[str, di
 
 
 def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[tuple[Vector, Vector, Vector]]:
-    """A point, an axis through it, and the way of the lines: in meridian and deviatoric planes of principal values, else along two forces."""
-    ends = dict(law.ranges)
-    middle, half = list[Fraction](), list[Fraction]()
-    for low, high, *_ in (ends.get(f, (None, None)) for f in law.forces):
-        both = low is not None and high is not None
-        half.append((high - low) / 2 if both else Fraction(1))
-        middle.append((high + low) / 2 if both else Fraction(0) if low is high else low + 1 if high is None else high - 1)
-    n = len(half)
-    turned = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :] if n == len(_MERIDIAN) else None
-    if turned is not None and np.ptp(_level(law, {name: x[:1] for name, x in places.items()}, turned)) < _ALIKE:
-        yield from ((tuple(middle), _vector(_MERIDIAN), _vector(way)) for way in _DEVIATORIC)
-        for share, (one, two) in ((share, ways) for share in _ALONG for ways in permutations(_DEVIATORIC)):
-            yield tuple(m + share for m in middle), _vector(one), _vector(two)
+    """A point, an axis through it, and the way of the lines: of principal values in meridian and deviatoric planes, else along forces."""
+    ends, n = dict(law.ranges), len(law.forces)
+    if n == len(_MERIDIAN) and not ends and np.ptp(_level(law, {name: x[:1] for name, x in places.items()}, _TURNED)) < _ALIKE:
+        yield from (((Fraction(0),) * n, _MERIDIAN, way) for way in _DEVIATORIC)
+        yield from (((share,) * n, one, two) for share in _ALONG for one, two in permutations(_DEVIATORIC))
         return
-    units = [tuple(half[i] if i == k else Fraction(0) for i in range(n)) for k in range(n)]
-    for one, two in permutations(units, 2) if n > 1 else [(units[0], units[0])]:
-        yield tuple(middle), one, two
+    middle = tuple(_middle(*ends[f][:2])[0] if f in ends else Fraction(0) for f in law.forces)
+    half = [_middle(*ends[f][:2])[1] if f in ends else Fraction(1) for f in law.forces]
+    units = [tuple(x if i == k else Fraction(0) for i, x in enumerate(half)) for k in range(n)]
+    yield from ((middle, one, two) for one, two in (permutations(units, 2) if n > 1 else [(units[0], units[0])]))
 
 
-def _vector(parts: Sequence[int]) -> Vector:
-    return tuple(map(Fraction, parts))
+def _middle(low: Fraction | None, high: Fraction | None) -> tuple[Fraction, Fraction]:
+    """The middle of a range and half of its width; 1 where it has an end alone."""
+    if low is None or high is None:
+        return (low + 1 if low is not None else high - 1 if high is not None else Fraction(0)), Fraction(1)
+    return (high + low) / 2, (high - low) / 2
 
 
 def _lines(origin: Vector, along: Vector, across: Vector, far: int) -> list[_Line]:
