@@ -21,7 +21,7 @@ from duhem.regions.seen import Array, count, value_of
 __all__ = ["chords"]
 
 _STARTS, _TURNS = 193, 16  # of lines both ways from an axis, and around its origin
-_STEPS, _FEW = (1, 2, 4), 12  # between the starts of two lines; of others every so many
+_STEPS, _FEW = (1, 2, 3, 5), 12  # between the starts of two lines; of others every so many
 _FAR = (1, 64)  # along an axis, in halves of the range of a force that has one
 _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
 _PARTS, _FINER = np.linspace(0.0, 1.0, 33), 8  # of what is between a radius inside and one outside, and how often

@@ -27,14 +27,11 @@ __all__ = ["Suggestion", "suggestions"]
 
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
 _PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "2")))  # components of the points that are tried
-_GRIDS = (32, 8, 8, 8)  # parts of a range, and of cells of grids within cells of grids
-_MOST_BOXES = 12  # at once
+_PARTS = 32  # of a range, of a grid
 _FAR = (Fraction(2), Fraction(32), Fraction(512))  # where a force that has no end ends
 _ROUNDING, _PRICE_OF_A_GRID = 1e-13, 2500
 _FEW_LINES, _FEW_CHORDS, _VERY_FAR = 4, 4, 2.0**30
 _STEPS = tuple(tuple(Fraction(k, n) for k in range(-n, n + 1)) for n in (8, 2))  # of components of two and of three forces
-
-_Box = tuple[tuple[str, ...], tuple[tuple[Fraction, Fraction], ...]]  # forces and their ranges
 
 
 class Suggestion(NamedTuple):
@@ -124,32 +121,23 @@ def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestio
 def _of_grids(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[dict[str, dict[str, str]]]:
     """Chords of grids over the ranges of two forces or of one: their ends lie in K at all of the values, their midpoints at none.
 
-    A cell of a grid that K does not fill has a grid of its own, with those around it, cells at corners first.  A force without ends has
-    several ranges about 0; others are 0.
+    A force without ends has several ranges about 0; others are 0.
     """
     ends = dict[str, tuple[Any, ...]](law.ranges)
     pairs: list[tuple[str, ...]] = [*combinations(law.forces, 2)] or [law.forces]
-    boxes = [(names, tuple(_about_zero(ends.get(f), far) for f in names)) for names in pairs for far in _FAR]
-    for parts in _GRIDS:
-        asked, nearer = [*dict.fromkeys(boxes)][:_MOST_BOXES], list[tuple[int, _Box]]()
-        for names, box in asked:
-            pay(_PRICE_OF_A_GRID)
-            grid = [[low + (high - low) * k / parts for k in range(parts + 1)] for low, high in box]
-            points = np.array(list(product(*grid)), dtype=float).T
-            at = {name: np.tile(x, points.shape[1]) for name, x in places.items()}
-            at |= dict.fromkeys(law.forces, np.zeros(count(places) * points.shape[1]))
-            at |= {f: np.repeat(x, count(places)) for f, x in zip(names, points, strict=True)}
-            values = value_of(law.g, at).reshape(*map(len, grid), count(places))
-            inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
-            for middle, step in _midpoints(inside, outside):
-                p, q = ({f: str(x[m + way * k]) for f, x, m, k in zip(names, grid, middle, step, strict=True)} for way in (-1, 1))
-                yield {"p": p, "q": q}
-            for corner in product(range(parts), repeat=len(grid)):
-                near = inside[tuple(slice(k, k + 2) for k in corner)]
-                if near.any() and not near.all():
-                    cell = tuple((x[max(k - 1, 0)], x[min(k + 2, parts)]) for x, k in zip(grid, corner, strict=True))
-                    nearer.append((sum(k in (0, parts - 1) for k in corner), (names, cell)))
-        boxes = [box for _, box in sorted(nearer, key=lambda one: -one[0])]
+    boxes = ((names, tuple(_about_zero(ends.get(f), far) for f in names)) for names in pairs for far in _FAR)
+    for names, box in dict.fromkeys(boxes):
+        pay(_PRICE_OF_A_GRID)
+        grid = [[low + (high - low) * k / _PARTS for k in range(_PARTS + 1)] for low, high in box]
+        points = np.array(list(product(*grid)), dtype=float).T
+        at = {name: np.tile(x, points.shape[1]) for name, x in places.items()}
+        at |= dict.fromkeys(law.forces, np.zeros(count(places) * points.shape[1]))
+        at |= {f: np.repeat(x, count(places)) for f, x in zip(names, points, strict=True)}
+        values = value_of(law.g, at).reshape(*map(len, grid), count(places))
+        inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
+        for middle, step in _midpoints(inside, outside):
+            p, q = ({f: str(x[m + way * k]) for f, x, m, k in zip(names, grid, middle, step, strict=True)} for way in (-1, 1))
+            yield {"p": p, "q": q}
 
 
 def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
