@@ -81,10 +81,11 @@ def _lines(origin: Vector, along: Vector, across: Vector, far: int) -> list[_Lin
 
 @cache
 def _pairs() -> Array:
-    """Lines of which the ends are joined: those that start near each other on one side, and some of all."""
+    """Lines of which the ends are joined: those that start near each other on one side, those along the axis with all, and some of all."""
     near = [(2 * k + side, 2 * (k + step) + side) for step in _STEPS for k in range(_STARTS - step) for side in (0, 1)]
     some = [2 * k + side for k in range(0, _STARTS, _FEW) for side in (0, 1)]
-    return np.array([*near, *combinations([*some, *range(2 * _STARTS, 2 * _STARTS + _TURNS)], 2)]).T
+    axis = [(2 * _STARTS + turn, k) for turn in (0, _TURNS // 2) for k in range(2 * _STARTS)]
+    return np.array([*near, *axis, *combinations([*some, *range(2 * _STARTS, 2 * _STARTS + _TURNS)], 2)]).T
 
 
 @dataclass(frozen=True)
