@@ -3,7 +3,9 @@
 A dent is a polynomial of the parameters, or of them and a ray, that is < 0 somewhere exactly where K is not convex there.  In the plane it
 is gamma'' + gamma on an arc of the gauge, or the rise of gamma' at a seam (:mod:`plane_gauge`); of a function of the deviator the same in
 the sector of ordered principal values (:mod:`deviatoric`), whose walls are seams; of quadratic and of quartic forms a principal
-minor (:mod:`semidefinite`).  A law in space has those of a section in the plane too, since sections of a convex K are convex.  Along a straight line on which g falls without bound both ways, and is > 0 between, K has two points and
+minor (:mod:`semidefinite`).  A law in space has those of a section in the plane too, since sections of a convex K are convex.
+
+Along a straight line on which g falls without bound both ways, and is > 0 between, K has two points and
 not all between them.
 """
 
