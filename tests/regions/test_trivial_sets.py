@@ -6,7 +6,6 @@ import random
 from fractions import Fraction
 from typing import Any
 
-import numpy as np
 import pytest
 
 import duhem
@@ -88,8 +87,8 @@ def test_a_corner_that_is_cut_out_is_seen(g: str) -> None:
     assert done.exact and done.condition == "false" and duhem.recheck(done.certificate()).ok
     for cell in done.cells:
         assert cell.witness is not None and cell.witness["rule"] == "chord"
-        ends = [np.array([float(Fraction(cell.witness[key].get(f, "0"))) for f in ("x", "y")]) for key in ("p", "q")]
-        assert all(np.abs(end).max() <= 1.0 for end in ends)
+        said = [cell.witness[key].get(f, "0") for f in ("x", "y") for key in ("p", "q")]
+        assert all(abs(eval(text, {"e": e})) <= 1 for text in said for e in (1 / 200, 1 / 180, 1 / 160))
 
 
 def test_a_corner_that_is_cut_off_by_a_line_is_convex() -> None:
@@ -97,9 +96,8 @@ def test_a_corner_that_is_cut_off_by_a_line_is_convex() -> None:
     assert all(cell.verdict != "refuted" for cell in done.cells)
 
 
-def test_gaps_without_dents_are_paved() -> None:
-    """g is no polynomial, so that chords alone refute: of ever smaller cells, the nearer to c = 0 the longer."""
+def test_a_line_leaves_what_is_no_polynomial_of_all_forces() -> None:
+    """exp(x) + c y^2 <= 2 contains all of a line along y but a part, where c < 0."""
     done = duhem.region(law("exp(x) + c*y**2 - 2", c=BETWEEN(-1, 1)), steps=3_000_000)
-    assert done.short == "c >= 0" and 0 < done.open_share < 0.1 and duhem.recheck(done.certificate()).ok
-    assert [cell.verdict for cell in done.cells].count("open") == 1
-    assert all(cell.witness["rule"] == "chord" for cell in done.cells if cell.witness is not None)
+    assert done.exact and done.short == "c >= 0" and duhem.recheck(done.certificate()).ok
+    assert all(cell.witness["rule"] == "line" for cell in done.cells if cell.witness is not None)

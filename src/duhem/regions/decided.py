@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from fractions import Fraction
 
-from duhem.errors import InputError
-from duhem.proof import verification
 from duhem.proof.kernel.parameter_cells import own_domain
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -15,24 +11,11 @@ from duhem.regions.asked import AsksTheKernel
 from duhem.regions.line import Decided, ParameterCell
 from duhem.regions.places import law_at
 from duhem.regions.seen import changes
-from duhem.regions.suggested import Suggestion
 
 __all__ = ["Asked"]
 
 _IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
 _MOST_ASKED = 30  # of these, for proofs
-_MOST_CHORDS = 16  # counterexamples at one value that are looked for, each as dear as a verification
-
-
-def _around(cell: ParameterCell, inside: Fraction) -> Iterator[ParameterCell]:
-    """A cell, and parts of it around a value, the larger ones first."""
-    yield cell
-    if not cell.single:
-        at = RealRoot.of(inside)
-        yield from (cell._replace(low=at, open=False), cell._replace(high=at, open_high=False))
-        low = Fraction(1) if cell.low is None else inside - cell.low.high
-        high = Fraction(1) if cell.high is None else cell.high.low - inside
-        yield from (ParameterCell(RealRoot.of(inside - low / n), RealRoot.of(inside + high / n)) for n in (2, 4, 16))
 
 
 @dataclass
@@ -42,7 +25,6 @@ class Asked(AsksTheKernel):
     name: str = field(init=False)
     by_all: bool = False
     verifications: int = 0
-    chords: int = 0
     whole: ParameterCell = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
     _refuted: dict[ParameterCell, Decided | None] = field(default_factory=dict)
@@ -91,23 +73,3 @@ class Asked(AsksTheKernel):
             row = None if self.spent else self.refutation(self.over(cell), away, ends[::-1])
             self._refuted[cell] = None if row is None else Decided(cell, "refuted", row)
         return self._refuted[cell]
-
-    def chord(self, cell: ParameterCell, inside: Fraction) -> Decided | None:
-        """The counterexample that refutes the claim at a value in a cell, over the cell or a part around the value."""
-        if self.spent or self.claim != "convexity" or self.chords == _MOST_CHORDS or self.most < _IN_DEPTH:
-            return None
-        self.chords += 1
-        try:
-            (found,) = verification.verify(self.law.fix({self.name: inside}), claims=[self.claim], effort="quick")
-        except InputError:
-            return None
-        self.steps += found.steps
-        if found.witness is None or not {"p", "q"} <= set(found.witness.points):
-            return None
-        points, pressure = found.witness.points, self.law.pressure
-        told = {key: {f: points[key][f] for f in self.law.forces if f in points[key]} for key in ("p", "q")}
-        held = {} if pressure is None else {"pressure": points["p"][pressure]}
-        values = {name: x for name, x in found.witness.parameters.items() if name in self.values}
-        one = Suggestion("chord", {**told, **held, "values": {**self.values, **values}})
-        parts = (part for part in _around(cell, inside) if self.refutes(self.over(part), one))
-        return next((Decided(part, "refuted", one._asdict()) for part in parts), None)

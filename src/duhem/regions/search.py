@@ -66,7 +66,7 @@ def _left(whole: ParameterCell, cells: Iterable[ParameterCell]) -> Iterator[Para
 
 
 def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
-    """A gap refuted or proved as a whole, or a cell in it: that to which a proof grows, or around a value at which a chord refutes.
+    """A gap refuted or proved as a whole, or a cell in it to which a proof grows.
 
     Proofs grow from values in a ``fresh`` gap alone, one in which nothing was tried.
     """
@@ -82,7 +82,7 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
         if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
             grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
             found = next(filter(None, grown), None)
-    return found or (None if gap.single else asked.chord(gap, middle(gap.bounds)))
+    return found
 
 
 def _is_narrow(gap: ParameterCell) -> bool:

@@ -191,15 +191,21 @@ def value_of(term: Term, at: Mapping[str, Array]) -> Array:
 
     A name of which nothing is said is that of the pressure, -1.
     """
-    size = count(at)
+    size, known = count(at), dict[int, Array]()
+
+    def of(part: Term) -> Array:
+        if part.op == "number":
+            return np.full(size, float(part.value))
+        if part.op == "name":
+            return at[part.name] if part.name in at else np.full(size, np.pi if part.name == "pi" else -1.0)
+        if part.op not in _WORDS:
+            raise ValueError(f"{part.op} is not read here")
+        if id(part) not in known:
+            known[id(part)] = np.asarray(_WORDS[part.op](*map(of, part.args)), dtype=float)
+        return known[id(part)]
+
     with np.errstate(all="ignore"):
-        if term.op == "number":
-            return np.full(size, float(term.value))
-        if term.op == "name":
-            return at[term.name] if term.name in at else np.full(size, np.pi if term.name == "pi" else -1.0)
-        if term.op not in _WORDS:
-            raise ValueError(f"{term.op} is not read here")
-        return np.asarray(_WORDS[term.op](*(value_of(a, at) for a in term.args)), dtype=float)
+        return of(term)
 
 
 def _folded(word: np.ufunc) -> Callable[..., Array]:

@@ -12,15 +12,14 @@ import numpy as np
 import sympy as sp
 
 from duhem.proof.kernel.constant_value import exact_value
-from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.dents import FAMILIES, Dent, dents, multiplied_out
-from duhem.proof.kernel.forms import by_forces
-from duhem.proof.kernel.polynomial import Polynomial, times, total, written
+from duhem.proof.kernel.dents import FAMILIES, Dent, dents
+from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, factors, number, parse
+from duhem.regions.chords import chords
 from duhem.regions.numbers import closest_fractions, narrowed
 from duhem.regions.seen import RAYS, Array, Flags, count, looked_at, polynomial_at, value_of
 
@@ -28,15 +27,11 @@ __all__ = ["Suggestion", "suggestions"]
 
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
 _PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "2")))  # components of the points that are tried
-_GRIDS = (32, 8, 8, 8)  # parts of a range, and of cells of grids within cells of grids
-_MOST_BOXES = 12  # at once
+_PARTS = 32  # of a range, of a grid
 _FAR = (Fraction(2), Fraction(32), Fraction(512))  # where a force that has no end ends
 _ROUNDING, _PRICE_OF_A_GRID = 1e-13, 2500
-_FEW_LINES = 4
+_FEW_LINES, _FEW_CHORDS, _VERY_FAR = 4, 4, 2.0**30
 _STEPS = tuple(tuple(Fraction(k, n) for k in range(-n, n + 1)) for n in (8, 2))  # of components of two and of three forces
-
-
-_Box = tuple[tuple[str, ...], tuple[tuple[Fraction, Fraction], ...]]  # forces and their ranges
 
 
 class Suggestion(NamedTuple):
@@ -70,7 +65,9 @@ def suggestions(
                 yield from _of_dents(dents(law, family), places, ends)
     if claim == "convexity":
         with suppress(*UNREADABLE):
-            yield from _of_chords(law, places)
+            more = {} if law.pressure is None else {"pressure": "-1"}
+            for found in (_of_grids(law, places), chords(law, places)):
+                yield from (Suggestion("chord", {**ends, **more}) for ends in islice(found, _FEW_CHORDS))
 
 
 def _of_points(law: StatedLaw, names: Sequence[str], away: Sequence[str]) -> Iterator[Suggestion]:
@@ -109,54 +106,38 @@ def _stands_alone(g: Term, name: str) -> bool:
 
 
 def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
-    """Lines through a point outside K along which a polynomial g falls both ways, at all of the values that are looked at."""
-    domain = over(law)
-    parts, size = by_forces(multiplied_out(law.g, domain), domain), count(places)
-    if any(x.op != "name" or n < 0 for moving in parts for x, n in moving):
-        return
-    degree = max(sum(n for _, n in moving) for moving in parts)
-    top = written(total(*(times({moving: Fraction(1)}, part) for moving, part in parts.items() if sum(n for _, n in moving) == degree)))
-    here = {**places, "": np.zeros(size)}
+    """Lines through a point outside K along which g is < 0 far away both ways, at all of the values that are looked at."""
 
-    def along(term: Term, way: Mapping[str, str], scale: float = 1.0) -> Array:
-        return value_of(term, here | {f: scale * value_of(parse(way.get(f, "0")), here) for f in law.forces})
+    def along(way: Mapping[str, Fraction], scale: float) -> Array:
+        return value_of(law.g, {**places, **{f: np.full(count(places), scale * float(way.get(f, 0))) for f in law.forces}})
 
-    points = list(_plain_ways(law.forces))
-    outside = ((way, scale) for scale in (4, 64, 4096) for way in points if np.all(along(law.g, way, scale) > 0))
-    if degree % 2 == 0 and (found := next(outside, None)) is not None:
-        through = {f: str(found[1] * Fraction(x)) for f, x in found[0].items()}
-        yield from (Suggestion("line", {"through": through, "along": way}) for way in points if np.all(along(top, way) < 0))
+    ways = list(_plain_ways(law.forces))
+    if (found := next(((way, scale) for scale in (4, 64, 4096) for way in ways if np.all(along(way, scale) > 0)), None)) is not None:
+        through = {f: str(found[1] * x) for f, x in found[0].items()}
+        both = (way for way in ways if all(np.all(along(way, far) < 0) for far in (_VERY_FAR, -_VERY_FAR)))
+        yield from (Suggestion("line", {"through": through, "along": {f: str(x) for f, x in way.items()}}) for way in both)
 
 
-def _of_chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
+def _of_grids(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[dict[str, dict[str, str]]]:
     """Chords of grids over the ranges of two forces or of one: their ends lie in K at all of the values, their midpoints at none.
 
-    A cell of a grid that K does not fill has a grid of its own, with those around it, cells at corners first.  A force without ends has
-    several ranges about 0; others are 0.
+    A force without ends has several ranges about 0; others are 0.
     """
-    ends, more = dict[str, tuple[Any, ...]](law.ranges), {} if law.pressure is None else {"pressure": "-1"}
+    ends = dict[str, tuple[Any, ...]](law.ranges)
     pairs: list[tuple[str, ...]] = [*combinations(law.forces, 2)] or [law.forces]
-    boxes = [(names, tuple(_about_zero(ends.get(f), far) for f in names)) for names in pairs for far in _FAR]
-    for parts in _GRIDS:
-        asked, nearer = [*dict.fromkeys(boxes)][:_MOST_BOXES], list[tuple[int, _Box]]()
-        for names, box in asked:
-            pay(_PRICE_OF_A_GRID)
-            grid = [[low + (high - low) * k / parts for k in range(parts + 1)] for low, high in box]
-            points = np.array(list(product(*grid)), dtype=float).T
-            at = {name: np.tile(x, points.shape[1]) for name, x in places.items()}
-            at |= dict.fromkeys(law.forces, np.zeros(count(places) * points.shape[1]))
-            at |= {f: np.repeat(x, count(places)) for f, x in zip(names, points, strict=True)}
-            values = value_of(law.g, at).reshape(*map(len, grid), count(places))
-            inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
-            for middle, step in _midpoints(inside, outside):
-                p, q = ({f: str(x[m + way * k]) for f, x, m, k in zip(names, grid, middle, step, strict=True)} for way in (-1, 1))
-                yield Suggestion("chord", {"p": p, "q": q, **more})
-            for corner in product(range(parts), repeat=len(grid)):
-                near = inside[tuple(slice(k, k + 2) for k in corner)]
-                if near.any() and not near.all():
-                    cell = tuple((x[max(k - 1, 0)], x[min(k + 2, parts)]) for x, k in zip(grid, corner, strict=True))
-                    nearer.append((sum(k in (0, parts - 1) for k in corner), (names, cell)))
-        boxes = [box for _, box in sorted(nearer, key=lambda one: -one[0])]
+    boxes = ((names, tuple(_about_zero(ends.get(f), far) for f in names)) for names in pairs for far in _FAR)
+    for names, box in dict.fromkeys(boxes):
+        pay(_PRICE_OF_A_GRID)
+        grid = [[low + (high - low) * k / _PARTS for k in range(_PARTS + 1)] for low, high in box]
+        points = np.array(list(product(*grid)), dtype=float).T
+        at = {name: np.tile(x, points.shape[1]) for name, x in places.items()}
+        at |= dict.fromkeys(law.forces, np.zeros(count(places) * points.shape[1]))
+        at |= {f: np.repeat(x, count(places)) for f, x in zip(names, points, strict=True)}
+        values = value_of(law.g, at).reshape(*map(len, grid), count(places))
+        inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
+        for middle, step in _midpoints(inside, outside):
+            p, q = ({f: str(x[m + way * k]) for f, x, m, k in zip(names, grid, middle, step, strict=True)} for way in (-1, 1))
+            yield {"p": p, "q": q}
 
 
 def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
@@ -176,13 +157,13 @@ def _midpoints(inside: Flags, outside: Flags) -> Iterator[tuple[tuple[int, ...],
                 yield tuple(int(i) + abs(k) for i, k in zip(at, step, strict=True)), step
 
 
-def _plain_ways(forces: Sequence[str]) -> Iterator[dict[str, str]]:
+def _plain_ways(forces: Sequence[str]) -> Iterator[dict[str, Fraction]]:
     """Vectors along axes, of two or three forces others with short components too."""
-    yield from ({f: "1"} for f in forces)
+    yield from ({f: Fraction(1)} for f in forces)
     if 1 < len(forces) <= len(_STEPS) + 1:
         for one in product(_STEPS[len(forces) - 2], repeat=len(forces)):
             if len([x for x in one if x]) > 1:
-                yield {f: str(x) for f, x in zip(forces, one, strict=True) if x}
+                yield {f: x for f, x in zip(forces, one, strict=True) if x}
 
 
 def _of_dents(found: Iterable[Dent], places: Mapping[str, Array], ends: Sequence[RealRoot]) -> Iterator[Suggestion]:

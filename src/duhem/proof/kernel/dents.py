@@ -3,7 +3,9 @@
 A dent is a polynomial of the parameters, or of them and a ray, that is < 0 somewhere exactly where K is not convex there.  In the plane it
 is gamma'' + gamma on an arc of the gauge, or the rise of gamma' at a seam (:mod:`plane_gauge`); of a function of the deviator the same in
 the sector of ordered principal values (:mod:`deviatoric`), whose walls are seams; of quadratic and of quartic forms a principal
-minor (:mod:`semidefinite`).  Along a straight line on which g falls without bound both ways, and is > 0 between, K has two points and
+minor (:mod:`semidefinite`).  A law in space has those of a section in the plane too, since sections of a convex K are convex.
+
+Along a straight line on which g falls without bound both ways, and is > 0 between, K has two points and
 not all between them.
 """
 
@@ -25,13 +27,13 @@ from duhem.proof.kernel.forms import at, principal_minors
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.plane_function import PlaneFunction, Signs, derivatives, inner, roots_in
 from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, replaced, times, total, written
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, replaced, slope, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.semidefinite import catalecticant, homogeneous_parts, in_coordinates
 from duhem.proof.kernel.signs import RAY, Interval, nonnegative
 from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw, as_object
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, parse, product_of, sum_of
 
 __all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "multiplied_out"]
 
@@ -89,7 +91,9 @@ def dents(law: StatedLaw, family: str = "") -> Iterator[Dent]:
 
 
 def _of_the_gauge(law: StatedLaw) -> Iterator[Dent]:
-    gauge, domain = StarGauge(law), over(law)
+    domain = over(law)
+    g, forces = _in_two_forces(law, domain)
+    gauge = StarGauge(law._replace(g=g, forces=forces))
     for i, (poly, between) in enumerate(gauge.bends()):
         yield Dent("gauge", f"arc {i}", poly, between, domain)
     for i, (poly, between) in enumerate(gauge.jumps()):
@@ -101,12 +105,12 @@ def _of_the_deviator(law: StatedLaw) -> Iterator[Dent]:
     domain = over(law)
     for i, reader in enumerate(deviatoric_readers(law.g, domain)):
         with suppress(NotWritten):
-            value = _deviatoric_part(law, domain, reader)
+            value, *others = _deviatoric_parts(law, domain, reader)
             if not (value.degree > 0 and reader.above(value.poly, strict=True)):
                 continue
             value = value if value.degree == 1 else reader.root(value)
-            roots = {w for p in (value.poly, *map(dict, value.powers), *value.powers.values()) for w in roots_in(p)}
-            if not all(reader.above(inner(w, domain), strict=True) for w in roots):
+            read = (p for part in (value, *others) for p in (part.poly, *map(dict, part.powers), *part.powers.values()))
+            if not all(reader.above(inner(w, domain), strict=True) for w in {w for p in read for w in roots_in(p)}):
                 continue
             found = derivatives(value, reader.along)
             rate = reader.plain(found.first)
@@ -116,10 +120,12 @@ def _of_the_deviator(law: StatedLaw) -> Iterator[Dent]:
             yield Dent("sector", f"far wall {i}", far, (_ONE, _ONE), domain, reader.signs, True)
 
 
-def _deviatoric_part(law: StatedLaw, domain: StatedDomain, reader: DeviatoricReader) -> PlaneFunction:
+def _deviatoric_parts(law: StatedLaw, domain: StatedDomain, reader: DeviatoricReader) -> list[PlaneFunction]:
     """What g is but for a constant < 0, where the forces are the tensor of the reader; of principal values, where their sum is 0.
 
-    The diagonal tensors of a trace, or without a third component, have all deviators.
+    The diagonal tensors of a trace, or without a third component, have all deviators.  Where g has a multiple of the trace for a term, K
+    has sections {F <= c} for every c > 0, so that with them the lowest part F' of F has a convex {F' <= 1}: F(e s)/e^k goes to F'(s) as e
+    goes to 0.  So there may be parts of several degrees k there, the lowest first.
     """
     names = [Term("name", name=f) for f in law.forces]
     meanings = [(m.second, m.third) for m in invariants(law.forces)]
@@ -127,26 +133,47 @@ def _deviatoric_part(law: StatedLaw, domain: StatedDomain, reader: DeviatoricRea
         raise NotWritten("the forces are another tensor")
     principal = len(names) == 3 and told == meanings[0]
     swap = {names[2]: sum_of(minus(names[0]), minus(names[1]))} if principal else {}
-    values, constants = list[PlaneFunction](), list[Term]()
-    for part in law.g.args if law.g.op == "+" else (law.g,):
+    values, rest = dict[Fraction, list[PlaneFunction]](), list[Term]()
+    for part in _summands(law.g, reader):
         value = None if domain.constant(part) else reader.value(part)
         if value is not None and value.degree > 0:
-            values.append(value)
-        elif domain.constant(part) or domain.constant(written(domain.polynomial(part.put(swap)))):
-            constants.append(part.put(swap))
+            values.setdefault(value.degree, []).append(value)
         else:
-            raise NotWritten("a part is no function of the deviator")
+            rest.append(part)
+    constants = [part.put(swap) for part in rest]
     known = domain.facts(sum_of(*constants)) if all(map(domain.constant, constants)) else _at_no_trace(constants, domain)
-    if not values or not (known.defined and known.sign == NEGATIVE):
+    below = len(values) == 1 and known.sign == NEGATIVE
+    if not (values and known.defined and (below or (principal and _moves_with_the_trace(rest, names, domain)))):
         raise NotWritten("g is no function of the deviator less a constant")
-    return reader.added(values)
+    return [reader.added(values[degree]) for degree in sorted(values)]
+
+
+def _summands(term: Term, reader: DeviatoricReader) -> Iterator[Term]:
+    """The parts of a sum; of a constant times one that is no such function those of this, multiplied out."""
+    moving = [f for f in factors(term) if not reader.domain.constant(f)]
+    if len(moving) != 1 or moving[0].op != "+" or (moving != [term] and reader.value(term) is not None):
+        yield term
+        return
+    scale = [f for f in factors(term) if f is not moving[0]]
+    for part in moving[0].args:
+        yield from _summands(product_of(*scale, part) if scale else part, reader)
+
+
+def _moves_with_the_trace(rest: list[Term], names: list[Term], domain: StatedDomain) -> bool:
+    """Whether a sum is a constant and a multiple, not 0, of the sum of the forces."""
+    poly = total(*map(domain.polynomial, rest))
+    rates = [slope(poly, x) for x in names]
+    affine = all(x in names or domain.constant(x) for m in poly for x, _ in m) and domain.constant(rate := written(rates[0]))
+    known = all(domain.facts(part).defined for part in rest)
+    return affine and known and rates[0] == rates[1] == rates[2] and domain.facts(rate).sign in (NEGATIVE, POSITIVE)
 
 
 def _at_no_trace(constants: list[Term], domain: StatedDomain) -> Facts:
     """What is known of a sum whose parts are constants once they are multiplied out."""
     whole = all(domain.facts(part).defined for part in constants)
-    known = domain.facts(written(total(*map(domain.polynomial, constants))))
-    return known if whole else replace(known, defined=False)
+    if not domain.constant(left := written(total(*map(domain.polynomial, constants)))):
+        raise NotWritten("a part is no function of the deviator")
+    return domain.facts(left) if whole else replace(domain.facts(left), defined=False)
 
 
 def _of_the_form(law: StatedLaw) -> Iterator[Dent]:

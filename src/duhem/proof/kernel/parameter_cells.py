@@ -18,6 +18,7 @@ from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import dents, falls_both_ways
 from duhem.proof.kernel.domain import StatedDomain
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
@@ -151,7 +152,9 @@ def _left_by_a_chord(law: StatedLaw, evidence: Evidence) -> bool:
     here = [{Term("name", name=f): x.put(held) for f, x in place.items()} | held for place in (*ends, middle)]
     if not all(_lies_in(own, place[Term("name", name=name)], domain) for place in here for name, own in law.ranges):
         return False
-    one, two, between = (_sign(law.g.put(held).put(place), domain) for place in here)
+    # its names are free in the normal form: an identity holds for all that they may be
+    free = over(law._replace(forces=(*law.parameters,), parameters={}, constraints=(), ranges=()))
+    one, two, between = (_sign(x, domain) & _sign_in_normal_form(x, domain, free) for x in (law.g.put(held).put(place) for place in here))
     return not (one | two) & POSITIVE and between == POSITIVE
 
 
@@ -184,6 +187,12 @@ def _consumes(law: StatedLaw, evidence: Evidence) -> bool:
 def _has_value(x: Term, domain: StatedDomain) -> bool:
     """Whether it depends on no force, and has a value."""
     return domain.constant(x) and domain.facts(x).defined
+
+
+def _sign_in_normal_form(x: Term, domain: StatedDomain, free: StatedDomain) -> Sign:
+    with suppress(NotWritten):
+        return _sign(normal(x, free), domain) if _has_value(x, domain) else ANY
+    return ANY
 
 
 def _sign(x: Term, domain: StatedDomain) -> Sign:

@@ -21,6 +21,7 @@ from math import lcm
 from duhem.proof.kernel import signs
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain
+from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.plane_function import MOST_POWER, PlaneFunction, PlaneVariable, added, derivatives, multiplied
 from duhem.proof.kernel.polynomial import Polynomial, negated, number_in, replaced, times, total
 from duhem.proof.kernel.signs import RAY, Interval, Line
@@ -69,7 +70,7 @@ class DirectionArc(PlaneVariable):
         for way, turned in ((1, poly), (-1, negated(poly))):
             if self.above(turned, strict):
                 return way
-        plain = signs.on_the_line(signs.without_content(poly, self.domain))
+        plain = signs.on_the_line(signs.without_content(multiplied_through(poly, self.domain, signed=True), self.domain))
         if plain is None:
             raise NotWritten("where a part changes its sign depends on the constants")
         switch = signs.parts(plain)[not strict]
