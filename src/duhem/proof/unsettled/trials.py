@@ -39,21 +39,19 @@ def that_help(
     blocked: Blocked | None,
     names: Names,
     choices: Sequence[Choice],
-    limits: Sequence[tuple[str, str]] = (),
+    limits: Sequence[tuple[str, str]],
 ) -> list[str]:
     """What to do, so that the claim is proved: one action a kind, each seen to help.
 
     ``choices`` are values of the free parameters at which it is tried, after plain ones; ``limits`` say what to write for g, and it.
     """
-    asked = _Asked(claim, settled)
-    forms = chain(((told, {**law, "g": g}) for told, g in limits), _forms(law, blocked, names))
-    kinds = (_signs(law, blocked, choices), _ranges(law, blocked))
-    found = list[str]()
-    for kind in kinds:
+    asked, found = _Asked(claim, settled), list[str]()
+    for kind in () if blocked is None else (_signs(law, blocked, choices), _ranges(law, blocked)):
         asked.steps = _A_KIND
         found += [action for action, changed in kind if asked(changed)][:1]
-    found += _with_least_lost(law, forms, asked)
-    return found or [*_values(law, blocked, choices, asked, alone=not limits)]
+    forms = () if blocked is None else _forms(law, blocked, names)
+    found += _with_least_lost(law, chain(((told, {**law, "g": g}) for told, g in limits), forms), asked)
+    return found or _values(law, blocked, choices, asked, alone=not limits)
 
 
 class _Asked:
@@ -89,78 +87,69 @@ def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked
     return [min(found)[2]] if found else []
 
 
-def _signs(law: Text, blocked: Blocked | None, choices: Sequence[Choice]) -> Iterator[tuple[str, Text]]:
+def _signs(law: Text, blocked: Blocked, choices: Sequence[Choice]) -> Iterator[tuple[str, Text]]:
     """Constraints that hold somewhere: of a law without parameters that satisfy it every claim would be shown, and nothing be said."""
-    for constant in () if blocked is None else blocked.signs:
-        if blocked is not None and constant.names():
+    for constant in blocked.signs:
+        if constant.names():
             text = f"{in_text(constant, {})} {'>' if blocked.strict else '>='} 0"
             changed = {**law, "constraints": [*law["constraints"], text]}
             if any(True for _ in _choices(changed)) or any(_inhabits(choice, changed) for choice in choices):
                 yield f'add the constraint "{text}"', changed
 
 
-def _ranges(law: Text, blocked: Blocked | None) -> Iterator[tuple[str, Text]]:
+def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
     ranges = law.get("domain", {})
-    for force in (
-        () if blocked is None or len(law["forces"]) > _MOST_FORCES else sorted(blocked.part.names() & {*law["forces"]} - {*ranges})
-    ):
+    for force in sorted(blocked.part.names() & {*law["forces"]} - {*ranges}) if len(law["forces"]) <= _MOST_FORCES else ():
         for end, side in (("min", ">="), ("max", "<=")):
             action = f"ask for {force} {side} 0 alone: {force} = {{ {end} = 0 }} in the section [domain]"
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
 
 
-def _forms(law: Text, blocked: Blocked | None, names: Names) -> Iterator[tuple[str, Text]]:
+def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Text]]:
     """g with a limit written out, and in a maximum with loads without which a part has no value."""
-    if blocked is None or "g" not in law or blocked.part.op not in ("log", "**", "atan2"):
+    if "g" not in law or blocked.part.op not in ("log", "**"):
         return
     read = stated(law)
     if not isinstance(read, StatedLaw) or not blocked.part.names() & {*read.forces}:
-        return
-    if blocked.part.op == "atan2":
         return
     g, base, domain = read.g, blocked.part.args[0], over(read)
     scale = domain.facts(product_of(*(f for f in factors(base) if domain.constant(f)))).sign
     loads = [f for f in factors(base) if not domain.constant(f)] if scale == POSITIVE else [base]
     ends, said = (", ".join(in_text(minus(load), own) for load in loads) for own in ({}, names))
-    whole = next((x for x in reversed([*g.parts()]) if x.op == "*" and blocked.part in x.parts() and len(loads) == 1), None)
-    if whole is not None and blocked.part.op == "log":
+    wholes = (x for x in reversed([*g.parts()]) if x.op == "*" and blocked.part in x.parts())
+    if blocked.part.op == "log" and len(loads) == 1 and (whole := next(wholes, None)) is not None:
         limit = Term("where", (Term(">", (loads[0], number(0))), whole, number(0)))
-        ways = in_text(limit, names), in_text(whole, names)
-        told = f"write {ways[0]} for {ways[1]}, and max(..., {said}) for g: so g has its limit where this is 0"
+        told = f"write {in_text(limit, names)} for {in_text(whole, names)}, and max(..., {said}) for g: so g has its limit where this is 0"
         yield told, {**law, "g": f"max({in_text(g.put({whole: limit}), {})}, {ends})"}
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
 
 
-def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked, alone: bool) -> Iterator[str]:
-    """How far one parameter may vary with which the claim is proved, first ``alone``, or the fewest to fix beside it, at plain values."""
+def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked, alone: bool) -> list[str]:
+    """A narrower domain of one parameter, if ``alone`` may do, else with the fewest others fixed at plain values; or all that is fixed."""
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     known, asked.steps = [*_choices(law), *choices], _A_KIND
     names = sorted({name for choice in known if alone for name in choice})
-    if (found := _narrowed(law, names, known, {}, asked)) is None:
-        asked.steps = 2 * _A_KIND
-        fixed = next((dict(choice) for choice in known if asked(_with(law, choice))), {})
-        for name in sorted(fixed, key=lambda name: name in part):
-            fewer = {x: value for x, value in fixed.items() if x != name}
-            fixed = fewer if fewer and asked(_with(law, fewer)) else fixed
-        others = {name: {x: v for x, v in fixed.items() if x != name} for name in fixed}
-        wider = (_narrowed(law, [name], [fixed], beside, asked) for name, beside in others.items())
-        found = next(filter(None, wider), " ".join(f"--set {x}={v}" for x, v in fixed.items()))
-    if found:
-        yield found
+    if found := _narrowed(law, names, known, {}, asked):
+        return found
+    asked.steps = 2 * _A_KIND
+    fixed = next((dict(choice) for choice in known if asked(_with(law, choice))), {})
+    for name in sorted(fixed, key=lambda name: name in part):
+        fewer = {x: value for x, value in fixed.items() if x != name}
+        fixed = fewer if fewer and asked(_with(law, fewer)) else fixed
+    for name in fixed:
+        if found := _narrowed(law, [name], [fixed], {x: value for x, value in fixed.items() if x != name}, asked):
+            return found
+    return [" ".join(f"--set {x}={value}" for x, value in fixed.items())] if fixed else []
 
 
-def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: Choice, asked: _Asked) -> str | None:
+def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: Choice, asked: _Asked) -> list[str]:
     """A part of the domain of one parameter, with one of the values known, in which the claim is proved, others fixed beside."""
     parts = [(name, *part) for name in names for part in _narrower(law["parameters"][name])]
-
-    def proved(name: str, domain: Text) -> bool:
-        holds = any(Bounds.read(domain).holds(choice[name]) for choice in known)
-        return holds and asked(_with({**law, "parameters": {**law["parameters"], name: domain}}, others))
-
     for name, domain, told in sorted(parts, key=lambda part: (" = " in part[2], law["parameters"][part[0]].get("max") is None)):
-        if proved(name, domain):
-            return f"narrow {name} to {told}" + "".join(f" and --set {x}={v}" for x, v in others.items())
-    return None
+        holds, changed = Bounds.read(domain).holds, {**law, "parameters": {**law["parameters"], name: domain}}
+        if any(holds(choice[name]) for choice in known) and asked(_with(changed, others)):
+            return [f"narrow {name} to {told}" + "".join(f" and --set {x}={value}" for x, value in others.items())]
+    return []
 
 
 def _choices(law: Text) -> Iterator[dict[str, Fraction]]:
