@@ -14,8 +14,9 @@ and < 0 where all are.  A size |t w| is t |w|.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import sympy as sp
@@ -57,10 +58,9 @@ def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, n
             for seam in seams(local_pieces(subject, parameters, section, box)):
                 if len(seam.crossed) != 1 or seam.kept:
                     continue
-                normals = _normals(subject, parameters, seam, section, centre, box, radius)
-                if normals is not None:
-                    ends = "" if _joined(subject, parameters, seam, section, box) else "K ends on it, or "
-                    return _shown(subject, parameters, section, place, radius, seam.crossed[0], normals, ends)
+                joined = partial(_joined, subject, parameters, seam, section, box)
+                if (normals := _normals(joined, seam, section, centre, box, radius)) is not None:
+                    return _shown(subject, parameters, section, place, radius, seam.crossed[0], normals, joined())
     return None
 
 
@@ -86,7 +86,7 @@ def _beside(expr: sp.Expr, switch: sp.Expr, side: int, box: Any) -> int | None:
 
 
 def _normals(
-    subject: FormulaSubject, parameters: Values, seam: Seam, section: PlaneSection, centre: Any, box: Any, radius: Fraction
+    joined: Callable[[], bool], seam: Seam, section: PlaneSection, centre: Any, box: Any, radius: Fraction
 ) -> list[list[Any]] | None:
     """Outward normals of the two sides over the box in all forces, surely not parallel in the plane; None if that is open."""
     (switch,), (before, after) = seam.crossed, (seam.before, seam.after)
@@ -102,9 +102,7 @@ def _normals(
     if side in (-1, 1) and len(section.forces) == 2:  # K ends on the seam: towards `before` if that is outside, else towards `after`
         one = full[0] = [-side * after.signs[switch] * c for c in along]
         crossing = [two]
-    elif enclose(before.expr - after.expr, box).contains(0) and (
-        len(section.forces) == 2 or _joined(subject, parameters, seam, section, box)
-    ):
+    elif enclose(before.expr - after.expr, box).contains(0) and (len(section.forces) == 2 or joined()):
         crossing = [one, two]
     else:
         return None
@@ -128,25 +126,23 @@ def _shown(
     radius: Fraction,
     switch: sp.Expr,
     normals: list[list[Any]],
-    ends: str,
+    joined: bool,
 ) -> Witness:
     at = subject.values_at(parameters, section.point(place))
     one, two = normals
     across, dot = _across(one, two), sum(a * b for a, b in zip(one, two, strict=True))
-    points, where = {"corner": at}, f"on {formula(switch)} = 0"
+    points, where = {"corner": at}, f"on {formula(switch)} = 0:{'' if joined else ' K ends on it, or'}"
     if len(subject.problem.forces) > 2:
         step = _BESIDE / max(abs(c) for way in section.along for c in way)  # where the law has ranges, they are in them
         spanned = (section.point((place[0] + step, place[1])), section.point((place[0], place[1] + step)))
         points |= {role: subject.values_at(parameters, p) for role, p in zip(("u", "v"), spanned, strict=True)}
-        where = "in the plane through it, u and v"
+        where = "in the plane through it, u and v:"
     values = {
         "n1 x n2" if len(one) == 2 else "|n1 x n2|^2": decimal_pair(across),
         **{f"n{i}_{x}": decimal_pair(c) for i, n in ((1, one), (2, two)) for x, c in zip(section.forces, n, strict=True)},
     }
     size = abs(float(across.mid())) if len(one) == 2 else math.sqrt(abs(float(across.mid())))
-    statement = (
-        f"within {radius} of this point the boundary has a corner {where}: {ends}the normals n1, n2 of its two sides are not parallel"
-    )
+    statement = f"within {radius} of this point the boundary has a corner {where} the normals n1, n2 of its two sides are not parallel"
     return witness(subject, points, values, statement, {"corner_degrees": math.degrees(math.atan2(size, float(dot.mid())))})
 
 
