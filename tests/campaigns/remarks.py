@@ -138,7 +138,10 @@ ROWS: tuple[Row, ...] = (
     (r"K is unbounded: g <= 0 at (.*) for all t > 0", lambda case, m: _along(case, m[1])),
     (rf"g is not differentiable at (.*?){_INSIDE}", lambda case, m: _singular(case, m[1], m[2])),
     (r"g does not depend on (.*)", lambda case, m: all(_idle(case, name) for name in m[1].split(", "))),
-    (r"g has no value (at zero force), for it .*: duhem uses its limit there, and K is closed", lambda case, m: _nowhere(case, m[1])),
+    (
+        r"g has no value (at zero force): it .*, which is 0 there; duhem uses the limit of g there, and K is closed",
+        lambda case, m: _nowhere(case, m[1]),
+    ),
     # what is not shown, and said to be so
     (
         r"duhem could not show that g has a value for all forces: it .*\. (?:g has no value .*\. )?"

@@ -77,7 +77,7 @@ def test_the_campaign_knows_an_untruth() -> None:
         "K is unbounded: g <= 0 at x1 = t, x2 = t for all t > 0",
         "g is not differentiable at x1 = 17, x2 = 19",
         "g does not depend on x2",
-        "g has no value at zero force, for it divides by x1: duhem uses its limit there, and K is closed",
+        "g has no value at zero force: it divides by x1, which is 0 there; duhem uses the limit of g there, and K is closed",
     )
     discs = [
         case
@@ -189,7 +189,8 @@ def test_an_angle_that_divides_by_0_on_a_line_is_read_as_no_limit(k: int) -> Non
 
 def test_a_limit_at_zero_force_is_said() -> None:
     (said,) = remarks("norm(a, b) + a*b/norm(a, b)/4 - 1", claims=("convexity",))
-    assert said == "g has no value at zero force, for it divides by norm(a, b): duhem uses its limit there, and K is closed"
+    why = "g has no value at zero force: it divides by norm(a, b), which is 0 there"
+    assert said == f"{why}; duhem uses the limit of g there, and K is closed"
 
 
 def test_a_value_at_zero_force_that_is_a_limit_is_called_one() -> None:

@@ -31,10 +31,8 @@ def undefined_place(subject: FormulaSubject, obligation: Obligation) -> str:
 
 def limits_taken(subject: FormulaSubject) -> Iterator[str]:
     """That g, as written, has no value at zero force and what is proved is of the formula with its limit there."""
-    zero = dict.fromkeys(subject.problem.forces, sp.S.Zero)
-    part = next((o for o in obligations(subject.problem.stated) if _vanishes(o, zero)), None)
-    if part is not None and not subject.doubtful:
-        yield f"g has no value at zero force, for it {part.does} {formula(part.expr)}: duhem uses its limit there, and K is closed"
+    if not subject.doubtful and (why := undefined_at_zero(subject)):
+        yield f"{why}; duhem uses the limit of g there, and K is closed"
 
 
 def undefined_at_zero(subject: FormulaSubject) -> str:
