@@ -26,7 +26,10 @@ from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, s
 from duhem.proof.kernel.stated_law import StatedFace, StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, minus, parse, product_of, sum_of
 
-__all__ = ["curves_inward", "falls_from_zero", "flows_along_normals", "flows_outward", "is_steep", "rises_outward", "with_convex_sums"]
+__all__ = [
+    "curves_inward", "falls_from_zero", "flows_along_normals", "flows_outward", "is_a_graph", "is_steep", "rises_outward",
+    "with_convex_sums",
+]  # fmt: skip
 
 Condition = tuple[Polynomial, str]  # and how it stands to 0: ">", ">=" or "=="
 Identity = Mapping[str, Any]
@@ -51,9 +54,7 @@ def is_steep(law: StatedLaw, identities: Sequence[Identity]) -> bool:
 
 
 def falls_from_zero(law: StatedLaw) -> bool:
-    """Whether g is a polynomial and negative somewhere on an axis: g(0) <= 0 and the slope there is not 0; or it is a x^2 + b x + c, with
-    b^2 > 4 a c.
-    """
+    """Whether g is a polynomial that is < 0 somewhere on an axis: g(0) <= 0 with a slope along it, or g = a x^2 + b x + c, b^2 > 4 a c."""
     domain = over(law)
     g = domain.polynomial(law.g)
     if not domain.facts(law.g).defined or any(not domain.constant(x) and (x.op != "name" or n < 0) for m in g for x, n in m):

@@ -205,8 +205,8 @@ class StatedDomain:
         if (end := low if way > 0 else high) is not None:
             yield {(): end} if end else {}, left_out[way < 0]
         for known, sharp in self._gaps:
-            if all(n == 1 for m in known for y, n in m if y == x) and (own := known.get(((x, 1),))) and own * way > 0:
-                rest = {m: c / -own for m, c in known.items() if m != ((x, 1),)}
+            if (own := known.get(((x, 1),), Fraction(0)) * way) > 0:
+                rest = {m: -way * c / own for m, c in known.items() if m != ((x, 1),)}
                 if all(x not in dict(m) for m in rest):
                     yield rest, sharp
 

@@ -23,10 +23,10 @@ from duhem.proof.kernel.boundary import falls_from_zero, is_a_graph
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
-from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes
+from duhem.proof.kernel.identity import in_order, signs_as_sizes, vanishes, written_in_order
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import chooses
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, joined, number_in, written
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, joined, written
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
@@ -43,14 +43,18 @@ def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
     poly = domain.polynomial(g)
     logs = {x: _degree_of_all(x.args, domain) for m in poly for x, _ in m if x.op == "log" and not domain.constant(x)}
     more = [product_of(logs[x], written({joined(m, ((x, -1),)): c * n})) for m, c in poly.items() for x, n in m if x in logs]
-    parts = _by_degree(poly, domain, logs)
-    sums = (sum_of(*more, *(product_of(_plain(sum_of(k, minus(m)), domain), part) for k, part in parts.items() if k != m)) for m in parts)
-    signs = [domain.facts(power).sign for power in sums]
+    parts = by_degree(g, domain, logs)
+
+    def rate(m: Term) -> Term:
+        shares = {k: written_in_order(domain.polynomial(sum_of(k, minus(m)))) for k in parts if k != m}
+        return sum_of(*more, *(product_of(share, parts[k]) for k, share in shares.items()))
+
+    signs = [domain.facts(rate(m)).sign for m in parts]
     return POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and _is_steep(g, domain))
 
 
 def _is_steep(g: Term, domain: StatedDomain) -> bool:
-    """Whether no limit of grad g is 0 where g = 0: they are subgradients of a convex g, which is not least there, or a force is in one."""
+    """Whether no limit of grad g is 0 where g = 0: g is h + c z, z a force, or convex and somewhere < 0 (they are subgradients)."""
     law = domain.law._replace(g=g)
     return is_a_graph(law) or (over(law).facts(g).convex and falls_from_zero(law))
 
@@ -105,15 +109,11 @@ def _never_negative_where_zero(power: Term, scale: Term, law: StatedLaw) -> bool
     return left.never_negative(in_order(power, left))
 
 
-def by_degree(term: Term, domain: StatedDomain) -> dict[Term, Term]:
-    """The parts of each degree, a constant, multiplied out; NotWritten where something in it has none."""
-    return _by_degree(domain.polynomial(term), domain)
-
-
-def _by_degree(poly: Polynomial, domain: StatedDomain, free: Collection[Term] = ()) -> dict[Term, Term]:
+def by_degree(term: Term, domain: StatedDomain, free: Collection[Term] = ()) -> dict[Term, Term]:
+    """The parts of each degree, a constant, multiplied out; NotWritten where something in it has none, and is not ``free``: of degree 0."""
     parts: dict[Term, Polynomial] = {}
-    for m, c in poly.items():
-        parts.setdefault(_plain(_rate(m, domain, free), domain), {})[m] = c
+    for m, c in domain.polynomial(term).items():
+        parts.setdefault(written_in_order(domain.polynomial(_rate(m, domain, free))), {})[m] = c
     return {k: written(part) for k, part in parts.items()}
 
 
@@ -137,9 +137,3 @@ def _degree(x: Term, domain: StatedDomain) -> Term:
 def _degree_of_all(terms: tuple[Term, ...], domain: StatedDomain) -> Term:
     (k,) = {k for term in terms for k in by_degree(term, domain)}  # ValueError unless there is one
     return k
-
-
-def _plain(constant: Term, domain: StatedDomain) -> Term:
-    """The same, multiplied out and in order."""
-    poly = domain.polynomial(constant)
-    return number(poly.get((), 0)) if number_in(poly) is not None else written(dict(sorted(poly.items())))

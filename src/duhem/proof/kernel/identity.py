@@ -12,7 +12,7 @@ from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, number_in, times, total, written
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sign_of, sum_of
 
-__all__ = ["alike", "in_order", "multiplied_out", "multiplied_through", "signs_as_sizes", "value", "vanishes"]
+__all__ = ["alike", "in_order", "multiplied_out", "multiplied_through", "signs_as_sizes", "value", "vanishes", "written_in_order"]
 
 _MOST_STEPS, _HIGHEST = 60, 64
 _SORTED = ("norm", "max", "min")
@@ -127,17 +127,18 @@ def in_order(term: Term, domain: StatedDomain, powers: bool = False) -> Term:
     """The same formula, its parts multiplied out, and written alike where they are alike; even ``powers`` as those of a size."""
     if not term.args:
         return term
-    args = [_sorted(domain.polynomial(in_order(a, domain, powers))) for a in term.args]
+    args = [written_in_order(domain.polynomial(in_order(a, domain, powers))) for a in term.args]
     even = term.op == "**" and args[1].op == "number" and args[1].value % 2 == 0
     if term.op in _EVEN or even:
         sized = 1 if even else len(args)
-        args[:sized] = [min(a, _sorted(domain.polynomial(minus(a)))) for a in args[:sized]]
+        args[:sized] = [min(a, written_in_order(domain.polynomial(minus(a)))) for a in args[:sized]]
     if even and powers:
         args[0] = Term("abs", (args[0],))
     return Term(term.op, tuple(sorted(args) if term.op in _SORTED else args))
 
 
-def _sorted(poly: Polynomial) -> Term:
+def written_in_order(poly: Polynomial) -> Term:
+    """A number as it is, else a sum of products in order: the same for equal polynomials."""
     if number_in(poly) is not None:
         return number(poly.get((), 0))
     return written(dict(sorted(poly.items())))

@@ -157,9 +157,9 @@ def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, stric
 
 
 def _at_ends(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool) -> bool:
-    """Whether a P that is linear in a parameter is >= 0 at two ends of it, which other parameters may give.
+    """Whether P, linear in a parameter, is >= 0 at two ends of it, which other parameters may give: it is a mean of its values there.
 
-    It is > 0 where it is so at those ends that are reached; if none is, where its mean at both is.
+    It is > 0 if it is at those ends that are reached; where none is, if the sum of both values is.
     """
     for x in sorted({x for m in poly for x, _ in m if x.name in domain.bounds} if len(poly) <= _LINEAR else ()):
         if any(n != 1 for m in poly for y, n in m if y == x):
