@@ -229,13 +229,14 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
         return
     forces, settled = law.force_symbols(), law.settled()
     g, power = (_without_signs(x.xreplace(settled)) for x in (law.g, subject.power(law.flow)))
-    named = {p: sp.Dummy(positive=True) for p in (g + power).atoms(sp.Pow) if p.exp.free_symbols and p.base.free_symbols & set(forces)}
+    open_powers = (p for p in sp.ordered((g + power).atoms(sp.Pow)) if p.exp.free_symbols and p.base.has(*forces))
+    named = {p: sp.Dummy(positive=True) for p in open_powers}  # each as a force of its own
     g, power, forces = g.xreplace(named), power.xreplace(named), (*forces, *named.values())
     radicands = _radicands(g + power, forces)
     roots = {y: sp.Dummy(f"r{i}", positive=True) for i, y in enumerate(radicands)}
     if len(roots) > _MOST_ROOTS or (of_power := _terms(power, forces, roots)) is None or (of_g := _terms(g, forces, roots)) is None:
         return
-    back = {r: radicands[y] for y, r in roots.items()} | {name: p for p, name in named.items()}
+    back = {r: radicands[y] for y, r in roots.items()} | {x: p for p, x in named.items()}
     for share in _shares(of_power, of_g)[:_MOST_SHARES]:
         below = sp.fraction(sp.together(share))[1]
         scales = (sp.S.One, *((below, -below) if below.free_symbols else ()))  # what is divided by may be 0

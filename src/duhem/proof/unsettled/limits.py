@@ -1,6 +1,6 @@
 """Where formulas have no value or jump, and what to write: for a part a value where a load is 0, or the formula without the divisor.
 
-Whether K stays what it was is looked at in floats, close to where the load is 0: a value there is no limit because it is written.
+Whether K stays what it was is looked at in floats, close to where the load is 0: the value that is written there need not be a limit.
 """
 
 from __future__ import annotations
@@ -34,22 +34,22 @@ _ZERO, _ONE = number(0), number(1)
 
 
 def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
-    """What to write, and g: with 0 for a part that has no value, the part being small or large; g times what it is divided by."""
+    """What to write, and g then: 0 for parts without a value, from the smallest to the largest, in g and in g times what it divides by."""
     domain, seen = within_ranges(read), set[Term]()
     if (tip := _tip(read.g, domain)) is None:
         return
     _, size, power = tip
-    scaled = _times(read.g, size, power)
-    for start, rank in ((start, rank) for start in (read.g, scaled) for rank in range(_MOST)):
+    for start, rank in product((read.g, _times(read.g, size, power)), range(_MOST)):
         g, put = start, list[tuple[Term, Term]]()
         while (tip := _tip(g, domain)) is not None and len(put) < _MOST:
             above = _above(start, tip[0], names)
             x = above[min(rank, len(above) - 1)]
-            put.append((x, Term("where", (Term(">", (tip[1], _ZERO)), x, _ZERO))))
-            if (changed := g.put(dict(put[-1:]))) == g or any(x in limit.parts() for _, limit in put[:-1]):
+            limit = Term("where", (Term(">", (tip[1], _ZERO)), x, _ZERO))
+            if (changed := g.put({x: limit})) == g or any(x in other.parts() for _, other in put):
                 g = read.g  # what is put in has that part again
                 break
             g = changed
+            put.append((x, limit))
         if g != read.g and g not in seen:
             seen.add(g)
             told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"

@@ -1,7 +1,7 @@
 """What is said of a claim that stays open: the inequality, the part of the formula that no rule reads, the closest place, and what helps.
 
-A suggestion is made for a cause that was found: it was tried on the law and the kernel then proved the claim, or the steps ran out, or
-the claim rests on another that is open.
+A suggestion is made for a cause that was found: it was tried on the law, and the claim was then proved, or refuted as it says; or the steps
+ran out, or the claim rests on another that is open.
 """
 
 from __future__ import annotations
@@ -73,9 +73,9 @@ Closest: the point of the boundary, and values of the parameters, at which a sea
 A margin near 0 says that the law is at the limit there, and a margin below 0 that it may be violated: fix the parameters with --set at
 this place, and verify again.
 
-Try: what helps.  duhem changed the law (a narrower parameter, a constraint, a range of a force, fixed parameters) and asked the kernel
-again.  It suggests a change only if the claim was proved then.  So the change also says where the difficulty lies.  If no change that was
-tried helped, the form of the part is more likely to blame than a parameter."""
+Try: what helps.  duhem changed the law (a narrower parameter, a constraint, a range of a force, fixed parameters, a value for a part that
+has none) and asked again.  It suggests a change only if the claim was proved then, or was refuted and the line says so.  So the change also
+says where the difficulty lies.  If no change that was tried helped, the form of the part is more likely to blame than a parameter."""
 
 
 class _Asked(NamedTuple):
@@ -111,12 +111,12 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
         told = (f"settle {first} first: {claim} follows from it, so what helps {first} helps here",)
         return Unsettled(inequality, actions=told)
     limits = list(_limits(asked))
-    actions = [] if decide is None else list(_decided(asked, decide, [(told, {"g": g}) for told, g in limits[: claim == "origin"]]))
+    actions = list(_decided(asked, decide, ((told, {"g": g}) for told, g in limits[:1] if claim == "origin")))
     part, why, helps = _blocked(asked, None if any(Verdict.REFUTED in action for action in actions) else limits)
     actions = helps or actions
     place, measure, margin = _closest(asked)
     bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
-    if decide is not None and (bad or not actions):
+    if bad or not actions:
         choices = () if actions or not _free(law) else islice(_choices(asked), 1)
         actions = [*actions, *_decided(asked, decide, map(_set, (*([bad] if bad else []), *choices)))]
     if bad and claim not in _OF_G:
@@ -164,10 +164,10 @@ def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:
             yield {name: named[name] for name in free}
 
 
-def _decided(asked: _Asked, decide: Decide, changes: Iterable[tuple[str, Mapping[str, Any]]]) -> Iterator[str]:
+def _decided(asked: _Asked, decide: Decide | None, changes: Iterable[tuple[str, Mapping[str, Any]]]) -> Iterator[str]:
     """The first change of the law with which the claim, one about g alone, is decided: values of parameters, or g."""
     law = asked.law
-    if isinstance(law, Criterion) and not (law.forces_of_rates or law.viscous) and asked.claim in _OF_G:
+    if decide is not None and isinstance(law, Criterion) and not (law.forces_of_rates or law.viscous) and asked.claim in _OF_G:
         for told, changed in changes:
             with suppress(InputError):  # a variable of the state may not be 0
                 other = replace(law, written="", **changed) if "g" in changed else law.fix(changed)
