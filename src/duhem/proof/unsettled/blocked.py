@@ -23,10 +23,11 @@ from duhem.proof.kernel.state import epigraph, in_state, rate_epigraph
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["Blocked", "blocked", "in_forces"]
+__all__ = ["NONE_AT_ZERO", "Blocked", "blocked", "in_forces"]
 
 _CONVEX, _CONCAVE, _SIZE = "convex", "concave", "convex in size"
 _NEEDS = {"**": "is a power, root or quotient", "log": "is a logarithm", "atan2": "is an angle"}
+NONE_AT_ZERO = "is not shown to have a value at zero force"
 _LARGEST = 4  # of a matrix whose minors are looked at
 
 
@@ -70,7 +71,7 @@ def _origin(law: StatedLaw) -> Blocked | None:
     zero, domain = law.g.put(nothing), over(law)
     if (undefined := _undefined((zero,), domain)) is not None:
         own = next((x for x in law.g.parts() if x.put(nothing) == undefined.part), undefined.part)
-        return Blocked(own, f"{_NEEDS.get(own.op, 'is a word')} that is not shown to have a value at zero force", undefined.signs, True)
+        return Blocked(own, f"{_NEEDS.get(own.op, 'is a word')} that {NONE_AT_ZERO}", undefined.signs, True)
     value = multiplied_out(zero, domain)
     return Blocked(value, "is g at zero force, and is not shown to be <= 0", (minus(value),))
 
