@@ -272,7 +272,7 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
-    """g is C^1 where g = 0, and d g(r sigma)/dr > 0 there, as its degrees in the forces show."""
+    """g is C^1 where g = 0, and grad g != 0 there, as d g(r sigma)/dr > 0, or >= 0 for a g that is steep: its degrees show it."""
     domain = _over(law, evidence)
     defined = domain.facts(law.g).defined or _inside_at_tips(law)
     return defined and grows_along_rays(law.g, domain) and smooth_near_the_boundary(law.g, domain)
@@ -309,7 +309,7 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 
 
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
-    """d g(r sigma)/dr > 0 at r = 1 wherever g = 0: so sigma . n > 0 for every limit n of grad g there; or K is a cone: it is 0."""
+    """d g(r sigma)/dr >= 0 at r = 1 wherever g = 0, and no limit of grad g is 0: so sigma . n >= 0 for each; or K is a cone: it is 0."""
     inside = law.once(where_loads_allow)[2]
     places = [over(law)] if over(law).facts(law.g).defined or _inside_at_tips(law) else []
     parts = law.g.args[1:] if law.g.op == "where" else (law.g,)
@@ -478,7 +478,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("smoothness", "euler"): RuleRow(
         _NONE, regular_along_rays, obligations.formula_but_at_tips,
-        "g is C^1 wherever g = 0, and sigma . grad g > 0 there by Euler's relation, so that grad g != 0",
+        "g is C^1 wherever g = 0, and grad g != 0 there: sigma . grad g > 0 (Euler), or g is a graph, or convex and somewhere negative",
     ),
     ("smoothness", "regular-value"): RuleRow(
         _NONE, regular, obligations.formula,
@@ -508,7 +508,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("dissipation", "homogeneity"): RuleRow(
         _NONE, homogeneity, obligations.formula_where_loads_allow,
-        "the degrees of the parts of g in the forces show that sigma . grad g > 0 wherever g = 0, or that K is a cone "
+        "the degrees of the parts of g in the forces show that sigma . grad g >= 0 wherever g = 0, with grad g != 0, or that K is a cone "
         "and sigma . grad g = 0 (Euler)",
     ),
     ("dissipation", "potential"): RuleRow(
