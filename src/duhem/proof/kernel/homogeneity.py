@@ -44,12 +44,8 @@ def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
     logs = {x: _degree_of_all(x.args, domain) for m in poly for x, _ in m if x.op == "log" and not domain.constant(x)}
     more = [product_of(logs[x], written({joined(m, ((x, -1),)): c * n})) for m, c in poly.items() for x, n in m if x in logs]
     parts = by_degree(g, domain, logs)
-
-    def rate(m: Term) -> Term:
-        shares = {k: written_in_order(domain.polynomial(sum_of(k, minus(m)))) for k in parts if k != m}
-        return sum_of(*more, *(product_of(share, parts[k]) for k, share in shares.items()))
-
-    signs = [domain.facts(rate(m)).sign for m in parts]
+    without = [{k: written_in_order(domain.polynomial(sum_of(k, minus(m)))) for k in parts if k != m} for m in parts]
+    signs = [domain.facts(sum_of(*more, *(product_of(c, parts[k]) for k, c in rates.items()))).sign for rates in without]
     return POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and _is_steep(g, domain))
 
 

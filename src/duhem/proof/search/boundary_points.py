@@ -132,11 +132,10 @@ class BoundaryScout:
         """Boundary points whose flow leans towards some other sampled point of K, with that point: the worst and some of the others."""
         place, _ = self.unit_flow
         reach, share = self._reach
-        centre = np.zeros(len(self.forces)) if self.centre is None else self.centre
         for k in _spread(-np.max(share, axis=1), 3):
             best = int(np.argmax(reach[k]))
             if reach[k, best] > 0:
-                target = centre + (self._targets[best] - centre) * (1 - 2.0**-20)
+                target = self.centre + (self._targets[best] - self.centre) * (1 - 2.0**-20)
                 yield self._exit(int(place[k])), tuple(Fraction(float(c)).limit_denominator(10**6) for c in target)
 
     def near_targets(self) -> Iterator[tuple[Exit, Exit]]:

@@ -28,7 +28,7 @@ from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.unsettled.blocked import blocked, in_forces
 from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
-from duhem.proof.unsettled.trials import that_help
+from duhem.proof.unsettled.trials import Form, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
 
 __all__ = ["STATEMENT", "THEORY", "unsettled"]
@@ -126,7 +126,7 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
     return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
 
-def _blocked(asked: _Asked, limits: Sequence[tuple[str, str]] | None) -> tuple[str | None, str | None, list[str]]:
+def _blocked(asked: _Asked, limits: Sequence[Form] | None) -> tuple[str | None, str | None, list[str]]:
     """The part that no rule reads, why, and what helps, of which ``limits`` may be some; None where nothing need be tried."""
     proved = frozenset(name for name, evidence in asked.settled.items() if evidence.verdict is Verdict.PROVED and name != asked.claim)
     names = names_of(asked.law)
@@ -136,17 +136,18 @@ def _blocked(asked: _Asked, limits: Sequence[tuple[str, str]] | None) -> tuple[s
     actions = list[str]()
     with suppress(*UNREADABLE):
         actions = [] if limits is None else that_help(asked.claim, asked.text, proved, found, names, list(_choices(asked)), limits)
-    text = None if found is None else in_text(found.part, names)
-    if text is not None and len(text) > _LONGEST:
+    if found is None:
+        return None, None, actions
+    text, why = in_text(found.part, names), found.why
+    if len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
-    why = None if found is None else found.why
-    if found is not None and found.part.op == "where" and isinstance(asked.law, Criterion):
+    if found.part.op == "where" and isinstance(asked.law, Criterion):
         why = f"{why}{jump(found.part, asked.law.forces, {**next(_choices(asked), {}), asked.law.pressure or '': Fraction(-1)})}"
     return text, why, actions
 
 
-def _limits(asked: _Asked) -> Iterator[tuple[str, str]]:
-    """What to write for g, and it, where g has no value at a tip: such that K seems to be as it was."""
+def _limits(asked: _Asked) -> Iterator[Form]:
+    """Forms of a g that has no value at a tip, with which K seems to be as it was."""
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
         if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
             for told, g in with_values(read, names_of(asked.law)):

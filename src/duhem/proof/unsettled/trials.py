@@ -21,10 +21,11 @@ from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, pr
 from duhem.proof.unsettled.blocked import Blocked
 from duhem.proof.unsettled.term_text import Names, in_text
 
-__all__ = ["that_help"]
+__all__ = ["Form", "that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
+Form = tuple[str, str]  # what to write, and g then
 _A_TRIAL, _A_KIND, _READING = 200_000, 400_000, 5_000  # steps of one trial and of all of one kind; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "0", "1/10", "3", "-1")))
@@ -33,17 +34,11 @@ _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
 
 
 def that_help(
-    claim: str,
-    law: Text,
-    settled: frozenset[str],
-    blocked: Blocked | None,
-    names: Names,
-    choices: Sequence[Choice],
-    limits: Sequence[tuple[str, str]],
+    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Sequence[Choice], limits: Sequence[Form]
 ) -> list[str]:
     """What to do, so that the claim is proved: one action a kind, each seen to help.
 
-    ``choices`` are values of the free parameters at which it is tried, after plain ones; ``limits`` say what to write for g, and it.
+    ``choices`` are values of the free parameters at which it is tried, after plain ones; ``limits`` are forms with a value at a tip.
     """
     asked, found = _Asked(claim, settled), list[str]()
     for kind in () if blocked is None else (_signs(law, blocked, choices), _ranges(law, blocked)):
@@ -89,12 +84,11 @@ def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked
 
 def _signs(law: Text, blocked: Blocked, choices: Sequence[Choice]) -> Iterator[tuple[str, Text]]:
     """Constraints that hold somewhere: of a law without parameters that satisfy it every claim would be shown, and nothing be said."""
-    for constant in blocked.signs:
-        if constant.names():
-            text = f"{in_text(constant, {})} {'>' if blocked.strict else '>='} 0"
-            changed = {**law, "constraints": [*law["constraints"], text]}
-            if any(True for _ in _choices(changed)) or any(_inhabits(choice, changed) for choice in choices):
-                yield f'add the constraint "{text}"', changed
+    for constant in (constant for constant in blocked.signs if constant.names()):
+        text = f"{in_text(constant, {})} {'>' if blocked.strict else '>='} 0"
+        changed = {**law, "constraints": [*law["constraints"], text]}
+        if any(True for _ in _choices(changed)) or any(_inhabits(choice, changed) for choice in choices):
+            yield f'add the constraint "{text}"', changed
 
 
 def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:

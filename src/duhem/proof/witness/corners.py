@@ -60,7 +60,9 @@ def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, n
                     continue
                 joined = partial(_joined, subject, parameters, seam, section, box)
                 if (normals := _normals(joined, seam, section, centre, box, radius)) is not None:
-                    return _shown(subject, parameters, section, place, radius, seam.crossed[0], normals, joined())
+                    where = f"on {formula(seam.crossed[0])} = 0" if len(subject.problem.forces) == 2 else "in the plane through it, u and v"
+                    told = f"within {radius} of this point the boundary has a corner {where}:{'' if joined() else ' K ends on it, or'}"
+                    return _shown(subject, parameters, section, place, normals, told)
     return None
 
 
@@ -119,30 +121,22 @@ def _joined(subject: FormulaSubject, parameters: Values, seam: Seam, section: Pl
 
 
 def _shown(
-    subject: FormulaSubject,
-    parameters: Values,
-    section: PlaneSection,
-    place: Sequence[Fraction],
-    radius: Fraction,
-    switch: sp.Expr,
-    normals: list[list[Any]],
-    joined: bool,
+    subject: FormulaSubject, parameters: Values, section: PlaneSection, place: Sequence[Fraction], normals: list[list[Any]], told: str
 ) -> Witness:
     at = subject.values_at(parameters, section.point(place))
     one, two = normals
     across, dot = _across(one, two), sum(a * b for a, b in zip(one, two, strict=True))
-    points, where = {"corner": at}, f"on {formula(switch)} = 0:{'' if joined else ' K ends on it, or'}"
+    points = {"corner": at}
     if len(subject.problem.forces) > 2:
         step = _BESIDE / max(abs(c) for way in section.along for c in way)  # where the law has ranges, they are in them
         spanned = (section.point((place[0] + step, place[1])), section.point((place[0], place[1] + step)))
         points |= {role: subject.values_at(parameters, p) for role, p in zip(("u", "v"), spanned, strict=True)}
-        where = "in the plane through it, u and v:"
     values = {
         "n1 x n2" if len(one) == 2 else "|n1 x n2|^2": decimal_pair(across),
         **{f"n{i}_{x}": decimal_pair(c) for i, n in ((1, one), (2, two)) for x, c in zip(section.forces, n, strict=True)},
     }
     size = abs(float(across.mid())) if len(one) == 2 else math.sqrt(abs(float(across.mid())))
-    statement = f"within {radius} of this point the boundary has a corner {where} the normals n1, n2 of its two sides are not parallel"
+    statement = f"{told} the normals n1, n2 of its two sides are not parallel"
     return witness(subject, points, values, statement, {"corner_degrees": math.degrees(math.atan2(size, float(dot.mid())))})
 
 
