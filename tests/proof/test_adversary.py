@@ -37,6 +37,12 @@ class Row:
 
 
 ROWS = (
+    # seams that cross at zero force, which has no size to measure a chord by
+    Row(
+        "griffith-continuous",
+        "where(3*max(a, b) + min(a, b) > 0, 2*max(a, b)*(max(a, b) - 1), (a - b)**2/8 + a + b)",
+        true="oc",
+    ),
     # a tangent beyond a right angle has another sign than its angle
     Row("hyperbola by tan(2)", "a**2 + b**2*tan(2) - 1", "o", "c"),
     Row("hyperbola by a hair", "a**2 + b**2*(tan(2) + 2.185039863261518991643306102313682543432) - 1", "o", "c"),

@@ -153,7 +153,7 @@ def _across(subject: FormulaSubject, parameters: Values, seam: Seam, point: Poin
     if not rise > context.mpf(10) ** (-dps // 4):
         return
     for k in range(2, 40, 3):
-        step = rise * max(abs(c) for c in x) * context.mpf(2) ** -k
+        step = rise * (max(abs(c) for c in x) or 1) * context.mpf(2) ** -k
         pull = rise * step / 2
         ends = [[c + step * t - pull * n for c, t, n in zip(x, tangent, out, strict=True)] for tangent in tangents]
         p, q = (_rounded(end, pull / 1000) for end in ends)
