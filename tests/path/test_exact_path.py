@@ -29,6 +29,20 @@ def exact(mu, k, path, **options):
 # -- straight steps -----------------------------------------------------------------------------------------------
 
 
+def test_a_root_at_the_end_of_its_bracket_keeps_its_digits():
+    """On a circle it lies there to rounding, and a step of Newton's method leaves the bracket by one unit in the last place."""
+    draw, worst = np.random.default_rng(1), 0.0
+    for turn, lean, size in zip(draw.uniform(-0.7, 0.7, 800), draw.uniform(-1, 1, 800), 10 ** draw.uniform(-2, 1, 800), strict=True):
+        towards = turn + lean
+        moved = on_ellipse(
+            (math.cos(turn), math.sin(turn)), (size * math.cos(towards), size * math.sin(towards)), 1.0, (1.0,) * 4, (1.0, 1.0)
+        )
+        if moved.free == 0.0:
+            left = towards + 2 * math.atan(math.tan(-lean / 2) * math.exp(-size))
+            worst = max(worst, abs(moved.stress[0] - math.cos(left)), abs(moved.stress[1] - math.sin(left)))
+    assert 0.0 < worst <= 4e-15
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", long_but([4], [0, 10, 33, 35, 36]))
 def test_one_step_a_segment_agrees_with_thirty_digits(seed):

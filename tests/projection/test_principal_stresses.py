@@ -141,3 +141,50 @@ def test_what_is_not_isotropic_is_not_reduced() -> None:
     assert asked("sqrt(J2(sigma)) - 1") is None
     assert asked("principal(sigma, 1) - 1", np.diag([1.0, 1.0, 1.0, 1.0, 1.0, 1.0])) is None
     assert asked("principal(sigma, 1) - 1", np.diag([1.0, 2.0, 1.0, 0.5, 0.5, 0.5])) is None
+
+
+@pytest.mark.parametrize(("bulk", "shear"), [(1e15, 1.0), (1e13, 0.51), (1e12, 0.502), (1e11, 0.5002), (1e10, 0.50002), (1e9, 0.500002)])
+def test_a_great_bulk_does_not_hide_that_the_shear_is_not_isotropic(bulk: float, shear: float) -> None:
+    """One rounding of the greatest entry is more than all of the shear there."""
+    k, trial = stiffness(bulk), np.array([3.0, 1.0, 0.0, 0.3, 0.2, 2.0])
+    k[5, 5] = shear
+    law = duhem.Criterion("own", "principal(sigma, 1) - principal(sigma, 3) - 1", stress={"name": "sigma", "kind": "3d"}, pressure=None)
+    assert principal(increment(law, trial, None, k, {})) is None
+    done = duhem.project(law, trial, stiffness=k)
+    moved = (trial - done.stress[0])[3:] / np.diag(k)[3:]
+    assert done.status[0] in (Status.INACCURATE, Status.FAILED) or np.abs(done.slip[0][3:] - moved).max() <= 1e-9
+
+
+def test_values_of_parameters_are_exact_in_principal_stresses_too() -> None:
+    """a - b is 1/3e15, and the double of 1/3 is not 1/3."""
+    stress = {"name": "sigma", "kind": "3d"}
+    law = duhem.Criterion(
+        "own", "principal(sigma, 1) - principal(sigma, 3) - (a - b)", dict.fromkeys("ab", duhem.POSITIVE), stress=stress, pressure=None
+    )
+    trial, values = np.array([3.0, 1.0, 0.0, 0.3, 0.2, 2.0]) / 3e15, {"a": "1/3", "b": "0.333333333333333"}
+    done = duhem.project(law, trial, stiffness=1.0, parameters=values)
+    same = duhem.project("tresca-tensor", trial * 3e15, stiffness=1.0, parameters={"s0": 1.0})
+    assert done.status[0] == Status.SLIP
+    assert np.abs(done.stress * 3e15 - same.stress).max() <= 1e-12
+
+
+@pytest.mark.parametrize("domain", [duhem.Domain.between("1/3", "1/2"), duhem.Domain.between("1/4", "1/3")])
+def test_a_value_at_an_end_of_its_range_that_no_double_has_stays_in_it(domain: duhem.Domain) -> None:
+    law = duhem.Criterion(
+        "own", "principal(sigma, 1) - principal(sigma, 3) - m", {"m": domain}, stress={"name": "sigma", "kind": "3d"}, pressure=None
+    )
+    assert duhem.project(law, [3.0, 1.0, 0.0, 0.3, 0.2, 2.0], stiffness=1.0, parameters={"m": "1/3"}).status[0] == Status.SLIP
+
+
+def test_trials_at_the_end_of_double_precision_spoil_no_other_row() -> None:
+    trial = [[1e308, -1e308, 0.0, 1e308, 0.0, 1e308], [3.0, 1.0, 0.0, 0.3, 0.2, 2.0]]
+    done = duhem.project("tresca-tensor", trial, stiffness=1.0, parameters={"s0": 1e306})
+    assert done.status.tolist() == [Status.FAILED, Status.STICK]
+    assert duhem.project("tresca-tensor", [1e307, 0, 0, 0, 0, 0], stiffness=1.0, parameters={"s0": 1e306}).status[0] == Status.SLIP
+
+
+def test_a_cone_without_a_size_or_a_constant_has_edges_too() -> None:
+    g = "3*principal(sigma, 1) - principal(sigma, 2) - 2*principal(sigma, 3)"
+    law = duhem.Criterion("own", g, stress={"name": "sigma", "kind": "3d"}, pressure=None)
+    done = duhem.project(law, [1.0, 1.0, 1.0, 0.0, 0.0, 1e-9], stiffness=1.0)
+    assert done.status[0] != Status.STICK and np.abs(done.stress - [1, 1, 1, 0, 0, 0]).max() <= 1e-8

@@ -31,7 +31,7 @@ __all__ = ["Move", "Pair", "on_disk", "on_ellipse", "on_interval"]
 
 Pair = tuple[float, float]
 _MOST_ITERATIONS = 200
-_LAST = 1e-10  # of Newton's steps, as a share: the next would be its square, and rounding long before
+_LAST = 1e-12  # of Newton's steps, as a share: the next would be its square, and rounding long before
 
 
 @dataclass(frozen=True)
@@ -156,10 +156,12 @@ def _solved(spent, slope, total: float, low: float) -> float:  # type: ignore[no
     high, y = 0.0, 0.0
     f = -total
     for _ in range(_MOST_ITERATIONS):
-        new = y + f / slope(y)
+        new = y + (step := f / slope(y))
+        if abs(step) <= _LAST * abs(new):
+            return min(max(new, low), high)
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        if abs(new - y) <= _LAST * abs(new):
+        if abs(new - y) <= 2e-16 * abs(new):
             return new
         y = new
         f = spent(y) - total

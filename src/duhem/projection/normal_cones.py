@@ -211,7 +211,8 @@ def off_edge(level: Level, metric: Metric, at: Suspect) -> Array:
     if (made := _edged(level)) is None:
         return best
     run, constants = made
-    data = np.stack([*level.scaled.values(at.pressure, at.size).values(), *(np.full(len(best), c) for c in constants)], axis=-1)
+    columns = [*level.scaled.values(at.pressure, at.size).values(), *(np.full(len(best), c) for c in constants)]
+    data = np.stack(columns, axis=-1) if columns else np.empty((len(best), 0))
     of_slip, distance, d = metric.of_slip.tolist(), np.linalg.norm(at.slip, axis=1), at.stress.shape[1]
     for i, size in enumerate(at.size):
         v, room = zeros(slip_kernel.NORMAL_ROW + 1, d), zeros(slip_kernel.CORNER, 2 * d + 1)

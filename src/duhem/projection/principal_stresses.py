@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from duhem.expression.vocabulary import EigMax, symbol
 from duhem.law.formula_law import Criterion
-from duhem.projection.increment import Increment, increment
+from duhem.projection.increment import Increment, stiffness_matrix
 from duhem.projection.metric import ROUNDING
 from duhem.projection.result import Array, Solution
 from duhem.projection.row_by_row import widest
@@ -45,28 +45,35 @@ class Principal:
         slip[:, self.places[3:]] *= 2.0  # a shear strain of engineers is twice the entry
         far = widest(self.increment.trial)
         away = widest(self.increment.trial - found.stress)
-        return Solution(stress, slip, found.multiplier, found.failed), (away > _NEAR * far) & (far < _FAR * widest(found.stress))
+        return Solution(stress, slip, found.multiplier, found.failed), (away > _NEAR * far) & (far / _FAR < widest(found.stress))
 
 
 def principal(question: Increment) -> Principal | None:
     """Those of a question; None where the law is not known to be isotropic, or the stiffness is not."""
     if (made := _reduced(question.law)) is None:
         return None
-    law, places = made
+    law, known, places = made
     k = question.stiffness[np.ix_(places, places)]
-    isotropic = np.diag([2.0 * k[3, 3]] * 3 + [k[3, 3]] * 3)
+    shear, bulk = 2.0 * k[3, 3], 2.0 * k[3, 3] + 3.0 * k[0, 1]  # the two eigenvalues
+    isotropic = np.diag([shear] * 3 + [k[3, 3]] * 3)
     isotropic[:3, :3] += k[0, 1]
-    if np.abs(isotropic - k).max() > ROUNDING * np.abs(k).max():
+    if np.abs(isotropic - k).max() > ROUNDING * min(shear, bulk):
         return None
-    values, axes = np.linalg.eigh(question.trial[:, places[_MATRIX]])
-    pressure = question.pressure if law.pressure else None
-    own = increment(law, values, pressure, isotropic[:3, :3], question.parameters)
-    return Principal(replace(own, convexity=question.convexity), axes, places)
+    with np.errstate(over="ignore", invalid="ignore"):
+        values, axes = np.linalg.eigh(question.trial[:, places[_MATRIX]])
+    if not np.isfinite(values).all():
+        return None
+    stiffness, diagonal = stiffness_matrix(isotropic[:3, :3], law.forces)
+    own = replace(question, law=law, g=question.g.xreplace(known), trial=values, stiffness=stiffness, diagonal=diagonal)
+    return Principal(own, axes, places)
 
 
 @lru_cache(maxsize=64)
-def _reduced(law: Criterion) -> tuple[Criterion, NDArray[np.intp]] | None:
-    """The law in principal stresses, of one whose stresses stand in eigenvalues and in the trace alone, and ranges on none of them."""
+def _reduced(law: Criterion) -> tuple[Criterion, dict[sp.Expr, sp.Expr], NDArray[np.intp]] | None:
+    """The law in principal stresses, what takes the place of eigenvalues and entries in it, and where xx, yy, zz, yz, xz, xy stand.
+
+    Of a law whose stresses stand in eigenvalues and in the trace alone, with ranges on none of them.
+    """
     forces = law.force_symbols()
     entries = next((node.args for node in law.g.atoms(EigMax) if set(node.args) == set(forces)), None)
     names = "principal_1", "principal_2", "principal_3"
@@ -79,4 +86,4 @@ def _reduced(law: Criterion) -> tuple[Criterion, NDArray[np.intp]] | None:
     s = [symbol(name) for name in names]
     known = {nodes[0]: sp.Max(*s), nodes[1]: sp.Max(*(-x for x in s)), **dict(zip(entries, s, strict=False))}
     made = Criterion(law.name, law.g.xreplace(known), law.parameters, names, law.pressure, law.constraints)
-    return made, np.array([forces.index(x) for x in entries])
+    return made, known, np.array([forces.index(x) for x in entries])
