@@ -148,6 +148,14 @@ def test_an_edge_of_equal_principal_stresses_has_no_tangent_that_is_known():
     assert done.tangent is not None and np.isnan(done.tangent).all()
 
 
+def test_a_vertex_of_equal_principal_stresses_turns_with_the_trial():
+    """All three principal stresses are held there, and their axes are not: the tangent is not 0."""
+    g = "max(principal(sigma, 1) - 3/5, principal(sigma, 1) - principal(sigma, 3) - 1)"
+    law = duhem.Criterion("own", g, stress={"name": "sigma", "kind": "3d"}, pressure=None)
+    done = duhem.project(law, [6.0, 5.0, -2.0, 0.2, 0.3, 0.4], stiffness=1.0, tangent=True)
+    assert done.tangent is not None and np.isnan(done.tangent).all()
+
+
 @pytest.mark.long
 def test_all_faces_of_a_vertex_in_six_forces_hold_it():
     law = duhem.load("schmid-fcc").fix({"tc": 1})

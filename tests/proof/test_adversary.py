@@ -37,6 +37,9 @@ class Row:
 
 
 ROWS = (
+    # Newton's method for a corner comes to where a logarithm has no value
+    Row("log-of-a-size", "abs(a) + abs(b) + log(abs(a - 2*b)) - 1", false="s"),
+    Row("log-of-a-size-in-a-cone", "norm(a, b) + log(abs(a)) - 1"),
     # seams that cross at zero force, which has no size to measure a chord by
     Row(
         "griffith-continuous",

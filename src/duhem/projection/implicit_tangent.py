@@ -35,6 +35,7 @@ _ALONG = 1e-11  # closer, what is left is rounding
 _BESIDE = 1e-6  # relative; pieces that hold this close to a corner may meet in it, and normals this close to a tip are its own
 _MEETS = 1e-9
 _INDEPENDENT = 1e-6  # a unit normal this close to the span of others lies in it
+_APART = 1e-4
 _OTHER_WAYS = 8  # a force
 _TILT = 0.05
 _HARDLY = 1e-5
@@ -211,12 +212,17 @@ def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> t
     tip = around.of(np.isfinite(around.normal).all(axis=1))
     for normals, few in ((meeting, True), (tip, False)):
         found = _pressing(normals.normal, push / length)
-        if found is not None and (few or len(found[0]) == d):
+        if found is not None and (few or _spans(normals.normal[found[0]])):
             press = normals.of(found[0])
             bend, turn = press.weighted(found[1] * length) if few else (np.zeros((1, d, d)), np.zeros((1, d)))
             inner, load = _rates(press.normal[None], press.rise[None], bend.sum(axis=0)[None], turn.sum(axis=0)[None])
             return inner[0], load[0] if _followed(normals, load[0], few and bool(found[1].all())) else np.full(d, np.nan)
     return None
+
+
+def _spans(normals: Array) -> bool:
+    """Whether they are d independent ones, for more than that they were taken beside the point, where axes of equal eigenvalues turn."""
+    return len(normals) == normals.shape[1] and bool(np.linalg.svd(normals)[1][-1] > _APART)
 
 
 def _followed(normals: _Normals, load: Array, told: bool) -> bool:

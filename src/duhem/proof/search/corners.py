@@ -92,6 +92,12 @@ def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symb
     context = mpmath_.kept_digits(digits)
     values, derivatives = (mpmath_.compiled(list(exprs), unknowns, context) for exprs in (system, slopes))
 
+    def values_at(*x: Any) -> Any:
+        found = values(*x)
+        if not all(map(context.isfinite, found)):
+            raise ZeroDivisionError  # of nan the search would halve its step for ever
+        return found
+
     def jacobian_at(*x: Any) -> Any:
         a, b, c, d = derivatives(*x)
         if not (det := a * d - b * c) or not context.isfinite(det):
@@ -99,7 +105,7 @@ def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symb
         return context.matrix([[a, b], [c, d]])
 
     try:
-        found = context.findroot(values, list(map(float, start)), J=jacobian_at, maxsteps=60)
+        found = context.findroot(values_at, list(map(float, start)), J=jacobian_at, maxsteps=60)
     except (ValueError, ZeroDivisionError):
         return None
     whole = 10 ** (digits - 4)
