@@ -295,6 +295,8 @@ def test_an_irrational_threshold() -> None:  # norm(m a, b) r^-1 <= 1 on the cir
         ("max(abs(a) + 2*abs(b), 2*abs(a) + abs(b)) - mu*abs(s)", {}, (True, False)),
         ("(norm(a, b) + e*a)*(norm(a, b) - mu*abs(s))", {"e": span(0, "1/2")}, (True, True)),  # multiplied out
         ("s*(mu*norm(a, b) + norm(a, b)**2/s)", {}, (True, True)),
+        ("max(abs(a)*(1/(1 + e) + e/(1 + e)), abs(a)) + abs(b) - mu*abs(s)", {"e": span(0, 1)}, (True, False)),  # 0 multiplied through
+        ("where(e*a/(e - 2) - a <= 0, 2*a, -a) + abs(b) - mu*abs(s)", {"e": span(0, 1)}, (True, False)),  # by what is < 0
     ],
 )
 def test_kinks_and_seams(g: str, parameters: dict[str, Any], expected: tuple[bool, bool]) -> None:

@@ -84,6 +84,7 @@ BEYOND = BETWEEN("5/2", 3)
         (f"{J2} + {SECTION} + {I1}/3 - 1", True),
         (f"{J2} + 2*({SECTION} - {I1}/3) - 1", True),
         (f"{SECTION} + {I1}/3 - 1", True),
+        (f"(s1**2 + s2**2 + s3**2 - s1*s2 - s2*s3 - s3*s1) + {SECTION} + {I1}/3 - 1", True),  # J2 as a sum
         (f"{SECTION} - 1", True),
         (f"{J2} + {SECTION} - 1", False),  # the level is one
         (f"{J2} + {SECTION} + {I1}**2 - 1", False),

@@ -16,7 +16,7 @@ import numpy as np
 
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.regions.seen import Array, count, value_of
+from duhem.regions.seen import Array, count, in_ranges, value_of
 
 __all__ = ["chords"]
 
@@ -46,8 +46,7 @@ def chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[dict[str, di
             lines = _Lines.of(law, few, _lines(origin, along, across, far))
             for moving in (False, True) if places else (False,):
                 if (best := lines.deepest(moving)) is not None:
-                    ends = _Lines.of(law, places, [lines.lines[k] for k in best])
-                    yield from ends.told(moving) if len(ends.lines) == len(best) else ()
+                    yield from _Lines.of(law, places, [lines.lines[k] for k in best]).told(moving)
 
 
 def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[tuple[Vector, Vector, Vector]]:
@@ -165,9 +164,4 @@ def _level(law: StatedLaw, places: Mapping[str, Array], points: Array) -> Array:
     """g at points of each place, which are rows of places; infinite outside of the ranges."""
     rows, size, n = points.shape
     at = {name: np.tile(x, rows) for name, x in places.items()} | dict(zip(law.forces, points.reshape(rows * size, n).T, strict=True))
-    level = value_of(law.g, at)
-    for name, (low, high, *_) in law.ranges:
-        if name in law.forces:
-            inside = (at[name] >= (-np.inf if low is None else float(low))) & (at[name] <= (np.inf if high is None else float(high)))
-            level = np.where(inside, level, np.inf)
-    return np.asarray(level.reshape(rows, size))
+    return np.where(in_ranges(law, at), value_of(law.g, at), np.inf).reshape(rows, size)

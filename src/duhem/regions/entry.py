@@ -179,5 +179,5 @@ def told(law: Law, claim: str, asked: str) -> str:
         return found.sentence
     which, more = f"for which {' and '.join(names)} {claim} holds", "" if claim == "convexity" else f" --claim {claim}"
     if not found.exact and found.open_share == 1:
-        return f"{which} is open: {steps:,} steps decide no range of values: first find one value, or a form of g, for which it is decided"
+        return f"{which} is open: {steps:,} steps decide no range of values; first find one value, or a form of g, for which it is decided"
     return "" if found.exact else f"{which}: duhem region {asked} {' '.join(names)}{more}"

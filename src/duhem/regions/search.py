@@ -76,12 +76,11 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
         one = RealRoot.of(middle(gap.bounds))  # it may hold at one value alone, about which floating point sees more
         return asked.proved(gap) or asked.proved(ParameterCell(one, one))
     if not fresh:
-        found = asked.proved(gap)
-    else:
-        grown = (_grown(asked, seed, gap) for seed in _seeds(gap.bounds) if not asked.spent)
-        if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
-            grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
-            found = next(filter(None, grown), None)
+        return asked.proved(gap)
+    grown = (_grown(asked, seed, gap) for seed in _seeds(gap.bounds) if not asked.spent)
+    if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
+        grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
+        found = next(filter(None, grown), None)
     return found
 
 

@@ -24,7 +24,10 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, Term, number, parse
 from duhem.regions.places import between
 
-__all__ = ["RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "looked_at", "met", "of_one_sign", "polynomial_at", "value_of"]
+__all__ = [
+    "RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "in_ranges", "looked_at", "met", "of_one_sign", "polynomial_at",
+    "value_of",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -168,12 +171,17 @@ def of_one_sign(law: StatedLaw, places: Mapping[str, Array]) -> bool:
     size, ways = count(places), [way for way in product((0.0, 1.0, -1.0), repeat=len(law.forces)) if any(way)][:_MOST_WAYS]
     forces = np.repeat(np.outer(_SIZES, ways).reshape(-1, len(law.forces)), size, axis=0).T
     at = {name: np.tile(x, forces.shape[1] // size) for name, x in places.items()} | dict(zip(law.forces, forces, strict=True))
-    inside = np.ones(forces.shape[1], dtype=bool)
+    positive = value_of(law.g, at)[in_ranges(law, at)] > 0
+    return bool(positive.all() or not positive.any())
+
+
+def in_ranges(law: StatedLaw, at: Mapping[str, Array]) -> Flags:
+    """Where the forces lie in the ranges that they have."""
+    inside = np.ones(count(at), dtype=bool)
     for name, (low, high, *_) in law.ranges:
         if name in law.forces:
             inside &= (at[name] >= (-np.inf if low is None else float(low))) & (at[name] <= (np.inf if high is None else float(high)))
-    positive = value_of(law.g, at)[inside] > 0
-    return bool(positive.all() or not positive.any())
+    return inside
 
 
 def held(condition: Term, at: Mapping[str, Array]) -> Flags:

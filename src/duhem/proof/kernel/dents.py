@@ -35,7 +35,7 @@ from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer
 from duhem.proof.kernel.stated_law import StatedLaw, as_object
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, parse, product_of, sum_of
 
-__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "multiplied_out"]
+__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways"]
 
 _ZERO, _ONE = Fraction(0), Fraction(1)
 _MOST_ROWS, _MOST_WAYS = 4, 20  # of a minor; along which a form may be > 0
@@ -123,9 +123,9 @@ def _of_the_deviator(law: StatedLaw) -> Iterator[Dent]:
 def _deviatoric_parts(law: StatedLaw, domain: StatedDomain, reader: DeviatoricReader) -> list[PlaneFunction]:
     """What g is but for a constant < 0, where the forces are the tensor of the reader; of principal values, where their sum is 0.
 
-    The diagonal tensors of a trace, or without a third component, have all deviators.  Where g has a multiple of the trace for a term, K
-    has sections {F <= c} for every c > 0, so that with them the lowest part F' of F has a convex {F' <= 1}: F(e s)/e^k goes to F'(s) as e
-    goes to 0.  So there may be parts of several degrees k there, the lowest first.
+    The diagonal tensors of a trace, or without a third component, have all deviators.  Where g is F and a constant and a multiple of the
+    trace, K has sections {F <= c} for every c > 0.  If these are convex, so is {F' <= 1} for the part F' of F of the lowest degree k, since
+    F(e s)/e^k goes to F'(s) as e goes to 0.  So F may have parts of several degrees there; the lowest comes first.
     """
     names = [Term("name", name=f) for f in law.forces]
     meanings = [(m.second, m.third) for m in invariants(law.forces)]
@@ -149,9 +149,9 @@ def _deviatoric_parts(law: StatedLaw, domain: StatedDomain, reader: DeviatoricRe
 
 
 def _summands(term: Term, reader: DeviatoricReader) -> Iterator[Term]:
-    """The parts of a sum; of a constant times one that is no such function those of this, multiplied out."""
+    """The parts of a sum that is no such function as a whole; of a constant times one, those of this times the constant."""
     moving = [f for f in factors(term) if not reader.domain.constant(f)]
-    if len(moving) != 1 or moving[0].op != "+" or (moving != [term] and reader.value(term) is not None):
+    if len(moving) != 1 or moving[0].op != "+" or reader.value(term) is not None:
         yield term
         return
     scale = [f for f in factors(term) if f is not moving[0]]

@@ -190,6 +190,7 @@ def _has_value(x: Term, domain: StatedDomain) -> bool:
 
 
 def _sign_in_normal_form(x: Term, domain: StatedDomain, free: StatedDomain) -> Sign:
+    """The signs of a constant that has a value as it is written: its normal form alone may have one in more places."""
     with suppress(NotWritten):
         return _sign(normal(x, free), domain) if _has_value(x, domain) else ANY
     return ANY

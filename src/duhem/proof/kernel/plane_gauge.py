@@ -73,6 +73,8 @@ class DirectionArc(PlaneVariable):
         plain = signs.on_the_line(signs.without_content(multiplied_through(poly, self.domain, signed=True), self.domain))
         if plain is None:
             raise NotWritten("where a part changes its sign depends on the constants")
+        if not plain:
+            return int(not strict)  # it is 0 once it is multiplied through
         switch = signs.parts(plain)[not strict]
         if not signs.divides(switch, self.switches):
             raise _Turns(switch)
