@@ -240,3 +240,14 @@ def test_no_value_is_suggested_that_changes_k(g: str, forces: str) -> None:
 )
 def test_a_jump_is_told_at_an_exact_place(choice: str, place: str) -> None:
     assert jump(parse(choice), ("a", "b"), {"k": Fraction(2)}) == place
+
+
+@pytest.mark.parametrize(
+    ("forces", "part", "divisor"), [(("a", "b"), "(a - 2*b)**3", "abs(a - 2*b)"), (("x", "y", "t"), "(x - y)*t", "norm(x - y, t)")]
+)
+def test_no_line_of_forces_far_from_k_is_added_to_it(forces: tuple[str, ...], part: str, divisor: str) -> None:
+    """Times what it divides by, g is 0 all along that line, on which no place lies that is drawn by itself."""
+    size = f"norm({', '.join(forces)})"
+    subject = FormulaSubject(Criterion("own", f"{part}/{divisor} + {size} - 1", {}, forces, None))
+    assert not keeps_k(subject, f"{part} + {size}*{divisor} - {divisor}")
+    assert keeps_k(subject, f"where({divisor} > 0, {part}/{divisor}, 0) + {size} - 1")

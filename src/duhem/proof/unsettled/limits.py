@@ -12,8 +12,10 @@ from fractions import Fraction
 from itertools import islice, product
 
 import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
 
-from duhem.expression.numpy_ import compiled
+from duhem.expression.numpy_ import Program, compiled
 from duhem.law.domain import Domain
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.constant_value import exact_value
@@ -27,9 +29,9 @@ from duhem.proof.unsettled.term_text import Names, in_text
 __all__ = ["jump", "keeps_k", "with_values"]
 
 _MOST = 4  # parts in one formula, and ways to choose each
-_CHOICES, _DRAWN = 2, 24  # of parameters; of places, and around each
+_CHOICES, _DRAWN, _MOVES = 2, 24, 30  # of parameters; of places, and around each; to a zero of a size
 _PLACES = tuple(map(Fraction, ("0", "1", "-1", "2", "-2", "3", "-3", "6", "-6", "1/2", "-1/2")))
-_NEAR, _SAME, _ROUNDING = 1e-6, 1e-3, 1e-9
+_NEAR, _TINY, _SAME, _ROUNDING = 1e-6, 1e-11, 1e-3, 1e-9
 _ZERO, _ONE = number(0), number(1)
 
 
@@ -118,11 +120,14 @@ def keeps_k(subject: FormulaSubject, g: str) -> bool:
     low, high = np.array([[-np.inf if x.low is None else float(x.low), np.inf if x.high is None else float(x.high)] for x in ranges]).T
     equal = np.outer((0.0, 1.0, -1.0, 30.0, -30.0), np.arange(n) < (3 if law.stress else n))
     drawn = rng.standard_normal((_DRAWN, n)) * (1 - np.eye(n)[np.arange(_DRAWN) % n])
-    places = np.clip(np.concatenate([equal, drawn, 30 * drawn]), low, high)
+    places = np.concatenate([equal, drawn, 30 * drawn])
+    divisors = [compiled(x, table.values()) for x in _divisors(law.g) if x.free_symbols & set(law.force_symbols())]
     for parameters in islice(subject.choices(_CHOICES), _CHOICES):
         known = subject.named(subject.values_at(parameters, subject.nowhere))
         others = [float(known[name]) for name in [*table][n:]]
-        for z in (z for z in places if not np.isfinite(old(*z, *others))):
+        inside = [z for z in np.clip(places, low, high) if not np.isfinite(old(*z, *others))]
+        on = [z for divisor in divisors for z in _where_zero(divisor, drawn, others) if (low <= z).all() and (z <= high).all()]
+        for z in (*inside, *on):
             here = float(new(*z, *others))
             around = np.clip(z + _NEAR * max(1.0, np.abs(z).max()) * np.concatenate([equal[:3], drawn]), low, high)
             near = old(*around.T, *others)
@@ -131,6 +136,22 @@ def keeps_k(subject: FormulaSubject, g: str) -> bool:
             if np.isfinite(here) and len(near) and not (found or np.all(np.abs(near - here) <= _SAME * (1 + abs(here)))):
                 return False
     return True
+
+
+def _divisors(g: sp.Expr) -> list[sp.Expr]:
+    """What a formula divides by, and what is 0 where a logarithm or an angle in it has no value."""
+    powers = [x.base for x in g.atoms(sp.Pow) if x.exp.could_extract_minus_sign()]
+    return [*powers, *(x.args[0] for x in g.atoms(sp.log)), *(sp.sqrt(x.args[0] ** 2 + x.args[1] ** 2) for x in g.atoms(sp.atan2))]
+
+
+def _where_zero(size: Program, places: NDArray[np.float64], others: Sequence[float]) -> NDArray[np.float64]:
+    """Places moved along the slope of a size to where it is 0, those that come there."""
+    for _ in range(_MOVES):
+        ways = [_TINY * (np.arange(places.shape[1]) == i) for i in range(places.shape[1])]
+        slope = np.stack([(size(*(places + way).T, *others) - size(*(places - way).T, *others)) / (2 * _TINY) for way in ways], axis=1)
+        value, steep = size(*places.T, *others), (slope**2).sum(axis=1)
+        places = places - np.divide(value, steep, out=np.zeros_like(value), where=steep > _ROUNDING)[:, None] * slope
+    return places[np.abs(size(*places.T, *others)) <= 10 * _TINY]
 
 
 def jump(choice: Term, forces: Sequence[str], values: Mapping[str, Fraction]) -> str:
