@@ -25,7 +25,8 @@ from duhem.proof.unsettled import open_claims
 from duhem.proof.unsettled.blocked import blocked
 from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
-from duhem.proof.verdict import Unsettled
+from duhem.proof.verdict import Evidence, Unsettled, Witness
+from duhem.regions import told as told_of_a_region
 from duhem.show.printing import sheet, text
 from tests.long import long_at
 from tests.oracles import drawn_formulas
@@ -138,6 +139,46 @@ def test_a_claim_that_follows_from_an_open_one_refers_to_it() -> None:
     assert [result.unsettled.actions for result in found if result.unsettled] == [
         (f"settle convexity first: {name} follows from it, so what helps convexity helps here",) for name in ("normality", "dissipation")
     ]
+
+
+def told_of(criterion: Criterion, claim: str, spent: bool = False, **verdicts: Verdict) -> tuple[str, ...]:
+    """What is suggested for a claim that is open, where the others stand so."""
+    subject = FormulaSubject(criterion)
+    subject.allow(1)
+    assert not spent or subject.budget.pays(1)
+    settled = {name: Evidence(verdict, "none", "", shown_against(verdict)) for name, verdict in (*verdicts.items(), (claim, Verdict.TESTED))}
+    found = open_claims.unsettled(claim, criterion, subject, settled)
+    assert found is not None
+    return found.actions
+
+
+def shown_against(verdict: Verdict) -> Witness | None:
+    return Witness({}, {}, {}, "") if verdict is Verdict.REFUTED else None
+
+
+@pytest.mark.parametrize(
+    ("origin", "convexity", "told"),
+    [
+        (Verdict.PROVED, Verdict.TESTED, "settle convexity first: dissipation follows from it, so what helps convexity helps here"),
+        (Verdict.UNDECIDED, Verdict.PROVED, "settle origin first: dissipation follows from it, so what helps origin helps here"),
+        (Verdict.UNDECIDED, Verdict.TESTED, "settle convexity and origin first: dissipation follows from both"),
+        (Verdict.UNDECIDED, Verdict.REFUTED, ""),
+        (Verdict.REFUTED, Verdict.TESTED, ""),
+    ],
+)
+def test_dissipation_follows_from_claims_of_which_none_is_refuted(origin: Verdict, convexity: Verdict, told: str) -> None:
+    found = told_of(TOLD[1][0], "dissipation", convexity=convexity, origin=origin)
+    assert told in found if told else not any("follows" in action for action in found)
+
+
+def test_more_steps_are_said_not_to_be_tried_and_only_where_nothing_helps() -> None:
+    told = "--effort thorough, which was not tried: the steps for this claim ran out before every method had tried"
+    assert told_of(TOLD[-1][0], "convexity", spent=True) == (told,)
+    assert [action[:13] for action in told_of(TOLD[1][0], "convexity", spent=True)] == ["write max(g, "]
+
+
+def test_no_region_of_a_mere_scale_is_told() -> None:
+    assert not told_of_a_region(TOLD[-1][0], "convexity", "law")
 
 
 def test_the_closest_place_is_told_with_its_margin() -> None:

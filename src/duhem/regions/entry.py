@@ -112,7 +112,7 @@ def shape_parameters(law: Criterion) -> tuple[str, ...]:
 def _absorbed(law: Criterion, but: str = "") -> tuple[str, ...]:
     """The free parameters that a change of units absorbs, which may be set to 1; without the one that is asked for."""
     free = [name for name, own in law.parameters.items() if own.value is None and name not in law.variables]
-    if len(free) < 2 or law.forces_of_rates or law.variables:
+    if not free or law.forces_of_rates or law.variables:
         return ()
     absorbed = {x.name for x in state(law).dimensionless().slice}
     return tuple(name for name in free if name in absorbed and name != but)
@@ -166,10 +166,13 @@ def _read(given: Any, where: str) -> Domain:
 def told(law: Law, claim: str, asked: str) -> str:
     """A claim that is not proved of a law over its domain, in one sentence: for which values of its one or two shape parameters it holds.
 
-    ``asked`` is the law as the command line names it, for the command that finds more.  "" for a law of which nothing is known.
+    ``asked`` is the law as the command line names it, for the command that finds more.  "" for a law of which nothing is known, or whose parameters are
+    mere scales: it is the same law for all their values.
     """
     try:
         if not isinstance(law, Criterion) or claim not in _ASKED or len(names := shape_parameters(law)) not in (1, 2):
+            return ""
+        if {*names} <= {*_absorbed(law)}:
             return ""
         steps = _STEPS_OF_A_SENTENCE // len(names) ** 2
         found = region(law, None, claim, steps=steps)

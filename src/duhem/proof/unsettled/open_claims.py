@@ -1,7 +1,7 @@
 """What is said of a claim that stays open: the inequality, the part of the formula that no rule reads, the closest place, and what helps.
 
-A suggestion is made for a cause that was found: it was tried on the law, and the claim was then proved, or refuted as it says; or the steps
-ran out, or the claim rests on another that is open.
+A suggestion is made for a cause that was found: it was tried on the law, and the claim was then proved, or refuted as it says.  Two are
+not tried, and say so: more steps, where they ran out, and to settle the claims first that this one follows from.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ A margin near 0 says that the law is at the limit there, and a margin below 0 th
 this place, and verify again.
 
 Try: what helps.  duhem changed the law (a narrower parameter, a constraint, a range of a force, fixed parameters, a value for a part that
-has none) and asked again.  It suggests a change only if the claim was proved then, or was refuted and the line says so.  So the change also
+has none) and asked again.  It suggests a change only if the claim was proved then, of a K that is not empty, or was refuted and the line says so.  So the change also
 says where the difficulty lies.  If no change that was tried helped, the form of the part is more likely to blame than a parameter."""
 
 
@@ -106,10 +106,11 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
     claim, law, subject, settled = asked.claim, asked.law, asked.subject, asked.settled
     exhausted = subject.budget.left * 8 < subject.budget.left + subject.budget.spent
     subject.allow(_STEPS)
-    first = next((name for name in _rests_on(asked) if settled[name].verdict in _OPEN), None)
-    if first is not None:
-        told = (f"settle {first} first: {claim} follows from it, so what helps {first} helps here",)
-        return Unsettled(inequality, actions=told)
+    first = [name for name in _rests_on(asked) if settled[name].verdict is not Verdict.PROVED]
+    if first and all(settled[name].verdict in _OPEN for name in first):
+        both = " and ".join(first)
+        told = f"settle {both} first: {claim} follows from {'both' if first[1:] else f'it, so what helps {both} helps here'}"
+        return Unsettled(inequality, actions=(told,))
     limits = list(_limits(asked))
     actions = list(_decided(asked, decide, ((told, {"g": g}) for told, g in limits[:1] if claim == "origin")))
     part, why, helps = _blocked(asked, None if any(Verdict.REFUTED in action for action in actions) else limits)
@@ -121,8 +122,8 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
         actions = [*actions, *_decided(asked, decide, map(_set, (*([bad] if bad else []), *choices)))]
     if bad and claim not in _OF_G:
         actions = [*actions, f"{_set(bad)[0]} (in floating point the claim seems to be violated there)"]
-    if exhausted and subject.effort < EFFORTS["thorough"]:
-        actions = [*actions, "--effort thorough: the steps for this claim ran out before every method had tried"]
+    if exhausted and not actions and subject.effort < EFFORTS["thorough"]:
+        actions = ["--effort thorough, which was not tried: the steps for this claim ran out before every method had tried"]
     return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
 
