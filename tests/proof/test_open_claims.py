@@ -25,6 +25,7 @@ from duhem.proof.unsettled import open_claims
 from duhem.proof.unsettled.blocked import blocked
 from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
+from duhem.proof.unsettled.trials import that_help
 from duhem.proof.verdict import Evidence, Unsettled, Witness
 from duhem.regions import told as told_of_a_region
 from duhem.show.printing import sheet, text
@@ -146,7 +147,9 @@ def told_of(criterion: Criterion, claim: str, spent: bool = False, **verdicts: V
     subject = FormulaSubject(criterion)
     subject.allow(1)
     assert not spent or subject.budget.pays(1)
-    settled = {name: Evidence(verdict, "none", "", shown_against(verdict)) for name, verdict in (*verdicts.items(), (claim, Verdict.TESTED))}
+    settled = {
+        name: Evidence(verdict, "none", "", shown_against(verdict)) for name, verdict in (*verdicts.items(), (claim, Verdict.TESTED))
+    }
     found = open_claims.unsettled(claim, criterion, subject, settled)
     assert found is not None
     return found.actions
@@ -195,6 +198,45 @@ def test_a_place_at_which_the_claim_seems_to_fail_is_suggested() -> None:
     found = opened(TOLD[0][0], "convexity")
     sets = next(action for action in found.actions if "(then it is refuted)" in action)
     assert verify(changed(TOLD[0][0], sets), claims=["convexity"])["convexity"].verdict is Verdict.REFUTED
+
+
+def test_no_values_are_suggested_at_which_k_is_empty() -> None:
+    # a disk of radius c - 1, whose centre is not 0
+    disk = law("(a - 9)**2 + b**2 - (c - 1)*abs(c - 1)", {"c": Domain.between(0, 5)})
+    asked = open_claims._Asked("smoothness", disk, law_as_text(disk), FormulaSubject(disk), {})
+    choices = [{"c": Fraction(value)} for value in ("0", "1/2", "3")]
+    assert next(iter(open_claims._filled(asked, choices))) == {"c": 3}
+    told = open_claims._decided(asked, lambda *_: Verdict.PROVED, map(open_claims._set, choices))
+    assert [*told] == ["--set c=3 (then it is proved)"]
+    root = TOLD[8][0]
+    about = "smoothness", law_as_text(root), frozenset[str]()
+    assert that_help(*about, None, {}, list, []) == ["narrow c to what is > 0 (positive = true) and --set m=1"]
+    assert that_help(*about, None, {}, lambda _: [], []) == []
+
+
+def test_a_part_is_quoted_as_the_law_has_it_where_values_are_put_in() -> None:
+    fixed = TOLD[2][0].fix({"m": "6/5", "c": 2})
+    found = opened(fixed, "origin")
+    assert found.part == "log(p/c)" and found.actions[0].startswith(
+        "write where(p > 0, m**2*p**2*log(p/c), 0) for m**2*p**2*log(p/c), and max"
+    )
+    assert verify(changed(fixed, found.actions[0]), claims=["origin"])["origin"].verdict is Verdict.PROVED
+    clay = opened(duhem.load("original-cam-clay"), "origin")
+    assert " for M*p*log(p/pc), and max" in clay.actions[0]
+    # a part that the law has too stays as it is
+    names = names_of(law("2*a + k*a + b*(1 + k)", {"k": Domain.fixed(2)}))
+    assert [in_text(parse(x), names) for x in ("2*a", "b*(1 + 2)")] == ["2*a", "b*(1 + k)"]
+
+
+def test_an_effect_that_is_switched_off_is_tried() -> None:
+    found = opened(
+        law(
+            "norm(a, b) - k*(1 + exp(-(1 + t*a/norm(a, b))*k/s))*tan(f)",
+            {"k": POSITIVE, "s": POSITIVE, "t": Domain.between(0, "1/2"), "f": Domain.between("2/5", "4/5")},
+        ),
+        "smoothness",
+    )
+    assert found.actions == ("--set t=0 (then it is proved)",)
 
 
 def test_text_and_sheet_say_what_is_open() -> None:

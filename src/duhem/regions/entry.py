@@ -166,8 +166,8 @@ def _read(given: Any, where: str) -> Domain:
 def told(law: Law, claim: str, asked: str) -> str:
     """A claim that is not proved of a law over its domain, in one sentence: for which values of its one or two shape parameters it holds.
 
-    ``asked`` is the law as the command line names it, for the command that finds more.  "" for a law of which nothing is known, or whose parameters are
-    mere scales: it is the same law for all their values.
+    ``asked`` is the law as the command line names it, for the command that finds more.  "" for a law of which nothing is
+    known, or whose parameters are mere scales: it is the same law for all their values.
     """
     try:
         if not isinstance(law, Criterion) or claim not in _ASKED or len(names := shape_parameters(law)) not in (1, 2):

@@ -79,7 +79,7 @@ def _above(g: Term, part: Term, names: Names) -> list[Term]:
     """Parts that hold a part: those that have a name, then the product that it stands in, then the term of the sum; the smallest first."""
     found = [x for x in g.parts() if x != part and part in x.parts()]
     whole = [x for x in found if x.op == "*"]
-    return [*(x for x in found if x in names), *whole[:1], *whole[-1:], *found[:1]] or [part]
+    return [*(x for x in found if isinstance(names.get(x), str)), *whole[:1], *whole[-1:], *found[:1]] or [part]
 
 
 def _times(term: Term, size: Term, power: Term) -> Term:

@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from itertools import islice
+from functools import partial
+from itertools import chain, islice
 from typing import Any, NamedTuple
 
 from duhem.errors import InputError
@@ -25,6 +26,8 @@ from duhem.proof.facts.subject import Subject
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE
+from duhem.proof.search.boundary_points import scouts
+from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import blocked, in_forces
 from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
@@ -51,9 +54,10 @@ _OF_A_CURVE = {
     "dissipation": "T . d >= 0 at every angle",
 }
 _OF_G = ("origin", "convexity", "smoothness")  # claims about g alone
+_OF_ANY_K = ("origin", "state_laws", "thermal")  # of an empty K they are not proved, or they are about something else
 _STEPS = 3_000_000
 Decide = Callable[[Criterion, str, int], Verdict]
-_CHOICES = 6  # of parameters
+_CHOICES, _SINGLE = 6, 2  # of parameters; of one alone
 _LONGEST = 240  # letters of a part that is told
 _DIGITS = 6
 _NOISE = 1e-6  # of differences in floats
@@ -74,8 +78,9 @@ A margin near 0 says that the law is at the limit there, and a margin below 0 th
 this place, and verify again.
 
 Try: what helps.  duhem changed the law (a narrower parameter, a constraint, a range of a force, fixed parameters, a value for a part that
-has none) and asked again.  It suggests a change only if the claim was proved then, of a K that is not empty, or was refuted and the line says so.  So the change also
-says where the difficulty lies.  If no change that was tried helped, the form of the part is more likely to blame than a parameter."""
+has none) and asked again.  It suggests a change only if the claim was proved then, of a K that is not empty, or was refuted and the
+line says so.  So the change also says where the difficulty lies.  If no change that was tried helped, the form of the part is more likely
+to blame than a parameter."""
 
 
 class _Asked(NamedTuple):
@@ -118,7 +123,10 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
     place, measure, margin = _closest(asked)
     bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
     if bad or not actions:
-        choices = () if actions or not _free(law) else islice(_choices(asked), 1)
+        single: Iterator[Mapping[str, Any]] = (
+            {x: Fraction(0)} for x in _free(law) if law.parameters[x].low == 0 and 0 in law.parameters[x]
+        )  # without an effect
+        choices = () if actions or not _free(law) else (*islice(single, _SINGLE), *islice(_choices(asked), 1))
         actions = [*actions, *_decided(asked, decide, map(_set, (*([bad] if bad else []), *choices)))]
     if bad and claim not in _OF_G:
         actions = [*actions, f"{_set(bad)[0]} (in floating point the claim seems to be violated there)"]
@@ -136,7 +144,7 @@ def _blocked(asked: _Asked, limits: Sequence[Form] | None) -> tuple[str | None, 
         found = None if "boundary" in asked.text else blocked(asked.claim, in_forces(asked.claim, StatedLaw.read(asked.text)))
     actions = list[str]()
     with suppress(*UNREADABLE):
-        actions = [] if limits is None else that_help(asked.claim, asked.text, proved, found, names, list(_choices(asked)), limits)
+        actions = [] if limits is None else that_help(asked.claim, asked.text, proved, found, names, partial(_filled, asked), limits)
     if found is None:
         return None, None, actions
     text, why = in_text(found.part, names), found.why
@@ -166,6 +174,17 @@ def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:
             yield {name: named[name] for name in free}
 
 
+def _filled(asked: _Asked, plain: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
+    """Of plain values, and the subject's, those where K has a boundary in floats, or zero force is in it: of an empty K much is proved."""
+    law, origin = asked.law, asked.settled.get("origin")
+    known = asked.claim in _OF_ANY_K or (origin is not None and origin.verdict is Verdict.PROVED)
+    sought = law if isinstance(law, Criterion) and not (known or law.forces_of_rates or law.viscous) else None
+    for values in chain(plain, _choices(asked)):
+        with suppress(InputError):
+            if sought is None or any(len(found.boundary) for found in scouts(FormulaSubject(sought.fix(_set(values)[1])), 1)):
+                yield values
+
+
 def _decided(asked: _Asked, decide: Decide | None, changes: Iterable[tuple[str, Mapping[str, Any]]]) -> Iterator[str]:
     """The first change of the law with which the claim, one about g alone, is decided: values of parameters, or g."""
     law = asked.law
@@ -173,7 +192,8 @@ def _decided(asked: _Asked, decide: Decide | None, changes: Iterable[tuple[str, 
         for told, changed in changes:
             with suppress(InputError):  # a variable of the state may not be 0
                 other = replace(law, written="", **changed) if "g" in changed else law.fix(changed)
-                if isinstance(other, Criterion) and (verdict := decide(other, asked.claim, _STEPS)) not in _OPEN:
+                verdict = decide(other, asked.claim, _STEPS)
+                if verdict is Verdict.REFUTED or (verdict not in _OPEN and ("g" in changed or changed in _filled(asked, [changed]))):
                     yield f"{told} (then it is {verdict})"
                     return
 
@@ -196,11 +216,7 @@ def _rests_on(asked: _Asked) -> Iterator[str]:
 def _closest(asked: _Asked) -> tuple[Mapping[str, str], str | None, float | None]:
     """Parameters, forces and pressure of the least margin, what is measured, and the margin."""
     subject = asked.subject
-    if not isinstance(subject, FormulaSubject) or isinstance(subject, RateSubject):
-        return {}, None, None
-    from duhem.proof.search.margins import least_margin  # numpy, only when something is looked for
-
-    if (found := least_margin(asked.claim, subject)) is None:
+    if not isinstance(subject, FormulaSubject) or isinstance(subject, RateSubject) or (found := least_margin(asked.claim, subject)) is None:
         return {}, None, None
     place = subject.named(subject.values_at(found.parameters, tuple(map(Fraction, found.point))))
     margin = float(f"{found.value:.3g}") if abs(found.value) > _NOISE else 0.0

@@ -15,30 +15,28 @@ from duhem.proof.kernel.term import COMPARISONS, UNREADABLE, Term, number, parse
 
 __all__ = ["in_text", "names_of"]
 
-Names = Mapping[Term, str]
+Names = Mapping[Term, str | Term]  # of a part with the values of parameters put in, the part as it is written
 _SUM, _PRODUCT, _POWER, _ATOM = range(1, 5)  # how closely a text binds
 _HALF, _ONE, _ZERO = (number(Fraction(n, 2)) for n in (1, 2, 0))
 
 
 def names_of(law: Law) -> Names:
     """What the law calls parts of its formulas: its definitions, and the invariants of its stress."""
-    texts = dict[str, str]()
-    if isinstance(law, Criterion) and isinstance(law.define, Definitions):
-        texts |= law.define.short.formulas
+    texts = dict(law.define.short.formulas) if isinstance(law, Criterion) and isinstance(law.define, Definitions) else {}
     if isinstance(law, Criterion) and law.stress is not None:
-        axes = range(1, 3 if law.stress.kind == "plane" else 4)
         for word, own in INVARIANTS.items():
-            for i in axes if own.indexed else (None,):
+            for i in range(1, 3 if law.stress.kind == "plane" else 4) if own.indexed else (None,):
                 with suppress(InputError):  # one that is always 0
                     texts[f"{word}({law.stress.name}{'' if i is None else f', {i}'})"] = law.stress.written_out(word, i)
-    found = dict[Term, str]()
+    found = dict[Term, str | Term]()
+    values = {Term("name", name=name): number(Fraction(str(x.value))) for name, x in law.parameters.items() if x.value is not None}
     for name, text in texts.items():
         with suppress(*UNREADABLE):
-            found.setdefault(parse(text), name)
+            found |= dict.fromkeys((part := parse(text), part.put(values)), found.get(part, name))
     with suppress(*UNREADABLE):
-        for part in parse(law.written).parts() if isinstance(law, Criterion) else ():
-            if part.op in ("cos", "sin") and (read := without_angles(part)) != part:
-                found.setdefault(read, in_text(part, found))
+        for part in (parts := [*parse(law.written).parts()] if isinstance(law, Criterion) else []):
+            if (read := without_angles(part).put(values)) not in parts:
+                found.setdefault(read, part)
     return {term: name for term, name in found.items() if term.args}
 
 
@@ -50,8 +48,8 @@ def in_text(term: Term, names: Names, binds: int = 0) -> str:
 
 def _text(term: Term, names: Names) -> tuple[str, int]:
     """The text, and how closely it binds."""
-    if term in names or term.op == "name":
-        return names.get(term, term.name), _ATOM
+    if known := names.get(term, term.name):
+        return _text(known, names) if isinstance(known, Term) else (known, _ATOM)
     if term.op == "number":
         return str(term.value), _SUM if term.value < 0 else _ATOM if term.value.denominator == 1 else _PRODUCT
     if term.op == "+":

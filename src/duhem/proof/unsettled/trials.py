@@ -5,7 +5,7 @@ Each trial is a law of which less is claimed.  One that is proved says what the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from itertools import chain
@@ -25,6 +25,7 @@ __all__ = ["Form", "that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
+Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Form = tuple[str, str]  # what to write, and g then
 _A_TRIAL, _A_KIND, _READING = 200_000, 400_000, 5_000  # steps of one trial and of all of one kind; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
@@ -34,11 +35,12 @@ _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
 
 
 def that_help(
-    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Sequence[Choice], limits: Sequence[Form]
+    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Choices, limits: Sequence[Form]
 ) -> list[str]:
     """What to do, so that the claim is proved: one action a kind, each seen to help.
 
-    ``choices`` are values of the free parameters at which it is tried, after plain ones; ``limits`` are forms with a value at a tip.
+    ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
+    empty K much is proved; ``limits`` are forms with a value at a tip.
     """
     asked, found = _Asked(claim, settled), list[str]()
     for kind in () if blocked is None else (_signs(law, blocked, choices), _ranges(law, blocked)):
@@ -82,12 +84,12 @@ def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked
     return [min(found)[2]] if found else []
 
 
-def _signs(law: Text, blocked: Blocked, choices: Sequence[Choice]) -> Iterator[tuple[str, Text]]:
+def _signs(law: Text, blocked: Blocked, choices: Choices) -> Iterator[tuple[str, Text]]:
     """Constraints that hold somewhere: of a law without parameters that satisfy it every claim would be shown, and nothing be said."""
     for constant in (constant for constant in blocked.signs if constant.names()):
         text = f"{in_text(constant, {})} {'>' if blocked.strict else '>='} 0"
         changed = {**law, "constraints": [*law["constraints"], text]}
-        if any(True for _ in _choices(changed)) or any(_inhabits(choice, changed) for choice in choices):
+        if any(_inhabits(choice, changed) for choice in choices(_choices(changed))):
             yield f'add the constraint "{text}"', changed
 
 
@@ -118,10 +120,10 @@ def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Tex
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
 
 
-def _values(law: Text, blocked: Blocked | None, choices: Sequence[Choice], asked: _Asked, alone: bool) -> list[str]:
+def _values(law: Text, blocked: Blocked | None, choices: Choices, asked: _Asked, alone: bool) -> list[str]:
     """A narrower domain of one parameter, if ``alone`` may do, else with the fewest others fixed at plain values; or all that is fixed."""
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
-    known, asked.steps = [*_choices(law), *choices], _A_KIND
+    known, asked.steps = [*choices(_choices(law))], _A_KIND
     names = sorted({name for choice in known if alone for name in choice})
     if found := _narrowed(law, names, known, {}, asked):
         return found
