@@ -397,7 +397,7 @@ def test_explain(run: Run) -> None:
     assert code == 0
     assert [line.split()[0] for line in out.splitlines()] == [*CLAIMS, "open"]
     code, out, _ = run("explain", "open")
-    assert code == 0 and "neither proved nor refuted" in out and "asked the kernel" in " ".join(out.split())
+    assert code == 0 and "neither proved nor refuted" in out and "asked again" in " ".join(out.split())
     code, out, _ = run("explain", "convexity")
     assert code == 0
     assert CLAIMS["convexity"].theory.strip() in out
