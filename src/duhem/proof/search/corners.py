@@ -93,8 +93,7 @@ def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symb
     values, derivatives = (mpmath_.compiled(list(exprs), unknowns, context) for exprs in (system, slopes))
 
     def values_at(*x: Any) -> Any:
-        found = values(*x)
-        if not all(map(context.isfinite, found)):
+        if not all(map(context.isfinite, found := values(*x))):
             raise ZeroDivisionError  # of nan the search would halve its step for ever
         return found
 

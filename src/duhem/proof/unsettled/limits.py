@@ -125,9 +125,8 @@ def keeps_k(subject: FormulaSubject, g: str) -> bool:
     for parameters in islice(subject.choices(_CHOICES), _CHOICES):
         known = subject.named(subject.values_at(parameters, subject.nowhere))
         others = [float(known[name]) for name in [*table][n:]]
-        inside = [z for z in np.clip(places, low, high) if not np.isfinite(old(*z, *others))]
-        on = [z for divisor in divisors for z in _where_zero(divisor, drawn, others) if (low <= z).all() and (z <= high).all()]
-        for z in (*inside, *on):
+        at_zero = [z for divisor in divisors for z in _where_zero(divisor, drawn, others) if (low <= z).all() and (z <= high).all()]
+        for z in (*(z for z in np.clip(places, low, high) if not np.isfinite(old(*z, *others))), *at_zero):
             here = float(new(*z, *others))
             around = np.clip(z + _NEAR * max(1.0, np.abs(z).max()) * np.concatenate([equal[:3], drawn]), low, high)
             near = old(*around.T, *others)

@@ -123,10 +123,9 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
     place, measure, margin = _closest(asked)
     bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
     if bad or not actions:
-        single: Iterator[Mapping[str, Any]] = (
-            {x: Fraction(0)} for x in _free(law) if law.parameters[x].low == 0 and 0 in law.parameters[x]
-        )  # without an effect
-        choices = () if actions or not _free(law) else (*islice(single, _SINGLE), *islice(_choices(asked), 1))
+        # without an effect
+        single: list[Mapping[str, Any]] = [{x: Fraction(0)} for x in _free(law) if law.parameters[x].low == 0 and 0 in law.parameters[x]]
+        choices = () if actions or not _free(law) else (*single[:_SINGLE], *islice(_choices(asked), 1))
         actions = [*actions, *_decided(asked, decide, map(_set, (*([bad] if bad else []), *choices)))]
     if bad and claim not in _OF_G:
         actions = [*actions, f"{_set(bad)[0]} (in floating point the claim seems to be violated there)"]

@@ -105,8 +105,7 @@ def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Tex
     """g with a limit written out, and in a maximum with loads without which a part has no value."""
     if "g" not in law or blocked.part.op not in ("log", "**"):
         return
-    read = stated(law)
-    if not isinstance(read, StatedLaw) or not blocked.part.names() & {*read.forces}:
+    if not isinstance(read := stated(law), StatedLaw) or not blocked.part.names() & {*read.forces}:
         return
     g, base, domain = read.g, blocked.part.args[0], over(read)
     scale = domain.facts(product_of(*(f for f in factors(base) if domain.constant(f)))).sign
@@ -175,8 +174,7 @@ def _with(law: Text, fixed: Choice) -> Text:
 
 def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
     """Parts of a domain: above 0, from 1 or up to 1, or either half, below 0; as it is declared and in words."""
-    own = Bounds.read(domain)
-    if own.single:
+    if (own := Bounds.read(domain)).single:
         return
     if own.sign() & (ZERO | NEGATIVE) and own.sign() & POSITIVE:
         yield {"positive": True, **({} if own.high is None else {"max": str(own.high)})}, "what is > 0 (positive = true)"
