@@ -160,14 +160,15 @@ def test_other_waves_stay(text: str) -> None:
 @pytest.mark.parametrize(
     ("g", "grows"),
     [
-        ("a**2 + b**2 - 1", True), ("a**2 + b**2 - a", False), ("a**2 + b**2 - e", False), ("a**2 - b**2 - 1", True),
+        ("a**2 + b**2 - 1", True), ("a**2 + b**2 - a", True), ("a**2 + b**2 - a**3", False),
+        ("a**2 + b**2 - e", False), ("a**2 - b**2 - 1", True),
         ("norm(a, b) - 1", True), ("1 - norm(a, b)", False),
-        ("1 - a**2", False), ("a**3 + b - 1", False), ("a**4 + b**2 - 1", True), ("abs(a)**m + abs(b)**m - 1", False),
+        ("1 - a**2", False), ("a**3 + b - 1", False), ("a**4 + b**2 - 1", True), ("abs(a)**m + abs(b)**m - 1", True),
         ("max(a, -b) - m", True), ("max(a, b**2) - m", False),
         ("pos(a) + neg(b) - m", True), ("a*abs(b) - s**2", True), ("(a**2 + b**2)**(3/2) - m", True), ("a**2/norm(a, b) - m", True),
         ("exp(a) - 1", False),
         ("m*a**2 + m*b**2 - m", True), ("a**2 + 1", False), ("eigmax(a, b, 0, a, 0, b) - 1", True), ("a**2 + b**4 + a - 1", True),
-        ("a**2 + b**2", False),
+        ("a**2 + b**2", False), ("(a**2 + b**2)**2 - a**2", False), ("abs(a)**s + abs(b)**s - 1", False),
     ],
 )  # fmt: skip
 def test_degrees_along_rays(g: str, grows: bool) -> None:

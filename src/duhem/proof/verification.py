@@ -39,7 +39,6 @@ from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.methods.coupled import polar_of_the_cone
 from duhem.proof.remarks import not_needed, remarks, scope
-from duhem.proof.unsettled.open_claims import unsettled
 from duhem.proof.verdict import CONTRADICTION, ClaimResult, Evidence, Proof, Trust, Verdict
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown
@@ -286,8 +285,12 @@ def _examined(
                 standing = confirmations.of(name, evidence, EVERY[name].needs)
         seconds = time.perf_counter() - start
         verdict, witness, steps = evidence.verdict, evidence.witness, subject.spent + confirmations.spent - before
-        with _alone():
-            left = unsettled(name, criterion, subject, settled, verdict_within) if name in wanted and explained else None
+        left = None
+        if name in wanted and explained and verdict in (Verdict.TESTED, Verdict.UNDECIDED):
+            from duhem.proof.unsettled.open_claims import unsettled  # numpy, only where a claim is open
+
+            with _alone():
+                left = unsettled(name, criterion, subject, settled, verdict_within)
         said = scope(criterion, verdict), seconds, evidence.detail
         found = ClaimResult(name, verdict, evidence.method, *said, witness, standing.trust, standing.proof, steps, left)
         results.append(found)
