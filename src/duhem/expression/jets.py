@@ -172,8 +172,7 @@ def _smooth(row: Callable[..., Jet], node: Any, _: _Met, *arguments: Jet) -> Jet
 
 def _add(_: Any, *terms: Jet) -> Jet:
     return reduce(
-        lambda a, b: Jet(a.value + b.value, added(a.gradient, b.gradient), added(a.hessian, b.hessian), least_order((a, b))),
-        terms,
+        lambda a, b: Jet(a.value + b.value, added(a.gradient, b.gradient), added(a.hessian, b.hessian), least_order((a, b))), terms
     )
 
 

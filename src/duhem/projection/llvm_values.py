@@ -7,19 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = [
-    "Dense",
-    "NotLowered",
-    "Number",
-    "Value",
-    "constant",
-    "kinds_of",
-    "leaves",
-    "listed",
-    "made_of",
-    "returned",
-    "type_of",
-]
+__all__ = ["Dense", "NotLowered", "Number", "Value", "constant", "kinds_of", "leaves", "listed", "made_of", "returned", "type_of"]
 
 
 class NotLowered(Exception):

@@ -380,12 +380,7 @@ The interface takes up the heat T ds/dt = D_intr + sum of q_k . n_k, with the en
 T, so there is nothing to prove about it.
 
 Refutation: temperatures, and a state, at which D_th < 0.""",
-        methods=(
-            CHEAP,
-            ProofMethod(Subject, evidence.without_heat),
-            ProofMethod(FormulaSubject, refuters.heat_uphill, again=True),
-            DEAR,
-        ),
+        methods=(CHEAP, ProofMethod(Subject, evidence.without_heat), ProofMethod(FormulaSubject, refuters.heat_uphill, again=True), DEAR),
     ),
 )
 _TOGETHER = (
