@@ -1,5 +1,7 @@
 """Every notebook of the course has the parts a student needs, runs from top to bottom, asserts what it says and shows what is kept."""
 
+import ast
+import importlib
 import re
 from pathlib import Path
 
@@ -23,6 +25,19 @@ def test_the_contents_name_every_part() -> None:
 def test_its_links_lead_to_parts_that_are_there(path: Path) -> None:
     led_to = {link for cell in nbformat.read(path, as_version=4).cells for link in re.findall(r"\]\(([^):]+)\)", cell.source)}
     assert not [link for link in led_to if link.endswith(".ipynb") and not (path.parent / link).is_file()]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_what_it_imports_of_the_project_is_there(path: Path) -> None:
+    """Runs of whole parts are long, and a module that moved is seen without them."""
+    cells = (cell for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "code")
+    trees = (ast.parse(re.sub(r"^\s*[%!].*$", "", cell.source, flags=re.M)) for cell in cells)
+    taken = [
+        node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("duhem")
+    ]
+    assert not [
+        (node.module, x.name) for node in taken for x in node.names if not hasattr(importlib.import_module(str(node.module)), x.name)
+    ]
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
