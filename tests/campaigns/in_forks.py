@@ -1,6 +1,6 @@
 """Mutants asked of tests that are collected once: each is put into the functions of a fork, which is left after it.
 
-To start anew for each mutant takes some 20 s of processor time, a fork next to none.
+A new process would import the program and collect the tests again for each mutant.
 """
 
 from __future__ import annotations

@@ -205,7 +205,7 @@ def test_no_values_are_suggested_at_which_k_is_empty() -> None:
     disk = law("(a - 9)**2 + b**2 - (c - 1)*abs(c - 1)", {"c": Domain.between(0, 5)})
     asked = open_claims._Asked("smoothness", disk, law_as_text(disk), FormulaSubject(disk), {})
     choices = [{"c": Fraction(value)} for value in ("0", "1/2", "3")]
-    assert next(iter(open_claims._filled(asked, choices))) == {"c": 3}
+    assert next(iter(open_claims._with_k(asked, choices))) == {"c": 3}
     told = open_claims._decided(asked, lambda *_: Verdict.PROVED, map(open_claims._set, choices))
     assert [*told] == ["--set c=3 (then it is proved)"]
     root = TOLD[8][0]

@@ -31,7 +31,7 @@ __all__ = ["Move", "Pair", "on_disk", "on_ellipse", "on_interval"]
 
 Pair = tuple[float, float]
 _MOST_ITERATIONS = 200
-_LAST = 1e-12  # of Newton's steps, as a share: the next would be its square, and rounding long before
+_LAST = 1e-12  # a share: Newton's error is squared in each step, so the step after one this small would change nothing
 
 
 @dataclass(frozen=True)

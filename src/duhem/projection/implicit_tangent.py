@@ -35,7 +35,7 @@ _ALONG = 1e-11  # closer, what is left is rounding
 _BESIDE = 1e-6  # relative; pieces that hold this close to a corner may meet in it, and normals this close to a tip are its own
 _MEETS = 1e-9
 _INDEPENDENT = 1e-6  # a unit normal this close to the span of others lies in it
-_APART = 1e-4
+_APART = 1e-4  # least singular value of unit normals that are independent at the point too: they are taken _BESIDE it
 _OTHER_WAYS = 8  # a force
 _TILT = 0.05
 _HARDLY = 1e-5
@@ -221,7 +221,7 @@ def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> t
 
 
 def _spans(normals: Array) -> bool:
-    """Whether they are d independent ones, for more than that they were taken beside the point, where axes of equal eigenvalues turn."""
+    """Whether there are d of them, independent at the point too: beside it the axes of equal eigenvalues turn, and normals with them."""
     return len(normals) == normals.shape[1] and bool(np.linalg.svd(normals)[1][-1] > _APART)
 
 

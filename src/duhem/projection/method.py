@@ -87,8 +87,8 @@ class Method(Generic[Own]):
     plain: Callable[[Increment, bool], ClosestPoint | None] | None = None
 
     @property
-    def whole(self) -> bool:
-        """Whether ``solve`` is that beside which ``plain`` was written: then it is asked of other laws too, and not of one solution."""
+    def has_its_own_solve(self) -> bool:
+        """Whether there is a ``plain``, and ``solve`` is the one it belongs to: no other was put in its place."""
         return self.plain is not None and self.plain.__module__ == self.solve.__module__
 
     def options_of(self, given: Mapping[str, Any]) -> Own:

@@ -106,7 +106,7 @@ class OneIncrement:
     @cached_property
     def _closest(self) -> ClosestPoint | None:
         """None for a law with ranges, in which an answer may lie or not, and for a method that solves in a way of its own."""
-        plain = self.method.plain if self.method.whole and not self.setting.law.domain else None
+        plain = self.method.plain if self.method.has_its_own_solve and not self.setting.law.domain else None
         return plain and plain(self.setting, self.compiled)
 
     @cached_property

@@ -118,8 +118,8 @@ class Projector:
         )
 
     def _answers(self, question: Increment, given: Options) -> Judged:
-        """Those of an isotropic law are found in its principal stresses; where these lack digits, by arrays of all six."""
-        if not (isinstance(given, Compiling) and self.method.whole) or (reduced := principal(question)) is None:
+        """Those of an isotropic law are found in its principal stresses, and in all six where the trial sticks or digits would be lost."""
+        if not (isinstance(given, Compiling) and self.method.has_its_own_solve) or (reduced := principal(question)) is None:
             return self._direct(question, given)
         found = self._direct(reduced.increment, given)
         solution, sure = reduced.back(found.solution)

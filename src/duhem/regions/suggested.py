@@ -66,7 +66,8 @@ def suggestions(
     if claim == "convexity":
         with suppress(*UNREADABLE):
             more = {} if law.pressure is None else {"pressure": "-1"}
-            for found in (_of_grids(law, places), chords(law, places) if len(names) == 1 else ()):  # of many cells they take the steps
+            # a plane of parameters has many cells, and chords would take the steps by which they are divided
+            for found in (_of_grids(law, places), chords(law, places) if len(names) == 1 else ()):
                 yield from (Suggestion("chord", {**ends, **more}) for ends in islice(found, _FEW_CHORDS))
 
 

@@ -112,6 +112,7 @@ def _split(term: Term, size: Term) -> tuple[list[Term], Fraction]:
     return [term], Fraction(0)
 
 
+@np.errstate(all="ignore")  # where a formula has no value it is nan, or infinite
 def keeps_k(subject: FormulaSubject, g: str) -> bool:
     """Whether K seems to be as before where g has no value and a changed g has: one near those around, or of a sign found there."""
     law, rng, n = subject.law, np.random.default_rng(7), len(subject.law.forces)
@@ -144,7 +145,7 @@ def _divisors(g: sp.Expr) -> list[sp.Expr]:
 
 
 def _where_zero(size: Program, places: NDArray[np.float64], others: Sequence[float]) -> NDArray[np.float64]:
-    """Places moved along the slope of a size to where it is 0, those that come there."""
+    """Places at which a size is 0: others are moved there along its slope, and those that do not come there are left out."""
     for _ in range(_MOVES):
         ways = [_TINY * (np.arange(places.shape[1]) == i) for i in range(places.shape[1])]
         slope = np.stack([(size(*(places + way).T, *others) - size(*(places - way).T, *others)) / (2 * _TINY) for way in ways], axis=1)

@@ -114,8 +114,8 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
     first = [name for name in _rests_on(asked) if settled[name].verdict is not Verdict.PROVED]
     if first and all(settled[name].verdict in _OPEN for name in first):
         both = " and ".join(first)
-        told = f"settle {both} first: {claim} follows from {'both' if first[1:] else f'it, so what helps {both} helps here'}"
-        return Unsettled(inequality, actions=(told,))
+        it = "both" if first[1:] else f"it, so what helps {both} helps here"
+        return Unsettled(inequality, actions=(f"settle {both} first: {claim} follows from {it}",))
     limits = list(_limits(asked))
     actions = list(_decided(asked, decide, ((told, {"g": g}) for told, g in limits[:1] if claim == "origin")))
     part, why, helps = _blocked(asked, None if any(Verdict.REFUTED in action for action in actions) else limits)
@@ -123,7 +123,7 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
     place, measure, margin = _closest(asked)
     bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
     if bad or not actions:
-        # without an effect
+        # a part that a parameter scales is gone where that is 0
         single: list[Mapping[str, Any]] = [{x: Fraction(0)} for x in _free(law) if law.parameters[x].low == 0 and 0 in law.parameters[x]]
         choices = () if actions or not _free(law) else (*single[:_SINGLE], *islice(_choices(asked), 1))
         actions = [*actions, *_decided(asked, decide, map(_set, (*([bad] if bad else []), *choices)))]
@@ -143,7 +143,7 @@ def _blocked(asked: _Asked, limits: Sequence[Form] | None) -> tuple[str | None, 
         found = None if "boundary" in asked.text else blocked(asked.claim, in_forces(asked.claim, StatedLaw.read(asked.text)))
     actions = list[str]()
     with suppress(*UNREADABLE):
-        actions = [] if limits is None else that_help(asked.claim, asked.text, proved, found, names, partial(_filled, asked), limits)
+        actions = [] if limits is None else that_help(asked.claim, asked.text, proved, found, names, partial(_with_k, asked), limits)
     if found is None:
         return None, None, actions
     text, why = in_text(found.part, names), found.why
@@ -173,15 +173,20 @@ def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:
             yield {name: named[name] for name in free}
 
 
-def _filled(asked: _Asked, plain: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
-    """Of plain values, and the subject's, those where K has a boundary in floats, or zero force is in it: of an empty K much is proved."""
+def _with_k(asked: _Asked, plain: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
+    """Of plain values, and then of the subject's, those with which K is not empty."""
+    return (values for values in chain(plain, _choices(asked)) if _has_k(asked, values))
+
+
+def _has_k(asked: _Asked, values: Mapping[str, Any]) -> bool:
+    """Whether K has a boundary in floats with these values, or zero force is shown to lie in it: of an empty K much is proved."""
     law, origin = asked.law, asked.settled.get("origin")
     known = asked.claim in _OF_ANY_K or (origin is not None and origin.verdict is Verdict.PROVED)
-    sought = law if isinstance(law, Criterion) and not (known or law.forces_of_rates or law.viscous) else None
-    for values in chain(plain, _choices(asked)):
-        with suppress(InputError):
-            if sought is None or any(len(found.boundary) for found in scouts(FormulaSubject(sought.fix(_set(values)[1])), 1)):
-                yield values
+    if known or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
+        return True
+    with suppress(InputError):
+        return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(_set(values)[1])), 1))
+    return False
 
 
 def _decided(asked: _Asked, decide: Decide | None, changes: Iterable[tuple[str, Mapping[str, Any]]]) -> Iterator[str]:
@@ -192,7 +197,7 @@ def _decided(asked: _Asked, decide: Decide | None, changes: Iterable[tuple[str, 
             with suppress(InputError):  # a variable of the state may not be 0
                 other = replace(law, written="", **changed) if "g" in changed else law.fix(changed)
                 verdict = decide(other, asked.claim, _STEPS)
-                if verdict is Verdict.REFUTED or (verdict not in _OPEN and ("g" in changed or changed in _filled(asked, [changed]))):
+                if verdict is Verdict.REFUTED or (verdict not in _OPEN and ("g" in changed or _has_k(asked, changed))):
                     yield f"{told} (then it is {verdict})"
                     return
 
