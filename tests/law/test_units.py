@@ -5,7 +5,7 @@ from fractions import Fraction
 import pytest
 
 import duhem
-from duhem.law.units import stress_powers, unit_in_words, units_in_words
+from duhem.law.law_sheet import stress_powers, unit_in_words, units_in_words
 
 
 @pytest.mark.parametrize(

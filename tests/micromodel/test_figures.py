@@ -354,7 +354,7 @@ def test_every_figure_names_its_axes_and_its_source(name: str) -> None:
 @pytest.mark.parametrize("name", mostly_long(DRAWN, DRAWN[0]))
 def test_every_curve_is_told_from_the_others_without_colour(name: str) -> None:
     pytest.importorskip("matplotlib")
-    from duhem.micromodel.figures.drawing import draw
+    from duhem.micromodel.figures.value import draw
 
     figure = default(name)
     assert isinstance(figure, Figure)
@@ -393,7 +393,7 @@ def test_data_is_what_the_figure_holds(run: Run, no_matplotlib: None) -> None:
 def test_drawing_without_matplotlib_names_the_extra(run: Run, no_matplotlib: None) -> None:
     code, _, err = run("9")
     assert code == 2 and err.count("\n") == 1 and 'pip install "duhem[plot]"' in err
-    from duhem.micromodel.figures.drawing import save
+    from duhem.micromodel.figures.value import save
 
     with pytest.raises(MissingExtraError):
         save(default("9"), "figure.png")
@@ -412,7 +412,7 @@ def test_formats(run: Run, form: str, magic: bytes) -> None:
 @pytest.mark.parametrize("name", mostly_long(DRAWN, "5"))
 def test_every_figure_is_drawn_and_the_same_each_time(name: str, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    from duhem.micromodel.figures.drawing import save
+    from duhem.micromodel.figures.value import save
 
     figure = default(name)
     assert isinstance(figure, Figure)

@@ -19,7 +19,7 @@ from scipy.integrate import quad
 import duhem
 from duhem.derivation import Derivation
 from duhem.errors import InputError
-from duhem.micromodel import derivation, facets
+from duhem.micromodel import derivation, wedge
 from duhem.micromodel.wedge import associated_fit, coefficients, limit_point, slip_direction
 from duhem.proof.verdict import Verdict
 from tests.oracles.rough_profile import by_quadrature, reaction, simulate_profile
@@ -38,7 +38,7 @@ def micro() -> Derivation:
 
 @pytest.mark.slow
 def test_exact_values() -> None:
-    assert facets.exact_coefficients(EXACT) == (sp.Rational(1, 3), sp.Rational(23, 75))
+    assert wedge.exact_coefficients(EXACT) == (sp.Rational(1, 3), sp.Rational(23, 75))
     np.testing.assert_allclose(coefficients(*STEEL), [1 / 3, 23 / 75], rtol=1e-15)
 
 
@@ -64,7 +64,7 @@ def radians(profile: dict[str, Fraction]) -> tuple[float, float, float, float]:
 @given(profiles())
 @settings(max_examples=20)
 def test_the_floats_agree_with_the_exact_integrals(profile: dict[str, Fraction]) -> None:
-    exact = facets.exact_coefficients({name: str(value) for name, value in profile.items()})
+    exact = wedge.exact_coefficients({name: str(value) for name, value in profile.items()})
     np.testing.assert_allclose(coefficients(*radians(profile)), [float(x) for x in exact], rtol=1e-12, atol=1e-15)
 
 
@@ -178,22 +178,22 @@ def test_everything_is_proved() -> None:
 
 def test_the_apparent_coefficient_is_the_papers() -> None:
     x, y = sp.symbols("x y", real=True)
-    assert sp.cancel(facets.apparent(x, y, +1) - (x + y) / (1 - x * y)) == 0
+    assert sp.cancel(wedge.apparent(x, y, +1) - (x + y) / (1 - x * y)) == 0
 
 
 @pytest.mark.slow
 def test_wrong_statements_are_not_proved(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
-    request.addfinalizer(facets.averages.cache_clear)
+    request.addfinalizer(wedge.averages.cache_clear)
     right = derivation._bracket()
-    swapped = right.subs({facets.SLOPE["alpha"]: facets.SLOPE["beta"], facets.SLOPE["beta"]: facets.SLOPE["alpha"]}, simultaneous=True)
+    swapped = right.subs({wedge.SLOPE["alpha"]: wedge.SLOPE["beta"], wedge.SLOPE["beta"]: wedge.SLOPE["alpha"]}, simultaneous=True)
     monkeypatch.setattr(derivation, "_bracket", lambda: swapped)
     assert derivation.difference().verdict is Verdict.UNDECIDED
-    monkeypatch.setattr(derivation, "_bracket", lambda: right - facets.MU["beta"])
+    monkeypatch.setattr(derivation, "_bracket", lambda: right - wedge.MU["beta"])
     assert derivation.implication().verdict is Verdict.UNDECIDED
     monkeypatch.undo()
-    uneven = facets.K_N * facets.height("alpha") ** 2  # a force that differs between the sides
-    facets.averages.cache_clear()
-    monkeypatch.setattr(facets, "spring_force", lambda side: -uneven if side == "alpha" else -facets.K_N)
+    uneven = wedge.K_N * wedge.height("alpha") ** 2  # a force that differs between the sides
+    wedge.averages.cache_clear()
+    monkeypatch.setattr(wedge, "spring_force", lambda side: -uneven if side == "alpha" else -wedge.K_N)
     assert derivation.independence().verdict is Verdict.UNDECIDED
     assert derivation.heights_cancel().verdict is Verdict.UNDECIDED
     with pytest.raises(duhem.DuhemError, match="could not be proved"):
@@ -210,8 +210,8 @@ def test_the_steps_of_the_star_shape_can_fail(monkeypatch: pytest.MonkeyPatch) -
 @given(profiles())
 @settings(max_examples=20)
 def test_the_proved_statements_hold_at_exact_points(profile: dict[str, Fraction]) -> None:
-    at = {s: sp.Rational(str(profile[s.name])) for s in (*facets.SLOPE.values(), *facets.MU.values())}
-    plus, minus = facets.exact_coefficients({name: str(value) for name, value in profile.items()})
+    at = {s: sp.Rational(str(profile[s.name])) for s in (*wedge.SLOPE.values(), *wedge.MU.values())}
+    plus, minus = wedge.exact_coefficients({name: str(value) for name, value in profile.items()})
     assert derivation.asymmetry().subs(at) == plus - minus
     if profile["tan_alpha"] >= profile["tan_beta"] and profile["mu_alpha"] >= profile["mu_beta"]:
         assert plus >= minus
@@ -223,7 +223,7 @@ def test_the_proved_statements_hold_at_exact_points(profile: dict[str, Fraction]
 @pytest.mark.slow
 def test_the_derivation_computes_what_it_prints(tmp_path: Path) -> None:
     derived = micro()
-    at = {s: sp.Rational(EXACT[s.name]) for s in (*facets.SLOPE.values(), *facets.MU.values())}
+    at = {s: sp.Rational(EXACT[s.name]) for s in (*wedge.SLOPE.values(), *wedge.MU.values())}
     assert derived["mu_a_plus"].rhs.subs(at) == sp.Rational(1, 3)
     assert derived["mu_a_minus"].rhs.subs(at) == sp.Rational(23, 75)
     assert derived["asymmetry"].rhs.subs(at) == sp.Rational(2, 75)
@@ -259,14 +259,14 @@ def test_the_force_on_a_side_is_that_of_the_profile(slope: float, mu: float) -> 
 def test_the_integrals_give_the_coefficients(values: dict[str, str]) -> None:
     """Eqs. (5), (7), (11), (14) with numbers: the integrals by quadrature over the forces of springs, against the exact coefficients."""
     derived = micro()
-    at = {s: sp.Rational(values[s.name]) for s in (*facets.SLOPE.values(), *facets.MU.values())}
-    at |= {facets.HEIGHT: sp.Rational(2), facets.K_N: sp.Rational(3), facets.F_0: sp.Rational(-1, 2)}
+    at = {s: sp.Rational(values[s.name]) for s in (*wedge.SLOPE.values(), *wedge.MU.values())}
+    at |= {wedge.HEIGHT: sp.Rational(2), wedge.K_N: sp.Rational(3), wedge.F_0: sp.Rational(-1, 2)}
     at[sp.Symbol("L", positive=True)] = derived["period"].rhs.subs(at)
     local = [c.replace(sp.Function("H"), lambda x, t: (x + t) / (1 - x * t)).subs(at) for c in derived["apparent_coefficients"].rhs]
     forces: dict[str, Any] = {}
     for side, ratio in zip(("alpha", "beta"), local, strict=True):
         height = derived[f"height_{side}"]
-        pressing = sp.lambdify(facets.U, derived["spring_force"].rhs.subs(height.lhs, height.rhs).subs(at))
+        pressing = sp.lambdify(wedge.U, derived["spring_force"].rhs.subs(height.lhs, height.rhs).subs(at))
         forces[f"F_n_{side}"], forces[f"F_ta_{side}"] = pressing, lambda u, f=pressing, ratio=float(ratio): -ratio * f(u)
 
     def mean(name: str) -> float:
@@ -276,30 +276,30 @@ def test_the_integrals_give_the_coefficients(values: dict[str, str]) -> None:
         return sum(quad(forces[force], *span)[0] for force, *span in spans) / float(at[sp.Symbol("L", positive=True)])
 
     normal, tangential = mean("mean_normal_integral"), mean("mean_tangential_integral")
-    plus, minus = facets.exact_coefficients(values)
+    plus, minus = wedge.exact_coefficients(values)
     np.testing.assert_allclose(normal, float(derived["mean_normal_force"].rhs.subs(at)), rtol=1e-12)
     np.testing.assert_allclose(-tangential / normal, float(plus), rtol=1e-12)
     exchanged = dict(zip((f.name for f in derived["exchange"].lhs.args), (at[x] for x in derived["exchange"].rhs.args), strict=True))
-    assert facets.exact_coefficients({name: str(value) for name, value in exchanged.items()})[0] == minus
+    assert wedge.exact_coefficients({name: str(value) for name, value in exchanged.items()})[0] == minus
     slopes_only = values | {"tan_alpha": values["tan_beta"], "tan_beta": values["tan_alpha"]}
-    assert values == EXACT or facets.exact_coefficients(slopes_only)[0] != minus
+    assert values == EXACT or wedge.exact_coefficients(slopes_only)[0] != minus
 
 
 @pytest.mark.slow
 def test_the_stiffness_of_the_interface_is_that_of_a_bed_of_springs() -> None:
     """Eqs. (19), (20): springs at random places of a wedge, each bent by the same slip, pull with k_t u_e on the whole."""
     derived, rng = micro(), np.random.default_rng(5)
-    slip, k_f, at = 0.003, 7.0, {s.name: float(Fraction(EXACT[s.name])) for s in facets.SLOPE.values()}
+    slip, k_f, at = 0.003, 7.0, {s.name: float(Fraction(EXACT[s.name])) for s in wedge.SLOPE.values()}
     length = 1 / at["tan_alpha"] + 1 / at["tan_beta"]
     places = rng.uniform(0, length, 5000)
     ends = np.stack([places, np.where(places < 1 / at["tan_alpha"], places * at["tan_alpha"], (length - places) * at["tan_beta"])])
     heads = ends + np.array([[slip], [0]])  # body 1 has moved by the slip, the ends stick
     stress = np.mean(k_f * (heads - ends)[0])
     bent, whole = derived["elastic_slip"].lhs, derived["stiffness"]
-    known = {sp.Symbol("sigma_ta", real=True): stress, whole.lhs: float(whole.rhs.subs(facets.K_F, k_f))}
+    known = {sp.Symbol("sigma_ta", real=True): stress, whole.lhs: float(whole.rhs.subs(wedge.K_F, k_f))}
     assert float(derived["elastic_slip"].rhs.subs(known)) == pytest.approx(slip)
     assert derived["elastic_slip_in_the_plane"].rhs[0] == derived["elastic_slip"].rhs
-    assert [float(pull.subs({facets.K_F: k_f, bent: slip})) for pull in derived["bending"].rhs] == [pytest.approx(stress)] * 2
+    assert [float(pull.subs({wedge.K_F: k_f, bent: slip})) for pull in derived["bending"].rhs] == [pytest.approx(stress)] * 2
 
 
 # -- the nearest associated criterion ---------------------------------------------------------------------------------

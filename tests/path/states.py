@@ -13,7 +13,7 @@ import pytest
 import duhem
 from duhem import Criterion, Domain, Path
 from duhem.law.state import Variable
-from duhem.path import state_path, state_question, state_step, state_steps
+from duhem.path import state_path, state_question, state_step
 from duhem.path.state_path import StateHistory
 
 __all__ = [
@@ -105,6 +105,6 @@ def mutate(module: Any, old: str, new: str, monkeypatch: pytest.MonkeyPatch) -> 
     mutant = ModuleType("mutant")
     monkeypatch.setitem(sys.modules, "mutant", mutant)
     exec(compile(source.replace(old, new), "mutant", "exec"), mutant.__dict__)
-    taken = ((state_question, "StateLaw"), (state_steps, "own_dissipation"))
-    for place, name in taken if module is state_step else ((state_path, "implicit"), (state_steps, "implicit")):
+    taken = ((state_question, "StateLaw"), (state_path, "own_dissipation"))
+    for place, name in taken if module is state_step else ((state_path, "implicit"),):
         monkeypatch.setattr(place, name, getattr(mutant, name))

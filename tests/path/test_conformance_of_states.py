@@ -23,7 +23,7 @@ from duhem.expression.branches import gradient
 from duhem.expression.numpy_ import compiled
 from duhem.law.atlas.entry import entry, groups
 from duhem.law.state import prescribed
-from duhem.path import state_step, state_steps
+from duhem.path import state_path, state_step
 from duhem.path.state_path import StateHistory
 from duhem.path.state_step import StateLaw
 from tests.long import mostly_long
@@ -423,10 +423,10 @@ MUTANTS = [
     (state_step, "lemaitre-damage", "ends[held], True, True", "0.9 * ends[held], True, True"),
     (state_step, "lemaitre-damage", "at.reaction < 0.0, at.reaction > 0.0", "at.reaction > 0.0, at.reaction < 0.0"),
     (state_step, "perzyna", "begun - end +", "2.0 * (begun - end) +"),
-    (state_steps, "lemaitre-damage", "+ (end.reaction * inner).sum(axis=1)", ""),
-    (state_steps, "prager", "work = (end.observed * by", "work = 2.0 * (end.observed * by"),
-    (state_steps, "bingham", "(end.forces * end.flow[:, law.order])", "(0.5 * end.forces * end.flow[:, law.order])"),
-    (state_steps, "frictional-heating", "heat = end.chi[:, -1] *", "heat = base[:, -1] *"),
+    (state_path, "lemaitre-damage", "+ (end.reaction * inner).sum(axis=1)", ""),
+    (state_path, "prager", "work = (end.observed * by", "work = 2.0 * (end.observed * by"),
+    (state_path, "bingham", "(end.forces * end.flow[:, law.order])", "(0.5 * end.forces * end.flow[:, law.order])"),
+    (state_path, "frictional-heating", "heat = end.chi[:, -1] *", "heat = base[:, -1] *"),
 ]
 
 QUICK = ("adhesion", "bingham", "chaboche-static-recovery", "perzyna", "prager")

@@ -10,7 +10,7 @@ from duhem import Criterion, InputError, Path, Paths
 from duhem.errors import DuhemError
 from duhem.path import compiled_run, scene_file
 from duhem.path.history import Interrupted
-from duhem.path.ledger import Ledger
+from duhem.path.rows import Ledger
 from duhem.path.run import Plan, Run
 from duhem.path.simulate import simulate
 from duhem.projection import compiled_newton

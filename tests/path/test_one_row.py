@@ -10,8 +10,7 @@ import pytest
 import duhem
 from duhem import Path
 from duhem.path import integrators
-from duhem.path.ledger import Ledger
-from duhem.path.rows import Stepped
+from duhem.path.rows import Ledger, Stepped
 
 FLAGSHIP = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 ELLIPSE = {"mu_a": 0.2, "mu_b": 0.15}

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 import duhem
 from duhem import Domain, InputError, Path, Paths, Status
 from duhem.cli import cli
-from duhem.path import scene, scene_file, state_path, state_steps
+from duhem.path import scene, scene_file, state_path
 from duhem.path.history import Interrupted
 from duhem.path.state_path import NoAnswer, StateHistory, state_history
 from duhem.show.place import beside
@@ -182,9 +182,9 @@ def test_compiled_parts_come_to_the_same() -> None:
 
 
 def test_wrong_weights_do_not_come_to_the_accuracy(monkeypatch: pytest.MonkeyPatch) -> None:
-    right = state_steps._weights
-    monkeypatch.setattr(state_steps, "_weights", lambda parts: np.eye(len(parts))[-1] + 1e-3 * (right(parts) - np.eye(len(parts))[-1]))
-    monkeypatch.setattr(state_steps, "_MOST_PARTS", 40)
+    right = state_path._weights
+    monkeypatch.setattr(state_path, "_weights", lambda parts: np.eye(len(parts))[-1] + 1e-3 * (right(parts) - np.eye(len(parts))[-1]))
+    monkeypatch.setattr(state_path, "_MOST_PARTS", 40)
     with pytest.raises(NoAnswer, match="do not come to the accuracy"):
         run("armstrong-frederick-recall", Path.linear([0.0, 0.1]), parameters=FREDERICK)
 

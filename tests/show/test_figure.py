@@ -190,7 +190,7 @@ SETTINGS = [
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "settings"), mostly_long(SETTINGS, *SETTINGS[::6]))
 def test_the_figures_of_the_paper_are_legible(name: str, settings: dict[str, float]) -> None:
-    from duhem.micromodel.figures.drawing import draw as drawn
+    from duhem.micromodel.figures.value import draw as drawn
 
     made = FIGURES[name](**settings)
     assert isinstance(made, Figure)

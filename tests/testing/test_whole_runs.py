@@ -14,8 +14,7 @@ import duhem
 from duhem.errors import InputError
 from duhem.testing import Case, Failure, Report, Step, check, conformance, pointwise, violation
 from duhem.testing.checks.query import NothingToCheck, Query
-from duhem.testing.checks.registry import judged, registered, worst
-from duhem.testing.checks.visited import Visited
+from duhem.testing.checks.registry import Visited, judged, registered, worst
 from duhem.testing.conformance import every_check
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.diagnosis import CAUSES, FREE_CAUSES, by_cause

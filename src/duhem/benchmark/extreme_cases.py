@@ -20,8 +20,8 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 
 from duhem.benchmark.contenders import Contender, Specimen, applicable
+from duhem.benchmark.measurement import Study
 from duhem.benchmark.reference import Closest, ReferenceIncrement, distance
-from duhem.benchmark.study import Study
 from duhem.errors import DuhemError, InputError
 from duhem.expression.number import fraction
 from duhem.law.catalogue import load_formula

@@ -1,8 +1,13 @@
-"""What a benchmark leaves behind: rows with errors and times by a clock, ratios that are targets; failures are rows like others."""
+"""What a benchmark leaves behind: rows with errors and times by a clock, ratios that are targets; failures are rows like others.
+
+Whatever it measures, it says the law, the machine, and what was left out, in one frame of text.
+"""
 
 from __future__ import annotations
 
+import platform
 import tracemalloc
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from statistics import median
@@ -10,10 +15,91 @@ from time import perf_counter
 from typing import Any, ClassVar, TypeVar
 
 from duhem.benchmark.reference import ReferenceIncrement, distance
-from duhem.benchmark.study import Study
+from duhem.omitted import LeftOut
+from duhem.projection.in_blocks import cores
 from duhem.projection.result import Array
+from duhem.show.page import Page
+from duhem.show.printing import finite
+from duhem.version import distribution
 
-__all__ = ["LIMIT", "Measurement", "Spread", "Target", "WorkPrecision", "at_most", "largest_errors", "measured", "memory", "ratio", "timed"]
+__all__ = [
+    "LIMIT",
+    "Measurement",
+    "Spread",
+    "Study",
+    "Target",
+    "WorkPrecision",
+    "at_most",
+    "largest_errors",
+    "measured",
+    "memory",
+    "ratio",
+    "report",
+    "timed",
+]
+
+# -- whatever is measured ----------------------------------------------------------------------------------------------
+
+
+_PACKAGES = (
+    "numpy", "scipy", "sympy", "mpmath", "cvxpy-base", "clarabel", "numba", "cvxopt", "ecos", "moreau", "osqp", "qoco", "scs", "jax",
+    "jaxmat", "qpax", "proxsuite",
+)  # fmt: skip
+
+
+def machine() -> dict[str, Any]:
+    """Processor, system, versions."""
+    return {
+        "processor": _processor(),
+        "processors_usable": cores(),
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "python": platform.python_version(),
+        "versions": {name.removesuffix("-base"): found for name in _PACKAGES if (found := distribution(name)) is not None},
+    }
+
+
+def _processor() -> str:
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as stream:
+            for line in stream:
+                if line.startswith("model name"):
+                    return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study(ABC):
+    """``subject``: parameters and stiffness in words; ``machine`` as :func:`duhem.benchmark.measurement.machine` has it."""
+
+    law: str
+    subject: str
+    machine: dict[str, Any] = field(default_factory=machine)
+    left_out: tuple[LeftOut, ...]
+    interrupted: bool
+
+    @property
+    @abstractmethod
+    def failed(self) -> bool:
+        """Whether nothing at all gave an answer."""
+
+    @abstractmethod
+    def measured(self) -> dict[str, Any]:
+        """What is its own, for JSON."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON; a number that is not finite is null."""
+        head = {"law": self.law, "subject": self.subject, "machine": self.machine}
+        return dict(finite(head | self.measured() | {"left_out": [part.to_dict() for part in self.left_out]}))
+
+
+def report(study: Study, facts: Sequence[str], parts: Sequence[Sequence[str]], page: Page) -> str:
+    """Law and ``facts``, the parts, then what was left out and whether the run was stopped."""
+    head = [*page.hanging(f"{study.law}: {study.subject}"), *(line for fact in facts for line in page.hanging(fact, rest=""))]
+    stopped = ["Interrupted: this is what was done."] if study.interrupted else []
+    return page.report([head, *parts, page.items("Omitted", study.left_out), stopped])
+
 
 LIMIT = 6.0  # s: of the runs of one row; no more are begun beyond
 Key = TypeVar("Key")

@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING, Any
 from duhem.benchmark import paths as path
 from duhem.benchmark import throughput
 from duhem.benchmark.extreme_cases import AXES, MOST, POOR, ExtremeCases, Tally
-from duhem.benchmark.measurement import Measurement, Spread, WorkPrecision
-from duhem.benchmark.study import report
-from duhem.law.units import UNIT
+from duhem.benchmark.measurement import Measurement, Spread, WorkPrecision, report
+from duhem.law.law_sheet import UNIT
 from duhem.show import figure
 from duhem.show.page import PAGE, Page, tied
 from duhem.show.printing import draw, latex_number, text

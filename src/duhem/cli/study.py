@@ -14,7 +14,7 @@ from duhem.show.place import write
 from duhem.version import __version__
 
 if TYPE_CHECKING:
-    from duhem.benchmark.study import Study
+    from duhem.benchmark.measurement import Study
     from duhem.law.formula_law import Criterion
 
 __all__ = ["carry_out", "flagship_argument", "json_option", "peers_option", "read_subject", "stiffness_option"]

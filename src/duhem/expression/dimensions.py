@@ -4,7 +4,7 @@ A weight w scales each symbol x to t^(w_x) x.  Every sum, maximum, norm or compa
 functions and symbolic exponents need weight 0.  The admissible weights are the null space of these linear conditions.
 
 ``ROLES`` says what units mean to each word.  Two walks read it: the one here leaves every weight open and collects the
-conditions (:mod:`duhem.law.units` solves them for the units of parameters), :mod:`duhem.projection.scaled_formula` knows that
+conditions (:mod:`duhem.law.law_sheet` solves them for the units of parameters), :mod:`duhem.projection.scaled_formula` knows that
 forces weigh 1 and rebuilds the formula as it goes; what else they do with a role is their own.
 """
 

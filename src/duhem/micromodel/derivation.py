@@ -17,7 +17,7 @@ from duhem.derivation.equation import Names, columns, equal
 from duhem.errors import DuhemError
 from duhem.expression import symbol
 from duhem.law.catalogue import load_formula
-from duhem.micromodel.facets import (
+from duhem.micromodel.wedge import (
     DELTA,
     F_0,
     HEIGHT,

@@ -20,7 +20,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
 from duhem.law.catalogue import load_formula
-from duhem.micromodel.facets import F_0, K_N, SLOPE, averages, exact_coefficients, height, mean
+from duhem.micromodel.wedge import F_0, K_N, SLOPE, averages, exact_coefficients, height, mean
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import text
 

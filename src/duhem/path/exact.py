@@ -14,8 +14,7 @@ import numpy as np
 from duhem.law.shapes import Disk, Interval
 from duhem.path.closest import shape_numbers
 from duhem.path.elementary_steps import Move, on_ellipse, on_interval
-from duhem.path.ledger import Ledger
-from duhem.path.rows import Stepped
+from duhem.path.rows import Ledger, Stepped
 from duhem.path.run import Plan, Share
 from duhem.path.step_formulas import on_numbers
 from duhem.projection.result import Array

@@ -22,9 +22,8 @@ from duhem.law.state import evolves
 from duhem.path.closest import closest_by, outside, shape_by
 from duhem.path.history import STATES, SUMS, Checkpoint, Due, H, Histories, History, Interrupted, LeftDomain, LeftPrecision, told_of
 from duhem.path.integrators import INTEGRATORS, STEPS
-from duhem.path.ledger import Ledger, States
 from duhem.path.loading import Path, Paths, Which, between, checked_count
-from duhem.path.rows import Step
+from duhem.path.rows import Ledger, States, Step
 from duhem.path.run import MOST_THREADS, Batch, Plan, Run, Share, columns, stress_at_start, times
 from duhem.path.state_path import StateHistory, state_history
 from duhem.path.step_formulas import booked

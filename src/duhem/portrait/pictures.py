@@ -23,8 +23,8 @@ from duhem.expression.numpy_ import compiled
 from duhem.law.catalogue import load, load_formula, load_named
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.formula_law import Criterion
+from duhem.law.law_sheet import UNIT
 from duhem.law.state import check_has_k
-from duhem.law.units import UNIT
 from duhem.portrait.lines import Vertex, Window, closed
 from duhem.portrait.plane import Plane, elsewhere, named, oblique, usual
 from duhem.portrait.section import NOTHING, SLENDER, Arrow, Numbered, View, beside, numbered, section

@@ -7,9 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.law.law_sheet import number_in_short, number_in_words
+from duhem.law.law_sheet import number_in_short, number_in_words, units_in_words
 from duhem.law.law_sheet import stated as stated_law
-from duhem.law.units import units_in_words
 from duhem.omitted import LeftOut
 from duhem.proof.claims import EVERY
 from duhem.proof.verdict import ClaimResult, Trust, Verdict, Witness

@@ -22,8 +22,7 @@ from duhem.law.formula_law import Criterion
 from duhem.testing.checks.history import HistoryQuery
 from duhem.testing.checks.law_in_state import LawInState, Places
 from duhem.testing.checks.query import NoReply, NothingToCheck, Query, Raised, named_by
-from duhem.testing.checks.registry import Check, judged, registered
-from duhem.testing.checks.visited import Visited
+from duhem.testing.checks.registry import Check, Visited, judged, registered
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.options import RunOptions, numbers
 from duhem.testing.drawn.region import Region

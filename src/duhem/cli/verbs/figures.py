@@ -70,7 +70,7 @@ def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: st
     for recipe, file in files.items():
         figure = recipe(**{name: value for name, value in values.items() if name in recipe.parameters})
         if isinstance(figure, Figure) and not data:
-            from duhem.micromodel.figures.drawing import save
+            from duhem.micromodel.figures.value import save
 
             save(figure, file)
         else:

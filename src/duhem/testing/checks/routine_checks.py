@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from duhem.projection.result import Array
 from duhem.testing.checks.query import NothingToCheck, Query, Reply
-from duhem.testing.checks.registry import Finding, register, worst
-from duhem.testing.checks.visited import Visited
+from duhem.testing.checks.registry import Finding, Visited, register, worst
 
 __all__: list[str] = []
 
