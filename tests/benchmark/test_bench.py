@@ -17,7 +17,7 @@ import pytest
 import sympy as sp
 
 import duhem
-from duhem.benchmark import paths, throughput
+from duhem.benchmark import throughput, work_precision
 from duhem.benchmark.contenders import Contender, Specimen, applicable
 from duhem.benchmark.measurement import Measurement, Spread, Target, WorkPrecision
 from duhem.benchmark.reference import Closest, Drive, NoReference, distance
@@ -266,7 +266,7 @@ def test_json_has_every_row_with_its_spread(increments: WorkPrecision) -> None:
 
 @pytest.mark.slow
 def test_path_errors_fall_with_the_order_of_the_integrator(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("duhem.benchmark.paths._SLOW", float("inf"))  # on a busy machine too
+    monkeypatch.setattr("duhem.benchmark.work_precision._SLOW", float("inf"))  # on a busy machine too
     law = coulomb()
     result = bench(law, scenes=("path",), repeats=1, steps=(64, 256))
     error = {(row.method, row.setting): row.error["stress"] for row in result.rows}
@@ -347,12 +347,12 @@ def test_whole_calls_set_a_law_without_closed_form_other_ratios() -> None:
 def test_steps_of_many_points_are_held_to_the_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
     seconds = {"kernel alone": 2e-8, "one path, numba": 3e-7, "many points, numba, one thread": 5e-8, "many points, numba": 4e-8}
     rows = [Measurement("paths", name, "", seconds=Spread.of([s])) for name, s in seconds.items()]
-    found = paths.long_targets(rows, [])
+    found = work_precision.long_targets(rows, [])
     assert [target.holds for target in found] == [True, True, False]
     assert [target.value for target in found] == pytest.approx([2.5, 0.3, 1.25])
-    lost = paths.long_targets([*rows[:1], Measurement("paths", "one path, numba", "", failure="no")], [])
+    lost = work_precision.long_targets([*rows[:1], Measurement("paths", "one path, numba", "", failure="no")], [])
     assert [(target.holds, target.reason[:11]) for target in lost] == [(None, "many points"), (None, "failed: no"), (None, "many points")]
-    monkeypatch.setattr(paths, "find_spec", lambda name: None)
+    monkeypatch.setattr(work_precision, "find_spec", lambda name: None)
     without = bench(coulomb(), scenes=("paths",), repeats=1, points=200, contenders=[])
     assert [(row.method, row.setting) for row in without.rows] == [("one path", "200 steps")] and not without.failed
     assert [target.holds for target in without.targets] == [None] * 3 and "wall time a step" in text(without)

@@ -41,10 +41,8 @@ import sympy as sp
 
 import duhem
 from duhem.errors import DuhemError
-from duhem.export.c_file import c_file, identifier
-from duhem.export.fortran_file import fortran_file, places
 from duhem.export.routine import routine
-from duhem.export.state_file import state_c_file, state_fortran_file
+from duhem.export.source_files import c_file, fortran_file, identifier, places, state_c_file, state_fortran_file
 from duhem.export.state_routine import state_routine
 from duhem.law import catalogue
 from duhem.law.atlas.entry import entries

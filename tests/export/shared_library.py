@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from duhem.export.c_file import c_file, identifier
+from duhem.export.source_files import c_file, identifier
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 from duhem.proof.verification import verify

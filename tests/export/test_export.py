@@ -12,9 +12,8 @@ import pytest
 
 import duhem
 from duhem import Criterion, Domain, InputError
-from duhem.export.c_file import c_file, identifier
-from duhem.export.fortran_file import fortran_file
 from duhem.export.routine import routine
+from duhem.export.source_files import c_file, fortran_file, identifier
 from duhem.testing import checks_for, conformance, pressures
 from duhem.testing.foreign import shared_library, umat
 from tests.campaigns.increments import at_simplest

@@ -12,8 +12,7 @@ import pytest
 
 import duhem
 from duhem import Criterion, InputError
-from duhem.export.c_file import identifier
-from duhem.export.state_file import state_c_file, state_fortran_file
+from duhem.export.source_files import identifier, state_c_file, state_fortran_file
 from duhem.export.state_routine import state_routine
 from duhem.law.catalogue import load_formula
 from duhem.law.state import Variable, prescribed

@@ -6,7 +6,7 @@ import pytest
 import duhem
 from duhem import Criterion, InputError, Path, Paths, simulate
 from duhem.path import scene_file
-from duhem.path.trajectory import trajectory
+from duhem.path.picture import trajectory
 from tests.long import mostly_long
 
 LAWS = {

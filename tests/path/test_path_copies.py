@@ -11,7 +11,7 @@ import sympy as sp
 
 from duhem import Path, simulate
 from duhem.path import scene_file
-from duhem.path.trajectory import trajectory
+from duhem.path.picture import trajectory
 from tests.long import long_but
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}

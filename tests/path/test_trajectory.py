@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from duhem import InputError, Path, simulate
-from duhem.path.trajectory import trajectory
+from duhem.path.picture import trajectory
 from tests.long import mostly_long
 from tests.oracles.path import drive
 
@@ -174,7 +174,7 @@ def test_a_run_that_draws_nothing_does_not_load_the_curve():
         "import sys; from duhem import Path, simulate;"
         "simulate('antoni2007-1d', Path.cycle(1.0, pressure=-1.0), stiffness=1.0,"
         " parameters={'mu_plus': .3, 'mu_minus': .2}, method='exact');"
-        "sys.exit('duhem.path.trajectory' in sys.modules)"
+        "sys.exit('duhem.path.picture' in sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 

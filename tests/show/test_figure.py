@@ -18,8 +18,7 @@ from duhem.benchmark.extreme_cases import AXES, ExtremeCases, Tally
 from duhem.benchmark.measurement import Measurement, Spread, WorkPrecision
 from duhem.errors import InputError, MissingExtraError
 from duhem.micromodel.figures import FIGURES, Figure
-from duhem.path.picture import stress_path
-from duhem.path.trajectory import trajectory
+from duhem.path.picture import stress_path, trajectory
 from duhem.show import figure
 from duhem.show.printing import draw
 

@@ -12,8 +12,7 @@ from collections.abc import Iterable, Sequence
 from math import ceil, floor, log10
 from typing import TYPE_CHECKING, Any
 
-from duhem.benchmark import paths as path
-from duhem.benchmark import throughput
+from duhem.benchmark import throughput, work_precision
 from duhem.benchmark.extreme_cases import AXES, MOST, POOR, ExtremeCases, Tally
 from duhem.benchmark.measurement import Measurement, Spread, WorkPrecision, report
 from duhem.law.law_sheet import UNIT
@@ -28,16 +27,16 @@ __all__ = ["as_text", "duration", "extreme_cases_as_text", "panels", "picture"]
 
 _TITLES = {
     throughput.SINGLE: "One increment: four trial stresses, each solved alone; largest relative error, time an increment",
-    path.SCENE: "A loading path of four straight steps: largest error of the stress at the corners, time of the whole path",
+    work_precision.PATH: "A loading path of four straight steps: largest error of the stress at the corners, time of the whole path",
     throughput.CALLS: "Many increments through duhem.project: wall time a point",
-    path.LONG: "Many implicit steps through duhem.simulate: wall time a step of one point",
+    work_precision.LONG: "Many implicit steps through duhem.simulate: wall time a step of one point",
     throughput.SCENE: "Many increments at once: processor time a point; errors of some points, flags of the first 100, first call by the "
     "clock on the wall, what it compiles included",
 }
-_ERRORS = {throughput.SINGLE: ("stress", "slip"), path.SCENE: ("stress",), throughput.SCENE: ("stress", "slip")}
+_ERRORS = {throughput.SINGLE: ("stress", "slip"), work_precision.PATH: ("stress",), throughput.SCENE: ("stress", "slip")}
 
 _NO_ERROR = 2.0**-54  # where a method with no error at all is drawn
-_DRAWN = {throughput.SINGLE: "one increment", path.SCENE: "a loading path"}
+_DRAWN = {throughput.SINGLE: "one increment", work_precision.PATH: "a loading path"}
 _WIDTH = 6.4
 _DECADES = 2  # the fewest an axis shows: less has no number to read
 
@@ -67,7 +66,7 @@ def _own_error(result: WorkPrecision, scene: str, page: Page) -> list[str]:
 
 def _table(rows: Sequence[Measurement], scene: str, page: Page) -> list[str]:
     names = _ERRORS.get(scene, ())
-    judged = ["flagged"] if scene not in (path.SCENE, throughput.CALLS, path.LONG) else []
+    judged = ["flagged"] if scene not in (work_precision.PATH, throughput.CALLS, work_precision.LONG) else []
     called = ["first call"] if scene == throughput.SCENE else []
     head = ("method", "setting", *(f"error in {n}" for n in names), *judged, *called, "time", "least", "most", "runs")
     body: list[tuple[str, ...]] = [head]
@@ -82,7 +81,7 @@ def _table(rows: Sequence[Measurement], scene: str, page: Page) -> list[str]:
         time = _time(row.seconds) if row.seconds else ("",) * 4
         first = [duration(row.first) if row.first is not None else "" for _ in called]
         body.append((row.method, row.setting, *errors, *([str(row.flagged) if row.error else ""] if judged else []), *first, *time))
-    noted = [row for row in rows if row.note and row.failure is None and scene != path.SCENE]
+    noted = [row for row in rows if row.note and row.failure is None and scene != work_precision.PATH]
     notes = [line for row in noted for line in page.item(f"note: {' '.join(filter(None, (row.method, row.setting)))}: {row.note}")]
     return [*page.table(body, "llr"), *notes]
 

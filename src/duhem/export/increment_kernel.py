@@ -1,6 +1,6 @@
 """One increment from the numbers that a finite-element program has: stiffness, pressure and parameters in, stress and tangent out.
 
-Written as :mod:`duhem.projection.newton_kernel` is, and translated together with it (:mod:`duhem.export.c_file`); names without a
+Written as :mod:`duhem.projection.newton_kernel` is, and translated together with it (:mod:`duhem.export.source_files`); names without a
 body stand for what is made for one law.  What is not shown to be optimal, and what is no question, leaves nan behind, so that an
 answer without its status is none.
 """

@@ -21,10 +21,9 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError, meant
-from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, names_in
+from duhem.expression.abbreviations import INVARIANTS, NONE, Abbreviations, WrittenOut, WrittenOver, names_in
 from duhem.expression.build import AS_WRITTEN, EVALUATED, IN_RANGE, UNMADE, Building, settled, unacceptable
 from duhem.expression.fold import Graph, Shared, fold
-from duhem.expression.indexed import WrittenOver
 from duhem.expression.number import DECIMAL, exact_number
 from duhem.expression.spelling import spelled
 from duhem.expression.vocabulary import MOST_ARGUMENTS, NODES, WORDS, symbol

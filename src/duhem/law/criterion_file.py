@@ -19,8 +19,7 @@ import sympy as sp
 
 from duhem.errors import InputError, faults_at, meant
 from duhem.expression import WORDS, symbol
-from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Stress
-from duhem.expression.indexed import Indexed, component
+from duhem.expression.abbreviations import INVARIANTS, Abbreviations, Indexed, Stress, component
 from duhem.expression.parse import parse_expression, parse_graph, parse_relation, too_long, written_out
 from duhem.expression.spelling import spelled
 from duhem.expression.text import faithful

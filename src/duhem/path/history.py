@@ -113,7 +113,7 @@ class History(Recorded):
     the energy an implicit step loses, all accumulated from knot 0; ``balance`` the residual of each step,
     d work - d psi - d dissipation - d numerical (Antoni et al. 2007, Eqs. 22-31, isothermal).
     ``forces`` and ``pressure_name`` are the law's names; ``method`` and ``why`` say how it was integrated; ``plan`` is
-    the question that was answered, from which :func:`duhem.path.trajectory.trajectory` finds what lies between the knots.
+    the question that was answered, from which :func:`duhem.path.picture.trajectory` finds what lies between the knots.
     """
 
     plan: Plan | None = field(default=None)

@@ -39,13 +39,12 @@ def export(law: str, settings: Sequence[str], language: str, out: str | None) ->
     from duhem.proof.verification import verify
 
     if fixed.variables:
-        from duhem.export.state_file import state_c_file as c_file
-        from duhem.export.state_file import state_fortran_file as fortran_file
+        from duhem.export.source_files import state_c_file as c_file
+        from duhem.export.source_files import state_fortran_file as fortran_file
         from duhem.export.state_routine import state_routine as routine
     else:
-        from duhem.export.c_file import c_file
-        from duhem.export.fortran_file import fortran_file
         from duhem.export.routine import routine
+        from duhem.export.source_files import c_file, fortran_file
 
     routine(fixed)  # what has none is not verified first
     with Progress() as progress:

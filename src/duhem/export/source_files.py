@@ -1,0 +1,440 @@
+"""One law's increment, or its step where it has a state, as one C99 file that needs nothing but the mathematical library.
+
+A Fortran file calls it: a module with its interface, and a subroutine as finite-element programs call them, with the arguments of FRIC
+and UMAT in their order (Abaqus User Subroutines Reference Guide).  No file of Abaqus is needed to compile it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from duhem.errors import InputError
+from duhem.export.routine import Routine, routine
+from duhem.export.state_routine import state_law, state_routine
+from duhem.expression.text import formula
+from duhem.law.formula_law import Criterion
+from duhem.law.state import prescribed
+from duhem.path.state_step import KKT
+from duhem.proof.verdict import Verdict
+from duhem.proof.verification import Verification
+from duhem.show.page import PAGE
+from duhem.version import __version__
+
+__all__ = ["c_file", "fortran_file", "identifier", "places", "state_c_file", "state_fortran_file"]
+
+# -- the head: the law, its arguments, what was proved of it, and the limits of the routine ----------------------------
+
+_LONGEST = 40  # Fortran's names have 63 characters, endings included
+
+
+def identifier(law: str) -> str:
+    """The law's name as C and Fortran can have it."""
+    name = re.sub(r"[^a-z0-9]+", "_", law.lower()).strip("_")[:_LONGEST]
+    return name if name[:1].isalpha() else f"law_{name}".rstrip("_")
+
+
+def _header(verification: Verification, law: Criterion, parameters: Sequence[str]) -> list[str]:
+    """Lines as wide as a page, none of which can end a comment; ``parameters`` are those that are arguments."""
+    d = len(law.forces)
+    arrays = f"trial[{d}], stress[{d}] and slip[{d}] in the order of the forces; {_STIFFNESS.format(n=d * d)}"
+    return _described(verification, law, parameters, _INCREMENT, arrays, _STATUS, _LIMITS)
+
+
+def _described(
+    verification: Verification,
+    law: Criterion,
+    parameters: Sequence[str],
+    what: str,
+    arrays: str,
+    status: Sequence[str],
+    limits: Sequence[str],
+) -> list[str]:
+    """The same of any routine, of which the texts are said."""
+    fixed = [f"{name} {domain.describe()}" for name, domain in law.parameters.items() if domain.value is not None]
+    places = [f"parameters[{i}] is {law.parameters[name].stated(name)}" for i, name in enumerate(parameters)]
+    set_ = f"Phi* = {formula(law.g)}" if law.viscous else f"K = {{{formula(law.g)} <= 0}}"
+    lines = [
+        *_said(f"{law.name}: {law.summary}" if law.summary else law.name),
+        *_said(set_, "potential" if law.viscous else "criterion"),
+        *_said("" if law.energy is None else formula(law.energy), "psi"),
+        *_said(law.source, "source"),
+        *_said(", ".join(law.forces), "forces"),
+        *_said(f"{law.pressure} <= 0 in compression" if law.pressure else "none; the routine ignores this argument", "pressure"),
+        *_said("; ".join(fixed), "fixed"),
+        *_said("; ".join(places) or "none; you may pass a null pointer", "arguments"),
+        *_said(", ".join(formula(c) for c in law.constraints), "constraints"),
+        *_said(", ".join(own.stated(name) for name, own in law.domain.items()), "ranges"),
+        "",
+        *_said(what),
+        *_said("one coherent system, for example Pa, m, Pa/m and J/m^2", "units"),
+        *_said(arrays, "arrays"),
+        "",
+        *_said("Status returned:"),
+        *(line for text in status for line in _said(text, "")),
+        "",
+        *_said(f"Verdicts of duhem {__version__}:"),
+        *(line for result in verification.results for line in _said(_verdict(result.verdict, result.trust, result.scope), result.claim)),
+        *_said(f"{verification.certificate()['sha256']} (of the law as fixed here: duhem verify LAW --certificate FILE)", "sha256"),
+        "",
+        *_said("Limits:"),
+        *(line for text in limits for line in _said(text, "")),
+    ]
+    return [line.rstrip() for line in lines]
+
+
+_INCREMENT = (
+    "The routine computes one slip increment.  K is the set of admissible stresses.  trial = k (u - u_in) is the stress without further "
+    "slip, with the stiffness k, the displacement u and the slip u_in.  stress is the point of K that is closest to trial, where k^-1 "
+    "measures the distance.  slip = k^-1 (trial - stress) is the increment of u_in, dissipation = stress . slip, tangent = d stress/d u."
+)
+_STIFFNESS = "stiffness[{n}] symmetric positive definite, tangent[{n}] symmetric, both row by row"
+_STATUS = (
+    "0  stick: stress = trial",
+    "1  slip",
+    "2  not solved: the routine found no point that fulfils the optimality conditions.  It starts at zero stress, or at another point "
+    "inside K if zero stress is not inside.  At the tip of a round cone it may fail, more often if the cone is thin or has more than "
+    "three forces.  duhem.project has a more general search",
+    "3  invalid input: a number that is not finite, a stiffness that is not symmetric positive definite, a pressure above 0, "
+    "or a parameter or pressure outside its range",
+    "4  solved, but the stress lies outside a range that the law declares for it",
+    "5  slip, but the tangent is not known: degenerate corner (the active surfaces are not unique), a root in the formula is 0 there, or "
+    "K has an edge there where two eigenvalues are equal",
+    "With status 2 and 3 all results are nan.  With status 5 only the tangent is nan; with status 4 it may be nan.  Where the stress has "
+    "no derivative, the routine returns one of several possible tangents.",
+)
+_LIMITS = (
+    "The routine checks the optimality conditions in double precision only.  duhem.project also checks every answer in more digits.",
+    "The routine does not search for points that Newton's method does not find.  They have the status 2.",
+    "The routine does not compute d stress/d pressure.",
+    "Compile without -ffast-math, because the code uses infinities and nan.",
+)
+
+
+def _verdict(verdict: str, trust: str | None, scope: str) -> str:
+    return f"{verdict.replace('_', ' ')}{f', {trust}' if trust else ''}: {scope}"
+
+
+def _said(text: str, title: str | None = None) -> list[str]:
+    """A sentence beside its title, nothing where there is none; without what has a meaning in a comment."""
+    plain = "".join(c if c.isprintable() else " " for c in text)
+    plain = re.sub(r"\?(?=\?)", "? ", plain.replace("*/", "* /").replace("/*", "/ *"))
+    first = "" if title is None else f"  {title:<13}"
+    return PAGE.hanging(plain, first, " " * len(first)) if text else []
+
+
+# -- the C file --------------------------------------------------------------------------------------------------------
+
+_GUARD = """\
+#ifdef __FAST_MATH__
+#error "infinities and nan mean something here: compile without -ffast-math"
+#endif
+
+#include <float.h>
+#include <math.h>"""
+
+
+def _exported(verification: Verification) -> tuple[Criterion, Routine]:
+    """The law, and its increment as C functions.
+
+    InputError where K is not proved to be convex: the conditions of the optimum that are tested hold at other points too then.
+    """
+    law = verification.criterion
+    if not isinstance(law, Criterion):
+        raise InputError(f"{law.name} is a boundary curve and has no formula g", where="law", remedy="export a law with a formula g")
+    made = routine(law)
+    _check_convex(verification)
+    return law, made
+
+
+def _check_convex(verification: Verification) -> None:
+    """InputError where K is not proved to be convex: the conditions that a routine tests hold at other points too then."""
+    if (found := verification["convexity"].verdict) is not Verdict.PROVED:
+        remedy = "use --set to choose parameters for which K is convex; duhem verify LAW gives details"
+        raise InputError(
+            f"convexity is {found.replace('_', ' ')}, but the routine is right only for a convex K",
+            where=verification.criterion.name,
+            remedy=remedy,
+        )
+
+
+def c_file(verification: Verification) -> str:
+    """The C file of the law that was verified; its one function with a name outside is NAME_increment.  Errors as :func:`exported`."""
+    law, made = _exported(verification)
+    d, name = len(law.forces), identifier(law.name)
+    signature = (
+        f"int {name}_increment(const double trial[{d}], double pressure, const double stiffness[{d * d}], const double parameters[],\n"
+        f"    double stress[{d}], double slip[{d}], double *dissipation, double tangent[{d * d}])"
+    )
+    call = "increment(trial, pressure, stiffness, parameters, stress, slip, dissipation, tangent)"
+    return _c_text(_header(verification, law, made.parameters), made, signature, call)
+
+
+def _c_text(head: Sequence[str], made: Routine, signature: str, call: str) -> str:
+    """The file of a routine: its head as a comment, its functions, and the one that others call."""
+    said = "\n".join(f" * {line}".rstrip() for line in head)
+    whole = f"{signature};\n\n{signature}\n{{\n    return {call};\n}}"
+    return "\n\n".join([f"/*\n{said}\n */", _GUARD, made.text, whole]) + "\n"
+
+
+# -- the Fortran file --------------------------------------------------------------------------------------------------
+
+
+_ABAQUS = ("xx", "yy", "zz", "xy", "xz", "yz")  # its order of the components of a stress
+
+_MODULE = """\
+module {name}_law
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
+  implicit none
+  private
+  public :: {name}_increment
+  interface
+    function {name}_increment(trial, pressure, stiffness, parameters, stress, slip, dissipation, tangent) &
+        bind(c, name="{name}_increment") result(status)
+      import :: c_double, c_int
+      real(c_double), intent(in) :: trial({d}), stiffness({d}, {d}), parameters(*)
+      real(c_double), value :: pressure
+      real(c_double), intent(out) :: stress({d}), slip({d}), dissipation, tangent({d}, {d})
+      integer(c_int) :: status
+    end function
+  end interface
+end module"""
+
+_FRIC = """\
+! PROPS: the stiffness row by row, then the parameters.  PRESS is above 0 in compression; where it is not, nothing is carried.
+! TAU in the order {order}.  DDTDDP is taken by differences.
+! Where the increment is not solved PNEWDT asks for half the step.  Where its tangent alone is not known (status 5) the answer
+! stands, and the tangent is the stiffness, as where nothing slips.
+subroutine fric(lm, tau, ddtddg, ddtddp, dslip, sed, sfd, ddtddt, pnewdt, statev, dgam, taulm, press, dpress, ddpddh, slip, &
+    kstep, kinc, time, dtime, noel, ciname, slname, msname, npt, node, npatch, coords, rcoord, drot, temp, predef, nfdir, mcrd, &
+    npred, nstatv, chrlnm, props, nprops)
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
+  use {name}_law, only: {name}_increment
+  implicit none
+  integer :: lm, kstep, kinc, noel, npt, node, npatch, nfdir, mcrd, npred, nstatv, nprops
+  character(len=80) :: ciname, slname, msname, chrlnm
+  real(c_double) :: tau(nfdir), ddtddg(nfdir, nfdir), ddtddp(nfdir), dslip(nfdir), sed, sfd, ddtddt(nfdir, 2), pnewdt, statev(*), &
+    dgam(nfdir), taulm(nfdir), press, dpress, ddpddh, slip(nfdir), time(2), dtime, coords(mcrd), rcoord(mcrd), drot(2, 2), &
+    temp(2), predef(2, *), props(nprops)
+  real(c_double) :: k({d}, {d}), trial({d}), found({d}), step({d}), tangent({d}, {d}), &
+    low({d}), high({d}), unused({d}), slope({d}, {d}), loss, h
+  integer(c_int) :: status, below, above
+  if (nfdir /= {d} .or. nprops < {props}) error stop "{name}: {d} directions, {props} numbers in PROPS"
+  lm = 0
+  k = reshape(props(1:{square}), [{d}, {d}])
+  trial = tau + matmul(k, dgam)
+  ddtddt = 0
+  if (press <= 0) then
+    tau = 0
+    ddtddg = 0
+    ddtddp = 0
+    dslip = dgam
+    sfd = 0
+    return
+  end if
+  status = {name}_increment(trial, -press, k, props({first}:), found, step, loss, tangent)
+  if (status > 1 .and. status /= 5) then
+    pnewdt = 0.5_c_double
+    return
+  end if
+  tau = found
+  dslip = step
+  sfd = loss
+  ddtddg = tangent
+  if (status == 5) ddtddg = k
+  ddtddp = 0
+  h = 1.0e-6_c_double * press
+  below = {name}_increment(trial, h - press, k, props({first}:), low, unused, loss, slope)
+  above = {name}_increment(trial, -h - press, k, props({first}:), high, unused, loss, slope)
+  if ((below <= 1 .or. below == 5) .and. (above <= 1 .or. above == 5)) ddtddp = (high - low) / (2 * h)
+end subroutine"""
+
+_UMAT_HEAD = """\
+subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
+    predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
+    layer, kspt, jstep, kinc)
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
+  use {name}_law, only: {name}_{entry}
+  implicit none
+  integer :: ndi, nshr, ntens, nstatv, nprops, noel, npt, layer, kspt, jstep(4), kinc
+  character(len=80) :: cmname
+  real(c_double) :: stress(ntens), statev(*), ddsdde(ntens, ntens), sse, spd, scd, rpl, ddsddt(ntens), drplde(ntens), drpldt, &
+    stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(*), dpred(*), props(nprops), coords(3), drot(3, 3), pnewdt, &
+    celent, dfgrd0(3, 3), dfgrd1(3, 3)
+"""
+"""The arguments of UMAT, as Abaqus declares them, for a routine NAME_ENTRY."""
+
+_UMAT = """\
+! PROPS: the stiffness row by row, then the parameters; the stress in the order {order}, shear strains those of engineers.
+! SSE and SPD are increased.  Where the increment is not solved PNEWDT asks for half the step.  Where its tangent alone is not
+! known (status 5) the answer stands, and the tangent is the stiffness, as where nothing slips.
+{head}  integer, parameter :: place({d}) = [{places}]
+  real(c_double) :: k({d}, {d}), trial({d}), found({d}), slip({d}), tangent({d}, {d}), loss
+  integer(c_int) :: status
+  if (ntens /= {d} .or. nprops < {props}) error stop "{name}: {d} components, {props} numbers in PROPS"
+  k = reshape(props(1:{square}), [{d}, {d}])
+  trial = stress + matmul(k, dstran)
+  status = {name}_increment(trial(place), 0.0_c_double, k(place, place), props({first}:), found, slip, loss, tangent)
+  if (status > 1 .and. status /= 5) then
+    pnewdt = 0.5_c_double
+    return
+  end if
+  ddsdde(place, place) = tangent
+  if (status == 5) ddsdde = k
+  sse = sse + 0.5_c_double * (dot_product(stress(place) + found, dstran(place) - slip))
+  spd = spd + loss
+  stress(place) = found
+end subroutine"""
+
+
+def fortran_file(verification: Verification) -> str:
+    """The Fortran of the law that was verified, to be linked with its C file.  Errors as :func:`c_file`."""
+    law, made = _exported(verification)
+    d, name = len(law.forces), identifier(law.name)
+    where = places(law, law.forces)
+    order = [law.forces[where.index(i)] for i in range(d)]
+    wrapper = (_FRIC if law.pressure else _UMAT).format(
+        head=_UMAT_HEAD.format(name=name, entry="increment"),
+        name=name,
+        d=d,
+        square=d * d,
+        first=d * d + 1,
+        props=d * d + len(made.parameters),
+        places=", ".join(str(place + 1) for place in where),
+        order=", ".join(order),
+    )
+    return _fortran_text(law, _header(verification, law, made.parameters), _MODULE.format(name=name, d=d), "", wrapper)
+
+
+def _fortran_text(law: Criterion, head: Sequence[str], *text: str) -> str:
+    """The file of a routine: its head as a comment, and the rest."""
+    first = f"To be linked with the C file of the same law (duhem export {law.name} --to c), which it calls."
+    return "\n".join([*(f"! {line}".rstrip() for line in (first, "", *head)), "", *text]) + "\n"
+
+
+def places(law: Criterion, forces: Sequence[str]) -> list[int]:
+    """Where the caller has each of the forces that it knows."""
+    if law.stress is None or law.stress.kind == "principal":
+        return list(range(len(forces)))
+    ends = [component.removeprefix(f"{law.stress.name}_") for component in forces]
+    return [[end for end in _ABAQUS if end in ends].index(end) for end in ends]
+
+
+# -- a law with a state ------------------------------------------------------------------------------------------------
+
+
+_STEP_SAID = (
+    "The routine computes one implicit step.  before and after are the observables at its ends, dt is its time, and temperature and "
+    "pressure are those at its end.  stress is the derivative of psi by the observables, and state has the internal variables, which the "
+    "routine replaces if it solves the step.  dissipation is that of the step, and tangent = d stress/d after.  Arguments that the law "
+    "does not need may be 0."
+)
+_STEP_STATUS = (
+    "0  nothing flows",
+    "1  something flows",
+    f"2  not solved to {KKT:g} of the terms, or a variable comes to a bound of its range: take a shorter step",
+    "3  invalid input: a number that is not finite, a time below 0, a pressure above 0, or a parameter, pressure or variable outside its "
+    "range",
+    "5  solved, but the step has no tangent",
+    "With status 2 and 3 all results are nan and the state is as before.  With status 5 a part of the tangent is nan.",
+)
+_STEP_LIMITS = (
+    "The energy contains the stiffness.  The state is that of one point: the routine keeps nothing between calls.",
+    "The tangent is not symmetric if the law has a flow of its own.",
+    "Compile without -ffast-math, because the code uses infinities and nan.",
+)
+
+
+def _step_head(verification: Verification, law: Criterion, parameters: tuple[str, ...]) -> list[str]:
+    own = state_law(law)
+    seen, inner = own.names[: own.observables], own.names[own.observables : own.observables + own.internal]
+    arrays = (
+        f"before[{len(seen)}] and after[{len(seen)}]: {', '.join(seen)}; stress[{len(seen)}]: {', '.join(prescribed(law))}; "
+        f"state[{len(inner)}]: {', '.join(inner)}; tangent[{len(seen) ** 2}] row by row"
+    )
+    return _described(verification, law, parameters, _STEP_SAID, arrays, _STEP_STATUS, _STEP_LIMITS)
+
+
+def state_c_file(verification: Verification) -> str:
+    """The C file of the law that was verified; its one function with a name outside is NAME_step.  InputError for what has no routine."""
+    law = _state_law(verification)
+    made, own, name = state_routine(law), state_law(law), identifier(law.name)
+    o, i = own.observables, own.internal
+    signature = (
+        f"int {name}_step(const double before[{o}], const double after[{o}], double pressure, double temperature, double dt,\n"
+        f"    const double parameters[], double state[{i}], double stress[{o}], double *psi, double *dissipation, double tangent[{o * o}])"
+    )
+    call = "step(before, after, pressure, temperature, dt, parameters, state, stress, psi, dissipation, tangent)"
+    return _c_text(_step_head(verification, law, made.parameters), made, signature, call)
+
+
+_STEP_UMAT = """\
+module {name}_law
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
+  implicit none
+  private
+  public :: {name}_step
+  interface
+    function {name}_step( &
+        before, after, pressure, temperature, dt, parameters, state, stress, psi, dissipation, tangent) &
+        bind(c, name="{name}_step") result(status)
+      import :: c_double, c_int
+      real(c_double), intent(in) :: before({o}), after({o}), parameters(*)
+      real(c_double), value :: pressure, temperature, dt
+      real(c_double), intent(inout) :: state({i})
+      real(c_double), intent(out) :: stress({o}), psi, dissipation, tangent({o}, {o})
+      integer(c_int) :: status
+    end function
+  end interface
+end module
+
+! PROPS: the parameters.  STATEV: {inner}, 0 at the start unless the range of a variable excludes it.
+! Strains in the order {order}, shear strains those of engineers.  SSE is psi, and SPD is increased.
+! Where the step is not solved PNEWDT asks for half of it.
+{head}  integer, parameter :: place({o}) = [{places}]
+  real(c_double) :: state({i}), found({o}), slope({o}, {o}), psi, loss
+  integer(c_int) :: status
+  if (ntens /= {o} .or. nstatv < {i} .or. nprops < {props}) &
+    error stop "{name}: {o} components, {i} numbers in STATEV, {props} in PROPS"
+  state = statev(1:{i})
+  status = {name}_step( &
+    stran(place), stran(place) + dstran(place), 0.0_c_double, temp + dtemp, dtime, props, state, found, psi, loss, slope)
+  if (status > 1) then
+    pnewdt = 0.5_c_double
+    return
+  end if
+  statev(1:{i}) = state
+  stress(place) = found
+  ddsdde(place, place) = transpose(slope)
+  sse = psi
+  spd = spd + loss
+end subroutine"""
+
+
+def state_fortran_file(verification: Verification) -> str:
+    """The UMAT of the law that was verified, to be linked with its C file.  InputError for a law with a pressure, or without a routine."""
+    law = _state_law(verification)
+    if law.pressure is not None:
+        what = f"{law.name} has a state and a pressure, and FRIC does not give the displacement of which its stress is a function"
+        raise InputError(what, where="--to fortran", remedy="use --to c, and call NAME_step from your own routine")
+    made, own, name = state_routine(law), state_law(law), identifier(law.name)
+    forces = prescribed(law)
+    where = places(law, forces)
+    text = _STEP_UMAT.format(
+        head=_UMAT_HEAD.format(name=name, entry="step"),
+        name=name,
+        o=own.observables,
+        i=own.internal,
+        inner=", ".join(own.names[own.observables : own.observables + own.internal]),
+        order=", ".join(forces[where.index(k)] for k in range(len(forces))),
+        places=", ".join(str(place + 1) for place in where),
+        props=len(made.parameters),
+    )
+    return _fortran_text(law, _step_head(verification, law, made.parameters), text)
+
+
+def _state_law(verification: Verification) -> Criterion:
+    law = verification.criterion
+    assert isinstance(law, Criterion)  # a boundary curve has no variables
+    _check_convex(verification)
+    return law
