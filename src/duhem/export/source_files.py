@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
 from duhem.errors import InputError
 from duhem.export.routine import Routine, routine
@@ -182,110 +183,6 @@ def _c_text(head: Sequence[str], made: Routine, signature: str, call: str) -> st
 
 _ABAQUS = ("xx", "yy", "zz", "xy", "xz", "yz")  # its order of the components of a stress
 
-_MODULE = """\
-module {name}_law
-  use, intrinsic :: iso_c_binding, only: c_double, c_int
-  implicit none
-  private
-  public :: {name}_increment
-  interface
-    function {name}_increment(trial, pressure, stiffness, parameters, stress, slip, dissipation, tangent) &
-        bind(c, name="{name}_increment") result(status)
-      import :: c_double, c_int
-      real(c_double), intent(in) :: trial({d}), stiffness({d}, {d}), parameters(*)
-      real(c_double), value :: pressure
-      real(c_double), intent(out) :: stress({d}), slip({d}), dissipation, tangent({d}, {d})
-      integer(c_int) :: status
-    end function
-  end interface
-end module"""
-
-_FRIC = """\
-! PROPS: the stiffness row by row, then the parameters.  PRESS is above 0 in compression; where it is not, nothing is carried.
-! TAU in the order {order}.  DDTDDP is taken by differences.
-! Where the increment is not solved PNEWDT asks for half the step.  Where its tangent alone is not known (status 5) the answer
-! stands, and the tangent is the stiffness, as where nothing slips.
-subroutine fric(lm, tau, ddtddg, ddtddp, dslip, sed, sfd, ddtddt, pnewdt, statev, dgam, taulm, press, dpress, ddpddh, slip, &
-    kstep, kinc, time, dtime, noel, ciname, slname, msname, npt, node, npatch, coords, rcoord, drot, temp, predef, nfdir, mcrd, &
-    npred, nstatv, chrlnm, props, nprops)
-  use, intrinsic :: iso_c_binding, only: c_double, c_int
-  use {name}_law, only: {name}_increment
-  implicit none
-  integer :: lm, kstep, kinc, noel, npt, node, npatch, nfdir, mcrd, npred, nstatv, nprops
-  character(len=80) :: ciname, slname, msname, chrlnm
-  real(c_double) :: tau(nfdir), ddtddg(nfdir, nfdir), ddtddp(nfdir), dslip(nfdir), sed, sfd, ddtddt(nfdir, 2), pnewdt, statev(*), &
-    dgam(nfdir), taulm(nfdir), press, dpress, ddpddh, slip(nfdir), time(2), dtime, coords(mcrd), rcoord(mcrd), drot(2, 2), &
-    temp(2), predef(2, *), props(nprops)
-  real(c_double) :: k({d}, {d}), trial({d}), found({d}), step({d}), tangent({d}, {d}), &
-    low({d}), high({d}), unused({d}), slope({d}, {d}), loss, h
-  integer(c_int) :: status, below, above
-  if (nfdir /= {d} .or. nprops < {props}) error stop "{name}: {d} directions, {props} numbers in PROPS"
-  lm = 0
-  k = reshape(props(1:{square}), [{d}, {d}])
-  trial = tau + matmul(k, dgam)
-  ddtddt = 0
-  if (press <= 0) then
-    tau = 0
-    ddtddg = 0
-    ddtddp = 0
-    dslip = dgam
-    sfd = 0
-    return
-  end if
-  status = {name}_increment(trial, -press, k, props({first}:), found, step, loss, tangent)
-  if (status > 1 .and. status /= 5) then
-    pnewdt = 0.5_c_double
-    return
-  end if
-  tau = found
-  dslip = step
-  sfd = loss
-  ddtddg = tangent
-  if (status == 5) ddtddg = k
-  ddtddp = 0
-  h = 1.0e-6_c_double * press
-  below = {name}_increment(trial, h - press, k, props({first}:), low, unused, loss, slope)
-  above = {name}_increment(trial, -h - press, k, props({first}:), high, unused, loss, slope)
-  if ((below <= 1 .or. below == 5) .and. (above <= 1 .or. above == 5)) ddtddp = (high - low) / (2 * h)
-end subroutine"""
-
-_UMAT_HEAD = """\
-subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
-    predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
-    layer, kspt, jstep, kinc)
-  use, intrinsic :: iso_c_binding, only: c_double, c_int
-  use {name}_law, only: {name}_{entry}
-  implicit none
-  integer :: ndi, nshr, ntens, nstatv, nprops, noel, npt, layer, kspt, jstep(4), kinc
-  character(len=80) :: cmname
-  real(c_double) :: stress(ntens), statev(*), ddsdde(ntens, ntens), sse, spd, scd, rpl, ddsddt(ntens), drplde(ntens), drpldt, &
-    stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(*), dpred(*), props(nprops), coords(3), drot(3, 3), pnewdt, &
-    celent, dfgrd0(3, 3), dfgrd1(3, 3)
-"""
-"""The arguments of UMAT, as Abaqus declares them, for a routine NAME_ENTRY."""
-
-_UMAT = """\
-! PROPS: the stiffness row by row, then the parameters; the stress in the order {order}, shear strains those of engineers.
-! SSE and SPD are increased.  Where the increment is not solved PNEWDT asks for half the step.  Where its tangent alone is not
-! known (status 5) the answer stands, and the tangent is the stiffness, as where nothing slips.
-{head}  integer, parameter :: place({d}) = [{places}]
-  real(c_double) :: k({d}, {d}), trial({d}), found({d}), slip({d}), tangent({d}, {d}), loss
-  integer(c_int) :: status
-  if (ntens /= {d} .or. nprops < {props}) error stop "{name}: {d} components, {props} numbers in PROPS"
-  k = reshape(props(1:{square}), [{d}, {d}])
-  trial = stress + matmul(k, dstran)
-  status = {name}_increment(trial(place), 0.0_c_double, k(place, place), props({first}:), found, slip, loss, tangent)
-  if (status > 1 .and. status /= 5) then
-    pnewdt = 0.5_c_double
-    return
-  end if
-  ddsdde(place, place) = tangent
-  if (status == 5) ddsdde = k
-  sse = sse + 0.5_c_double * (dot_product(stress(place) + found, dstran(place) - slip))
-  spd = spd + loss
-  stress(place) = found
-end subroutine"""
-
 
 def fortran_file(verification: Verification) -> str:
     """The Fortran of the law that was verified, to be linked with its C file.  Errors as :func:`c_file`."""
@@ -293,8 +190,9 @@ def fortran_file(verification: Verification) -> str:
     d, name = len(law.forces), identifier(law.name)
     where = places(law, law.forces)
     order = [law.forces[where.index(i)] for i in range(d)]
-    wrapper = (_FRIC if law.pressure else _UMAT).format(
-        head=_UMAT_HEAD.format(name=name, entry="increment"),
+    wrapper = _fortran(
+        "fric" if law.pressure else "umat",
+        head=_fortran("umat_arguments", name=name, entry="increment"),
         name=name,
         d=d,
         square=d * d,
@@ -303,7 +201,12 @@ def fortran_file(verification: Verification) -> str:
         places=", ".join(str(place + 1) for place in where),
         order=", ".join(order),
     )
-    return _fortran_text(law, _header(verification, law, made.parameters), _MODULE.format(name=name, d=d), "", wrapper)
+    return _fortran_text(law, _header(verification, law, made.parameters), _fortran("law_module", name=name, d=d), "", wrapper)
+
+
+def _fortran(kind: str, **told: object) -> str:
+    """The text of that kind that stands beside this module, with what is said of the law in its places."""
+    return Path(__file__).with_name(f"{kind}.f90").read_text("utf-8").rstrip("\n").format(**told)
 
 
 def _fortran_text(law: Criterion, head: Sequence[str], *text: str) -> str:
@@ -368,49 +271,6 @@ def state_c_file(verification: Verification) -> str:
     return _c_text(_step_head(verification, law, made.parameters), made, signature, call)
 
 
-_STEP_UMAT = """\
-module {name}_law
-  use, intrinsic :: iso_c_binding, only: c_double, c_int
-  implicit none
-  private
-  public :: {name}_step
-  interface
-    function {name}_step( &
-        before, after, pressure, temperature, dt, parameters, state, stress, psi, dissipation, tangent) &
-        bind(c, name="{name}_step") result(status)
-      import :: c_double, c_int
-      real(c_double), intent(in) :: before({o}), after({o}), parameters(*)
-      real(c_double), value :: pressure, temperature, dt
-      real(c_double), intent(inout) :: state({i})
-      real(c_double), intent(out) :: stress({o}), psi, dissipation, tangent({o}, {o})
-      integer(c_int) :: status
-    end function
-  end interface
-end module
-
-! PROPS: the parameters.  STATEV: {inner}, 0 at the start unless the range of a variable excludes it.
-! Strains in the order {order}, shear strains those of engineers.  SSE is psi, and SPD is increased.
-! Where the step is not solved PNEWDT asks for half of it.
-{head}  integer, parameter :: place({o}) = [{places}]
-  real(c_double) :: state({i}), found({o}), slope({o}, {o}), psi, loss
-  integer(c_int) :: status
-  if (ntens /= {o} .or. nstatv < {i} .or. nprops < {props}) &
-    error stop "{name}: {o} components, {i} numbers in STATEV, {props} in PROPS"
-  state = statev(1:{i})
-  status = {name}_step( &
-    stran(place), stran(place) + dstran(place), 0.0_c_double, temp + dtemp, dtime, props, state, found, psi, loss, slope)
-  if (status > 1) then
-    pnewdt = 0.5_c_double
-    return
-  end if
-  statev(1:{i}) = state
-  stress(place) = found
-  ddsdde(place, place) = transpose(slope)
-  sse = psi
-  spd = spd + loss
-end subroutine"""
-
-
 def state_fortran_file(verification: Verification) -> str:
     """The UMAT of the law that was verified, to be linked with its C file.  InputError for a law with a pressure, or without a routine."""
     law = _state_law(verification)
@@ -420,8 +280,9 @@ def state_fortran_file(verification: Verification) -> str:
     made, own, name = state_routine(law), state_law(law), identifier(law.name)
     forces = prescribed(law)
     where = places(law, forces)
-    text = _STEP_UMAT.format(
-        head=_UMAT_HEAD.format(name=name, entry="step"),
+    text = _fortran(
+        "state_umat",
+        head=_fortran("umat_arguments", name=name, entry="step"),
         name=name,
         o=own.observables,
         i=own.internal,
