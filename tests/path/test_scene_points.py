@@ -148,7 +148,7 @@ def test_a_run_goes_on_from_the_points_that_are_done(folder, monkeypatch, fault)
 
         def stop(self, part):
             if self.points == 2:
-                self._growing.write("half a row, and then")
+                self.write("half a row, and then")
                 raise fault
             add(self, part)
 

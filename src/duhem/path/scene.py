@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path as File
-from types import TracebackType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -372,7 +371,7 @@ def history_of(plan: Plan, column: dict[str, Array]) -> History:
 _LINES = 65_536  # of a table, turned into Parquet together
 
 
-class GrowingTable:
+class GrowingTable(GrowingFile):
     """The table ``file`` of the run ``fingerprint`` with these ``columns``; ``points`` are done.
 
     Of these ``ended`` ended early, and ``stationary`` slip to stationary points, of which no more is shown.
@@ -382,36 +381,30 @@ class GrowingTable:
     """
 
     def __init__(self, file: AnyPath, fingerprint: str, columns: tuple[str, ...], resume: bool) -> None:
+        super().__init__(file, fingerprint, (0, 0, 0), resume)
         self.file = os.fspath(file)
-        self._growing = GrowingFile(file, fingerprint, (0, 0, 0), resume)
-        self.points, self.ended, self.stationary = self._growing.counts
-        if not self._growing.size:
-            self._growing.write(",".join(columns) + "\n")
-
-    def __enter__(self) -> GrowingTable:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
-        self._growing.close()
+        self.points, self.ended, self.stationary = self.counts
+        if not self.size:
+            self.write(",".join(columns) + "\n")
 
     def add(self, part: Histories) -> None:
         """The rows of further points; they are noted once they are all there."""
         for text in part.rows():
-            self._growing.write(text)
+            self.write(text)
         self.points += len(part)
         self.ended += part.ended_early()
         self.stationary += part.stationary()
-        self._growing.note(self.points, self.ended, self.stationary)
+        self.note(self.points, self.ended, self.stationary)
 
     def finish(self) -> None:
         """The table in its place, as Parquet where its name says so; nothing is left beside it."""
-        self._growing.end()
+        self.end()
         check_place(self.file)
         if self.file.endswith(".parquet"):
-            _to_parquet(self._growing.rows, self.file)
+            _to_parquet(self.rows, self.file)
         else:
-            os.replace(self._growing.rows, self.file)
-        self._growing.drop()
+            os.replace(self.rows, self.file)
+        self.drop()
 
 
 def _to_parquet(rows: File, file: str) -> None:

@@ -8,8 +8,7 @@ from array import array
 from collections.abc import Iterable, Iterator
 from itertools import islice
 from time import monotonic
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from duhem.errors import InputError
 from duhem.screening.campaign import Campaign, VerdictLine, lines_of, number_of
@@ -34,25 +33,19 @@ def check_table(file: AnyPath, inputs: Iterable[str] = ()) -> None:
     check_growing(name, inputs)
 
 
-class GrowingLines:
+class GrowingLines(GrowingFile):
     """What is done of a campaign, beside its table ``file``; ``resume`` goes on with it.
 
     Use it as a context: what is done is kept, and dropped with :meth:`drop` when the table is written.
     """
 
     def __init__(self, campaign: Campaign, file: AnyPath, resume: bool) -> None:
-        self._growing = GrowingFile(file, campaign.fingerprint, (0,), resume, asked="campaign")
+        super().__init__(file, campaign.fingerprint, (0,), resume, asked="campaign")
         self._places = array("q", [-1]) * (len(campaign) + 1)
         self.done, self._noted = 0, monotonic()
-        with open(self._growing.rows, "rb") as rows:
-            while (at := rows.tell()) < self._growing.size:
+        with open(self.rows, "rb") as rows:
+            while (at := rows.tell()) < self.size:
                 self._found(number_of(rows.readline().decode()), at)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
-        self._growing.close()
 
     def missing(self) -> Iterator[range]:
         """The rows that are not done."""
@@ -64,31 +57,31 @@ class GrowingLines:
 
     def add(self, text: str) -> None:
         """A row that is done; every second what is there is noted."""
-        self._found(number_of(text), self._growing.size)
-        self._growing.write(f"{text}\n")
+        self._found(number_of(text), self.size)
+        self.write(f"{text}\n")
         if monotonic() - self._noted > _PAUSE:
             self.keep()
 
     def keep(self) -> None:
         """What is done so far stays, whatever happens."""
-        self._growing.note(self.done)
+        self.note(self.done)
         self._noted = monotonic()
 
     def lines(self) -> Iterator[VerdictLine]:
         """All lines, sorted by row and claim, once every row is done."""
-        with open(self._growing.rows, "rb") as rows:
+        with open(self.rows, "rb") as rows:
             for place in self._places[1:]:
                 rows.seek(place)
                 yield from lines_of(rows.readline().decode())
 
     def drop(self) -> None:
         """Leave nothing beside the table."""
-        self._growing.end()
-        self._growing.drop()
+        self.end()
+        super().drop()
 
     def _found(self, number: int, at: int) -> None:
         if not 0 < number < len(self._places) or self._places[number] >= 0:
-            raise InputError("the file of an interrupted run is damaged", where=f"{self._growing.rows}", remedy=DAMAGED)
+            raise InputError("the file of an interrupted run is damaged", where=f"{self.rows}", remedy=DAMAGED)
         self._places[number] = at
         self.done += 1
 
