@@ -29,11 +29,14 @@ __all__ = [
     "complete_expected",
     "complete_law",
     "convex_option",
+    "flagship_argument",
     "format_option",
     "group_option",
+    "json_option",
     "law_argument",
     "laws_argument",
     "modules_beside_the_user",
+    "peers_option",
     "read_attribute",
     "read_claims",
     "read_fixed_formula",
@@ -44,8 +47,10 @@ __all__ = [
     "read_pair",
     "read_routine",
     "read_settings",
+    "read_subject",
     "report_format_option",
     "settings_option",
+    "stiffness_option",
 ]
 
 
@@ -262,3 +267,26 @@ class Vectors(click.Command):
             else:
                 joined.append(arg)
         return super().parse_args(ctx, joined)
+
+
+# -- a law and the numbers it is measured at ---------------------------------------------------------------------------
+
+FLAGSHIP = "antoni2007"
+FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}  # Antoni et al. 2007
+
+flagship_argument = click.argument("law", default=FLAGSHIP, shell_complete=complete_law)
+stiffness_option = click.option(
+    "--stiffness", metavar="K ...", help="Diagonal stiffness in quotes, one number per force (default: 1 2 ...)."
+)
+json_option = click.option("--json", "json_file", metavar="FILE", help="Write all results to this file as one JSON object.")
+peers_option = click.option(
+    "--peers", is_flag=True, help="Also measure the other programs that are installed (SciPy, jaxmat, qpax, ProxQP)."
+)
+
+
+def read_subject(law: str, settings: Sequence[str], stiffness: str | None) -> tuple[Criterion, list[float] | None]:
+    """The law, with those of Figure 5 for the parameters of the flagship that are left open, and the diagonal stiffness."""
+    if law == FLAGSHIP:
+        given = {setting.partition("=")[0].strip() for setting in settings}
+        settings = [*settings, *(f"{name}={value}" for name, value in FIGURE_5.items() if name not in given)]
+    return read_fixed_formula(law, settings), None if stiffness is None else read_numbers(stiffness, "--stiffness")

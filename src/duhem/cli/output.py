@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from math import inf
 from threading import Event, Lock, Thread
 from time import monotonic
@@ -13,8 +14,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from duhem.show.page import WIDTH, Page, terminal_width
+from duhem.version import __version__
 
 if TYPE_CHECKING:
+    from duhem.benchmark.measurement import Study
     from duhem.proof.decide import Budget
 
 __all__ = [
@@ -28,6 +31,7 @@ __all__ = [
     "Progress",
     "as_json",
     "aside",
+    "carry_out",
     "check_outputs",
     "deliver",
     "endless_page",
@@ -156,3 +160,17 @@ class Progress:
     def _write(self, text: str) -> None:
         if sys.stderr.isatty():
             print(f"\r\x1b[2K{text[:78]}", end="", file=sys.stderr, flush=True)
+
+
+def carry_out(measure: Callable[[Progress], Study], json_file: str | None, plot: str | None, inputs: Sequence[str]) -> int:
+    """Measure, print, write what is asked for, over none of the ``inputs``; the exit code."""
+    from duhem.show.place import write
+    from duhem.show.printing import draw, text
+
+    check_outputs(plot, [json_file], inputs)
+    with Progress("measuring") as progress:
+        done = measure(progress)
+    say(text(done, page()))
+    deliver("the results", json_file, lambda file: write(file, as_json({"duhem": __version__, **done.to_dict()}) + "\n"))
+    deliver("the picture", plot, partial(draw, done))
+    return INTERRUPTED if done.interrupted else FAILED if done.failed else HELD

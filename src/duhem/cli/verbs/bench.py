@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import choice_option, settings_option
-from duhem.cli.output import Progress
-from duhem.cli.study import carry_out, flagship_argument, json_option, peers_option, read_subject, stiffness_option
+from duhem.cli.arguments import choice_option, flagship_argument, json_option, peers_option, read_subject, settings_option, stiffness_option
+from duhem.cli.output import Progress, carry_out
 
 if TYPE_CHECKING:
     from duhem.benchmark.work_precision import WorkPrecision

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import check_names, settings_option
-from duhem.cli.output import Progress
-from duhem.cli.study import carry_out, flagship_argument, json_option, peers_option, read_subject, stiffness_option
+from duhem.cli.arguments import check_names, flagship_argument, json_option, peers_option, read_subject, settings_option, stiffness_option
+from duhem.cli.output import Progress, carry_out
 
 if TYPE_CHECKING:
     from duhem.benchmark.extreme_cases import ExtremeCases
