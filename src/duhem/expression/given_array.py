@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.spelling import spelled
 
-__all__ = ["check_rows", "columns", "in_order", "unlabelled", "unmasked"]
+__all__ = ["check_rows", "columns", "in_order", "reals", "unlabelled", "unmasked"]
 
 _PLAIN = (np.generic, list, tuple, int, float, str)
 _ONE_ORDER = "bring both into one order, or give an array"
@@ -70,6 +71,15 @@ def in_order(given: Any, names: Sequence[str], where: str) -> Any:
         return np.stack(parts, axis=-1)
     except ValueError:
         raise InputError("the columns differ in length", where=where, remedy="give one number a row in each") from None
+
+
+def reals(given: Any) -> NDArray[np.float64] | None:
+    """``given`` as doubles in an array of its own; None where it is not made of real numbers, as truth values and ragged rows are not."""
+    with suppress(TypeError, ValueError):
+        raw = np.asarray(given)
+        if raw.dtype.kind in "iuf":
+            return raw.astype(np.float64)
+    return None
 
 
 def unlabelled(given: Any, where: str, remedy: str) -> Any:

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression import symbol
+from duhem.expression.given_array import reals
 from duhem.expression.number import exact_number
 
 __all__ = [
@@ -130,13 +131,8 @@ def _profile(alpha: ArrayLike, beta: ArrayLike, mu_alpha: ArrayLike, mu_beta: Ar
 
 
 def _finite(name: str, value: ArrayLike) -> Array:
-    try:
-        raw = np.asarray(value)
-        if raw.dtype.kind not in "iuf":
-            raise TypeError
-        array = raw.astype(np.float64)
-    except (TypeError, ValueError):
-        raise InputError("this is not an array of real numbers", where=name, remedy="give a number or an array of numbers") from None
+    if (array := reals(value)) is None:
+        raise InputError("this is not an array of real numbers", where=name, remedy="give a number or an array of numbers")
     _refuse(~np.isfinite(array), name, array, "is not finite", "give finite numbers")
     return array
 
@@ -152,8 +148,8 @@ def _refuse(bad: NDArray[np.bool_], name: str, array: Array, fault: str, remedy:
 class FourQuadrantFit:
     """Coefficients of ``antoni2007`` and how well they do.
 
-    ``largest_error`` is the greatest |limit load of the fit / true limit load - 1| over loading directions, taken at the slip
-    angle ``error_angle`` (rad); ``root_mean_square`` the mean over slip angles.
+    ``largest_error`` is the greatest |limit load of the fit / true limit load - 1| over loading directions;
+    ``root_mean_square`` the mean over slip angles.
     """
 
     mu_a_plus: float
@@ -161,7 +157,6 @@ class FourQuadrantFit:
     mu_b_plus: float
     mu_b_minus: float
     largest_error: float
-    error_angle: float
     root_mean_square: float
 
     def parameters(self) -> dict[str, float]:
@@ -192,10 +187,9 @@ def associated_fit(alpha: float, beta: float, mu_alpha: float, mu_beta: float, *
             "no four-quadrant ellipse comes near this limit curve", where="profile", remedy="give gentler slopes or less friction"
         )
     error = 1 / np.sqrt(squares @ inverse) - 1
-    worst = int(np.argmax(np.abs(error)))
     a_plus, b_plus, a_minus, b_minus = (float(x) for x in 1 / np.sqrt(inverse))
     rms = float(np.sqrt(np.mean(error**2)))
-    return FourQuadrantFit(a_plus, a_minus, b_plus, b_minus, float(abs(error[worst])), float(phi[worst]), rms)
+    return FourQuadrantFit(a_plus, a_minus, b_plus, b_minus, float(np.abs(error).max()), rms)
 
 
 # -- one side, symbolically --------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError, faults_at
-from duhem.expression.given_array import unlabelled, unmasked
+from duhem.expression.given_array import reals, unlabelled, unmasked
 from duhem.expression.spelling import spelled
 from duhem.law.formula_law import Criterion
 from duhem.law.table_file import MOST_NUMBERS, read_table
@@ -262,15 +262,8 @@ def between(knots: Array, n: int) -> Array:
 
 def given_numbers(given: Any, what: str) -> Array:
     """Finite doubles; InputError names the first entry that is none."""
-    try:
-        raw = np.asarray(unmasked(given, what))
-        if raw.dtype.kind not in "iuf":
-            raise ValueError
-        array = raw.astype(np.float64)
-    except InputError:
-        raise
-    except (ValueError, TypeError):
-        raise InputError(f"{what} is not made of numbers", where="path", remedy="give finite numbers") from None
+    if (array := reals(unmasked(given, what))) is None:
+        raise InputError(f"{what} is not made of numbers", where="path", remedy="give finite numbers")
     if len(bad := np.argwhere(~np.isfinite(array))):  # of one number too, which has no index
         at = tuple(bad[0].tolist())
         raise InputError(f"{what}{list(at) if at else ''} is {array[at]}", where="path", remedy="give finite numbers")

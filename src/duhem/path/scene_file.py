@@ -17,6 +17,7 @@ import numpy as np
 
 from duhem.errors import InputError, meant
 from duhem.expression import holds_at
+from duhem.expression.given_array import reals
 from duhem.expression.spelling import spelled
 from duhem.law.catalogue import load_formula, load_named
 from duhem.law.domain import Domain
@@ -159,12 +160,8 @@ class _SceneReader:
         given = self.document.get("stress")
         if given is None:
             return None
-        try:
-            stress = np.atleast_1d(np.asarray(given))
-            if stress.ndim == 1 and stress.dtype.kind in "iuf":
-                return tuple(stress.astype(np.float64).tolist())
-        except ValueError:  # ragged
-            pass
+        if (stress := reals(given)) is not None and stress.ndim < 2:
+            return tuple(np.atleast_1d(stress).tolist())
         self.fault("stress is not made of numbers", "", "stress", "give one number a force, in Pa")
         return None
 

@@ -12,6 +12,7 @@ from hypothesis.strategies import SearchStrategy
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
+from duhem.expression.given_array import reals
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import refused
 from duhem.projection.metric import factors
@@ -126,10 +127,6 @@ def _is_number(given: Any) -> bool:
 
 def numbers(given: Any, where: str, remedy: str) -> Array:
     """Finite numbers as an array.  Raises InputError for anything else."""
-    try:
-        raw = np.asarray(given)
-    except ValueError:
-        raw = np.asarray(None)
-    if raw.dtype.kind not in "iuf" or not np.isfinite(raw).all():
+    if (found := reals(given)) is None or not np.isfinite(found).all():
         raise InputError(f"{str(given)[:60]!r} is not made of finite numbers", where=where, remedy=remedy)
-    return raw.astype(np.float64)
+    return found
