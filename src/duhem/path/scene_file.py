@@ -319,9 +319,7 @@ class _SceneReader:
         if value is None:
             self.fault(f"[{section}] has no {key}", "", section, f"choose {', '.join(allowed)}")
         else:
-            near = get_close_matches(str(value), allowed, n=1)
-            remedy = f"did you mean {near[0]!r}?" if near else f"choose {', '.join(allowed)}"
-            self.fault(f"unknown {key} {str(value)[:40]!r}", section, key, remedy)
+            self.fault(f"unknown {key} {str(value)[:40]!r}", section, key, meant(value, allowed, f"choose {', '.join(allowed)}"))
         return default
 
     def known(self, section: str, given: Mapping[str, Any], allowed: Iterable[str]) -> None:

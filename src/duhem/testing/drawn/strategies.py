@@ -425,7 +425,7 @@ def histories(
 
     Increments are drawn in multiples of the elastic range, which is looked for, or is the stress of the strain ``scale``; no strain is
     larger than ``largest_strain``, 100 times the typical elastic one if left out.  A leg of a ``timed`` one takes ``factor`` s.
-    ``searched`` counts what is found (:class:`duhem.testing.checks.query.Visited`).  The steps of a case of one shrink; those of a
+    ``searched`` counts what is found (:class:`duhem.testing.checks.registry.Visited`).  The steps of a case of one shrink; those of a
     larger one are picked from the same tables by a seed.
     """
     searched = Counter() if searched is None else searched

@@ -29,7 +29,7 @@ class Report(Shown):
     ``failures`` are likely causes, the likeliest first; ``explained`` are those of the checks that a cause explains.
     ``expected``: the checks that failed as was expected, with the reason given, or with the expected one that explains them;
     ``unexpected``: those that passed though they were expected to fail, and no other that was expected and failed explains them.
-    ``visited``: shares of the drawn increments (:class:`duhem.testing.checks.query.Visited`), and ``decades`` the first and last
+    ``visited``: shares of the drawn increments (:class:`duhem.testing.checks.registry.Visited`), and ``decades`` the first and last
     power of ten of what was drawn, in ``examples`` cases by ``seed``.  ``tried``: by the name of a
     check, how many of what it looked at more than the increments, such as the pairs of stresses of convexity; ``needs``: by that name,
     what it lacked where these are 0.  ``most_flagged``: the share that may be flagged, None for any.
