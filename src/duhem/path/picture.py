@@ -156,7 +156,7 @@ def stress_path(
     scale = figure.outsize(size)
     stress = states.stress / scale
     x, y = (states.time, stress[:, 0]) if len(forces) == 1 else (stress[:, 0], stress[:, 1])
-    look, named = (_VARIED, "$K$ at extreme pressures") if _varied(states) else (_FIXED, "boundary of $K$")
+    look, named = (_VARIED, "$K$ at extreme pressures") if np.ptp(states.pressure) > 0.0 else (_FIXED, "boundary of $K$")
     for i, line in enumerate(edges):
         axes.plot(*(line / scale).T, **look, label="_" if i else named)
     _line(axes, seen, x, y, 0, heads=len(forces) > 1)
@@ -267,10 +267,6 @@ def _key(axes: Axes, seen: Trajectory) -> None:
     axes.plot([], [], label="start", **_START)
     if len(seen.knots) <= _MARKED:
         axes.plot([], [], "o", color=figure.palette(0), label="knot")
-
-
-def _varied(states: History) -> bool:
-    return float(states.pressure.min()) < float(states.pressure.max())
 
 
 def _boundaries(states: History, law: Criterion, parameters: Mapping[str, float]) -> list[Array]:

@@ -224,7 +224,8 @@ def _closer(level: Level, plane: Plane, box: Window) -> Window:
         long = max(wide, high)
         each = (wide, high) if min(wide, high) > 0.0 and long > _THIN * min(wide, high) and not plane.guides else (long, long)
         x_free, y_free = (grow * size or 1.0 for size in each)
-        box = _clipped(plane, (box[0] - x_free, box[1] + x_free, box[2] - y_free, box[3] + y_free))
+        high_x = min(box[1] + x_free, 0.0) if plane.pressed else box[1] + x_free
+        box = (box[0] - x_free, high_x, box[2] - y_free, box[3] + y_free)
         if grow == 0.35:
             x, y, value = region(level, box, 121)
             if (found := level_lines(x, y, value)) and not (value[0] <= 0).any() and not (value[-1] <= 0).any():
@@ -233,10 +234,6 @@ def _closer(level: Level, plane: Plane, box: Window) -> Window:
                 box = (min(float(a), known[0]), max(float(b), known[1]), min(float(c), known[2]), max(float(d), known[3]))
                 box = (box[0], 0.0, *box[2:]) if plane.pressed and (value[:, -1] <= 0).any() else box
     return box
-
-
-def _clipped(plane: Plane, box: Window) -> Window:
-    return (box[0], min(box[1], 0.0), *box[2:]) if plane.pressed else box
 
 
 _MOST = 24  # arguments of a maximum, beyond which the seams between them are not looked for
