@@ -21,6 +21,7 @@ from typing import Any
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, exact
+from duhem.proof.kernel.forms import by_forces
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, slope, times, total, written
 from duhem.proof.kernel.stated_law import StatedFace, StatedLaw
@@ -71,9 +72,10 @@ def falls_from_zero(law: StatedLaw) -> bool:
 
 
 def is_a_graph(law: StatedLaw) -> bool:
-    """Whether g = h + c z, c a number, with a force z that is not in h: grad g is never 0."""
-    g = over(law).polynomial(law.g)
-    lone = [f for f in law.forces if g.get(((Term("name", name=f), 1),))]
+    """Whether g = h + c z, c never 0, with a force z that is not in h: grad g is never 0."""
+    domain = over(law)
+    g = by_forces(domain.polynomial(law.g), domain)
+    lone = [f for f in law.forces if not domain.facts(written(g.get(((Term("name", name=f), 1),), {}))).sign & ZERO]
     return any(sum(f in x.names() for m in g for x, _ in m) == 1 for f in lone)
 
 

@@ -14,6 +14,7 @@ from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
+from duhem.proof.kernel.forms import multiple
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.identity import in_order, vanishes
@@ -21,7 +22,7 @@ from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.polynomial import negated, written
-from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends, where_loads_allow
+from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends, where_it_has_a_value
 from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
 from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -272,10 +273,18 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
-    """g is C^1 where g = 0, and grad g != 0 there, as d g(r sigma)/dr > 0, or >= 0 for a g that is steep: its degrees show it."""
-    domain = _over(law, evidence)
-    defined = domain.facts(law.g).defined or _inside_at_tips(law)
-    return defined and grows_along_rays(law.g, domain) and smooth_near_the_boundary(law.g, domain)
+    """g is C^1 where g = 0, and grad g != 0 there: g is a graph, or d g(r sigma)/dr > 0, or >= 0 for a g that is steep, by its degrees.
+
+    Where it has no value that is asked of the rest alone, if this is within the ranges of the forces.
+    """
+    places, there = [_over(law, evidence)], law.once(where_it_has_a_value)
+    if not places[0].facts(law.g).defined:
+        ranges = [there.polynomial(side) for side in within_ranges(law).sides]
+        at_ends = all(any(multiple(there.polynomial(side), end, there) for end in ranges) for side in there.sides)
+        left = at_ends or _inside_at_tips(law)
+        places = [there] if left and Reader(there).undecided(law.g) is None else []
+    graph = bool(places) and boundary.is_a_graph(law)
+    return any((graph or grows_along_rays(law.g, place)) and smooth_near_the_boundary(law.g, place) for place in places)
 
 
 def one_force(law: StatedLaw, evidence: Evidence) -> bool:
@@ -310,7 +319,7 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
     """d g(r sigma)/dr >= 0 at r = 1 wherever g = 0, and no limit of grad g is 0: so sigma . n >= 0 for each; or K is a cone: it is 0."""
-    inside = law.once(where_loads_allow)[2]
+    inside = law.once(where_it_has_a_value)
     places = [over(law)] if over(law).facts(law.g).defined or _inside_at_tips(law) else []
     parts = law.g.args[1:] if law.g.op == "where" else (law.g,)
     if Reader(inside).undecided(law.g) is None and not any(chooses(part, inside) for part in parts):
@@ -477,7 +486,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "continuous from each cone to the next", most_forces=_PLANE,
     ),
     ("smoothness", "euler"): RuleRow(
-        _NONE, regular_along_rays, obligations.formula_but_at_tips,
+        _NONE, regular_along_rays, obligations.formula_where_it_has_a_value,
         "g is C^1 wherever g = 0, and grad g != 0 there: sigma . grad g > 0 (Euler), or g is a graph, or convex and somewhere negative",
     ),
     ("smoothness", "regular-value"): RuleRow(
@@ -507,7 +516,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "(Euler)", most_forces=_PLANE,
     ),
     ("dissipation", "homogeneity"): RuleRow(
-        _NONE, homogeneity, obligations.formula_where_loads_allow,
+        _NONE, homogeneity, obligations.formula_where_it_has_a_value,
         "the degrees of the parts of g in the forces show that sigma . grad g >= 0 wherever g = 0, with grad g != 0, or that K is a cone "
         "and sigma . grad g = 0 (Euler)",
     ),

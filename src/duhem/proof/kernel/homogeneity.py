@@ -33,6 +33,7 @@ from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number
 
 __all__ = ["by_degree", "flows_with_a_share_of_g", "grows_along_rays", "is_cone", "potential_flows_outward"]
 
+_JUMPING = ("where", "atan2")
 _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
 
@@ -127,6 +128,8 @@ def _degree(x: Term, domain: StatedDomain) -> Term:
         return product_of(x.args[1], _degree_of_all(x.args[:1], domain))
     if x.op in _ALIKE:
         return _degree_of_all(x.args, domain)
+    if x.op not in _JUMPING and all(set(by_degree(a, domain)) <= {number(0)} for a in x.args):
+        return number(0)
     raise NotWritten(f"{x.op} has no degree in the forces")
 
 

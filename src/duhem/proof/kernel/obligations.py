@@ -13,15 +13,18 @@ from fractions import Fraction
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, asks, continued, in_quotients, undecided_beside
-from duhem.proof.kernel.domain import ANY, NEGATIVE, StatedDomain
-from duhem.proof.kernel.region import where_loads_allow
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, StatedDomain
+from duhem.proof.kernel.homogeneity import by_degree
+from duhem.proof.kernel.pieces import chooses
+from duhem.proof.kernel.region import where_it_has_a_value, where_loads_allow
 from duhem.proof.kernel.regularity import tips
+from duhem.proof.kernel.semidefinite import zero_with
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, sum_of
 
 __all__ = [
     "constraints", "flow", "formula", "formula_and_flow", "formula_and_potential", "formula_at_zero", "formula_but_at_tips",
-    "formula_in_ranges", "formula_where_loads_allow", "limits", "nothing", "numbers", "numbers_in_formula",
+    "formula_in_ranges", "formula_where_it_has_a_value", "formula_where_loads_allow", "limits", "nothing", "numbers", "numbers_in_formula",
 ]  # fmt: skip
 
 _KIND = {"**": "a power, root or quotient", "log": "a logarithm", "asin": "an asin", "acos": "an acos", "tan": "a tan", "atan2": "an angle"}
@@ -87,12 +90,25 @@ def limits(law: StatedLaw) -> tuple[Term, ...]:
     """What g is at a tip, as its parts may be read, by continuity; none where it may have no value elsewhere."""
     if law.g.large:
         return ()
-    if found := tuple(continued(law.g, over(law))):
-        return found
+    with suppress(NotWritten, ValueError):
+        if found := (*continued(law.g, over(law)), *_at_zero_force(law)):
+            return found
     with suppress(NotWritten):
         form = in_quotients(law.g, over(law), divided_out=True)
         return tuple(continued(law.g, over(law._replace(g=form)), form))
     return ()
+
+
+def _at_zero_force(law: StatedLaw) -> Iterator[Term]:
+    """What g tends to there, if it has a value elsewhere: parts of degrees k > 0, being r^k times what is bounded, tend to 0."""
+    beside, forces = law.once(where_it_has_a_value), {*law.forces}
+    tips = all(strict and {x.name for x in zero_with(tip, beside)} == forces for tip, strict in beside.sides.items())
+    if not beside.sides or not tips or Reader(beside).undecided(law.g) is not None or chooses(law.g, beside):
+        return
+    parts = by_degree(law.g, beside)
+    end = parts.pop(number(0), number(0))
+    if beside.constant(end) and all(beside.facts(k).sign == POSITIVE for k in parts):
+        yield end
 
 
 def formula_but_at_tips(law: StatedLaw) -> str:
@@ -111,6 +127,12 @@ def formula_where_loads_allow(law: StatedLaw) -> str:
     reader = Reader(inside)
     settled = (reader.undecided(part) is None or any(True for _ in continued(part, inside)) for part in others)
     return "" if all(settled) else found
+
+
+def formula_where_it_has_a_value(law: StatedLaw) -> str:
+    """The same, or g wherever it does not divide by 0: no other point is one of K."""
+    found = law.once(formula_where_loads_allow)
+    return "" if found and not law.g.large and Reader(law.once(where_it_has_a_value)).undecided(law.g) is None else found
 
 
 def formula_at_zero(law: StatedLaw) -> str:

@@ -47,7 +47,7 @@ from duhem.proof.kernel.signs import RAY, Line, nonnegative, nonnegative_on_the_
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["convex_by_its_profile", "convex_in_its_region", "region_of", "round_at_its_ends", "where_loads_allow"]
+__all__ = ["convex_by_its_profile", "convex_in_its_region", "region_of", "round_at_its_ends", "where_it_has_a_value", "where_loads_allow"]
 
 _ONE = Fraction(1)
 
@@ -214,21 +214,36 @@ def where_loads_allow(law: StatedLaw) -> tuple[list[Term], list[Term], StatedDom
     loads, others = _loads_and_others(law.g, domain)
     sides = {**within_ranges(law).sides, **dict.fromkeys(map(minus, loads), False)}
     for part in others:
-        sides |= dict.fromkeys((x for x in _under_logarithms(part, domain) if not domain.constant(x) and domain.facts(x).affine), True)
+        sides |= {x: strict for x, strict in _under_words(part, domain) if not domain.constant(x) and domain.facts(x).affine}
     for part in others:
-        sides |= dict.fromkeys((load for load in sides if _divides(load, part, domain)), True)
+        below = [domain.polynomial(f) for f in _divisors(part, domain)]
+        sides |= dict.fromkeys((load for load in sides if any(multiple(f, domain.polynomial(load), domain) for f in below)), True)
     inside = domain.where(sides)
     more = dict.fromkeys((x for part in others for x in _loads_of_a_product(part, inside)), False)
     return loads, others, inside.where(more) if more else inside
 
 
-def _divides(load: Term, part: Term, domain: StatedDomain) -> bool:
-    """Whether a part has no value where a load is 0, dividing by it: no point of K lies there."""
+def where_it_has_a_value(law: StatedLaw) -> StatedDomain:
+    """Where the loads allow K and what is >= 0 and divided by in g is > 0: elsewhere g is > 0 or has no value.  It need not be convex."""
+    _, others, inside = law.once(where_loads_allow)
+    below = dict.fromkeys(f for part in others for f in _divisors(part, inside))
+    return inside.where(dict.fromkeys((f for f in below if over(law).facts(f).nonnegative), True))
+
+
+def _divisors(part: Term, domain: StatedDomain) -> Iterator[Term]:
+    """What a part divides by wherever it is read: where one of them is 0 it has no value, and no point of K lies there."""
+    if part.op == "where" or domain.constant(part):
+        return
+    moving, powers = part.args, ()
     if part.op == "**":
-        sign, bases = domain.facts(part.args[1]).sign, [f for f in _repeated(part.args[0]) if not domain.constant(f)]
-        divided = sign == NEGATIVE and any(multiple(domain.polynomial(f), domain.polynomial(load), domain) for f in bases)
-        return divided or (not sign & ZERO and _divides(load, part.args[0], domain))  # x^0 is 1
-    return part.op in ("+", "*") and any(_divides(load, a, domain) for a in part.args)
+        sign, moving = domain.facts(part.args[1]).sign, () if domain.facts(part.args[1]).sign & ZERO else part.args[:1]  # x^0 is 1
+        powers = [f for f in _repeated(part.args[0]) if not domain.constant(f)] if sign == NEGATIVE else ()
+    for f in powers:
+        while f.op == "**" and domain.facts(f.args[1]).sign == POSITIVE:
+            f = f.args[0]
+        yield f
+    for a in moving:
+        yield from _divisors(a, domain)
 
 
 def _loads_of_a_product(part: Term, domain: StatedDomain) -> Iterator[Term]:
@@ -286,10 +301,16 @@ def _greatest(term: Term, scale: Fraction = _ONE) -> Iterator[Term]:
         yield from _greatest(a, scale)
 
 
-def _under_logarithms(part: Term, domain: StatedDomain) -> Iterator[Term]:
-    """What stands under logarithms that are added up, times something: of one that cancels K is not closed, and nothing is said of it."""
-    for x in {x for m in domain.polynomial(part) for x, _ in m if x.op == "log"}:
-        yield x.args[0]
+def _under_words(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:
+    """What is > 0, under logarithms that are added up, times something, or >= 0, under powers between 0 and 1: elsewhere they have no value.
+
+    Of one that cancels K is not closed, and nothing is said of it.
+    """
+    for x in {x for m in domain.polynomial(part) for x, _ in m}:
+        if x.op == "log":
+            yield x.args[0], True
+        elif x.op == "**" and domain.facts(x.args[1]).sign == POSITIVE == domain.facts(sum_of(number(1), minus(x.args[1]))).sign:
+            yield x.args[0], False
 
 
 def _convex_below_a_product(part: Term, domain: StatedDomain) -> bool:
