@@ -107,7 +107,9 @@ def _quotient(number: Any) -> float:
     try:
         return int(number.p) / int(number.q)  # correctly rounded
     except OverflowError:
-        raise InputError("a number of the formula is too large for double precision", remedy="rescale it") from None
+        size = f"{'-' * (number < 0)}{str(abs(number))[:3]}... ({len(str(abs(number.p)))} digits)"
+        told = f"a number of the formula, {size}, is too large for double precision"
+        raise InputError(told, remedy="rescale it, or fix the parameters that make it up at other values") from None
 
 
 def _power(node: Any, base: Any, exponent: Any) -> Any:

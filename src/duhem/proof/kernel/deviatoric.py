@@ -41,6 +41,7 @@ from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minu
 __all__ = ["DeviatoricReader", "Invariants", "convex_in_deviator", "deviatoric_readers", "invariants", "of_tensor"]
 
 _HIGHEST = 12
+_ALIKE = ("+", "abs", "pos", "neg", "norm", "max", "min", "eigmax")  # of one degree where their parts are
 Point = dict[Term, Fraction]
 
 
@@ -362,10 +363,24 @@ class DeviatoricReader(PlaneVariable):
         """The term as it is where the deviator is 0; what is compared stays, for beside that place it may have another sign."""
         if term.op in COMPARISONS:
             return term
-        value = self.value(term)
-        if self.of_wave(term) is not None or (value is not None and value.degree > 0):
-            return number(0)
-        return term._replace(args=tuple(map(self.emptied, term.args)))
+        return number(0) if (self.degree(term) or 0) > 0 else term._replace(args=tuple(map(self.emptied, term.args)))
+
+    def degree(self, term: Term) -> Fraction | None:
+        """k where a term, which has a value where the deviator is not 0, is rho^k f, f a continuous function of its direction, so bounded."""
+        if (value := self.value(term)) is not None:
+            return value.degree
+        if term.op in ("where", "atan2") or not term.args:
+            return Fraction(0) if self.domain.constant(term) else None
+        known = [self.degree(a) for a in term.args]
+        found = [k for k in known if k is not None]
+        if len(found) < len(known):
+            return None
+        if term.op == "*":
+            return sum(found, Fraction(0))
+        if term.op == "**":
+            exponent = number_in(self.domain.polynomial(term.args[1]))
+            return found[0] * exponent if exponent is not None else None if any(found) else Fraction(0)
+        return found[0] if {*found} == ({found[0]} if term.op in _ALIKE else {0}) else None
 
     # -- reading -------------------------------------------------------------------------------------------------------
 
