@@ -142,8 +142,9 @@ class Reader(NamedTuple):
         own, other = (condition, against) if holds else (against, condition)
         if not self.domain.constant(condition):
             sides = (gap(own), *map(minus, below(gap(other))))
-            sides = (*sides, *map(self._without_what_is_below_zero, sides))
-            return self._replace(domain=self.domain.where(dict.fromkeys(sides, len(own.op) == 1)))
+            sides, strict = (*sides, *map(self._without_what_is_below_zero, sides)), len(own.op) == 1
+            told = (reader.sign for x in sides if strict for reader in deviatoric_readers(x, self.domain) if reader.tells(x))
+            return self._replace(domain=self.domain.where(dict.fromkeys(sides, strict)), more=next(told, self.more))
         law, inner = self.domain.law, self.domain.where({})
         with suppress(NotWritten):  # it never holds, or is too long: more is asked than need be
             inner = self.domain.over(law._replace(constraints=(*law.constraints, own))).where(self.domain.sides)
@@ -247,8 +248,8 @@ def undecided_beside(terms: Iterable[Term], tips: Iterable[Term], domain: Stated
 def sign_on_axis(g: Term, tip: Term, domain: StatedDomain) -> Sign:
     """Where ``tip`` is 0 only where J2 = 0, and g, by continuity, is a constant there: its sign; else any."""
     for reader in deviatoric_readers(g, domain):
-        size, there = reader.value(tip), reader.emptied(g)
-        if size is None or not domain.constant(there) or not reader.above(size.poly, strict=True):
+        there = reader.emptied(g)
+        if not domain.constant(there) or not reader.tells(tip):
             continue
         value = domain.facts(there)
         if value.defined:

@@ -359,6 +359,11 @@ class DeviatoricReader(PlaneVariable):
         law = self.domain.law
         return self.signs if law.constraints else Signs(self.domain.over(law.once(_opened)), _WALLS)
 
+    def tells(self, size: Term) -> bool:
+        """Whether a term is 0 where the deviator is 0, and > 0 elsewhere."""
+        value = self.value(size)
+        return value is not None and value.degree > 0 and self.above(value.poly, strict=True)
+
     def emptied(self, term: Term) -> Term:
         """The term as it is where the deviator is 0; what is compared stays, for beside that place it may have another sign."""
         if term.op in COMPARISONS:
@@ -455,14 +460,14 @@ class DeviatoricReader(PlaneVariable):
         return PlaneFunction(Fraction(0), _X, {base_of(self.distance): {(): Fraction(-1)}})
 
     def choice(self, condition: Term, one: Term, two: Term) -> PlaneFunction:
-        """By what is 0 where the deviator is 0 and > 0 elsewhere: what is chosen elsewhere, if it is 0 there."""
+        """By what is 0 where the deviator is 0 and > 0 elsewhere: what is chosen elsewhere, if it is 0 there, or of degree 0: any then."""
         strict = len(condition.op) == 1
-        size = self.read(gap(condition) if strict else minus(gap(condition)))
+        size = gap(condition) if strict else minus(gap(condition))
         away, here = (one, two) if strict else (two, one)
-        if not (size.degree > 0 and self.above(size.poly, strict=True)):
+        if not self.tells(size):
             raise NotWritten("a choice is by something else")
         value = self.read(away)
-        nothing = not self.within.polynomial(here) and self.within.facts(here).defined
-        if value.degree <= 0 or not (nothing or self.read(here).degree > 0):
+        known = self.within.facts(here).defined and (value.degree == 0 or not self.within.polynomial(here))
+        if value.degree < 0 or not (known or self.read(here).degree > 0):
             raise NotWritten("a choice leaves a jump")
         return value
