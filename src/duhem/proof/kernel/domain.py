@@ -69,7 +69,7 @@ class StatedDomain:
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
         self._stated = self._gaps = self._products = list[tuple[Polynomial, bool]]()
         self._tied = frozenset[Term]()
-        self._stated = [(self._without_quotients(self.polynomial(gap(c))), len(c.op) == 1) for c in law.constraints]  # each is >= 0, or > 0
+        self._stated = [(self.without_quotients(self.polynomial(gap(c))), len(c.op) == 1) for c in law.constraints]  # each is >= 0, or > 0
         self._tied = frozenset(x for known, _ in self._stated for m in known for x, _ in m)
         self._compared: dict[Term, Sign] = {}
         self._gaps = [*self._stated, *self._sides_of_sizes()]
@@ -78,7 +78,7 @@ class StatedDomain:
         for shown_before in (self.known, self.kept, self._polynomials, self._spans, self._orders):
             shown_before.clear()
 
-    def _without_quotients(self, poly: Polynomial) -> Polynomial:
+    def without_quotients(self, poly: Polynomial) -> Polynomial:
         """The polynomial times the sums that it divides by, where they are > 0."""
         for x in sorted({x for m in poly for x, _ in m if x.op == "**" and x.args[1] == number(-1)}):
             if self.of(x) == POSITIVE and all(dict(m).get(x, 0) >= 0 for m in poly):

@@ -46,7 +46,8 @@ def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
     more = [product_of(logs[x], written({joined(m, ((x, -1),)): c * n})) for m, c in poly.items() for x, n in m if x in logs]
     parts = by_degree(g, domain, logs)
     without = [{k: written_in_order(domain.polynomial(sum_of(k, minus(m)))) for k in parts if k != m} for m in parts]
-    signs = [domain.facts(sum_of(*more, *(product_of(c, parts[k]) for k, c in rates.items()))).sign for rates in without]
+    sums = [sum_of(*more, *(product_of(c, parts[k]) for k, c in rates.items())) for rates in without]
+    signs = [domain.facts(x).sign & domain.facts(written(domain.without_quotients(domain.polynomial(x)))).sign for x in sums]
     return POSITIVE in signs or (any(not sign & NEGATIVE for sign in signs) and _is_steep(g, domain))
 
 

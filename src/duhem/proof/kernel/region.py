@@ -17,12 +17,12 @@ A body with a profile is {Q <= H(t)}, t a load and Q a sum of squares of affine 
 {sqrt Q <= sqrt H(t)}, and sqrt Q is a seminorm of (forces, 1): the body is convex where H >= 0 on an interval alone and sqrt H is concave
 there, that is H'^2 - 2 H H'' >= 0 where H > 0.  Other loads may leave a part of the line to t.
 
-K = {x in R: A(x) <= S(x)}, R = {all loads <= 0}, S = c (h_1 ... h_k)^e with c > 0, 0 < e < 1, is round where it ends.  Let A >= 0 be
-convex and C^1 where it is not 0, S concave in R, the h_j concave, >= 0 and C^1 there, and A < S somewhere inside R.  Then K is convex, and
-S > 0 inside R.  At a boundary point inside R, A = S is not 0, so that f = A - S is C^1 near it; and grad f is not 0, f being convex and
+K = {x in R: A(x) <= S(x)}, R = {all loads <= 0}, S = c (h_1 ... h_k)^e with c > 0, 0 < e < 1, is round where it ends.  Let A be
+convex and C^1 where it is not 0, S concave in R, the h_j concave, >= 0 and C^1 there, and A < S somewhere inside R.  If A is >= 0, or no h
+is 0 on an open set, K is convex, and S > 0 inside R.  At a boundary point inside R, A = S is not 0, so that f = A - S is C^1 near it; and grad f is not 0, f being convex and
 somewhere below 0.
 
-Where a load is 0, let no other be, one h be 0 and the others be > 0.  Then A = 0 on K there, and into R along every d that does not keep
+Where a load is 0, let no other be, one h be 0 and the others be > 0.  Then A <= 0 on K there, and into R along every d that does not keep
 the load at 0, that h rises at least in proportion to the way t, being concave, and S like t^e, but A, being Lipschitz, like t.  All such d
 thus point into K: its only normal is that of the load.  A convex set with one normal at each boundary point has a C^1 boundary
 (Rockafellar 1970, theorem 25.5).  Bigoni and Piccolroaz's yield function (2004, IJSS 41, 2855) is such.
@@ -38,6 +38,7 @@ from math import prod
 
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over, within_ranges
+from duhem.proof.kernel.definedness import rarely_zero
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
 from duhem.proof.kernel.forms import apart, at_end_of, multiple
 from duhem.proof.kernel.polynomial import ONE, Polynomial, divided, in_powers, negated, replaced, slope, times, total, written
@@ -399,16 +400,17 @@ def _positive_multiple(term: Term, load: Term, domain: StatedDomain) -> bool:
 
 
 def round_at_its_ends(law: StatedLaw) -> bool:
-    """Whether g is the greatest of loads and such an f = A - S, g being < 0 somewhere."""
-    domain = over(law)
-    loads, others = _loads_and_others(law.g, domain)
+    """Whether g is the greatest of loads and such an f = A - S, g being < 0 somewhere; outside some loads S may have no value."""
+    domain, (loads, others) = over(law), _loads_and_others(law.g, over(law))
+    loads += [minus(h) for part in others for h, strict in _under_words(part, domain) if not strict and domain.facts(h).affine]
     if not loads or len(others) != 1:
         return False
     inside = domain.where(dict.fromkeys(map(minus, loads), False))
     gauge, parts = _gauge_and_parts(others[0], domain)
     size = _shown(gauge, domain)
     return (
-        (_shown(others[0], inside).convex and size.convex and size.nonnegative and smooth_but_where_zero(gauge, domain))
+        (_shown(others[0], inside).convex and size.convex and smooth_but_where_zero(gauge, domain))
+        and (size.nonnegative or all(rarely_zero(h, domain) for h in parts))
         and all(inside.facts(h).concave and inside.facts(h).nonnegative and smooth_but_where_zero(h, domain) for h in parts)
         and all(_ends_round(load, loads, parts, domain) for load in loads)
     )

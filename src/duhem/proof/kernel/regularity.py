@@ -160,8 +160,5 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
 
 
 def _zeros_of(tip: Term, domain: StatedDomain) -> frozenset[Term]:
-    """A tip; none where it is never 0, as zero force alone is where it may be 0 and has been left out."""
-    forces = {*domain.law.forces}
-    definite = (strict and forces <= {x.name for x in zero_with(side, domain)} for side, strict in domain.sides.items())
-    never = not domain.facts(tip).sign & ZERO or (any(definite) and forces <= {x.name for x in zero_with(tip, domain)})
-    return frozenset(() if never else {tip})
+    """A tip; none where it is never 0."""
+    return frozenset({tip} if domain.facts(tip).sign & ZERO else ())
