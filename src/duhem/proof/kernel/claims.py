@@ -18,6 +18,7 @@ from duhem.proof.kernel.forms import multiple
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.identity import in_order, vanishes
+from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
@@ -319,12 +320,19 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
     """d g(r sigma)/dr >= 0 at r = 1 wherever g = 0, and no limit of grad g is 0: so sigma . n >= 0 for each; or K is a cone: it is 0."""
+    return law.associated and any(is_cone(g, domain) or grows_along_rays(g, domain) for g, domain in _where_defined(law))
+
+
+def _where_defined(law: StatedLaw) -> Iterator[tuple[Term, StatedDomain]]:
+    """g, everywhere or where it has a value, and there its normal form too."""
+    if over(law).facts(law.g).defined or _inside_at_tips(law):
+        yield law.g, over(law)
     inside = law.once(where_it_has_a_value)
-    places = [over(law)] if over(law).facts(law.g).defined or _inside_at_tips(law) else []
-    parts = law.g.args[1:] if law.g.op == "where" else (law.g,)
-    if Reader(inside).undecided(law.g) is None and not any(chooses(part, inside) for part in parts):
-        places.append(inside)
-    return law.associated and any(is_cone(law.g, domain) or grows_along_rays(law.g, domain) for domain in places)
+    if Reader(inside).undecided(law.g) is None:
+        for spelled in (lambda g, _: g, normal):
+            form = spelled(law.g, inside)
+            if not any(chooses(part, inside) for part in (form.args[1:] if form.op == "where" else (form,))):
+                yield form, inside
 
 
 def _inside_at_tips(law: StatedLaw) -> bool:

@@ -183,7 +183,7 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             chosen = domain.decided(term.args[0])  # what is chosen; else it may jump
             if chosen is None and (closed := closed_at_its_end(term, domain)) is not None:
                 return closed
-            return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined)
+            return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined, parts[1].sign | parts[2].sign)
     return Facts()
 
 

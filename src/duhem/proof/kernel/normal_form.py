@@ -91,14 +91,16 @@ class _Form(NamedTuple):
         words = {"where": self._choice, "max": self._extreme, "min": self._extreme, "+": self._collected}
         if term.op in words:
             return words[term.op](term)
+        if term.op == "cosh":
+            size = self._kink("abs", *term.args)
+            return term if size.op == "abs" else Term("cosh", (size,))
         if term.op in _ENDS:
             return self._kink(term.op, *term.args)
         if term.op == "norm":
             return self._norm(term.args)
-        if term.op == "*" and not self.collects:
-            return self._collected(term)
         if term.op == "*":
-            return self._collected(Term("*", tuple(self._power(x, number(n)) for x, n in Counter(factors(term)).items())))
+            parts = (self._power(x, number(n)) for x, n in Counter(factors(term)).items()) if self.collects else term.args
+            return self._multiplied(self._collected(Term("*", tuple(parts))))
         return self._power(*term.args) if term.op == "**" else term
 
     # -- kinks ---------------------------------------------------------------------------------------------------------
@@ -124,6 +126,14 @@ class _Form(NamedTuple):
                     parts.append(product_of(plainly(share), self._power(self._kink(word, d), number(k))))
                 parts.append(minus(product_of(plainly(before), self._power(d, number(k)))))
         return self._collected(sum_of(*parts))
+
+    def _multiplied(self, term: Term) -> Term:
+        """A product with a choice of constants, or a power of one, as the choice of products that it is, if this is none any more."""
+        either = (x for a in (factors(term) if term.op == "*" else ()) for x in (a, *a.args[:1]) if x.op == "where")
+        if (x := next((x for x in either if all(map(self.domain.constant, x.args[1:]))), None)) is None or self.domain.constant(x):
+            return term
+        found = self._choice(x._replace(args=(x.args[0], *(term.put({x: value}) for value in x.args[1:]))))
+        return term if found.op == "where" else found
 
     def _by_powers(self, poly: Polynomial, d: Polynomial) -> list[Polynomial]:
         """The coefficients of a polynomial by powers of ``d``, which holds a force times a number and stands for it; else none."""
@@ -169,6 +179,10 @@ class _Form(NamedTuple):
             return _ZERO if word == "neg" else x
         if not known & POSITIVE:
             return _ZERO if word == "pos" else self._collected(minus(x))
+        parts = by_forces(poly, self.domain)
+        ramps = {m[0][0]: c for m, c in parts.items() if len(m) == 1 and m[0][1] == 1 and m[0][0].op in ("pos", "neg")}
+        if word == "abs" and len(ramps) == len(parts) == 2 and len({x.args for x in ramps}) == 1:
+            return self._collected(sum_of(*(product_of(self._kink("abs", plainly(c)), x) for x, c in ramps.items())))  # one of the two is 0
         content, rest = self._content(poly)
         sign = self.domain.facts(plainly(content)).sign
         if sign == NEGATIVE:

@@ -233,9 +233,9 @@ def where_it_has_a_value(law: StatedLaw) -> StatedDomain:
 
 def _divisors(part: Term, domain: StatedDomain) -> Iterator[Term]:
     """What a part divides by wherever it is read: where one of them is 0 it has no value, and no point of K lies there."""
-    if part.op == "where" or domain.constant(part):
+    if domain.constant(part):
         return
-    moving, powers = part.args, ()
+    moving, powers = part.args[:1] if part.op == "where" else part.args, ()
     if part.op == "**":
         sign, moving = domain.facts(part.args[1]).sign, () if domain.facts(part.args[1]).sign & ZERO else part.args[:1]  # x^0 is 1
         powers = [f for f in _repeated(part.args[0]) if not domain.constant(f)] if sign == NEGATIVE else ()

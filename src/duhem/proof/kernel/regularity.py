@@ -1,6 +1,6 @@
 """Smoothness by composition: where a formula may fail to be C^1 in the forces, and which of its kinks cancel.
 
-A function that vanishes where it has a kink, and is Lipschitz, loses the kink under a power > 1 and inside a Euclidean
+A function that vanishes where it has a kink, and is Lipschitz, loses the kink under a power > 1, cos and cosh, and inside a Euclidean
 norm: only the tip is left where the norm is 0.
 
 Let G(x, z) be C^1 and even in every z_i, and r_i(x) >= 0 convex, and C^1 where it is > 0.  Then G(x, r(x)) is C^1, where r_i = 0 too:
@@ -27,6 +27,7 @@ from duhem.proof.kernel.term import NotWritten, Term, minus, number
 __all__ = ["Kinks", "regularity", "smooth_but_where_zero", "smooth_everywhere", "smooth_near_the_boundary", "tips"]
 
 Switch = frozenset[tuple[object, object]]
+_FLAT = ("cos", "cosh")  # their slope is 0 where their argument is 0
 _ODD = ("sin", "sinh", "tanh", "atan")  # 0 where their argument is
 
 
@@ -144,7 +145,8 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
         tips = frozenset(tip for tip in tips if dead is None or dead not in _signs_at(tip, term.args[0], domain))  # it is 0 around others
         return Kinks(kinks | here, known[0].zeros | here, tips)
     if term.op in ("exp", "log", "cos", "cosh", "sin", "sinh", "tanh", "atan"):
-        return Kinks(kinks, known[0].zeros if term.op in _ODD else frozenset(), tips)
+        flat = term.op in _FLAT and kinks <= known[0].zeros
+        return Kinks(frozenset() if flat else kinks, known[0].zeros if term.op in _ODD else frozenset(), tips)
     if term.op in ("asin", "acos"):  # of x, for x^2 < 1
         return Kinks(kinks, tips=tips | _zeros_of(Term("+", (number(1), minus(Term("*", term.args * 2)))), domain))
     if term.op == "norm" and all(p.kinks <= p.zeros for p in known):
