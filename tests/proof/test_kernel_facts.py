@@ -44,7 +44,7 @@ CONSTANTS = [
     ("abs(q - q)", "= affine"), ("where(m > 0, a, log(k))", "? affine"), ("where(m > 0, a, b**2)", "? affine"),
     ("where(m <= 0, a, b**2)", ">= convex"), ("where(m <= 0, a, log(k))", "< affine undefined"),
     ("where(log(k) < 0, a, b)", "? affine undefined"), ("where(q > 0, a, b)", "? undefined"),
-    ("where(k >= -1/2, 1, 2)", "? affine undefined"), ("m - m", "= affine"), ("p - 1", ">= affine"), ("p - 1/2", "> affine"),
+    ("where(k >= -1/2, 1, 2)", "> affine undefined"), ("m - m", "= affine"), ("p - 1", ">= affine"), ("p - 1/2", "> affine"),
     ("1 - p", "<= affine"), ("1/2 - p", "< affine"), ("q + 2*e", "? affine"), ("e*(p - 1)", ">= affine"), ("(q - 2)*(e + 1)", "< affine"),
     ("(1 - q)*(1 + q)", ">= affine"), ("abs(q) - 3/2", "< affine"), ("abs(q) - 1", "<= affine"), ("abs(q) - 1/2", "? affine"),
     ("-3/2 + abs(q)", "< affine"), ("-m + abs(q*m/2)", "< affine"), ("-m + abs(q*m)", "<= affine"), ("-m/2 + abs(q*m)", "? affine"),

@@ -278,14 +278,12 @@ def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
 
     Where it has no value that is asked of the rest alone, if this is within the ranges of the forces.
     """
-    places, there = [_over(law, evidence)], law.once(where_it_has_a_value)
-    if not places[0].facts(law.g).defined:
-        ranges = [there.polynomial(side) for side in within_ranges(law).sides]
-        at_ends = all(any(multiple(there.polynomial(side), end, there) for end in ranges) for side in there.sides)
-        left = at_ends or _inside_at_tips(law)
-        places = [there] if left and Reader(there).undecided(law.g) is None else []
-    graph = bool(places) and boundary.is_a_graph(law)
-    return any((graph or grows_along_rays(law.g, place)) and smooth_near_the_boundary(law.g, place) for place in places)
+    whole, there, at_tips = _over(law, evidence), law.once(where_it_has_a_value), _inside_at_tips(law)
+    ranges = [there.polynomial(side) for side in within_ranges(law).sides]
+    at_ends = all(any(multiple(there.polynomial(side), end, there) for end in ranges) for side in there.sides)
+    places = [whole] if at_tips or whole.facts(law.g).defined else []
+    places += [there] if (at_tips or at_ends) and Reader(there).undecided(law.g) is None else []
+    return any((boundary.is_a_graph(law) or grows_along_rays(law.g, place)) and smooth_near_the_boundary(law.g, place) for place in places)
 
 
 def one_force(law: StatedLaw, evidence: Evidence) -> bool:

@@ -81,11 +81,15 @@ def _raised(base: Term, exponent: Term, sign: Callable[[Term], Sign], domain: St
     return not known & (NEGATIVE | ZERO) or (not known & NEGATIVE and risen)
 
 
+def _nothing(_: Term) -> Sign:
+    return ANY
+
+
 class Reader(NamedTuple):
     """Reads formulas over a ``domain``; ``more`` are signs that hold there beside those that it shows."""
 
     domain: StatedDomain
-    more: Callable[[Term], Sign] = lambda _: ANY
+    more: Callable[[Term], Sign] = _nothing
 
     def undecided(self, term: Term) -> Term | None:
         """An innermost part that is not shown to have a value; None where the whole formula has one."""
@@ -143,8 +147,9 @@ class Reader(NamedTuple):
         if not self.domain.constant(condition):
             sides = (gap(own), *map(minus, below(gap(other))))
             sides, strict = (*sides, *map(self._without_what_is_below_zero, sides)), len(own.op) == 1
-            told = (reader.sign for x in sides if strict for reader in deviatoric_readers(x, self.domain) if reader.tells(x))
-            return self._replace(domain=self.domain.where(dict.fromkeys(sides, strict)), more=next(told, self.more))
+            readers = ((reader, x) for x in sides if strict and self.more is _nothing for reader in deviatoric_readers(x, self.domain))
+            more = next((reader.sign for reader, x in readers if reader.tells(x)), self.more)
+            return self._replace(domain=self.domain.where(dict.fromkeys(sides, strict)), more=more)
         law, inner = self.domain.law, self.domain.where({})
         with suppress(NotWritten):  # it never holds, or is too long: more is asked than need be
             inner = self.domain.over(law._replace(constraints=(*law.constraints, own))).where(self.domain.sides)
@@ -248,8 +253,8 @@ def undecided_beside(terms: Iterable[Term], tips: Iterable[Term], domain: Stated
 def sign_on_axis(g: Term, tip: Term, domain: StatedDomain) -> Sign:
     """Where ``tip`` is 0 only where J2 = 0, and g, by continuity, is a constant there: its sign; else any."""
     for reader in deviatoric_readers(g, domain):
-        there = reader.emptied(g)
-        if not domain.constant(there) or not reader.tells(tip):
+        size, there = reader.value(tip), reader.emptied(g)
+        if size is None or not domain.constant(there) or not reader.above(size.poly, strict=True):
             continue
         value = domain.facts(there)
         if value.defined:

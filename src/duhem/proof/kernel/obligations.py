@@ -90,8 +90,10 @@ def limits(law: StatedLaw) -> tuple[Term, ...]:
     """What g is at a tip, as its parts may be read, by continuity; none where it may have no value elsewhere."""
     if law.g.large:
         return ()
+    if found := tuple(continued(law.g, over(law))):
+        return found
     with suppress(NotWritten, ValueError):
-        if found := (*continued(law.g, over(law)), *_at_zero_force(law)):
+        if found := tuple(_at_zero_force(law)):
             return found
     with suppress(NotWritten):
         form = in_quotients(law.g, over(law), divided_out=True)

@@ -402,7 +402,7 @@ def _positive_multiple(term: Term, load: Term, domain: StatedDomain) -> bool:
 def round_at_its_ends(law: StatedLaw) -> bool:
     """Whether g is the greatest of loads and such an f = A - S, g being < 0 somewhere; outside some loads S may have no value."""
     domain, (loads, others) = over(law), _loads_and_others(law.g, over(law))
-    loads += [minus(h) for part in others for h, strict in _under_words(part, domain) if not strict and domain.facts(h).affine]
+    loads = loads or [minus(h) for part in others for h, strict in _under_words(part, domain) if not strict and domain.facts(h).affine]
     if not loads or len(others) != 1:
         return False
     inside = domain.where(dict.fromkeys(map(minus, loads), False))

@@ -22,7 +22,7 @@ from math import factorial, prod
 from duhem.proof.kernel.domain import POSITIVE, ZERO, StatedDomain
 from duhem.proof.kernel.forms import Matrix, by_forces, leading_minors, principal_minors, quadratic
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, times, written
-from duhem.proof.kernel.term import NotWritten, Term, minus, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, sum_of
 
 __all__ = ["catalecticant", "homogeneous_parts", "in_coordinates", "semidefinite", "sum_of_even_powers", "zero_with"]
 
@@ -39,7 +39,7 @@ def zero_with(term: Term, domain: StatedDomain) -> list[Term]:
     """The forces that are 0 wherever a term is, if it, or the square of a size, is a semidefinite form: those of its definite blocks."""
     names = [f for f in domain.law.forces if f in term.names()]
     with suppress(NotWritten):
-        matrix, row, rest = quadratic(product_of(term, term) if term.op in ("abs", "norm") else term, names, domain)
+        matrix, row, rest = quadratic(Term("**", (term, number(2))) if term.op in ("abs", "norm") else term, names, domain)
         if semidefinite(matrix, domain) and not any(domain.polynomial(x) for x in (*row, rest)):
             blocks = ((block, [[matrix[i][j] for j in block] for i in block]) for block in _blocks(matrix, domain))
             return [Term("name", name=names[i]) for block, own in blocks if _leading_above_0(own, domain) for i in block]
