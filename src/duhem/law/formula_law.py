@@ -37,19 +37,8 @@ from duhem.law.state import NO_STATE, Variable, Variables, check_state, variable
 from duhem.show.printing import Shown, latex
 
 __all__ = [
-    "FORCES",
-    "PRESSURE",
-    "Criterion",
-    "DeclaredLaw",
-    "Definitions",
-    "PlacedFormula",
-    "YieldSurface",
-    "as_expression",
-    "criterion",
-    "definitions",
-    "flow_of",
-    "name_fault",
-    "swapped",
+    "FORCES", "PRESSURE", "Criterion", "DeclaredLaw", "Definitions", "PlacedFormula", "YieldSurface", "as_expression", "criterion",
+    "definitions", "flow_of", "name_fault", "swapped",
 ]  # fmt: skip
 
 

@@ -22,18 +22,9 @@ from duhem.law.state import variables_of
 from duhem.proof.statement import parsed_as_written
 
 __all__ = [
-    "Dissipating",
-    "Spent",
-    "dissipating",
-    "epigraph",
-    "forces_in",
-    "heat_in_states",
-    "power_of_rates",
-    "rate_epigraph",
-    "spent_by_rates",
-    "spent_in_states",
-    "two_forces",
-]
+    "Dissipating", "Spent", "dissipating", "epigraph", "forces_in", "heat_in_states", "power_of_rates", "rate_epigraph",
+    "spent_by_rates", "spent_in_states", "two_forces",
+]  # fmt: skip
 
 
 def epigraph(law: Criterion, *, of_heat: bool = False) -> Criterion | None:

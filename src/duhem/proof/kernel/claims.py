@@ -278,12 +278,11 @@ def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
 
     Where it has no value that is asked of the rest alone, if this is within the ranges of the forces.
     """
-    whole, there, at_tips = _over(law, evidence), law.once(where_it_has_a_value), _inside_at_tips(law)
-    ranges = [there.polynomial(side) for side in within_ranges(law).sides]
-    at_ends = all(any(multiple(there.polynomial(side), end, there) for end in ranges) for side in there.sides)
-    places = [whole] if at_tips or whole.facts(law.g).defined else []
-    places += [there] if (at_tips or at_ends) and Reader(there).undecided(law.g) is None else []
-    return any((boundary.is_a_graph(law) or grows_along_rays(law.g, place)) and smooth_near_the_boundary(law.g, place) for place in places)
+    whole, there = _over(law, evidence), law.once(where_it_has_a_value)
+    ends = [there.polynomial(side) for side in within_ranges(law).sides]
+    within = all(any(multiple(there.polynomial(side), end, there) for end in ends) for side in there.sides) or _inside_at_tips(law)
+    read = ((g, place) for g, place in _where_defined(law, whole) if place is whole or within)
+    return any((boundary.is_a_graph(law) or grows_along_rays(g, place)) and smooth_near_the_boundary(g, place) for g, place in read)
 
 
 def one_force(law: StatedLaw, evidence: Evidence) -> bool:
@@ -318,19 +317,18 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
     """d g(r sigma)/dr >= 0 at r = 1 wherever g = 0, and no limit of grad g is 0: so sigma . n >= 0 for each; or K is a cone: it is 0."""
-    return law.associated and any(is_cone(g, domain) or grows_along_rays(g, domain) for g, domain in _where_defined(law))
+    return law.associated and any(is_cone(g, domain) or grows_along_rays(g, domain) for g, domain in _where_defined(law, over(law)))
 
 
-def _where_defined(law: StatedLaw) -> Iterator[tuple[Term, StatedDomain]]:
+def _where_defined(law: StatedLaw, whole: StatedDomain) -> Iterator[tuple[Term, StatedDomain]]:
     """g, everywhere or where it has a value, and there its normal form too."""
-    if over(law).facts(law.g).defined or _inside_at_tips(law):
-        yield law.g, over(law)
+    if whole.facts(law.g).defined or _inside_at_tips(law):
+        yield law.g, whole
     inside = law.once(where_it_has_a_value)
-    if Reader(inside).undecided(law.g) is None:
-        for spelled in (lambda g, _: g, normal):
-            form = spelled(law.g, inside)
-            if not any(chooses(part, inside) for part in (form.args[1:] if form.op == "where" else (form,))):
-                yield form, inside
+    for spelled in (lambda g, _: g, normal) if Reader(inside).undecided(law.g) is None else ():
+        form = spelled(law.g, inside)
+        if not any(chooses(part, inside) for part in (form.args[1:] if form.op == "where" else (form,))):
+            yield form, inside
 
 
 def _inside_at_tips(law: StatedLaw) -> bool:

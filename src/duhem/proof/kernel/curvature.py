@@ -14,7 +14,7 @@ degree is convex where its matrix is (:mod:`semidefinite`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -29,7 +29,7 @@ from duhem.proof.kernel.forms import apart, degree_at_most, multiple, quadratic,
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled, shape_of_two
-from duhem.proof.kernel.semidefinite import semidefinite, sum_of_even_powers, zero_with
+from duhem.proof.kernel.semidefinite import only_at_zero_force, semidefinite, sum_of_even_powers
 from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spans import RISING, below_right
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
@@ -74,15 +74,10 @@ def shown(term: Term, domain: StatedDomain) -> Facts:
         known = known if known.defined and known.convex else _of_parts_together(term, known, domain)
     if domain.sides and not domain.constant(term):
         known = replace(known, sign=known.sign & sign_within(term, known, domain))
-        if known.sign == ZERO | POSITIVE and _only_at_zero_force([term], domain):
-            left_out = _only_at_zero_force((side for side, strict in domain.sides.items() if strict), domain)
+        if known.sign == ZERO | POSITIVE and only_at_zero_force(term, domain):
+            left_out = any(strict and only_at_zero_force(side, domain) for side, strict in domain.sides.items())
             known = replace(known, sign=POSITIVE if left_out else known.sign)
     return known
-
-
-def _only_at_zero_force(terms: Iterable[Term], domain: StatedDomain) -> bool:
-    """Whether one of them is 0 at zero force alone."""
-    return any({*domain.law.forces} <= {x.name for x in zero_with(term, domain)} for term in terms)
 
 
 def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:

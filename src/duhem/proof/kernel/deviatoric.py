@@ -371,7 +371,7 @@ class DeviatoricReader(PlaneVariable):
         return number(0) if (self.degree(term) or 0) > 0 else term._replace(args=tuple(map(self.emptied, term.args)))
 
     def degree(self, term: Term) -> Fraction | None:
-        """k where a term, which has a value where the deviator is not 0, is rho^k f, f a continuous function of its direction, so bounded."""
+        """k where a term, which has a value where the deviator is not 0, is rho^k f, f continuous in its direction, and so bounded."""
         if (value := self.value(term)) is not None:
             return value.degree
         if term.op in ("where", "atan2") or not term.args:

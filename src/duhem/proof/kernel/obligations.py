@@ -18,7 +18,7 @@ from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.region import where_it_has_a_value, where_loads_allow
 from duhem.proof.kernel.regularity import tips
-from duhem.proof.kernel.semidefinite import zero_with
+from duhem.proof.kernel.semidefinite import only_at_zero_force
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, sum_of
 
@@ -103,8 +103,8 @@ def limits(law: StatedLaw) -> tuple[Term, ...]:
 
 def _at_zero_force(law: StatedLaw) -> Iterator[Term]:
     """What g tends to there, if it has a value elsewhere: parts of degrees k > 0, being r^k times what is bounded, tend to 0."""
-    beside, forces = law.once(where_it_has_a_value), {*law.forces}
-    tips = all(strict and {x.name for x in zero_with(tip, beside)} == forces for tip, strict in beside.sides.items())
+    beside = law.once(where_it_has_a_value)
+    tips = all(strict and only_at_zero_force(tip, beside) for tip, strict in beside.sides.items())
     if not beside.sides or not tips or Reader(beside).undecided(law.g) is not None or chooses(law.g, beside):
         return
     parts = by_degree(law.g, beside)
@@ -123,9 +123,7 @@ def formula_where_loads_allow(law: StatedLaw) -> str:
     """g, where the loads in it allow it to be <= 0; at a tip by continuity."""
     if not (found := law.once(formula_but_at_tips)) or law.g.large:
         return found
-    loads, others, inside = law.once(where_loads_allow)
-    if _everywhere("a load", loads, over(law)):
-        return found
+    _, others, inside = law.once(where_loads_allow)  # loads have values everywhere
     reader = Reader(inside)
     settled = (reader.undecided(part) is None or any(True for _ in continued(part, inside)) for part in others)
     return "" if all(settled) else found

@@ -19,8 +19,8 @@ there, that is H'^2 - 2 H H'' >= 0 where H > 0.  Other loads may leave a part of
 
 K = {x in R: A(x) <= S(x)}, R = {all loads <= 0}, S = c (h_1 ... h_k)^e with c > 0, 0 < e < 1, is round where it ends.  Let A be
 convex and C^1 where it is not 0, S concave in R, the h_j concave, >= 0 and C^1 there, and A < S somewhere inside R.  If A is >= 0, or no h
-is 0 on an open set, K is convex, and S > 0 inside R.  At a boundary point inside R, A = S is not 0, so that f = A - S is C^1 near it; and grad f is not 0, f being convex and
-somewhere below 0.
+is 0 on an open set, K is convex, and S > 0 inside R.  At a boundary point inside R, A = S is not 0, so that f = A - S is C^1 near it; and
+grad f is not 0, f being convex and somewhere below 0.
 
 Where a load is 0, let no other be, one h be 0 and the others be > 0.  Then A <= 0 on K there, and into R along every d that does not keep
 the load at 0, that h rises at least in proportion to the way t, being concave, and S like t^e, but A, being Lipschitz, like t.  All such d
@@ -233,18 +233,19 @@ def where_it_has_a_value(law: StatedLaw) -> StatedDomain:
 
 def _divisors(part: Term, domain: StatedDomain) -> Iterator[Term]:
     """What a part divides by wherever it is read: where one of them is 0 it has no value, and no point of K lies there."""
-    if domain.constant(part):
-        return
-    moving, powers = part.args[:1] if part.op == "where" else part.args, ()
-    if part.op == "**":
-        sign, moving = domain.facts(part.args[1]).sign, () if domain.facts(part.args[1]).sign & ZERO else part.args[:1]  # x^0 is 1
-        powers = [f for f in _repeated(part.args[0]) if not domain.constant(f)] if sign == NEGATIVE else ()
-    for f in powers:
-        while f.op == "**" and domain.facts(f.args[1]).sign == POSITIVE:
-            f = f.args[0]
-        yield f
-    for a in moving:
-        yield from _divisors(a, domain)
+    power = domain.facts(part.args[1]).sign if part.op == "**" else POSITIVE
+    if power == NEGATIVE:
+        yield from (_under_roots(f, domain) for f in _repeated(part.args[0]) if not domain.constant(f))
+    for a in part.args[:1] if part.op in ("**", "where") else part.args:
+        if not domain.constant(a) and not power & ZERO:  # x^0 is 1
+            yield from _divisors(a, domain)
+
+
+def _under_roots(term: Term, domain: StatedDomain) -> Term:
+    """What a term is a power > 0 of, or the part of that which is > 0."""
+    while term.op == "pos" or (term.op == "**" and domain.facts(term.args[1]).sign == POSITIVE):
+        term = term.args[0]
+    return term
 
 
 def _loads_of_a_product(part: Term, domain: StatedDomain) -> Iterator[Term]:
@@ -264,11 +265,9 @@ def _leaves(x: Term, h: Term, domain: StatedDomain) -> bool:
     known = _shown(h, domain)
     if not known.nonnegative:
         return False
-    base = h
-    while base.op == "pos" or (base.op == "**" and domain.facts(base.args[1]).sign == POSITIVE):
-        base = base.args[0]
     if known.sign == POSITIVE:
         return True
+    base = _under_roots(h, domain)
     loads = [side for side in domain.sides if _positive_multiple(base, side, domain)]
     with suppress(NotWritten):
         return any(domain.facts(at_end_of(load, x, domain)).nonnegative for load in loads)
@@ -303,7 +302,7 @@ def _greatest(term: Term, scale: Fraction = _ONE) -> Iterator[Term]:
 
 
 def _under_words(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]]:
-    """What is > 0, under logarithms that are added up, times something, or >= 0, under powers between 0 and 1: elsewhere they have no value.
+    """What is > 0, under logarithms that are added up, times something, or >= 0, under powers between 0 and 1: else they have no value.
 
     Of one that cancels K is not closed, and nothing is said of it.
     """

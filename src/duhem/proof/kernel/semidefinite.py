@@ -24,7 +24,7 @@ from duhem.proof.kernel.forms import Matrix, by_forces, leading_minors, principa
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, times, written
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, sum_of
 
-__all__ = ["catalecticant", "homogeneous_parts", "in_coordinates", "semidefinite", "sum_of_even_powers", "zero_with"]
+__all__ = ["catalecticant", "homogeneous_parts", "in_coordinates", "only_at_zero_force", "semidefinite", "sum_of_even_powers", "zero_with"]
 
 _SMALL, _LARGEST_BLOCK, _MOST_ROWS = 3, 6, 21
 
@@ -44,6 +44,11 @@ def zero_with(term: Term, domain: StatedDomain) -> list[Term]:
             blocks = ((block, [[matrix[i][j] for j in block] for i in block]) for block in _blocks(matrix, domain))
             return [Term("name", name=names[i]) for block, own in blocks if _leading_above_0(own, domain) for i in block]
     return []
+
+
+def only_at_zero_force(term: Term, domain: StatedDomain) -> bool:
+    """Whether a term is 0 at zero force alone, as a definite form is."""
+    return len(zero_with(term, domain)) == len(domain.law.forces)
 
 
 def _minors(matrix: Matrix, domain: StatedDomain) -> bool:

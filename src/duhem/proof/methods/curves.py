@@ -24,14 +24,8 @@ if TYPE_CHECKING:
     from duhem.proof.search.curve_angles import Rim
 
 __all__ = [
-    "convexity_refuted",
-    "deviation",
-    "dissipation_refuted",
-    "duality",
-    "normality_by_deviation",
-    "normality_refuted",
-    "origin_refuted",
-]
+    "convexity_refuted", "deviation", "dissipation_refuted", "duality", "normality_by_deviation", "normality_refuted", "origin_refuted",
+]  # fmt: skip
 
 _WIDTH = 1e-9  # radians, that is 6e-8 degrees
 
