@@ -3,6 +3,8 @@
 :func:`by_degree` splits a formula into its parts G_k.  The other functions answer yes or no, each for one argument below; they leave
 the signs of the sums to the domain.  False, or NotWritten, means only that this argument does not apply.
 
+What a word makes of parts of degree 0 is of degree 0, unless it chooses between them.
+
 With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Euler), where log y is of degree 0 but adds k, the degree of
 y, times what it is multiplied by.  Where g = 0 it is the sum of (k - m) G_k as well, for every m; one of these sums that is positive
 everywhere shows that g rises outward on its zeros.  So does one that is >= 0, of power, where grad g tends to 0 nowhere on g = 0.  The

@@ -1,8 +1,8 @@
 """K where g need not be quasiconvex everywhere: g = max(f, loads), or g has a logarithm of a load.
 
-K lies where all loads in the maximum are <= 0, and where those under a logarithm are > 0: elsewhere g is > 0 or has no value.  That region
-is convex, and so is K where g is defined and each part of the maximum quasiconvex in it, a body with a convex profile or a set {u^n <= c
-v_1 ... v_m}, the v_i >= 0 and concave in it, m <= n whole, c >= 0: Lade and Duncan (1975), I1^3 <= k I3.  (c v_1 ... v_m)^(1/n) is concave
+K lies where all loads in the maximum are <= 0, and where those under a logarithm are > 0, and those under a power between 0 and 1 >= 0:
+elsewhere g is > 0 or has no value.  That region is convex, and so is K where g is defined and each part of the maximum quasiconvex in it,
+a body with a convex profile or a set {u^n <= c v_1 ... v_m}, the v_i >= 0 and concave in it, m <= n whole, c >= 0: Lade and Duncan (1975), I1^3 <= k I3.  (c v_1 ... v_m)^(1/n) is concave
 there, a geometric mean of the v_i and n - m constants (Boyd, Vandenberghe 2004, 3.2.4).  For odd n it is u that lies below it, a convex
 function; for even n |u|.  u^n/(v_1 ... v_m) <= c says the same where the v_i are > 0.
 
@@ -21,6 +21,10 @@ K = {x in R: A(x) <= S(x)}, R = {all loads <= 0}, S = c (h_1 ... h_k)^e with c >
 convex and C^1 where it is not 0, S concave in R, the h_j concave, >= 0 and C^1 there, and A < S somewhere inside R.  If A is >= 0, or no h
 is 0 on an open set, K is convex, and S > 0 inside R.  At a boundary point inside R, A = S is not 0, so that f = A - S is C^1 near it; and
 grad f is not 0, f being convex and somewhere below 0.
+
+Where something >= 0 is 0 by which g divides, no point of K lies.  What is left need not be convex.  But let g be made of parts that have a
+degree, so that it has a value on all of a ray from zero force or on none of it, and rise along each ray wherever it is 0.  Then K, and its
+closure too, holds with each point all of the way to zero force, but perhaps its end: so sigma . n >= 0 for each normal n at sigma.
 
 Where a load is 0, let no other be, one h be 0 and the others be > 0.  Then A <= 0 on K there, and into R along every d that does not keep
 the load at 0, that h rises at least in proportion to the way t, being concave, and S like t^e, but A, being Lipschitz, like t.  All such d
