@@ -17,8 +17,9 @@ read of g with what is divided by the same added up over it, N/P for the terms o
 N = q P + R, R not 0, it is q + R/P there: where g has a value wherever the tip is not 0, it has the limits of that at the tip.  A quotient
 with N = 0 or R = 0 is left as it was.
 
-So it is of zero force where g has a value everywhere else and parts G_k of degree k >= 0 in the forces, G_0 a constant: as G_k is r^k times
-what is bounded, being continuous, g tends to G_0 there.  At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no value: A tends to 0 there and B is of less degree.  K holds 0 then.
+So it is of zero force where g has a value everywhere else and parts G_k of degree k >= 0 in the forces, G_0 a constant: as G_k is r^k
+times what is bounded, being continuous, g tends to G_0 there.  At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no
+value: A tends to 0 there and B is of less degree.  K holds 0 then.
 The slip of a law's own, having no value where a tip of g is 0, is there any mean of its limits from around (Koiter 1953): it is asked
 for a value where the tip is > 0 alone.
 """

@@ -2,9 +2,10 @@
 
 K lies where all loads in the maximum are <= 0, and where those under a logarithm are > 0, and those under a power between 0 and 1 >= 0:
 elsewhere g is > 0 or has no value.  That region is convex, and so is K where g is defined and each part of the maximum quasiconvex in it,
-a body with a convex profile or a set {u^n <= c v_1 ... v_m}, the v_i >= 0 and concave in it, m <= n whole, c >= 0: Lade and Duncan (1975), I1^3 <= k I3.  (c v_1 ... v_m)^(1/n) is concave
-there, a geometric mean of the v_i and n - m constants (Boyd, Vandenberghe 2004, 3.2.4).  For odd n it is u that lies below it, a convex
-function; for even n |u|.  u^n/(v_1 ... v_m) <= c says the same where the v_i are > 0.
+a body with a convex profile or a set {u^n <= c v_1 ... v_m}, the v_i >= 0 and concave in it, m <= n whole, c >= 0: Lade and Duncan
+(1975), I1^3 <= k I3.  (c v_1 ... v_m)^(1/n) is concave there, a geometric mean of the v_i and n - m constants (Boyd, Vandenberghe 2004,
+3.2.4).  For odd n it is u that lies below it, a convex function; for even n |u|.  u^n/(v_1 ... v_m) <= c says the same where the v_i are
+> 0.
 
 So is {A <= c x^2 w}, sqrt A being convex, c > 0, x >= 0 affine, and v = x w concave in it: where x > 0 it is v >= 0, where x = 0 too, so
 that it is {sqrt A <= sqrt(c x v)} and {v >= 0}, and both are convex.  Where A - c x h <= 0 with A >= 0, c > 0 and h >= 0, x is >= 0, or h
