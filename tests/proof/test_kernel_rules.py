@@ -23,7 +23,7 @@ F = Fraction
         ("origin evaluation", "norm(a, b) - e", True),
         ("origin evaluation", "norm(a, b) - q", False), ("origin evaluation", "norm(a, b) + m", False),
         ("origin evaluation", "norm(a, b) + e", False),
-        ("origin evaluation", "norm(a, b)/norm(a, b) - 2", False), ("origin evaluation", "a/e - m", False),
+        ("origin evaluation", "norm(a, b)/norm(a, b) - 2", True), ("origin evaluation", "a/e - m", False),
         ("origin evaluation", "a + s", True),
         ("convexity composition", "norm(a, b) - m", True), ("convexity composition", "norm(a, b)/e - 1", False),
         ("convexity composition", "a*b - 1", False), ("convexity composition", "tanh(norm(a, b)) - 1", True),

@@ -130,7 +130,7 @@ def _forms(claim: str, law: StatedLaw | StatedCurve, moves: bool = False) -> Ite
     """The law as written; with the forces of its energy put in; with the same boundary and a simpler g; moved; in principal stresses.
 
     What K's support function is, is said of all components.  Of a potential of rates there is its epigraph alone.  What
-    ``moves`` has a value but at tips.
+    ``moves`` has a value for all forces.
     """
     if isinstance(law, StatedCurve) or law.of_rates:
         yield law
@@ -145,7 +145,7 @@ def _forms(claim: str, law: StatedLaw | StatedCurve, moves: bool = False) -> Ite
         yield inner
     if (simpler := law.once(without_outer_map)) != law:
         yield simpler
-    if moves and (moved := simpler.once(about_its_centre)) != simpler and not moved.once(obligations.formula_but_at_tips):
+    if moves and not law.once(obligations.formula) and (moved := simpler.once(about_its_centre)) != simpler:
         yield (simpler := moved)
     if claim not in ("duality", *_OF_THE_STATE) and (principal := simpler.once(in_principal_stresses)) is not None:
         yield principal
@@ -492,7 +492,6 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("smoothness", "euler"): RuleRow(
         _NONE, regular_along_rays, obligations.formula_where_it_has_a_value,
         "g is C^1 wherever g = 0, and grad g != 0 there: sigma . grad g > 0 (Euler), or g is a graph, or convex and somewhere negative",
-        moves=True,
     ),
     ("smoothness", "regular-value"): RuleRow(
         _NONE, regular, obligations.formula,
