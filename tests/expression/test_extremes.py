@@ -7,6 +7,7 @@ import random
 import pytest
 import sympy as sp
 
+from duhem.errors import InputError
 from duhem.expression.build import greatest, least
 from duhem.expression.numpy_ import evaluate
 from duhem.expression.parse import parse_expression
@@ -110,3 +111,9 @@ def test_norms_are_recognised_beside_numbers_that_sympy_does_not_compare(extreme
     found, point = recognised(given), {X: 1.5, Y: -0.25}
     assert not any(p.base.is_Add for p in found.atoms(sp.Pow) if p.free_symbols)
     assert evaluate(given, point) == pytest.approx(float(given.subs(point)))
+
+
+@pytest.mark.parametrize("exponent", [400, 5000])
+def test_a_number_beyond_double_precision_is_told_by_its_size(exponent):
+    with pytest.raises(InputError, match=rf"about 10\*\*{exponent} is too large .*; rescale the formula"):
+        evaluate(symbol("x") + sp.Integer(10) ** exponent, {symbol("x"): 1.0})

@@ -107,9 +107,10 @@ def _quotient(number: Any) -> float:
     try:
         return int(number.p) / int(number.q)  # correctly rounded
     except OverflowError:
-        size = f"{'-' * (number < 0)}{str(abs(number))[:3]}... ({len(str(abs(number.p)))} digits)"
-        told = f"a number of the formula, {size}, is too large for double precision"
-        raise InputError(told, remedy="rescale it, or fix the parameters that make it up at other values") from None
+        power = int(0.30103 * (int(number.p).bit_length() - int(number.q).bit_length()))
+        raise InputError(
+            f"a number of about 10**{power} is too large for double precision", remedy="rescale the formula or its parameters"
+        ) from None
 
 
 def _power(node: Any, base: Any, exponent: Any) -> Any:
