@@ -107,7 +107,7 @@ def _quotient(number: Any) -> float:
     try:
         return int(number.p) / int(number.q)  # correctly rounded
     except OverflowError:
-        power = int(0.30103 * (int(number.p).bit_length() - int(number.q).bit_length()))
+        power = round(0.30103 * (int(number.p).bit_length() - int(number.q).bit_length()))
         raise InputError(
             f"a number of about 10**{power} is too large for double precision", remedy="rescale the formula or its parameters"
         ) from None
