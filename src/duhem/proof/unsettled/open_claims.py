@@ -1,7 +1,7 @@
 """What is said of a claim that stays open: the inequality, the part of the formula that no rule reads, the closest place, and what helps.
 
-A suggestion is made for a cause that was found: it was tried on the law, and the claim was then proved, or refuted as it says.  Two are
-not tried, and say so: more steps, where they ran out, and to settle the claims first that this one follows from.
+A suggestion was tried on the law, and the claim was then proved, or refuted as it says.  Two are not tried, and say so: more steps,
+where they ran out, and to settle the claims first that this one follows from.
 """
 
 from __future__ import annotations
@@ -79,10 +79,10 @@ Closest: the point of the boundary, and values of the parameters, at which a sea
 A margin near 0 says that the law is at the limit there, and a margin below 0 that it may be violated: fix the parameters with --set at
 this place, and verify again.
 
-Try: what helps.  duhem changed the law (a narrower parameter, a constraint, a range of a force, fixed parameters, a value for a part that
-has none) and asked again.  It suggests a change only if the claim was proved then, of a K that is not empty, or was refuted and the
-line says so.  So the change also says where the difficulty lies.  If no change that was tried helped, the form of the part is more likely
-to blame than a parameter."""
+Try: what helps.  duhem changed the law (another formula with the same K, a value for a part that has none, a constraint, a range of a
+force, a narrower parameter, fixed parameters) and asked again.  It suggests a change only if the claim was settled then: proved, of a K
+that is not empty, or refuted.  If a claim is refuted with fixed parameters, it is false for the law.  If no change that was tried helped,
+the form of the part is more likely to blame than a parameter."""
 
 
 class _Asked(NamedTuple):

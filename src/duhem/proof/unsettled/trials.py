@@ -34,8 +34,8 @@ _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "dua
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 3  # of plain values; of those at which everything that decides is asked
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
-_MOST_FORMS, _MOST_SINGLE = 2, 2  # beside g itself; of parameters that alone are fixed, at 0
-_MOST_DECIDED, _MOST_FREED = 10, 6  # times that everything is asked, until it settles the claim, and after that
+_MOST_FORMS, _MOST_SINGLE = 2, 2  # beside g itself; of parameters that are 0
+_MOST_DECIDED, _MOST_FREED = 8, 5  # times that everything is asked, until it settles the claim, and after that
 
 
 def that_help(
@@ -48,13 +48,15 @@ def that_help(
     empty K much is proved; ``forms`` have the K of g; at those tried ``first`` the claim may fail.
     """
     asked = _Asked(claim, law, settled, decide)
-    found = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(law, None, choice) is Verdict.REFUTED]
+    refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(law, None, choice) is Verdict.REFUTED]
+    found = list[str]()
     for kind in () if blocked is None else (_signs(law, blocked, choices), _ranges(law, blocked)):
         asked.steps = _A_KIND
         found += [action for action, changed in kind if asked(changed)][:1]
     loads = () if blocked is None else _forms(law, blocked, names)
     found += _with_least_lost(law, chain(((told, {**law, "g": g}) for told, g in forms), loads), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
+    found += refuted
     return found or _narrowed_alone(law, choices, asked, bool(forms)) or _settling(law, forms, part, choices, asked)
 
 
@@ -143,7 +145,8 @@ def _narrowed_alone(law: Text, choices: Choices, asked: _Asked, formed: bool) ->
 def _settling(law: Text, forms: Sequence[Form], part: frozenset[str], choices: Choices, asked: _Asked) -> list[str]:
     """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
     bases, known, asked.steps = (("", None), *forms[:_MOST_FORMS]), [*choices(_choices(law))][:_MOST_FIXED], 2 * _A_KIND
-    single = ({name: Fraction(0)} for choice in known[:1] for name in choice if Bounds.read(law["parameters"][name]).holds(Fraction(0)))
+    zero = Fraction(0)
+    single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
     for values in ({}, *known[:1], *islice(choices(single), _MOST_SINGLE), *known[1:]):
         for told, g in bases if values else bases[1:2]:
             if (verdict := asked.decided(law, g, values)) is Verdict.REFUTED:
