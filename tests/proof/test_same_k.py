@@ -44,10 +44,6 @@ FORMS = [
     ("p*q - p*m + p*q/(c + p)", 1),  # 0 along p = 0, where it has a value
     ("q**2/(c - m*p)**2 + p**2 - 1", 1),
     ("q/p - m + p", 1),
-    ("where(p < c, (p - c)**2, 0) + q - m", 1),
-    ("where(p >= c, (p - c)*m + q, q*n - 0*p) - 1", 0),  # it jumps
-    ("where(p > 0, p**2*m, p) + q - 1", 1),
-    ("where(q <= m, q**2 - m**2, 3*(q - m)) + p", 1),
     ("b*log(p/c) + q - 1", 0),  # the sign of b is open
     ("b*sqrt(p) + q - 1", 0),
     ("q - 1 - m*sqrt(p)", 0),  # the left side may be < 0

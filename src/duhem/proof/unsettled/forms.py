@@ -1,7 +1,7 @@
 """Other formulas with the same K: g <= 0 says the same of them wherever g has a value, within the ranges of the forces.
 
 Each step is exact there: log(A) + log(B) <= h is A B <= exp(h), as the logarithm rises; R <= c X**e is R**(1/e) <= c**(1/e) X where
-R >= 0; a divisor > 0 may be multiplied with; log(c/X) is -log(X/c); a choice at x = k of what is the same there is a sum.
+R >= 0; a divisor > 0 may be multiplied with; log(c/X) is -log(X/c).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from contextlib import suppress
 
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.identity import multiplied_out, vanishes
+from duhem.proof.kernel.identity import multiplied_out
 from duhem.proof.kernel.polynomial import number_in
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, product_of, sum_of
@@ -27,7 +27,7 @@ def same_k(read: StatedLaw) -> list[Term]:
     """The forms of g, those made in the fewest steps first."""
     domain, found = within_ranges(read), [read.g]
     for g in found:
-        for step in (_summed, _turned, _exponentiated, _cleared, _multiplied):
+        for step in (_turned, _exponentiated, _cleared, _multiplied):
             with suppress(*UNREADABLE):
                 found += [form for form in step(g, domain) if form not in found and len(found) <= _MOST]
     return found[1:]
@@ -119,18 +119,3 @@ def _multiplied(g: Term, domain: StatedDomain) -> Iterator[Term]:
                     form = sum_of(*(product_of(*rest, *([_to(x, number(n))] if n else [])) for rest, n in powers))
             if part not in form.parts():
                 yield form
-
-
-def _summed(g: Term, domain: StatedDomain) -> Iterator[Term]:
-    """Without a choice at x = k of two that are the same there: A at the smaller of x and k, and B at the larger, but for A at k."""
-    for part in (part for part in g.parts() if part.op == "where" and len(part.args[0].args) == 2):
-        (x, k), sides = part.args[0].args, part.args[1:] if part.args[0].op in ("<", "<=") else part.args[:0:-1]
-        if x.op != "name" or domain.constant(x) or not domain.constant(k):
-            continue
-        low, high = (side.put({x: k}) for side in sides)
-        if vanishes(sum_of(low, minus(high)), domain):
-            gap = x if k == _ZERO else Term("+", (x, Term("*", (number(-1), k))))
-            ends = minus(Term("neg", (gap,))), Term("pos", (gap,))
-            moving = [side.put({x: end if gap == x else sum_of(k, end), gap: end}) for side, end in zip(sides, ends, strict=True) if x.name in side.names()]
-            still = [minus(multiplied_out(low, domain))] if len(moving) > 1 and domain.polynomial(low) else []
-            yield g.put({part: sum_of(*moving, *still)})

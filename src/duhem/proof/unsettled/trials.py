@@ -56,8 +56,11 @@ def that_help(
     loads = () if blocked is None else _forms(law, blocked, names)
     found += _with_least_lost(law, chain(((told, {**law, "g": g}) for told, g in forms), loads), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
-    found += refuted
-    return found or _narrowed_alone(law, choices, asked, bool(forms)) or _settling(law, forms, part, choices, asked)
+    if found or refuted:
+        return [*found, *refuted]
+    known, asked.steps = [*choices(_choices(law))], _A_KIND
+    alone = () if forms or not known else sorted(known[0])  # where g has no value at a tip, it is no parameter that is to blame
+    return _narrowed(law, alone, known, {}, asked) or _settling(law, forms, part, known, choices, asked)
 
 
 class _Asked:
@@ -81,8 +84,10 @@ class _Asked:
         known, wanted = set(self.settled if law.get("g") == self.g else ()), claims or (self.claim,)
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
             read = stated(law)
-            needed = {*wanted}.union(*(needs_of(name, read) for name in wanted)) - known
-            for name in sorted(needed, key=_BEFORE.index):
+            needed = {*wanted}
+            for name in reversed(_BEFORE):
+                needed |= needs_of(name, read) if name in needed else set()
+            for name in (name for name in _BEFORE if name in needed - known):
                 if any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read)):
                     known.add(name)
         self.steps -= purse.spent + _READING
@@ -136,18 +141,13 @@ def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Tex
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
 
 
-def _narrowed_alone(law: Text, choices: Choices, asked: _Asked, formed: bool) -> list[str]:
-    """A narrower domain of one parameter; none where g has no value at a tip, for then it is no parameter that is to blame."""
-    known, asked.steps = [*choices(_choices(law))], _A_KIND
-    return _narrowed(law, sorted({name for choice in known if not formed for name in choice}), known, {}, asked)
-
-
-def _settling(law: Text, forms: Sequence[Form], part: frozenset[str], choices: Choices, asked: _Asked) -> list[str]:
+def _settling(
+    law: Text, forms: Sequence[Form], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
+) -> list[str]:
     """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
-    bases, known, asked.steps = (("", None), *forms[:_MOST_FORMS]), [*choices(_choices(law))][:_MOST_FIXED], 2 * _A_KIND
-    zero = Fraction(0)
+    bases, zero, asked.steps = (("", None), *forms[:_MOST_FORMS]), Fraction(0), 2 * _A_KIND
     single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
-    for values in ({}, *known[:1], *islice(choices(single), _MOST_SINGLE), *known[1:]):
+    for values in ({}, *known[:1], *islice(choices(single), _MOST_SINGLE), *known[1:_MOST_FIXED]):
         for told, g in bases if values else bases[1:2]:
             if (verdict := asked.decided(law, g, values)) is Verdict.REFUTED:
                 return [_said(told, values, verdict)]
