@@ -1,17 +1,17 @@
 """What is said of a claim that stays open: the inequality, the part of the formula that no rule reads, the closest place, and what helps.
 
-A suggestion is made for a cause that was found: it was tried on the law, and the claim was then proved, or refuted as it says.  Two are
-not tried, and say so: more steps, where they ran out, and to settle the claims first that this one follows from.
+A suggestion was tried on the law, and the claim was then proved, or refuted as it says.  Two are not tried, and say so: more steps,
+where they ran out, and to settle the claims first that this one follows from.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from itertools import chain, islice
+from itertools import chain
 from typing import Any, NamedTuple
 
 from duhem.errors import InputError
@@ -28,10 +28,11 @@ from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
-from duhem.proof.unsettled.blocked import blocked, in_forces
+from duhem.proof.unsettled.blocked import Blocked, blocked, in_forces
+from duhem.proof.unsettled.forms import same_k
 from duhem.proof.unsettled.limits import jump, keeps_k, with_values
-from duhem.proof.unsettled.term_text import in_text, names_of
-from duhem.proof.unsettled.trials import Form, that_help
+from duhem.proof.unsettled.term_text import Names, in_text, names_of
+from duhem.proof.unsettled.trials import Form, settings, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
 
 __all__ = ["STATEMENT", "THEORY", "unsettled"]
@@ -55,9 +56,10 @@ _OF_A_CURVE = {
 }
 _OF_G = ("origin", "convexity", "smoothness")  # claims about g alone
 _OF_ANY_K = ("origin", "state_laws", "thermal")  # of an empty K they are not proved, or they are about something else
-_STEPS = 3_000_000
+_STEPS, _A_TRIAL = 3_000_000, 1_000_000
+_WRITTEN = 'write g = "{}", with the same K wherever g has a value'
 Decide = Callable[[Criterion, str, int], Verdict]
-_CHOICES, _SINGLE = 6, 2  # of parameters; of one alone
+_CHOICES = 6  # of parameters
 _LONGEST = 240  # letters of a part that is told
 _DIGITS = 6
 _NOISE = 1e-6  # of differences in floats
@@ -77,10 +79,10 @@ Closest: the point of the boundary, and values of the parameters, at which a sea
 A margin near 0 says that the law is at the limit there, and a margin below 0 that it may be violated: fix the parameters with --set at
 this place, and verify again.
 
-Try: what helps.  duhem changed the law (a narrower parameter, a constraint, a range of a force, fixed parameters, a value for a part that
-has none) and asked again.  It suggests a change only if the claim was proved then, of a K that is not empty, or was refuted and the
-line says so.  So the change also says where the difficulty lies.  If no change that was tried helped, the form of the part is more likely
-to blame than a parameter."""
+Try: what helps.  duhem changed the law (another formula with the same K, a value for a part that has none, a constraint, a range of a
+force, a narrower parameter, fixed parameters) and asked again.  It suggests a change only if the claim was settled then: proved, of a K
+that is not empty, or refuted.  If a claim is refuted with fixed parameters, it is false for the law.  If no change that was tried helped,
+the form of the part is more likely to blame than a parameter."""
 
 
 class _Asked(NamedTuple):
@@ -111,56 +113,47 @@ def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettl
     claim, law, subject, settled = asked.claim, asked.law, asked.subject, asked.settled
     exhausted = subject.budget.left * 8 < subject.budget.left + subject.budget.spent
     subject.allow(_STEPS)
-    first = [name for name in _rests_on(asked) if settled[name].verdict is not Verdict.PROVED]
-    if first and all(settled[name].verdict in _OPEN for name in first):
-        both = " and ".join(first)
-        it = "both" if first[1:] else f"it, so what helps {both} helps here"
-        return Unsettled(inequality, actions=(f"settle {both} first: {claim} follows from {it}",))
-    limits = list(_limits(asked))
-    actions = list(_decided(asked, decide, ((told, {"g": g}) for told, g in limits[:1] if claim == "origin")))
-    part, why, helps = _blocked(asked, None if any(Verdict.REFUTED in action for action in actions) else limits)
-    actions = helps or actions
     place, measure, margin = _closest(asked)
     bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
-    if bad or not actions:
-        # a part that a parameter scales is gone where that is 0
-        single: list[Mapping[str, Any]] = [{x: Fraction(0)} for x in _free(law) if law.parameters[x].low == 0 and 0 in law.parameters[x]]
-        choices = () if actions or not _free(law) else (*single[:_SINGLE], *islice(_choices(asked), 1))
-        actions = [*actions, *_decided(asked, decide, map(_set, (*([bad] if bad else []), *choices)))]
-    if bad and claim not in _OF_G:
-        actions = [*actions, f"{_set(bad)[0]} (in floating point the claim seems to be violated there)"]
+    names, found = names_of(law), None
+    with suppress(*UNREADABLE, TooDearError), within(_STEPS):
+        found = None if "boundary" in asked.text else blocked(claim, in_forces(claim, StatedLaw.read(asked.text)))
+    actions, own = list[str](), _everything(asked, decide)
+    proved = frozenset(name for name, evidence in settled.items() if evidence.verdict is Verdict.PROVED and name != claim)
+    with suppress(*UNREADABLE):
+        first = [{name: Fraction(value) for name, value in bad.items()}] if bad and own else []
+        actions = that_help(claim, asked.text, proved, found, names, partial(_with_k, asked), [*_same(asked, names)], own, first)
+    if bad and not any(Verdict.REFUTED in action for action in actions) and claim not in _OF_G:
+        actions = [*actions, f"{settings(bad)} (in floating point the claim seems to be violated there)"]
+    rests = [name for name in _rests_on(asked) if settled[name].verdict is not Verdict.PROVED]
+    if not actions and rests and all(settled[name].verdict in _OPEN for name in rests):
+        actions = [f"settle {' and '.join(rests)} first: {claim} follows from {'both' if rests[1:] else 'it'}"]
     if exhausted and not actions and subject.effort < EFFORTS["thorough"]:
         actions = ["--effort thorough, which was not tried: the steps for this claim ran out before every method had tried"]
+    part, why = (None, None) if found is None else _quoted(asked, found, names)
     return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
 
-def _blocked(asked: _Asked, limits: Sequence[Form] | None) -> tuple[str | None, str | None, list[str]]:
-    """The part that no rule reads, why, and what helps, of which ``limits`` may be some; None where nothing need be tried."""
-    proved = frozenset(name for name, evidence in asked.settled.items() if evidence.verdict is Verdict.PROVED and name != asked.claim)
-    names = names_of(asked.law)
-    found = None
-    with suppress(*UNREADABLE, TooDearError), within(_STEPS):
-        found = None if "boundary" in asked.text else blocked(asked.claim, in_forces(asked.claim, StatedLaw.read(asked.text)))
-    actions = list[str]()
-    with suppress(*UNREADABLE):
-        actions = [] if limits is None else that_help(asked.claim, asked.text, proved, found, names, partial(_with_k, asked), limits)
-    if found is None:
-        return None, None, actions
+def _quoted(asked: _Asked, found: Blocked, names: Names) -> tuple[str, str]:
+    """The part that no rule reads as the law has it, and what is lacking."""
     text, why = in_text(found.part, names), found.why
     if len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 2 :]}"
     if found.part.op == "where" and isinstance(asked.law, Criterion):
         why = f"{why}{jump(found.part, asked.law.forces, {**next(_choices(asked), {}), asked.law.pressure or '': Fraction(-1)})}"
-    return text, why, actions
+    return text, why
 
 
-def _limits(asked: _Asked) -> Iterator[Form]:
-    """Forms of a g that has no value at a tip, with which K seems to be as it was."""
+def _same(asked: _Asked, names: Names) -> Iterator[Form]:
+    """Forms of g with which K seems to be as it was, and parts that have no value at a tip have one."""
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
         if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
-            for told, g in with_values(read, names_of(asked.law)):
-                if keeps_k(asked.subject, text := in_text(g, {})):
-                    yield told, text
+            forms = [(None, read.g), *((_WRITTEN, g) for g in same_k(read))]
+            for start, g in forms:
+                tips = [*with_values(read._replace(g=g), names)]
+                for told, own in [*([] if start is None or tips else [(start, g)]), *((start or told, x) for told, x in tips)]:
+                    if keeps_k(asked.subject, text := in_text(own, {})):
+                        yield told.format(in_text(own, names)) if start else told, text
 
 
 def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:
@@ -185,25 +178,27 @@ def _has_k(asked: _Asked, values: Mapping[str, Any]) -> bool:
     if known or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
         return True
     with suppress(InputError):
-        return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(_set(values)[1])), 1))
+        return any(len(found.boundary) for found in scouts(FormulaSubject(law.fix(_text(values))), 1))
     return False
 
 
-def _decided(asked: _Asked, decide: Decide | None, changes: Iterable[tuple[str, Mapping[str, Any]]]) -> Iterator[str]:
-    """The first change of the law with which the claim, one about g alone, is decided: values of parameters, or g."""
-    law = asked.law
-    if decide is not None and isinstance(law, Criterion) and not (law.forces_of_rates or law.viscous) and asked.claim in _OF_G:
-        for told, changed in changes:
-            with suppress(InputError):  # a variable of the state may not be 0
-                other = replace(law, written="", **changed) if "g" in changed else law.fix(changed)
-                verdict = decide(other, asked.claim, _STEPS)
-                if verdict is Verdict.REFUTED or (verdict not in _OPEN and ("g" in changed or _has_k(asked, changed))):
-                    yield f"{told} (then it is {verdict})"
-                    return
+def _everything(asked: _Asked, decide: Decide | None) -> Callable[[str | None, Mapping[str, Any]], Verdict | None] | None:
+    """What decides a claim about K of forms of g with fixed parameters; None of a law that has more than K."""
+    law, claim = asked.law, asked.claim
+    if decide is None or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
+        return None
+
+    def verdict(g: str | None, values: Mapping[str, Any]) -> Verdict | None:
+        with suppress(InputError):  # a variable of the state may not be 0
+            found = decide((law if g is None else replace(law, written="", g=g)).fix(_text(values)), claim, _A_TRIAL)
+            return None if found in _OPEN else found
+        return None
+
+    return verdict if claim in _OF_G or (claim == "dissipation" and not law.variables) else None
 
 
-def _set(values: Mapping[str, Any]) -> tuple[str, dict[str, str]]:
-    return " ".join(f"--set {name}={value}" for name, value in values.items()), {name: str(value) for name, value in values.items()}
+def _text(values: Mapping[str, Any]) -> dict[str, str]:
+    return {name: str(value) for name, value in values.items()}
 
 
 def _free(law: Law) -> list[str]:

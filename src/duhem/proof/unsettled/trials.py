@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
-from itertools import chain
+from itertools import chain, islice
 from typing import Any
 
 from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
@@ -20,52 +20,74 @@ from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, product_of
 from duhem.proof.unsettled.blocked import Blocked
 from duhem.proof.unsettled.term_text import Names, in_text
+from duhem.proof.verdict import Verdict
 
-__all__ = ["Form", "that_help"]
+__all__ = ["Form", "settings", "that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Form = tuple[str, str]  # what to write, and g then
+Decide = Callable[[str | None, Choice], Verdict | None]  # the verdict on a form of g, or on g, with fixed parameters; None where it is open
 _A_TRIAL, _A_KIND, _READING = 200_000, 400_000, 5_000  # steps of one trial and of all of one kind; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
-_PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "0", "1/10", "3", "-1")))
-_TURNS, _MOST_CHOICES = 7, 6  # of plain values
+_PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
+_TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 3  # of plain values; of those at which everything that decides is asked
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
+_MOST_FORMS, _MOST_SINGLE = 2, 2  # beside g itself; of parameters that are 0
+_MOST_DECIDED, _MOST_FREED = 8, 5  # times that everything is asked, until it settles the claim, and after that
 
 
 def that_help(
-    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Choices, limits: Sequence[Form]
-) -> list[str]:
-    """What to do, so that the claim is proved: one action a kind, each seen to help.
+    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Choices, forms: Sequence[Form],
+    decide: Decide | None = None, first: Sequence[Choice] = (),
+) -> list[str]:  # fmt: skip
+    """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
-    empty K much is proved; ``limits`` are forms with a value at a tip.
+    empty K much is proved; ``forms`` have the K of g; at those tried ``first`` the claim may fail.
     """
-    asked, found = _Asked(claim, settled), list[str]()
+    asked = _Asked(claim, law, settled, decide)
+    refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(law, None, choice) is Verdict.REFUTED]
+    found = list[str]()
     for kind in () if blocked is None else (_signs(law, blocked, choices), _ranges(law, blocked)):
         asked.steps = _A_KIND
         found += [action for action, changed in kind if asked(changed)][:1]
-    forms = () if blocked is None else _forms(law, blocked, names)
-    found += _with_least_lost(law, chain(((told, {**law, "g": g}) for told, g in limits), forms), asked)
-    return found or _values(law, blocked, choices, asked, alone=not limits)
+    loads = () if blocked is None else _forms(law, blocked, names)
+    found += _with_least_lost(law, chain(((told, {**law, "g": g}) for told, g in forms), loads), asked)
+    part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
+    if found or refuted:
+        return [*found, *refuted]
+    known, asked.steps = [*choices(_choices(law))], _A_KIND
+    alone = () if forms or not known else sorted(known[0])  # where g has no value at a tip, it is no parameter that is to blame
+    return _narrowed(law, alone, known, {}, asked) or _settling(law, forms, part, known, choices, asked)
 
 
 class _Asked:
-    """The kernel, as long as steps are left."""
+    """The kernel, as long as steps are left, and everything that decides, a few times."""
 
-    def __init__(self, claim: str, settled: frozenset[str]) -> None:
-        self.claim, self.settled, self.steps = claim, settled, _A_KIND
+    def __init__(self, claim: str, law: Text, settled: frozenset[str], decide: Decide | None) -> None:
+        self.claim, self.g, self.settled, self.decide = claim, law.get("g"), settled, decide
+        self.steps, self.left = _A_KIND, _MOST_DECIDED
 
-    def __call__(self, law: Text, *claims: str, of_a_part: bool = True) -> bool:
-        """Whether it proves the claim, or others, without evidence, with what that may rest on; ``of_a_part`` holds what is settled."""
+    def decided(self, law: Text, g: str | None, values: Choice) -> Verdict | None:
+        """Proved or refuted of a form of g, or of g, with fixed parameters; None where it is open, or has been asked often."""
+        self.left -= 1
+        if self.decide is not None and self.left >= 0:
+            return self.decide(g, values)
+        return Verdict.PROVED if self.decide is None and self(_with(law if g is None else {**law, "g": g}, values)) else None
+
+    def __call__(self, law: Text, *claims: str) -> bool:
+        """Whether it proves the claim, or others, without evidence, with what that may rest on; of g itself holds what is settled."""
         if self.steps < 0:
             return False
-        known, wanted = set(self.settled if of_a_part else ()), claims or (self.claim,)
+        known, wanted = set(self.settled if law.get("g") == self.g else ()), claims or (self.claim,)
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
             read = stated(law)
-            needed = {*wanted}.union(*(needs_of(name, read) for name in wanted)) - known
-            for name in sorted(needed, key=_BEFORE.index):
+            needed = {*wanted}
+            for name in reversed(_BEFORE):
+                needed |= needs_of(name, read) if name in needed else set()
+            for name in (name for name in _BEFORE if name in needed - known):
                 if any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read)):
                     known.add(name)
         self.steps -= purse.spent + _READING
@@ -76,9 +98,9 @@ def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked
     """The form of g of which the claim is proved, and all that is proved of the law as it is, or most; what is open then is said."""
     asked.steps, found = _A_KIND, list[tuple[int, int, str]]()
     for told, changed in forms:
-        if asked(changed, of_a_part=False):
-            claims = [name for name in _BEFORE[:3] if name != asked.claim and asked(law, name, of_a_part=False)]
-            lost = [name for name in claims if not asked(changed, name, of_a_part=False)]
+        if asked(changed):
+            claims = [name for name in _BEFORE[:3] if name != asked.claim and asked(law, name)]
+            lost = [name for name in claims if not asked(changed, name)]
             more = f" (for this claim alone: {' and '.join(lost)} would be open)" if lost else ""
             found.append((len(lost), len(told), told + more))
     return [min(found)[2]] if found else []
@@ -119,22 +141,42 @@ def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Tex
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
 
 
-def _values(law: Text, blocked: Blocked | None, choices: Choices, asked: _Asked, alone: bool) -> list[str]:
-    """A narrower domain of one parameter, if ``alone`` may do, else with the fewest others fixed at plain values; or all that is fixed."""
-    part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
-    known, asked.steps = [*choices(_choices(law))], _A_KIND
-    names = sorted({name for choice in known if alone for name in choice})
-    if found := _narrowed(law, names, known, {}, asked):
-        return found
-    asked.steps = 2 * _A_KIND
-    fixed = next((dict(choice) for choice in known if asked(_with(law, choice))), {})
-    for name in sorted(fixed, key=lambda name: name in part):
-        fewer = {x: value for x, value in fixed.items() if x != name}
-        fixed = fewer if fewer and asked(_with(law, fewer)) else fixed
+def _settling(
+    law: Text, forms: Sequence[Form], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
+) -> list[str]:
+    """A form of g, or g with the fewest parameters fixed or narrowed at plain values, of which the claim is proved or refuted."""
+    bases, zero, asked.steps = (("", None), *forms[:_MOST_FORMS]), Fraction(0), 2 * _A_KIND
+    single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
+    for values in ({}, *known[:1], *islice(choices(single), _MOST_SINGLE), *known[1:_MOST_FIXED]):
+        for told, g in bases if values else bases[1:2]:
+            if (verdict := asked.decided(law, g, values)) is Verdict.REFUTED:
+                return [_said(told, values, verdict)]
+            if verdict is Verdict.PROVED:
+                return [_with_fewest(law, told, g, values, part, asked)]
+    return []
+
+
+def _with_fewest(law: Text, told: str, g: str | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
+    """What is proved with values fixed, with as few of them as may be, those of a ``part`` the longest, and one of these narrowed."""
+    asked.left, others = _MOST_FREED, [name for name in fixed if name not in part]
+    for freed in (others, *([name] for name in sorted(fixed, key=lambda name: name in part))):
+        fewer = {x: value for x, value in fixed.items() if x not in freed}
+        if fewer != fixed and (fewer or g is not None) and asked.decided(law, g, fewer) is Verdict.PROVED:
+            fixed = fewer
     for name in fixed:
-        if found := _narrowed(law, [name], [fixed], {x: value for x, value in fixed.items() if x != name}, asked):
-            return found
-    return [" ".join(f"--set {x}={value}" for x, value in fixed.items())] if fixed else []
+        more = {x: value for x, value in fixed.items() if x != name}
+        if found := _narrowed(law if g is None else {**law, "g": g}, [name], [fixed], more, asked):
+            return " and ".join(filter(None, (told, *found)))
+    return _said(told, fixed, Verdict.PROVED)
+
+
+def _said(told: str, values: Choice, verdict: Verdict) -> str:
+    return f"{' and '.join(filter(None, (told, settings(values))))} (then it is {verdict})"
+
+
+def settings(values: Mapping[str, Any]) -> str:
+    """As the command line has them."""
+    return " ".join(f"--set {name}={value}" for name, value in values.items())
 
 
 def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: Choice, asked: _Asked) -> list[str]:
@@ -189,6 +231,7 @@ def _narrower(domain: Text) -> Iterator[tuple[dict[str, Any], str]]:
 
 
 def _plain(domain: Text) -> Iterator[Fraction]:
-    """A few plain values that lie in it, and its ends."""
+    """A few plain values that lie in it, halves of its ends, its ends, and 0, where an effect is gone."""
     own = Bounds.read(domain)
-    yield from dict.fromkeys(x for x in (*_PLAIN, *(end for end in own[:2] if end is not None)) if own.holds(x))
+    ends = [end for end in (own.high, own.low) if end is not None]
+    yield from dict.fromkeys(x for x in (*_PLAIN, *(end / 2 for end in ends), *ends, Fraction(0)) if own.holds(x))
