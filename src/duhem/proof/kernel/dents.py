@@ -21,11 +21,11 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.bounds import POSITIVE, Facts
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
-from duhem.proof.kernel.deviatoric import DeviatoricReader, deviatoric_readers, invariants
+from duhem.proof.kernel.deviatoric import WALLS, DeviatoricReader, deviatoric_readers, invariants
 from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
 from duhem.proof.kernel.forms import at, principal_minors
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.plane_function import PlaneFunction, Signs, derivatives, inner, roots_in
+from duhem.proof.kernel.plane_function import PlaneFunction, Signs, inner
 from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, replaced, slope, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
@@ -109,15 +109,11 @@ def _of_the_deviator(law: StatedLaw) -> Iterator[Dent]:
             if not (value.degree > 0 and reader.above(value.poly, strict=True)):
                 continue
             value = value if value.degree == 1 else reader.root(value)
-            read = (p for part in (value, *others) for p in (part.poly, *map(dict, part.powers), *part.powers.values()))
-            if not all(reader.above(inner(w, domain), strict=True) for w in {w for p in read for w in roots_in(p)}):
+            if not all(reader.above(inner(w, domain), strict=True) for part in (value, *others) for w in part.roots()):
                 continue
-            found = derivatives(value, reader.along)
-            rate = reader.plain(found.first)
-            far = reader.plain(total(times(value.poly, found.over), times({(): Fraction(-2)}, rate)))
-            yield Dent("sector", f"sector {i}", reader.bend(value), (_ZERO, _ONE), domain, reader.signs)
-            yield Dent("sector", f"near wall {i}", rate, (_ZERO, _ZERO), domain, reader.signs, True)
-            yield Dent("sector", f"far wall {i}", far, (_ONE, _ONE), domain, reader.signs, True)
+            yield Dent("sector", f"sector {i}", reader.bend(value), WALLS, domain, reader.signs)
+            for name, wall, rise in zip(("near", "far"), WALLS, reader.at_walls(value), strict=True):
+                yield Dent("sector", f"{name} wall {i}", rise, (wall, wall), domain, reader.signs, True)
 
 
 def _deviatoric_parts(law: StatedLaw, domain: StatedDomain, reader: DeviatoricReader) -> list[PlaneFunction]:
