@@ -114,7 +114,7 @@ class _Derivatives:
             case "name":
                 return self.axes[term.name]
             case "+":
-                return tuple(map(_total, zip(*map(self.of, term.args), strict=True)))
+                return tuple(reduce(_plus, ends) for ends in zip(*map(self.of, term.args), strict=True))
             case "*":
                 still = reduce(Enclosure.times, (self.value(a) for a in term.args if self.of(a) is _STILL), _ONE)
                 moving = ((self.value(a), self.of(a)) for a in term.args if self.of(a) is not _STILL)
@@ -163,8 +163,3 @@ def _times(x: Enclosure, y: Enclosure) -> Enclosure:
 
 def _square(x: Enclosure) -> Enclosure:
     return x if x is _ZERO else x.power(2)
-
-
-def _total(parts: Sequence[Enclosure]) -> Enclosure:
-    moving = [x for x in parts if x is not _ZERO]
-    return Enclosure(sum(x.low for x in moving), sum(x.high for x in moving)) if moving else _ZERO

@@ -136,8 +136,7 @@ def _deviatoric_parts(law: StatedLaw, domain: StatedDomain, reader: DeviatoricRe
             values.setdefault(value.degree, []).append(value)
         else:
             rest.append(part)
-    constants = [part.put(swap) for part in rest]
-    known = domain.facts(sum_of(*constants)) if all(map(domain.constant, constants)) else _at_no_trace(constants, domain)
+    known = _at_no_trace([part.put(swap) for part in rest], domain)
     below = len(values) == 1 and known.sign == NEGATIVE
     if not (values and known.defined and (below or (principal and _moves_with_the_trace(rest, names, domain)))):
         raise NotWritten("g is no function of the deviator less a constant")
@@ -200,8 +199,8 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
         raise NotWritten("a form is not shown to be > 0 somewhere")
     for i, spelled in enumerate(in_coordinates(form, forces)):
         matrix = catalecticant(homogeneous_parts(domain.polynomial(spelled), domain)[degree], degree)
-        for rows, minor in principal_minors(matrix, _MOST_ROWS):
-            yield Dent("form", f"minor {rows} in coordinates {i}", domain.polynomial(minor), (_ZERO, _ZERO), domain)
+        for rows, minor in principal_minors(matrix, domain, _MOST_ROWS):
+            yield Dent("form", f"minor {rows} in coordinates {i}", minor, (_ZERO, _ZERO), domain)
 
 
 def _is_plain(part: Term, domain: StatedDomain) -> bool:
