@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Any
 
 import pytest
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.constant_value import BITS, Enclosure, _odd_series, _series, enclosed
+from duhem.proof.kernel.constant_value import BITS, Enclosure, _odd_series, _series
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.plane_gauge import above_zero_along_rays
-from duhem.proof.kernel.real_root import RealRoot
-from duhem.proof.kernel.signs import line, sign_at
 from duhem.proof.kernel.simpler_laws import in_principal_stresses
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import NotWritten, parse
+from duhem.proof.kernel.term import parse
 from tests.oracles import drawn_formulas
 from tests.proof.test_kernel_facts import domain, said
 
@@ -41,21 +38,6 @@ def confirmed(claim: str, rule: str, g: str, evidence: Any = None, settled: str 
 def test_what_a_series_leaves_out_is_allowed_for_on_both_sides() -> None:
     one, nothing = Enclosure(UNIT, UNIT), Enclosure(0, 0)
     assert _series(nothing, lambda i: i) == _odd_series(one, nothing) == (UNIT - 1, UNIT + 1)
-
-
-@pytest.mark.parametrize("b", range(-3, 4))
-@pytest.mark.parametrize("a", [-2, -1, 1, 3])
-def test_a_root_of_second_degree_is_written_with_a_root(a: int, b: int) -> None:
-    for c in (-5, -2, 2, 5):
-        poly = line([Fraction(x) for x in (c, b, a)])
-        ends = [(Fraction(k, 4), Fraction(k + 1, 4)) for k in range(-40, 40)]
-        for low, high in ends:
-            if sign_at(poly, low) * sign_at(poly, high) < 0:
-                value = enclosed(RealRoot(poly, low, high).term(), {})
-                assert low * UNIT < value.low <= value.high < high * UNIT
-    for wrong in (line(map(Fraction, (-2, 0, 0, 1))), line(map(Fraction, (-1, 0, 0, 0, 2)))):
-        with pytest.raises(NotWritten):
-            RealRoot(wrong, Fraction(0), Fraction(2)).term()
 
 
 # -- regions -------------------------------------------------------------------------------------------------------------

@@ -165,10 +165,8 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             return _risen(x)
         case word if word in _SIGN_KEPT:
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
-        case "cos" if below_right(term.args[0], domain.sign):
-            return Facts(x.defined, POSITIVE)
-        case "sin" if below_right(term.args[0], domain.sign):
-            return Facts(x.defined, x.sign)
+        case "sin" | "cos" if below_right(term.args[0], domain.sign):
+            return Facts(x.defined, x.sign if term.op == "sin" else POSITIVE)
         case "sin" | "cos" | "tan" | "atan2" | "<" | "<=" | ">" | ">=":  # an angle jumps where the first is 0 and the second < 0
             return Facts(defined)
         case "where":

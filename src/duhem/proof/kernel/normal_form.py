@@ -409,11 +409,8 @@ class _Form(NamedTuple):
             raise NotWritten("it divides by 0")
         own = shared(poly)
         first = abs(poly[min(poly)])
-        base, n = self._presented(divided(poly, own, first)), 1
-        if base.op == "**" and base.args[1] == number(2):
-            base, n = base.args[0], 2
-        atom = self.domain.polynomial(Term("**", (base, number(-1))))
-        return divided(times(atom, atom) if n == 2 else atom, own, first)
+        atom = self.domain.polynomial(Term("**", (self._presented(divided(poly, own, first)), number(-1))))
+        return divided(atom, own, first)
 
     def _in_forces(self, m: Monomial) -> Monomial:
         return tuple((x, n) for x, n in m if x.op == "name" and not self.domain.constant(x))

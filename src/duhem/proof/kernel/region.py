@@ -251,8 +251,6 @@ def _leaves(x: Term, h: Term, domain: StatedDomain) -> bool:
     base = h
     while base.op == "pos" or (base.op == "**" and domain.facts(base.args[1]).sign == POSITIVE):
         base = base.args[0]
-    if known.sign == POSITIVE:
-        return True
     loads = [side for side in domain.sides if _positive_multiple(base, side, domain)]
     with suppress(NotWritten):
         return any(domain.facts(at_end_of(load, x, domain)).nonnegative for load in loads)
