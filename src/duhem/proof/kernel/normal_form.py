@@ -436,13 +436,13 @@ class _Form(NamedTuple):
         return poly
 
     def _apart(self, poly: Polynomial, x: Term, by: Polynomial) -> list[Polynomial]:
-        """N/P as s l + (N - s l P)/P: l is the mean of forces, P does not change when all these grow alike, and N/P then grows by s."""
+        """N/P as s l + (N - s l P)/P: l is the mean of forces, and N grows by s P when all these grow alike."""
         mixed = sorted({y for m in by if len(own := self._in_forces(m)) > 1 for y, _ in own})
         numerator = divided(poly, ((x, 1),))
-        if not mixed or any(n < 0 for m in numerator for y, n in m if y in mixed) or total(*(slope(by, y) for y in mixed)):
+        if not mixed or any(n < 0 for m in numerator for y, n in m if y in mixed):
             return [poly]
         share = quotient(total(*(slope(numerator, y) for y in mixed)), by)
-        if not share or any(y == x or not self.domain.constant(y) for m in share for y, _ in m):
+        if not share or not all(self.domain.constant(y) for m in share for y, _ in m):
             return [poly]
         linear = times(share, {((y, 1),): Fraction(1, len(mixed)) for y in mixed})
         return [linear, times(total(numerator, negated(times(linear, by))), {((x, 1),): Fraction(1)})]
