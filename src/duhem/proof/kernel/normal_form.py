@@ -290,8 +290,6 @@ class _Form(NamedTuple):
 
     def _square(self, poly: Polynomial) -> tuple[Polynomial, Term] | None:
         """(d, y) where the polynomial is d y^2 with a constant d; None where it is no square."""
-        if not poly:
-            return None
         common = shared(poly, self.domain.constant)
         found = root_of_square(divided(poly, common))
         return None if found is None else ({common: found[0]}, self._presented(found[1]))
@@ -482,8 +480,6 @@ class _Form(NamedTuple):
         """c (x + ...)^n with a number c, n > 2, and what is left of a polynomial of this degree, where that is much less."""
         beside: Polynomial
         for x in sorted({x for m in poly for x, _ in m if not self.domain.constant(x)}):
-            if any(k < 0 for m in poly for y, k in m if y == x):
-                continue
             *_, beside, own = ({}, *in_powers(poly, x))
             n, c = max(dict(m).get(x, 0) for m in poly), number_in(own)
             if n > 2 and c and beside:

@@ -163,8 +163,6 @@ class PlaneVariable(ABC):
         try:
             return self.shortened(added(values))
         except NotWritten:
-            if not self.rooted:
-                raise
             return self.shortened(added(list(map(self._with_roots, values))))
 
     def _with_roots(self, value: PlaneFunction) -> PlaneFunction:

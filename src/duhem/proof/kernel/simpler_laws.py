@@ -192,8 +192,6 @@ class _Components(NamedTuple):
 
     def invariant(self, term: Term) -> bool:
         """Whether the formula shows that turning the tensor changes neither its value nor whether it is defined."""
-        if self.domain.constant(term):
-            return True
         if term.op == "eigmax":
             return self._turns(term.args)
         if term.op not in ("+", "*"):
