@@ -106,14 +106,10 @@ def of_tensor(forces: tuple[Term, ...], normal: Sequence[Polynomial], shear: Seq
     mean = {m: third * c for m, c in total(*normal).items()}
     xx, yy, zz = (total(s, negated(mean)) for s in normal)
     yz, zx, xy = shear
-    second = total(*(_scaled(Fraction(1, 2), times(s, s)) for s in (xx, yy, zz)), *(times(t, t) for t in shear))
-    cross = (times(times(s, t), _scaled(Fraction(-1), t)) for s, t in ((xx, yz), (yy, zx), (zz, xy)))
-    det = total(times(times(xx, yy), zz), _scaled(Fraction(2), times(times(yz, zx), xy)), *cross)
+    second = total(*(times({(): Fraction(1, 2)}, times(s, s)) for s in (xx, yy, zz)), *(times(t, t) for t in shear))
+    cross = (times(times(s, t), negated(t)) for s, t in ((xx, yz), (yy, zx), (zz, xy)))
+    det = total(times(times(xx, yy), zz), times({(): Fraction(2)}, times(times(yz, zx), xy)), *cross)
     return Invariants(forces, second, det)
-
-
-def _scaled(factor: Fraction, poly: Polynomial) -> Polynomial:
-    return {m: factor * c for m, c in poly.items()}
 
 
 _FIRST, _GAP = (Term("name", name=name) for name in ("greatest deviator", "half of the others' gap"))  # no name of a law has blanks

@@ -173,7 +173,8 @@ def _bend(h: Polynomial) -> Polynomial:
 
 def _concave_root(line: Line, bend: Line, sides: Collection[Line]) -> bool:
     """Whether sqrt H is concave, by its ``bend``, where H >= 0 and the sides, of degree 1 at most, are >= 0, which is an interval then."""
-    far = 1 + max(map(_beyond_roots, (line, bend, *sides)))  # beyond it nothing changes any more
+    shares = (Fraction(abs(c), abs(p[-1])) for p in (line, bend, *sides) for c in p[:-1])
+    far = 2 + max(shares, default=Fraction(0))  # beyond it nothing changes any more (Cauchy's bound)
     low, high = (end * far if x is None else x for end, x in zip((-1, 1), _between(sides), strict=True))
     if low >= high:
         return True  # no more than one value of t is left
@@ -189,11 +190,6 @@ def _between(sides: Collection[Line]) -> tuple[Fraction | None, Fraction | None]
     """Where t lies; None for no end."""
     low, high = ([Fraction(-p[0], p[1]) for p in sides if len(p) == 2 and p[1] * way > 0] for way in (1, -1))
     return max(low, default=None), min(high, default=None)
-
-
-def _beyond_roots(p: Line) -> Fraction:
-    """Greater than the size of every root (Cauchy's bound)."""
-    return 1 + max((Fraction(abs(c), abs(p[-1])) for c in p[:-1]), default=Fraction(0))
 
 
 # -- the region that loads leave of K ------------------------------------------------------------------------------------
@@ -213,8 +209,9 @@ def where_loads_allow(law: StatedLaw) -> tuple[list[Term], list[Term], StatedDom
     domain = over(law)
     loads, others = _loads_and_others(law.g, domain)
     sides = {**within_ranges(law).sides, **dict.fromkeys(map(minus, loads), False)}
-    for part in others:
-        sides |= dict.fromkeys((x for x in _under_logarithms(part, domain) if not domain.constant(x) and domain.facts(x).affine), True)
+    for part in others:  # of a logarithm that cancels K is not closed, and nothing is said of it
+        under = (x.args[0] for m in domain.polynomial(part) for x, _ in m if x.op == "log")
+        sides |= dict.fromkeys((x for x in under if not domain.constant(x) and domain.facts(x).affine), True)
     for part in others:
         sides |= dict.fromkeys((load for load in sides if _divides(load, part, domain)), True)
     inside = domain.where(sides)
@@ -251,7 +248,8 @@ def _leaves(x: Term, h: Term, domain: StatedDomain) -> bool:
     base = h
     while base.op == "pos" or (base.op == "**" and domain.facts(base.args[1]).sign == POSITIVE):
         base = base.args[0]
-    loads = [side for side in domain.sides if _positive_multiple(base, side, domain)]
+    shares = ((side, multiple(domain.polynomial(base), domain.polynomial(side), domain)) for side in domain.sides)
+    loads = [side for side, share in shares if share and domain.facts(written(share)).sign == POSITIVE]
     with suppress(NotWritten):
         return any(domain.facts(at_end_of(load, x, domain)).nonnegative for load in loads)
     return False
@@ -276,12 +274,6 @@ def _greatest(term: Term, scale: Fraction = _ONE) -> Iterator[Term]:
         return
     for a in term.args:
         yield from _greatest(a, scale)
-
-
-def _under_logarithms(part: Term, domain: StatedDomain) -> Iterator[Term]:
-    """What stands under logarithms that are added up, times something: of one that cancels K is not closed, and nothing is said of it."""
-    for x in {x for m in domain.polynomial(part) for x, _ in m if x.op == "log"}:
-        yield x.args[0]
 
 
 def _convex_below_a_product(part: Term, domain: StatedDomain) -> bool:
@@ -355,11 +347,6 @@ def _shown(term: Term, domain: StatedDomain) -> Facts:
     """What is shown of a part that has a value; of another nothing is."""
     known = domain.facts(term)
     return known if known.defined else Facts()
-
-
-def _positive_multiple(term: Term, load: Term, domain: StatedDomain) -> bool:
-    share = multiple(domain.polynomial(term), domain.polynomial(load), domain)
-    return share is not None and domain.facts(written(share)).sign == POSITIVE
 
 
 def round_at_its_ends(law: StatedLaw) -> bool:
