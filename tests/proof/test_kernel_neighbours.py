@@ -390,3 +390,21 @@ def test_an_energy_that_is_convex_in_each_variable(energy: str, convex: bool) ->
     variables = {"u": {"force": "a"}, "v": {"force": "b"}}
     given = {"forces": ["a", "b"], "pressure": None, "parameters": {"u": {}, "v": {}}, "constraints": [], "g": "a + b", "flow": None}
     assert convex_in_each_variable(StatedLaw.read({**given, "variables": variables, "energy": energy})) is convex
+
+
+# -- spellings ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("g", "as_written", "otherwise"),
+    [
+        ("norm(a, b) - m", True, True), ("where(a > 0, a, -a) + abs(b) - m", False, True),
+        ("where(a > 0, 2*a, a) + abs(b) - m", False, True),
+        ("where(a > 0, a, 2*a) + abs(b) - m", False, False), ("where(a > 0, a, 0) - abs(b) - m", False, False),
+    ],
+)  # fmt: skip
+def test_what_is_asked_of_the_text_is_not_shown_by_a_normal_form(g: str, as_written: bool, otherwise: bool) -> None:
+    given = {"forces": ["a", "b"], "pressure": None, "parameters": PARAMETERS, "constraints": [], "g": g, "flow": None}
+    law = StatedLaw.read(given)
+    shown = [not objection("convexity", "composition", frozenset(), law, {}, said) for said in (True, False, None)]
+    assert shown == [as_written, otherwise, as_written or otherwise]
