@@ -21,7 +21,7 @@ from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge, above_zero_along_rays
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.polynomial import negated, written
-from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends, where_loads_allow
+from duhem.proof.kernel.region import convex_in_its_region, region_of, round_at_its_ends, where_loads_allow
 from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_boundary, tips
 from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -150,10 +150,16 @@ def _forms(claim: str, law: StatedLaw | StatedCurve, moves: bool = False) -> Ite
 
 
 def _spelled_otherwise(law: StatedLaw) -> tuple[StatedLaw, ...]:
-    """The normal forms, of a g that has a value for all forces: they say the same of K."""
-    if law.viscous or law.g.large or law.once(obligations.formula):
+    """The normal forms that say the same of K: g has a value for all forces, or where the same loads allow it, and is continuous there."""
+    if law.viscous or law.g.large:
         return ()  # the rates of a potential are the gradient of the formula as written, at a kink too
-    return normal_forms(law)
+    if not law.once(obligations.formula):
+        return normal_forms(law)
+    if law.once(obligations.formula_where_loads_allow):
+        return ()
+    loads = region_of(law)
+    forms = (form for form in normal_forms(law) if not form.once(obligations.formula_where_loads_allow))
+    return tuple(form for form in forms if loads <= region_of(form) and not chooses(form.g, over(form)))
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:

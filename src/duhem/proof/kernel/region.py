@@ -47,7 +47,7 @@ from duhem.proof.kernel.signs import RAY, Line, nonnegative, nonnegative_on_the_
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["convex_by_its_profile", "convex_in_its_region", "round_at_its_ends", "where_loads_allow"]
+__all__ = ["convex_by_its_profile", "convex_in_its_region", "region_of", "round_at_its_ends", "where_loads_allow"]
 
 _ONE = Fraction(1)
 
@@ -253,6 +253,12 @@ def _leaves(x: Term, h: Term, domain: StatedDomain) -> bool:
     with suppress(NotWritten):
         return any(domain.facts(at_end_of(load, x, domain)).nonnegative for load in loads)
     return False
+
+
+def region_of(law: StatedLaw) -> frozenset[object]:
+    """What is >= 0, or > 0, where the loads of g allow K, each multiplied out."""
+    _, _, inside = law.once(where_loads_allow)
+    return frozenset((frozenset(inside.polynomial(side).items()), strict) for side, strict in inside.sides.items())
 
 
 def _loads_and_others(g: Term, domain: StatedDomain) -> tuple[list[Term], list[Term]]:
