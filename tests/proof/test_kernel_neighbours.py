@@ -91,6 +91,10 @@ def test_what_a_series_leaves_out_is_allowed_for_on_both_sides() -> None:
         ("max(norm(a, b) - sqrt(p)*sqrt(1 - p), -p, p - 1)", True),
         ("max(norm(a, b) - sqrt(p)*sqrt(1 - p), -p, p - 2)", False),
         ("max(norm(a, b) - sqrt((p**2 - p)/(-1)), -p)", False),
+        ("max(where(a > 0, a, -2*a) + abs(b) - sqrt(p*(1 - p)), -p, p - 1)", True),  # in its normal form
+        ("max(where(a > 0, -a, 2*a) + abs(b) - sqrt(p*(1 - p)), -p, p - 1)", False),
+        ("max(where(a > 0, a, 1 - a) + abs(b) - sqrt(p*(1 - p)), -p, p - 1)", False),  # it jumps
+        ("max(where(a > 0, a, -2*a) + abs(b) - sqrt(p*(1 - p)), -p, p - 2)", False),
     ],
 )
 def test_where_loads_allow(g: str, right: bool) -> None:
