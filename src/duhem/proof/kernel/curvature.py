@@ -72,7 +72,7 @@ def shown(term: Term, domain: StatedDomain) -> Facts:
     elif not term.large:
         known = _of_its_spelling(term, known, domain)
         known = known if known.defined and known.convex else _of_parts_together(term, known, domain)
-    if domain.sides and not domain.constant(term):
+    if domain.sides:
         known = replace(known, sign=known.sign & sign_within(term, known, domain))
     return known
 

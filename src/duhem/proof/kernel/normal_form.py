@@ -251,7 +251,7 @@ class _Form(NamedTuple):
             even = k.op == "number" and k.value > 0 and k.value % 2 == 0
             risen = self.domain.facts(k).sign == POSITIVE
             if product and risen and (even or not self.domain.facts(y).sign & NEGATIVE):
-                inner = self._kink("abs", y) if even and self.domain.facts(y).sign & NEGATIVE and product % 2 else y
+                inner = self._kink("abs", y) if even and product % 2 else y
                 return self._power(inner, number(product))
             if product is None and even and self.domain.constant(p):
                 return Term("**", (self._kink("abs", y), product_of(k, p)))
@@ -518,10 +518,6 @@ class _Form(NamedTuple):
                 continue
             (d,) = moving[0].args
             poly, rest = self._poly(d), sum_of(*term.args[:i], *term.args[i + 1 :])
-            whole, beside = self._poly(product_of(c, d)), self._poly(rest)
-            if moving[0].op == "abs" and beside in (whole, negated(whole)):  # c |d| + c d, c |d| - c d
-                ramp = product_of(number(2), c, Term("pos" if beside == whole else "neg", (d,)))
-                return self._presented(self._poly(ramp)) if self.collects else self._folded(ramp)
             plain = len(poly) < 4 and not any(self._is_word(x) for m in poly for x, _ in m)
             if plain or self.domain.facts(c).sign & NEGATIVE:
                 continue
