@@ -14,9 +14,11 @@ from duhem.proof.kernel.constant_value import BITS, Enclosure, _odd_series, _ser
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.curve import _COSINE, _SINE, _along_half
 from duhem.proof.kernel.definedness import sign_on_axis
+from duhem.proof.kernel.dents import dents
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.identity import vanishes
 from duhem.proof.kernel.plane_gauge import above_zero_along_rays
+from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.simpler_laws import in_principal_stresses
 from duhem.proof.kernel.state import convex_in_each_variable
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -412,3 +414,24 @@ def test_what_is_asked_of_the_text_is_not_shown_by_a_normal_form(g: str, as_writ
     law = StatedLaw.read(given)
     shown = [not objection("convexity", "composition", frozenset(), law, {}, said) for said in (True, False, None)]
     assert shown == [as_written, otherwise, as_written or otherwise]
+
+
+# -- dents ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("g", "convex", "dented"),
+    [  # rho (1 + e cos 3 theta)^(1/k) is convex for |e| <= k/(9 - k), k <= 3
+        ("sqrt(J2) + Q*J3/J2 - 1", "1/4", "2/5"), ("sqrt(J2) + Q*J3/J2 - 1", "-1/4", "-2/5"), ("J2 + Q*J3/sqrt(J2) - 1", "5/7", "7/9"),
+        ("J2**(3/2) + Q*J3 - 1", "9/7", "4/3"), ("J2**(3/2) + Q*J3 - 1", "-9/7", "-4/3"),
+        ("J2**3 - Q*J3**2 - 1", "11/5", "7/3"), ("J2**3 - Q*J3**2 - 1", "-10/3", "-7/2"),  # Drucker (1949): -27/8 to 9/4
+    ],
+)  # fmt: skip
+def test_a_function_of_the_deviator_has_dents_where_its_root_of_degree_1_is_not_convex(g: str, convex: str, dented: str) -> None:
+    assert not _is_dented(g, convex) and _is_dented(g, dented)
+
+
+def _is_dented(g: str, q: str) -> bool:
+    given = {"forces": ["a", "b", "c"], "pressure": None, "parameters": {}, "constraints": [], "flow": None}
+    law = StatedLaw.read({**given, "g": without_shear(g).replace("Q", f"({q})")})
+    return any(dent.at(RealRoot.of(Fraction(k, 8))) for dent in dents(law, "sector") for k in range(9))
