@@ -36,7 +36,7 @@ TESTS: Mapping[str, str] = {
     "kernel": "test_kernel_facts test_kernel_reading test_kernel_polynomials test_kernel_enclosures test_kernel_identities"
     " test_kernel_rules test_kernel_boundary test_kernel_pieces test_kernel_edges test_kernel_*"
     " test_homogeneity test_power_share test_smooth_sections test_regions test_kernel test_composition_rules test_tampering test_fan"
-    " test_states* test_potentials_of_rates test_heat* test_coupled*"
+    " test_states* test_potentials_of_rates test_forces_of_rates test_heat* test_coupled*"
     " test_false_proofs test_undefined_parts test_product_bounds test_spectrum test_smooth_roots test_profiles test_isotropy"
     " test_concave_profiles test_graphs test_normal_form test_parameter_cells test_smooth_regions test_sect* test_obligations"
     " test_one_domain test_settled_parts test_restrictions test_surfaces regions/test_*",

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import prod
 from typing import Any
 
 import pytest
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.constant_value import BITS, Enclosure, _odd_series, _series, enclosed
+from duhem.proof.kernel.constant_value import BITS, Enclosure, _odd_series, _series
 from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.curve import _COSINE, _SINE, _along_half
 from duhem.proof.kernel.definedness import sign_on_axis
+from duhem.proof.kernel.dents import dents
+from duhem.proof.kernel.deviatoric import deviatoric_readers
+from duhem.proof.kernel.identity import vanishes
 from duhem.proof.kernel.plane_gauge import above_zero_along_rays
 from duhem.proof.kernel.real_root import RealRoot
-from duhem.proof.kernel.signs import line, sign_at
 from duhem.proof.kernel.simpler_laws import in_principal_stresses
+from duhem.proof.kernel.state import convex_in_each_variable
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import NotWritten, parse
+from duhem.proof.kernel.term import parse
 from tests.oracles import drawn_formulas
 from tests.proof.test_kernel_facts import domain, said
 
@@ -41,21 +46,6 @@ def confirmed(claim: str, rule: str, g: str, evidence: Any = None, settled: str 
 def test_what_a_series_leaves_out_is_allowed_for_on_both_sides() -> None:
     one, nothing = Enclosure(UNIT, UNIT), Enclosure(0, 0)
     assert _series(nothing, lambda i: i) == _odd_series(one, nothing) == (UNIT - 1, UNIT + 1)
-
-
-@pytest.mark.parametrize("b", range(-3, 4))
-@pytest.mark.parametrize("a", [-2, -1, 1, 3])
-def test_a_root_of_second_degree_is_written_with_a_root(a: int, b: int) -> None:
-    for c in (-5, -2, 2, 5):
-        poly = line([Fraction(x) for x in (c, b, a)])
-        ends = [(Fraction(k, 4), Fraction(k + 1, 4)) for k in range(-40, 40)]
-        for low, high in ends:
-            if sign_at(poly, low) * sign_at(poly, high) < 0:
-                value = enclosed(RealRoot(poly, low, high).term(), {})
-                assert low * UNIT < value.low <= value.high < high * UNIT
-    for wrong in (line(map(Fraction, (-2, 0, 0, 1))), line(map(Fraction, (-1, 0, 0, 0, 2)))):
-        with pytest.raises(NotWritten):
-            RealRoot(wrong, Fraction(0), Fraction(2)).term()
 
 
 # -- regions -------------------------------------------------------------------------------------------------------------
@@ -103,6 +93,10 @@ def test_a_root_of_second_degree_is_written_with_a_root(a: int, b: int) -> None:
         ("max(norm(a, b) - sqrt(p)*sqrt(1 - p), -p, p - 1)", True),
         ("max(norm(a, b) - sqrt(p)*sqrt(1 - p), -p, p - 2)", False),
         ("max(norm(a, b) - sqrt((p**2 - p)/(-1)), -p)", False),
+        ("max(where(a > 0, a, -2*a) + abs(b) - sqrt(p*(1 - p)), -p, p - 1)", True),  # in its normal form
+        ("max(where(a > 0, -a, 2*a) + abs(b) - sqrt(p*(1 - p)), -p, p - 1)", False),
+        ("max(where(a > 0, a, 1 - a) + abs(b) - sqrt(p*(1 - p)), -p, p - 1)", False),  # it jumps
+        ("max(where(a > 0, a, -2*a) + abs(b) - sqrt(p*(1 - p)), -p, p - 2)", False),
     ],
 )
 def test_where_loads_allow(g: str, right: bool) -> None:
@@ -324,3 +318,120 @@ def test_the_sign_on_the_axis_is_asked_where_nothing_else_is_on_it(g: str, tip: 
 def without_shear(text: str) -> str:
     swap = {"J2": "(((a - b)**2 + (b - c)**2 + (c - a)**2)/6)", "J3": "((2*a - b - c)*(2*b - c - a)*(2*c - a - b)/27)"}
     return text.replace("J2", swap["J2"]).replace("J3", swap["J3"])
+
+
+# -- identities --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "zero"),
+    [
+        ("(a**2)**(1/2) - a", False), ("(a**2)**(1/2) + a", False), ("(a**4)**(1/4) + a", False),
+        ("(s**4)**(1/4) + s", True), ("(s**4)**(1/4) - s", False), ("(m**4)**(1/4) - m", True), ("(m**4)**(1/4) + m", False),
+        ("(q**6)**(1/6) - q", False), ("(q**6)**(1/6) + q", False),
+    ],
+)  # fmt: skip
+def test_a_root_of_an_even_power_is_the_size(text: str, zero: bool) -> None:
+    """s < 0 < m; a and q may have either sign."""
+    assert vanishes(parse(text), domain()) is zero
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_cosine_and_sine_by_the_tangent_of_half_the_angle(side: int) -> None:
+    """With c = side (1 - t^2)/(1 + t^2), s = side 2 t/(1 + t^2), the terms keep their proportion whatever their degrees."""
+    x, y, f = parse("c"), parse("s"), Fraction
+    poly = {((x, 2),): f(1), ((y, 1),): f(-3), ((x, 1), (y, 1)): f(2), (): f(1, 2), ((x, 3), (y, 1)): f(5)}
+    found = _along_half({tuple((_COSINE if z == x else _SINE, n) for z, n in m): k for m, k in poly.items()}, side)
+    for t in (Fraction(1, 3), Fraction(-2, 5), Fraction(1)):
+        at = {x: side * (1 - t * t) / (1 + t * t), y: side * 2 * t / (1 + t * t)}
+        value = sum(k * prod(at[z] ** n for z, n in m) for m, k in poly.items())
+        assert sum(k * prod(t**n for _, n in m) for m, k in found.items()) == value * (1 + t * t) ** 4
+
+
+# -- choices where the deviator is 0 -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("condition", "away", "here"),
+    [
+        ("J2 > 0", "sqrt(J2) + J3/(9*J2)", "0"), ("J2 > 0", "J3/J2", "0*a"), ("J2 > 0", "J3**2/J2**2", "J2"),
+        ("J2 > 0", "J3/J2**(5/4)", "0"), ("0 < J2", "J3/J2", "sqrt(J2)"), ("J2 <= 0", "J3/J2", "0"), ("J2**2 <= 0", "J3/J2", "J2"),
+    ],
+)  # fmt: skip
+def test_a_choice_where_the_deviator_is_0_is_what_is_chosen_elsewhere(condition: str, away: str, here: str) -> None:
+    found, values = _read(away), (here, away) if "<=" in condition else (away, here)
+    assert found is not None and _read(f"where({condition}, {', '.join(values)})") == found
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        "where(J2 > 0, J3/J2, 1)", "where(J2 > 0, J3/J2, m)", "where(J2 > 0, J3/J2, a)",  # not 0 where J2 is
+        "where(J2 > 0, J3**2/J2**3, 0)", "where(J2 > 0, m, 0)", "where(J2 > 0, 1/J2, 0)",  # no limit, another, none
+        "where(J2 >= 0, J3/J2, 0)", "where(J2 < 0, 0, J3/J2)", "where(J2 > 1, J3/J2, 0)", "where(J3 > 0, J3/J2, 0)",
+        "where(a > 0, J3/J2, 0)",
+    ],
+)  # fmt: skip
+def test_another_choice_is_no_function_of_the_deviator(choice: str) -> None:
+    assert _read(choice) is None
+
+
+def _read(text: str) -> Any:
+    given = {"forces": ["a", "b", "c"], "pressure": None, "parameters": PARAMETERS, "constraints": [], "flow": None}
+    law = StatedLaw.read({**given, "g": without_shear("J2 + J3 - m")})
+    return deviatoric_readers(law.g, over(law))[0].value(parse(without_shear(text)))
+
+
+# -- energies ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("energy", "convex"),
+    [
+        ("u**2 + v**2", True), ("u**2*v**2", True), ("u*v", True), ("exp(u*v)", True), ("-u**2", False), ("u**2*v", False),
+        ("u**2 + abs(v)", False), ("u**2 - log(v)", False),  # it has no slope everywhere, or no value
+    ],
+)  # fmt: skip
+def test_an_energy_that_is_convex_in_each_variable(energy: str, convex: bool) -> None:
+    variables = {"u": {"force": "a"}, "v": {"force": "b"}}
+    given = {"forces": ["a", "b"], "pressure": None, "parameters": {"u": {}, "v": {}}, "constraints": [], "g": "a + b", "flow": None}
+    assert convex_in_each_variable(StatedLaw.read({**given, "variables": variables, "energy": energy})) is convex
+
+
+# -- spellings ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("g", "as_written", "otherwise"),
+    [
+        ("norm(a, b) - m", True, True), ("where(a > 0, a, -a) + abs(b) - m", False, True),
+        ("where(a > 0, 2*a, a) + abs(b) - m", False, True),
+        ("where(a > 0, a, 2*a) + abs(b) - m", False, False), ("where(a > 0, a, 0) - abs(b) - m", False, False),
+    ],
+)  # fmt: skip
+def test_what_is_asked_of_the_text_is_not_shown_by_a_normal_form(g: str, as_written: bool, otherwise: bool) -> None:
+    given = {"forces": ["a", "b"], "pressure": None, "parameters": PARAMETERS, "constraints": [], "g": g, "flow": None}
+    law = StatedLaw.read(given)
+    shown = [not objection("convexity", "composition", frozenset(), law, {}, said) for said in (True, False, None)]
+    assert shown == [as_written, otherwise, as_written or otherwise]
+
+
+# -- dents ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("g", "convex", "dented"),
+    [  # rho (1 + e cos 3 theta)^(1/k) is convex for |e| <= k/(9 - k), k <= 3
+        ("sqrt(J2) + Q*J3/J2 - 1", "1/4", "2/5"), ("sqrt(J2) + Q*J3/J2 - 1", "-1/4", "-2/5"), ("J2 + Q*J3/sqrt(J2) - 1", "5/7", "7/9"),
+        ("J2**(3/2) + Q*J3 - 1", "9/7", "4/3"), ("J2**(3/2) + Q*J3 - 1", "-9/7", "-4/3"),
+        ("J2**3 - Q*J3**2 - 1", "11/5", "7/3"), ("J2**3 - Q*J3**2 - 1", "-10/3", "-7/2"),  # Drucker (1949): -27/8 to 9/4
+    ],
+)  # fmt: skip
+def test_a_function_of_the_deviator_has_dents_where_its_root_of_degree_1_is_not_convex(g: str, convex: str, dented: str) -> None:
+    assert not _is_dented(g, convex) and _is_dented(g, dented)
+
+
+def _is_dented(g: str, q: str) -> bool:
+    given = {"forces": ["a", "b", "c"], "pressure": None, "parameters": {}, "constraints": [], "flow": None}
+    law = StatedLaw.read({**given, "g": without_shear(g).replace("Q", f"({q})")})
+    return any(dent.at(RealRoot.of(Fraction(k, 8))) for dent in dents(law, "sector") for k in range(9))

@@ -12,12 +12,12 @@ import pytest
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.deviatoric import deviatoric_readers
-from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base_of
+from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base_of, root_of
 from duhem.proof.kernel.plane_gauge import DirectionArc
-from duhem.proof.kernel.polynomial import ONE, Polynomial
+from duhem.proof.kernel.polynomial import ONE, Polynomial, times
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import NotWritten
+from duhem.proof.kernel.term import NotWritten, Term
 
 F = Fraction
 J2 = "(((a-b)**2 + (b-c)**2 + (c-a)**2)/6)"
@@ -60,8 +60,14 @@ def drawn(rng: Random) -> Polynomial:
     return found | {((RAY, n),): F(rng.choice((-9, -3, -1, 1, 3, 9)), 2) for n in (1, 2)}
 
 
+IN_NUMBERS = over(stated("a", "a"))
+
+
 def at(poly: Any, v: float) -> float:
-    return sum(float(c) * math.prod(v**n for _, n in m) for m, c in dict(poly).items())
+    def of(x: Term) -> float:
+        return v if x == RAY else math.sqrt(at(IN_NUMBERS.polynomial(x.args[0]), v))
+
+    return sum(float(c) * math.prod(of(x) ** n for x, n in m) for m, c in dict(poly).items())
 
 
 @pytest.mark.parametrize("variable", range(2))
@@ -70,13 +76,14 @@ def test_the_bend_has_the_sign_of_h_and_its_second_derivative(variable: int) -> 
     plane = make()
     for _ in range(60):
         powers: dict[Any, Polynomial] = {base_of(drawn(rng)): {(): F(rng.choice((-5, -1, 1, 3, 7)), 2)} for _ in range(rng.randint(0, 2))}
-        value = PlaneFunction(F(1), drawn(rng), powers)
+        under, rooted = drawn(rng), plane.rooted and rng.random() < 0.5
+        value = PlaneFunction(F(1), times(drawn(rng), root_of(under)) if rooted else drawn(rng), powers)
 
         def f(v: float, value: PlaneFunction = value) -> float:
             return at(value.poly, v) * math.prod(at(base, v) ** at(e, v) for base, e in value.powers.items())
 
         angle = rng.uniform(0.05, 1.0)
-        if any(at(base, told(angle)) < 0.1 for base in powers):
+        if any(at(base, told(angle)) < 0.1 for base in (*powers, under)):
             continue
         left, here, right = (h(f, angle + s) for s in (-step, 0, step))
         wanted = here + (left - 2 * here + right) / step**2

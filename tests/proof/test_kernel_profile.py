@@ -1,4 +1,4 @@
-"""The parts by which the kernel knows a profile: bounds of roots, what sides leave of a line, where the root of a polynomial is concave."""
+"""The parts by which the kernel knows a profile: what sides leave of a line, where the root of a polynomial is concave."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from duhem.proof.kernel.polynomial import Polynomial
-from duhem.proof.kernel.region import _bend, _between, _beyond_roots, _concave_root, _leading, _measured, _profile, _rounded, _solved
+from duhem.proof.kernel.region import _bend, _between, _concave_root, _leading, _measured, _profile, _rounded, _solved
 from duhem.proof.kernel.signs import RAY, Line, line, on_the_line, sign_at
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain, poly
@@ -17,11 +17,6 @@ F = Fraction
 
 def in_t(*coefficients: int | F) -> Polynomial:
     return {((RAY, n),) if n else (): F(c) for n, c in enumerate(coefficients) if c}
-
-
-def test_beyond_every_root() -> None:
-    for p, bound in (((-3, 1), 4), ((0, 0, 1), 1), ((5,), 1), ((1, -6, 2), 4), ((1, 6, -2), 4), ((-8, 4, 1), 9)):
-        assert _beyond_roots(p) == bound
 
 
 def test_what_sides_leave_of_a_line() -> None:

@@ -45,9 +45,9 @@ def _minors(law: StatedLaw) -> Iterator[sp.Expr]:
     with suppress(*UNREADABLE):
         domain = over(law)
         matrix = quadratic(law.g, law.forces, domain)[0]
-        for _, minor in principal_minors(matrix, _MOST_MINORS):
+        for _, minor in principal_minors(matrix, domain, _MOST_MINORS):
             with suppress(NotWritten):
-                yield sp.fraction(sp.together(_expression(domain.polynomial(minor))))[0]
+                yield sp.fraction(sp.together(_expression(minor)))[0]
 
 
 def _of_dent(dent: Dent) -> Iterator[sp.Expr]:

@@ -196,15 +196,11 @@ def _on_boundary(g: Term, sides: Sequence[Term], domain: StatedDomain) -> dict[s
 def shown(poly: Polynomial, sense: str, given: Mapping[str, Condition], identities: Sequence[Identity], domain: StatedDomain) -> bool:
     """Whether some identity refutes that ``poly`` is not ``sense`` 0 (">" or ">=") somewhere in the domain where ``given`` holds."""
     against = (negated(poly), ">=" if sense == ">" else ">")
-    return any(_speaks({**given, _GOAL: against}, identity, domain) for identity in identities)
-
-
-def _speaks(conditions: Mapping[str, Condition], identity: Identity, domain: StatedDomain) -> bool:
-    """Whether the identity is about these conditions, not those of another place, and refutes them."""
-    try:
-        return _refuted(conditions, identity, domain)
-    except NotWritten:
-        return False
+    for identity in identities:
+        with suppress(NotWritten):  # it is about the conditions of another place
+            if _refuted({**given, _GOAL: against}, identity, domain):
+                return True
+    return False
 
 
 def _refuted(conditions: Mapping[str, Condition], identity: Identity, domain: StatedDomain) -> bool:

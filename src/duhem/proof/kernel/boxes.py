@@ -89,7 +89,7 @@ def _is_shown(law: StatedLaw, c: _Box, box: _Box, of: Mapping[tuple[int, int], F
     except (ValueError, ZeroDivisionError):
         return False
     x, y = (box[name].plus(c[name].minus()) for name in law.forces)
-    bend = _plus(_plus(_times(pp, _square(q)), _times(qq, _square(p))), _times(_TWO, _times(pq, _times(p, q))).minus())
+    bend = _plus(_plus(_times(pp, q.power(2)), _times(qq, p.power(2))), _times(_TWO, _times(pq, _times(p, q))).minus())
     return _plus(_times(x, p), _times(y, q)).sign == POSITIVE == bend.sign
 
 
@@ -114,7 +114,7 @@ class _Derivatives:
             case "name":
                 return self.axes[term.name]
             case "+":
-                return tuple(map(_total, zip(*map(self.of, term.args), strict=True)))
+                return tuple(reduce(_plus, ends) for ends in zip(*map(self.of, term.args), strict=True))
             case "*":
                 still = reduce(Enclosure.times, (self.value(a) for a in term.args if self.of(a) is _STILL), _ONE)
                 moving = ((self.value(a), self.of(a)) for a in term.args if self.of(a) is not _STILL)
@@ -132,7 +132,7 @@ class _Derivatives:
         box = {_X.name: self.value(inner)}
         d, dd = (enclosed(each, box, done=done) for each in _derived(outer))
         p, q, *bends = self.of(inner)
-        squares = (_square(p), _times(p, q), _square(q))
+        squares = (p.power(2), _times(p, q), q.power(2))
         return (_times(d, p), _times(d, q), *(_plus(_times(d, b), _times(dd, s)) for b, s in zip(bends, squares, strict=True)))
 
 
@@ -159,12 +159,3 @@ def _plus(x: Enclosure, y: Enclosure) -> Enclosure:
 
 def _times(x: Enclosure, y: Enclosure) -> Enclosure:
     return _ZERO if x is _ZERO or y is _ZERO else y if x is _ONE else x.times(y)
-
-
-def _square(x: Enclosure) -> Enclosure:
-    return x if x is _ZERO else x.power(2)
-
-
-def _total(parts: Sequence[Enclosure]) -> Enclosure:
-    moving = [x for x in parts if x is not _ZERO]
-    return Enclosure(sum(x.low for x in moving), sum(x.high for x in moving)) if moving else _ZERO

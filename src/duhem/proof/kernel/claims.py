@@ -539,10 +539,10 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "of the flow dissipate too (Koiter 1953)", True,
     ),
     ("dissipation", "resistance"): RuleRow(
-        _NONE, forces_resist, state.forces_of_rates_have_a_value, "the forces as functions of the rates have sum of force . rate >= 0",
+        _NONE, forces_resist, obligations.flow, "the forces as functions of the rates have sum of force . rate >= 0",
     ),
     ("normality", "monotone-resistance"): RuleRow(
-        _NONE, forces_increase, state.forces_of_rates_have_a_value,
+        _NONE, forces_increase, obligations.flow,
         "each force is a function of its own rate that does not decrease: so they are the gradient of a convex potential of the rates "
         "(Rockafellar 1970, theorem 24.2)",
     ),

@@ -72,7 +72,7 @@ def shown(term: Term, domain: StatedDomain) -> Facts:
     elif not term.large:
         known = _of_its_spelling(term, known, domain)
         known = known if known.defined and known.convex else _of_parts_together(term, known, domain)
-    if domain.sides and not domain.constant(term):
+    if domain.sides:
         known = replace(known, sign=known.sign & sign_within(term, known, domain))
         if known.sign == ZERO | POSITIVE and only_at_zero_force(term, domain):
             left_out = any(strict and only_at_zero_force(side, domain) for side, strict in domain.sides.items())
@@ -168,10 +168,8 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             return _risen(x)
         case word if word in _SIGN_KEPT:
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
-        case "cos" if below_right(term.args[0], domain.sign):
-            return Facts(x.defined, POSITIVE)
-        case "sin" if below_right(term.args[0], domain.sign):
-            return Facts(x.defined, x.sign)
+        case "sin" | "cos" if below_right(term.args[0], domain.sign):
+            return Facts(x.defined, x.sign if term.op == "sin" else POSITIVE)
         case "sin" | "cos" | "tan" | "atan2" | "<" | "<=" | ">" | ">=":  # an angle jumps where the first is 0 and the second < 0
             return Facts(defined)
         case "where":

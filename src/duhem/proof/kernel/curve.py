@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from fractions import Fraction
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds, Sign
@@ -100,7 +100,7 @@ class StatedCurve(NamedTuple):
                 return False
             along = curve.derivative(1)
             lean, lead = _dot(slips, along), _cross(slips, along)
-            if curve.some_signs(lean) & {NEGATIVE, POSITIVE} or not curve.around().vanishes(lean):
+            if not curve.around().vanishes(lean):
                 return False
             if curve.positive(lead) and curve.bends_left(1):
                 return True
@@ -196,8 +196,6 @@ class StatedCurve(NamedTuple):
 
     def positive(self, term: Term, strict: bool = True) -> bool:
         """Whether it has a value and is > 0, or >= 0, at every angle."""
-        if NEGATIVE in self.some_signs(term):
-            return False
         ahead, around = (number(1), number(0)), self.around()
         if self.turns(ahead, term, _FEW_BOXES) is not None:
             return True
@@ -209,19 +207,6 @@ class StatedCurve(NamedTuple):
     def point(self) -> dict[str, Fraction]:
         """Values well inside the ranges of the parameters, perhaps against a constraint."""
         return {name: _within(own) for name, own in self.parameters.items()}
-
-    def some_signs(self, term: Term) -> set[Sign]:
-        """Its signs at a few angles and one choice of parameters, where it has any."""
-        found, here = set[Sign](), {name: Enclosure.between(value, value) for name, value in self.point().items()}
-        steps, end = Steps(), term
-        try:  # a part that stands in many places is enclosed once an angle
-            (end,) = _parts((term,), steps, {_COSINE.name, _SINE.name, "pi", *here})
-        except NotWritten:
-            steps.clear()
-        for half, t in product((1, -1), (Fraction(k, 7) for k in range(-6, 7))):
-            with suppress(ValueError, ZeroDivisionError):
-                found.add(_followed(steps, [end], here | _circle(half, t, t))[0])
-        return found
 
     def around(self) -> _Around:
         """Signs at every angle."""

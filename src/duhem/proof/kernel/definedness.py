@@ -73,8 +73,6 @@ def has_value(term: Term, sign: Callable[[Term], Sign], domain: StatedDomain) ->
 def _raised(base: Term, exponent: Term, sign: Callable[[Term], Sign], domain: StatedDomain) -> bool:
     """Whether a power has a value; what is raised to 0 is 1."""
     p = number_in(domain.polynomial(exponent))
-    if p is None and sign(exponent) == ZERO:
-        p = Fraction(0)
     if p is not None and p.denominator == 1:
         return p >= 0 or not sign(base) & ZERO
     known = sign(base)

@@ -21,11 +21,11 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.bounds import POSITIVE, Facts
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
-from duhem.proof.kernel.deviatoric import DeviatoricReader, deviatoric_readers, invariants
+from duhem.proof.kernel.deviatoric import WALLS, DeviatoricReader, deviatoric_readers, invariants
 from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
 from duhem.proof.kernel.forms import at, principal_minors
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.plane_function import PlaneFunction, Signs, derivatives, inner, roots_in
+from duhem.proof.kernel.plane_function import PlaneFunction, Signs, inner
 from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, negated, replaced, slope, times, total, written
 from duhem.proof.kernel.real_root import RealRoot
@@ -109,15 +109,11 @@ def _of_the_deviator(law: StatedLaw) -> Iterator[Dent]:
             if not (value.degree > 0 and reader.above(value.poly, strict=True)):
                 continue
             value = value if value.degree == 1 else reader.root(value)
-            read = (p for part in (value, *others) for p in (part.poly, *map(dict, part.powers), *part.powers.values()))
-            if not all(reader.above(inner(w, domain), strict=True) for w in {w for p in read for w in roots_in(p)}):
+            if not all(reader.above(inner(w, domain), strict=True) for part in (value, *others) for w in part.roots()):
                 continue
-            found = derivatives(value, reader.along)
-            rate = reader.plain(found.first)
-            far = reader.plain(total(times(value.poly, found.over), times({(): Fraction(-2)}, rate)))
-            yield Dent("sector", f"sector {i}", reader.bend(value), (_ZERO, _ONE), domain, reader.signs)
-            yield Dent("sector", f"near wall {i}", rate, (_ZERO, _ZERO), domain, reader.signs, True)
-            yield Dent("sector", f"far wall {i}", far, (_ONE, _ONE), domain, reader.signs, True)
+            yield Dent("sector", f"sector {i}", reader.bend(value), WALLS, domain, reader.signs)
+            for name, wall, rise in zip(("near", "far"), WALLS, reader.at_walls(value), strict=True):
+                yield Dent("sector", f"{name} wall {i}", rise, (wall, wall), domain, reader.signs, True)
 
 
 def _deviatoric_parts(law: StatedLaw, domain: StatedDomain, reader: DeviatoricReader) -> list[PlaneFunction]:
@@ -140,8 +136,7 @@ def _deviatoric_parts(law: StatedLaw, domain: StatedDomain, reader: DeviatoricRe
             values.setdefault(value.degree, []).append(value)
         else:
             rest.append(part)
-    constants = [part.put(swap) for part in rest]
-    known = domain.facts(sum_of(*constants)) if all(map(domain.constant, constants)) else _at_no_trace(constants, domain)
+    known = _at_no_trace([part.put(swap) for part in rest], domain)
     below = len(values) == 1 and known.sign == NEGATIVE
     if not (values and known.defined and (below or (principal and _moves_with_the_trace(rest, names, domain)))):
         raise NotWritten("g is no function of the deviator less a constant")
@@ -204,8 +199,8 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
         raise NotWritten("a form is not shown to be > 0 somewhere")
     for i, spelled in enumerate(in_coordinates(form, forces)):
         matrix = catalecticant(homogeneous_parts(domain.polynomial(spelled), domain)[degree], degree)
-        for rows, minor in principal_minors(matrix, _MOST_ROWS):
-            yield Dent("form", f"minor {rows} in coordinates {i}", domain.polynomial(minor), (_ZERO, _ZERO), domain)
+        for rows, minor in principal_minors(matrix, domain, _MOST_ROWS):
+            yield Dent("form", f"minor {rows} in coordinates {i}", minor, (_ZERO, _ZERO), domain)
 
 
 def _is_plain(part: Term, domain: StatedDomain) -> bool:

@@ -38,7 +38,7 @@ from duhem.proof.kernel.spectrum import entries_of, extremes
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["DeviatoricReader", "Invariants", "convex_in_deviator", "deviatoric_readers", "invariants", "of_tensor"]
+__all__ = ["WALLS", "DeviatoricReader", "Invariants", "convex_in_deviator", "deviatoric_readers", "invariants", "of_tensor"]
 
 _HIGHEST = 12
 _ALIKE = ("+", "abs", "pos", "neg", "norm", "max", "min", "eigmax")  # of one degree where their parts are
@@ -107,19 +107,15 @@ def of_tensor(forces: tuple[Term, ...], normal: Sequence[Polynomial], shear: Seq
     mean = {m: third * c for m, c in total(*normal).items()}
     xx, yy, zz = (total(s, negated(mean)) for s in normal)
     yz, zx, xy = shear
-    second = total(*(_scaled(Fraction(1, 2), times(s, s)) for s in (xx, yy, zz)), *(times(t, t) for t in shear))
-    cross = (times(times(s, t), _scaled(Fraction(-1), t)) for s, t in ((xx, yz), (yy, zx), (zz, xy)))
-    det = total(times(times(xx, yy), zz), _scaled(Fraction(2), times(times(yz, zx), xy)), *cross)
+    second = total(*(times({(): Fraction(1, 2)}, times(s, s)) for s in (xx, yy, zz)), *(times(t, t) for t in shear))
+    cross = (times(times(s, t), negated(t)) for s, t in ((xx, yz), (yy, zx), (zz, xy)))
+    det = total(times(times(xx, yy), zz), times({(): Fraction(2)}, times(times(yz, zx), xy)), *cross)
     return Invariants(forces, second, det)
-
-
-def _scaled(factor: Fraction, poly: Polynomial) -> Polynomial:
-    return {m: factor * c for m, c in poly.items()}
 
 
 _FIRST, _GAP = (Term("name", name=name) for name in ("greatest deviator", "half of the others' gap"))  # no name of a law has blanks
 _PI = Term("name", name="pi")
-_WALLS = Fraction(0), Fraction(1)
+WALLS = Fraction(0), Fraction(1)
 _NORM: Polynomial = {(): Fraction(3), ((RAY, 2),): Fraction(1)}
 _X: Polynomial = {(): Fraction(3), ((RAY, 2),): Fraction(-1)}
 _D: Polynomial = {((RAY, 1),): Fraction(3)}
@@ -238,7 +234,7 @@ class DeviatoricReader(PlaneVariable):
         self.domain, self.tensor = domain, tensor
         told = tensor.entries is not None
         self.within = domain.wider(_FIRST.name, _GAP.name) if told else domain
-        self.signs = Signs(domain, _WALLS)
+        self.signs = Signs(domain, WALLS)
         self.known: dict[Term, PlaneFunction | None] = {}  # what was read
 
     @property
@@ -348,16 +344,19 @@ class DeviatoricReader(PlaneVariable):
         signs = self.opened
         if not all(signs.above(inner(w, signs.domain), strict=True) for w in value.roots()):
             return False
+        return signs.above(self.bend(value)) and all(signs.above(signs.at(*wall)) for wall in zip(self.at_walls(value), WALLS, strict=True))
+
+    def at_walls(self, value: PlaneFunction) -> tuple[Polynomial, Polynomial]:
+        """F' and F - 2 F' for a function of degree 1: the first at v = 0, the second at v = 1 has the sign of the kink there."""
         found = derivatives(value, self.along)
         rate = self.plain(found.first)
-        far = self.plain(total(times(value.poly, found.over), times({(): Fraction(-2)}, rate)))
-        return signs.above(self.bend(value)) and all(signs.above(signs.at(*wall)) for wall in zip((rate, far), _WALLS, strict=True))
+        return rate, self.plain(total(times(value.poly, found.over), times({(): Fraction(-2)}, rate)))
 
     @cached_property
     def opened(self) -> Signs:
         """Signs without the ends of the parameters' ranges, where no constraint ties these."""
         law = self.domain.law
-        return self.signs if law.constraints else Signs(self.domain.over(law.once(_opened)), _WALLS)
+        return self.signs if law.constraints else Signs(self.domain.over(law.once(_opened)), WALLS)
 
     def tells(self, size: Term) -> bool:
         """Whether a term is 0 where the deviator is 0, and > 0 elsewhere."""

@@ -63,7 +63,7 @@ class StatedDomain:
         self._named: dict[frozenset[Term], int] = {}
         self.known: dict[Term, Facts] = {}  # what was shown of terms
         self._polynomials: dict[Term, Polynomial] = {}  # as they were multiplied out once; nobody changes one
-        self._spans, self._orders = dict[Term, Bounds](), dict[Term, Term]()
+        self._spans = dict[Term, Bounds]()
         self.kept: dict[str, Any] = {}  # what a rule looks up once a domain
         self.sides: Mapping[Term, bool] = {}  # loads that are >= 0 where it is asked, or > 0
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
@@ -75,7 +75,7 @@ class StatedDomain:
         self._gaps = [*self._stated, *self._sides_of_sizes()]
         self.bounds = sharpened(self.bounds, self._gaps)
         self._products = [*self._products_of_sides()]
-        for shown_before in (self.known, self.kept, self._polynomials, self._spans, self._orders):
+        for shown_before in (self.known, self.kept, self._polynomials, self._spans):
             shown_before.clear()
 
     def without_quotients(self, poly: Polynomial) -> Polynomial:
@@ -320,20 +320,7 @@ class StatedDomain:
                 return _inverse(base, -n)
         if term.op == "**" and self.constant(term) and self.polynomial(term.args[0]) == ONE:
             return ONE  # whatever the power
-        return {((self._in_order(term) if self.constant(term) else term, 1),): Fraction(1)}
-
-    def _in_order(self, constant: Term) -> Term:
-        """The same with its sums, products and numbers in one order, so that it is one variable however it is written."""
-        if not constant.args or constant.large:
-            return constant
-        if constant not in self._orders:
-            args = tuple(map(self._in_order, constant.args))
-            if constant.op in ("+", "*"):
-                args = tuple(sorted(b for a in args for b in (a.args if a.op == constant.op else (a,))))
-            found = constant._replace(args=args)
-            value = number_in(self.polynomial(found)) if not found.names() and found.op in ("+", "*") else None
-            self._orders[constant] = found if value is None else number(value)
-        return self._orders[constant]
+        return {((term, 1),): Fraction(1)}
 
     def _root_of_square(self, base: Term, exponent: Term) -> Term | None:
         """The size of x, times the root of a number, where a constant is a number times x^2."""

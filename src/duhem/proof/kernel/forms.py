@@ -9,7 +9,7 @@ from itertools import combinations
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, divided, grouped, negated, quotient, times, total, written
-from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of
 
 __all__ = [
     "Matrix", "Row", "affine", "apart", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "leading_minors", "multiple",
@@ -72,19 +72,16 @@ def quadratic(term: Term, names: Sequence[str], domain: StatedDomain) -> tuple[M
     return matrix, [written(parts.get((i,), {})) for i in n], written(parts.get((), {}))
 
 
-def determinant(matrix: Matrix) -> Term:
-    """By the first row."""
-    if not matrix:
-        return number(1)
-    minors = ([[*row[:j], *row[j + 1 :]] for row in matrix[1:]] for j in range(len(matrix)))
-    return sum_of(*(product_of(number((-1) ** j), matrix[0][j], determinant(minor)) for j, minor in enumerate(minors)))
+def determinant(matrix: Matrix, domain: StatedDomain) -> Polynomial:
+    """The last leading minor; 1 of no rows."""
+    return [ONE, *leading_minors(matrix, domain)][-1]
 
 
-def principal_minors(matrix: Matrix, most: int | None = None) -> Iterator[tuple[tuple[int, ...], Term]]:
+def principal_minors(matrix: Matrix, domain: StatedDomain, most: int | None = None) -> Iterator[tuple[tuple[int, ...], Polynomial]]:
     """The determinants of what the same rows and columns have in common, of so many rows at most, the smaller first."""
     for size in range(1, min(most or len(matrix), len(matrix)) + 1):
         for rows in combinations(range(len(matrix)), size):
-            yield rows, determinant([[matrix[i][j] for j in rows] for i in rows])
+            yield rows, determinant([[matrix[i][j] for j in rows] for i in rows], domain)
 
 
 def leading_minors(matrix: Matrix, domain: StatedDomain) -> Iterator[Polynomial]:

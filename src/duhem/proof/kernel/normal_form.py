@@ -265,7 +265,7 @@ class _Form(NamedTuple):
             even = k.op == "number" and k.value > 0 and k.value % 2 == 0
             risen = self.domain.facts(k).sign == POSITIVE
             if product and risen and (even or not self.domain.facts(y).sign & NEGATIVE):
-                inner = self._kink("abs", y) if even and self.domain.facts(y).sign & NEGATIVE and product % 2 else y
+                inner = self._kink("abs", y) if even and product % 2 else y
                 return self._power(inner, number(product))
             if product is None and even and self.domain.constant(p):
                 return Term("**", (self._kink("abs", y), product_of(k, p)))
@@ -304,8 +304,6 @@ class _Form(NamedTuple):
 
     def _square(self, poly: Polynomial) -> tuple[Polynomial, Term] | None:
         """(d, y) where the polynomial is d y^2 with a constant d; None where it is no square."""
-        if not poly:
-            return None
         common = shared(poly, self.domain.constant)
         found = root_of_square(divided(poly, common))
         return None if found is None else ({common: found[0]}, self._presented(found[1]))
@@ -423,11 +421,8 @@ class _Form(NamedTuple):
             raise NotWritten("it divides by 0")
         own = shared(poly)
         first = abs(poly[min(poly)])
-        base, n = self._presented(divided(poly, own, first)), 1
-        if base.op == "**" and base.args[1] == number(2):
-            base, n = base.args[0], 2
-        atom = self.domain.polynomial(Term("**", (base, number(-1))))
-        return divided(times(atom, atom) if n == 2 else atom, own, first)
+        atom = self.domain.polynomial(Term("**", (self._presented(divided(poly, own, first)), number(-1))))
+        return divided(atom, own, first)
 
     def _in_forces(self, m: Monomial) -> Monomial:
         return tuple((x, n) for x, n in m if x.op == "name" and not self.domain.constant(x))
@@ -453,13 +448,13 @@ class _Form(NamedTuple):
         return poly
 
     def _apart(self, poly: Polynomial, x: Term, by: Polynomial) -> list[Polynomial]:
-        """N/P as s l + (N - s l P)/P: l is the mean of forces, P does not change when all these grow alike, and N/P then grows by s."""
+        """N/P as s l + (N - s l P)/P: l is the mean of forces, and N grows by s P when all these grow alike."""
         mixed = sorted({y for m in by if len(own := self._in_forces(m)) > 1 for y, _ in own})
         numerator = divided(poly, ((x, 1),))
-        if not mixed or any(n < 0 for m in numerator for y, n in m if y in mixed) or total(*(slope(by, y) for y in mixed)):
+        if not mixed or any(n < 0 for m in numerator for y, n in m if y in mixed):
             return [poly]
         share = quotient(total(*(slope(numerator, y) for y in mixed)), by)
-        if not share or any(y == x or not self.domain.constant(y) for m in share for y, _ in m):
+        if not share or not all(self.domain.constant(y) for m in share for y, _ in m):
             return [poly]
         linear = times(share, {((y, 1),): Fraction(1, len(mixed)) for y in mixed})
         return [linear, times(total(numerator, negated(times(linear, by))), {((x, 1),): Fraction(1)})]
@@ -499,8 +494,6 @@ class _Form(NamedTuple):
         """c (x + ...)^n with a number c, n > 2, and what is left of a polynomial of this degree, where that is much less."""
         beside: Polynomial
         for x in sorted({x for m in poly for x, _ in m if not self.domain.constant(x)}):
-            if any(k < 0 for m in poly for y, k in m if y == x):
-                continue
             *_, beside, own = ({}, *in_powers(poly, x))
             n, c = max(dict(m).get(x, 0) for m in poly), number_in(own)
             if n > 2 and c and beside:
@@ -539,10 +532,6 @@ class _Form(NamedTuple):
                 continue
             (d,) = moving[0].args
             poly, rest = self._poly(d), sum_of(*term.args[:i], *term.args[i + 1 :])
-            whole, beside = self._poly(product_of(c, d)), self._poly(rest)
-            if moving[0].op == "abs" and beside in (whole, negated(whole)):  # c |d| + c d, c |d| - c d
-                ramp = product_of(number(2), c, Term("pos" if beside == whole else "neg", (d,)))
-                return self._presented(self._poly(ramp)) if self.collects else self._folded(ramp)
             plain = len(poly) < 4 and not any(self._is_word(x) for m in poly for x, _ in m)
             if plain or self.domain.facts(c).sign & NEGATIVE:
                 continue

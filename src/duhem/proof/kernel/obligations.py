@@ -149,9 +149,9 @@ def numbers_in_formula(law: StatedLaw) -> str:
 
 
 def flow(law: StatedLaw) -> str:
-    """Every slip of the law's own."""
+    """Every slip of the law's own, or every force where these are functions of the rates."""
     slips = [law.flow, *(flow for _, flow in law.surfaces)]
-    return _everywhere("the flow", [x for flow in slips for x in flow or ()], within_ranges(law))
+    return _everywhere("a force" if law.of_rates else "the flow", [x for flow in slips for x in flow or ()], within_ranges(law))
 
 
 def formula_and_flow(law: StatedLaw) -> str:

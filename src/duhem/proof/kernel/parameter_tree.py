@@ -29,7 +29,6 @@ __all__ = ["SCHEMA", "TreeLeaf", "ends", "law_where", "not_outside", "opposite",
 
 SCHEMA = "duhem region certificate 2"
 _MOST_DEPTH = 200
-_TURNED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _SAID = {
     "open": (),
     "outside": (),
@@ -86,10 +85,8 @@ def opposite(comparison: str) -> str:
 
 
 def law_where(law: StatedLaw, comparison: Term) -> StatedLaw:
-    """The law where its parameters meet one more comparison; that with a number is an end of a range."""
+    """The law where its parameters meet one more comparison, as it is read; that with a number is an end of a range."""
     (left, right), op = comparison.args, comparison.op
-    if left.op == "number":
-        left, right, op = right, left, _TURNED[op]
     if left.op != "name" or right.op != "number":
         return law._replace(constraints=(*law.constraints, comparison))
     own, sharp = law.parameters[left.name], len(op) == 1

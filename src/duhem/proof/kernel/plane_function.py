@@ -163,8 +163,6 @@ class PlaneVariable(ABC):
         try:
             return self.shortened(added(values))
         except NotWritten:
-            if not self.rooted:
-                raise
             return self.shortened(added(list(map(self._with_roots, values))))
 
     def _with_roots(self, value: PlaneFunction) -> PlaneFunction:
@@ -356,10 +354,7 @@ class Signs:
             squares = total(*(plain(times(times(part, part), {own: Fraction(1)}), self.domain) for own, part in parts))
             if nonnegative(squares, self.between, self.domain, True):  # they are not 0 at once
                 return True
-        return depth > 0 and any(self._by_squares(poly, w, strict, depth) for w in self._moving_first(roots))
-
-    def _moving_first(self, roots: list[Term]) -> list[Term]:
-        return sorted(roots, key=lambda w: _number_under(w, self.domain) is not None)
+        return depth > 0 and any(self._by_squares(poly, w, strict, depth) for w in roots)
 
     def _by_squares(self, poly: Polynomial, w: Term, strict: bool, depth: int) -> bool:
         """A + B w with A >= 0 and A^2 >= B^2 w^2, or B >= 0 and B^2 w^2 >= A^2."""

@@ -203,7 +203,7 @@ class StarGauge:
 
     def convex(self) -> bool:
         """gamma + gamma'' >= 0 on every arc, and gamma' does not jump down from one to the next."""
-        bent = all(piece.bends_outward() for side in self._sides for piece in side)
+        bent = all(piece.arc.above(piece.bend()) for side in self._sides for piece in side)
         return bent and all(signs.nonnegative(jump, at, self._domain) for jump, at in self.jumps())
 
     def smooth(self) -> bool:
@@ -252,10 +252,6 @@ class _Piece:
         (low, lower), (high, upper) = sorted(g.items())
         self.arc, order = arc, high - low
         self._psi = multiplied((arc.positive_power(upper, {(): 1 / order}), arc.positive_power(_opposite(lower), {(): -1 / order})))
-
-    def bends_outward(self) -> bool:
-        """Whether gamma + gamma'' >= 0 on the arc."""
-        return self.arc.above(self.bend())
 
     def bend(self) -> Polynomial:
         """(1 + t^2) psi'' - 2 t psi' + 2 psi, up to a positive factor."""

@@ -10,7 +10,7 @@ from duhem.proof.kernel.domain import exact
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, times, total
 from duhem.proof.kernel.signs import RAY, Line, line, roots_between, sign_at
 from duhem.proof.kernel.stated_law import as_list, without_more
-from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten
 
 __all__ = ["RealRoot"]
 
@@ -67,16 +67,3 @@ class RealRoot(NamedTuple):
             for i, c in enumerate(self.poly[:-1]):
                 left[shift + i] = total(left[shift + i], times({(): Fraction(-c, self.poly[-1])}, top))
         return total(*(times(part, {((RAY, i),) if i else (): Fraction(1)}) for i, part in enumerate(left)))
-
-    def term(self) -> Term:
-        """The number by square roots; NotWritten for one of a degree above 2."""
-        if self.exact:
-            return number(self.low)
-        if len(self.poly) != 3:
-            raise NotWritten("a number has no square roots alone")
-        c, b, a = self.poly
-        slopes = {(s > 0) - (s < 0) for s in (2 * a * x + b for x in (self.low, self.high))}
-        if len(slopes) > 1 or 0 in slopes:
-            raise NotWritten("the ends of a number are too wide")
-        root = product_of(number(Fraction(slopes.pop(), 2 * a)), Term("**", (number(b * b - 4 * a * c), number(Fraction(1, 2)))))
-        return sum_of(number(Fraction(-b, 2 * a)), root)

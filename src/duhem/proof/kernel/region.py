@@ -11,7 +11,7 @@ So is {A <= c x^2 w}, sqrt A being convex, c > 0, x >= 0 affine, and v = x w con
 that it is {sqrt A <= sqrt(c x v)} and {v >= 0}, and both are convex.  Where A - c x h <= 0 with A >= 0, c > 0 and h >= 0, x is >= 0, or h
 is 0.
 
-So is {(|u|/x)^n <= w}, n >= 1, x > 0 affine, |u| convex, x w concave and {w >= 0} convex: it is {|u| <= x w^(1/n)} in {w >= 0}, where
+So is {(|u|/x)^n <= w}, n >= 1, x > 0 affine, |u| convex and x w concave: it is {|u| <= x w^(1/n)} in {w >= 0} = {x w >= 0}, where
 x w^(1/n) = x^(1 - 1/n) (x w)^(1/n) is concave.
 
 A body with a profile is {Q <= H(t)}, t a load and Q a sum of squares of affine functions of the forces, H a polynomial.  It is
@@ -179,7 +179,8 @@ def _bend(h: Polynomial) -> Polynomial:
 
 def _concave_root(line: Line, bend: Line, sides: Collection[Line]) -> bool:
     """Whether sqrt H is concave, by its ``bend``, where H >= 0 and the sides, of degree 1 at most, are >= 0, which is an interval then."""
-    far = 1 + max(map(_beyond_roots, (line, bend, *sides)))  # beyond it nothing changes any more
+    shares = (Fraction(abs(c), abs(p[-1])) for p in (line, bend, *sides) for c in p[:-1])
+    far = 2 + max(shares, default=Fraction(0))  # beyond it nothing changes any more (Cauchy's bound)
     low, high = (end * far if x is None else x for end, x in zip((-1, 1), _between(sides), strict=True))
     if low >= high:
         return True  # no more than one value of t is left
@@ -195,11 +196,6 @@ def _between(sides: Collection[Line]) -> tuple[Fraction | None, Fraction | None]
     """Where t lies; None for no end."""
     low, high = ([Fraction(-p[0], p[1]) for p in sides if len(p) == 2 and p[1] * way > 0] for way in (1, -1))
     return max(low, default=None), min(high, default=None)
-
-
-def _beyond_roots(p: Line) -> Fraction:
-    """Greater than the size of every root (Cauchy's bound)."""
-    return 1 + max((Fraction(abs(c), abs(p[-1])) for c in p[:-1]), default=Fraction(0))
 
 
 # -- the region that loads leave of K ------------------------------------------------------------------------------------
@@ -273,7 +269,8 @@ def _leaves(x: Term, h: Term, domain: StatedDomain) -> bool:
     if known.sign == POSITIVE:
         return True
     base = _under_roots(h, domain)
-    loads = [side for side in domain.sides if _positive_multiple(base, side, domain)]
+    shares = ((side, multiple(domain.polynomial(base), domain.polynomial(side), domain)) for side in domain.sides)
+    loads = [side for side, share in shares if share and domain.facts(written(share)).sign == POSITIVE]
     with suppress(NotWritten):
         return any(domain.facts(at_end_of(load, x, domain)).nonnegative for load in loads)
     return False
@@ -324,10 +321,7 @@ def _convex_below_a_product(part: Term, domain: StatedDomain) -> bool:
         return False
     ways = [*_without_one(part)]
     ways += [cleared for rest, product in ways if (cleared := _cleared(product, rest, domain)) is not None]
-    return any(
-        _below(rest, product, domain) or _below_a_load(rest, product, domain) or _share_of_a_load(product, rest, domain)
-        for rest, product in ways
-    )
+    return any(_below(rest, product, domain) or _below_a_load(rest, product, domain) for rest, product in ways)
 
 
 def _without_one(whole: Term) -> Iterator[tuple[Term, Term]]:
@@ -367,40 +361,31 @@ def _below(power: Term, rest: Term, domain: StatedDomain) -> bool:
     return convex and c.nonnegative and 0 < len(concave) <= n and all(v.concave and v.nonnegative for v in concave)
 
 
-def _below_a_load(square: Term, rest: Term, domain: StatedDomain) -> bool:
-    scale, moving = apart(rest, domain)
-    c, squared = _shown(minus(scale), domain), [i for i, f in enumerate(moving) if f.op == "**" and f.args[1] == number(2)]
-    if not squared or len(moving) != 2 or c.sign not in (NEGATIVE, POSITIVE):
-        return False
-    load, other = moving[squared[0]].args[0], moving[1 - squared[0]]
-    w = other if c.sign == POSITIVE else minus(other)
-    x, root = _shown(load, domain), _shown(Term("**", (square, number(Fraction(1, 2)))), domain)
-    profile = _shown(times_load(load, w, domain), domain)
-    return root.convex and x.affine and x.nonnegative and domain.facts(w).defined and profile.concave
+def _below_a_load(rest: Term, product: Term, domain: StatedDomain) -> bool:
+    """Whether they are A and -c x^2 w, or -w and (|u|/x)^n with x > 0, n >= 1."""
+    (scale, moving), found = apart(product, domain), list[tuple[Term, Term, Term]]()  # sqrt A or |u|, x and c w
+    sign, squares = _shown(scale, domain).sign, [f for f in moving if f.op == "**" and f.args[1] == number(2)]
+    if squares and len(moving) == 2 and sign in (NEGATIVE, POSITIVE):
+        other = moving[moving[0] is squares[0]]
+        found.append((Term("**", (rest, number(Fraction(1, 2)))), squares[0].args[0], other if sign == NEGATIVE else minus(other)))
+    if product.op == "**" and domain.constant(n := product.args[1]) and not domain.facts(sum_of(n, number(-1))).sign & NEGATIVE:
+        _, parts = apart(product.args[0], domain)
+        under = [y for f in parts if f.op == "**" and f.args[1] == number(-1) for y in apart(f.args[0], domain)[1]]
+        above = [f for f in parts if f.op != "**" or f.args[1] != number(-1)]
+        if len(under) == len(above) == 1 and _shown(product.args[0], domain).nonnegative and _shown(under[0], domain).sign == POSITIVE:
+            found.append((above[0], under[0], minus(rest)))
 
+    def convex(size: Term, load: Term, w: Term) -> bool:
+        u, x, whole = (_shown(term, domain) for term in (size, load, times_load(load, w, domain)))
+        return u.convex and u.nonnegative and x.affine and x.nonnegative and domain.facts(w).defined and whole.concave
 
-def _share_of_a_load(power: Term, rest: Term, domain: StatedDomain) -> bool:
-    """Whether they are (|u|/x)^n, n >= 1, and -w."""
-    if power.op != "**" or not domain.constant(power.args[1]) or domain.facts(sum_of(power.args[1], number(-1))).sign & NEGATIVE:
-        return False
-    _, moving = apart(power.args[0], domain)
-    under = [y for f in moving if f.op == "**" and f.args[1] == number(-1) for y in apart(f.args[0], domain)[1]]
-    above = [f for f in moving if f.op != "**" or f.args[1] != number(-1)]
-    if len(under) != 1 or len(above) != 1 or not _shown(power.args[0], domain).nonnegative:
-        return False
-    u, x, whole = (_shown(part, domain) for part in (above[0], under[0], times_load(under[0], minus(rest), domain)))
-    return u.convex and u.nonnegative and x.affine and x.sign == POSITIVE and _shown(rest, domain).quasiconvex and whole.concave
+    return any(convex(*way) for way in found)
 
 
 def _shown(term: Term, domain: StatedDomain) -> Facts:
     """What is shown of a part that has a value; of another nothing is."""
     known = domain.facts(term)
     return known if known.defined else Facts()
-
-
-def _positive_multiple(term: Term, load: Term, domain: StatedDomain) -> bool:
-    share = multiple(domain.polynomial(term), domain.polynomial(load), domain)
-    return share is not None and domain.facts(written(share)).sign == POSITIVE
 
 
 def round_at_its_ends(law: StatedLaw) -> bool:

@@ -53,7 +53,7 @@ def only_at_zero_force(term: Term, domain: StatedDomain) -> bool:
 
 def _minors(matrix: Matrix, domain: StatedDomain) -> bool:
     """Whether no principal minor is < 0."""
-    return all(domain.never_negative(minor) for _, minor in principal_minors(matrix))
+    return all(domain.never_negative(written(minor)) for _, minor in principal_minors(matrix, domain))
 
 
 def _leading_above_0(matrix: Matrix, domain: StatedDomain) -> bool:

@@ -84,11 +84,11 @@ def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
         part = product_of(*(g for f in factors(part) for g in factors(domain.plain(f))))
         sizes = [f for f in factors(part) if f.op in ("abs", "norm") or (f.op == "**" and f.args[1] == number(Fraction(1, 2)))]
         scale = product_of(*(f for f in factors(part) if f not in sizes))
-        if len(sizes) != 1 or (part.op == "*" and domain.facts(scale).sign != POSITIVE):
+        if len(sizes) != 1 or domain.facts(scale).sign != POSITIVE:
             continue
         (size,), rest = sizes, sum_of(*term.args[:i], *term.args[i + 1 :])
         if size.op == "abs":  # c |x| + y < 0 where c x + y < 0 and -c x + y < 0
-            x = product_of(scale, size.args[0]) if part.op == "*" else size.args[0]
+            x = product_of(scale, size.args[0])
             signs = [domain.facts(Term("+", (*term.args[:i], side, *term.args[i + 1 :]))).sign for side in (x, minus(x))]
             if not (signs[0] | signs[1]) & POSITIVE:
                 return signs[0] | signs[1]

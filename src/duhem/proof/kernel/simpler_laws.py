@@ -192,8 +192,6 @@ class _Components(NamedTuple):
 
     def invariant(self, term: Term) -> bool:
         """Whether the formula shows that turning the tensor changes neither its value nor whether it is defined."""
-        if self.domain.constant(term):
-            return True
         if term.op == "eigmax":
             return self._turns(term.args)
         if term.op not in ("+", "*"):
@@ -237,29 +235,6 @@ def _turned(matrix: Matrix, i: int, j: int) -> list[Polynomial]:
 
 
 def _diagonal(term: Term, swap: dict[Term, Term], domain: StatedDomain) -> Term:
-    """The formula where the tensor is diagonal, without what then is 0 times something; such a matrix has its entries for eigenvalues."""
-    if domain.constant(term):
-        return term
-    if term.op == "eigmax":  # its other entries are 0 there: it turns with the tensor, which half a turn about an axis leaves as it is
-        return Term("max", tuple(_diagonal(a, swap, domain) for a in term.args[:3]))
-    args = tuple(_diagonal(a, swap, domain) for a in term.args)
-    if term.op == "+":
-        left = tuple(a for a in args if not _nothing(a))
-        return left[0] if len(left) == 1 else Term("+", left) if left else number(0)
-    return swap[term] if term in swap else term._replace(args=args)
-
-
-def _nothing(term: Term) -> bool:
-    """Whether it is 0 as it is written, and defined: a product of sums and powers with a factor 0."""
-    if term.op == "*":
-        return any(map(_nothing, term.args)) and all(map(_plain, term.args))
-    if term.op == "**":
-        return _nothing(term.args[0]) and term.args[1].op == "number" and term.args[1].value > 0
-    return term.op == "number" and term.value == 0
-
-
-def _plain(term: Term) -> bool:
-    """Whether it is defined for every value of its names: numbers, names, sums, products and whole powers."""
-    if term.op == "**":
-        return _plain(term.args[0]) and term.args[1].op == "number" and term.args[1].value >= 0 and term.args[1].value.denominator == 1
-    return term.op in ("number", "name") or (term.op in ("+", "*") and all(map(_plain, term.args)))
+    """The formula where the tensor is diagonal; a matrix that turns with it then has its entries for eigenvalues."""
+    matrices = [part for part in term.parts() if part.op == "eigmax" and not domain.constant(part)]  # none stands within another
+    return term.put({m: Term("max", m.args[:3]) for m in matrices}).put(swap)

@@ -27,8 +27,8 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
 __all__ = [
-    "convex_in_each_variable", "energy_differentiable", "epigraph", "forces_of_rates_have_a_value", "has_default_energy",
-    "heat_flows_downhill", "in_state", "least_at_zero", "potential_least_at_zero", "rate_epigraph", "state_laws_agree", "stored_and_rates",
+    "convex_in_each_variable", "energy_differentiable", "epigraph", "has_default_energy", "heat_flows_downhill",
+    "in_state", "least_at_zero", "potential_least_at_zero", "rate_epigraph", "state_laws_agree", "stored_and_rates",
 ]  # fmt: skip
 
 
@@ -159,11 +159,6 @@ def stored_and_rates(law: StatedLaw) -> str:
     if law.energy is not None and not _one_force_each(law):
         return "an observable and an internal variable with one force are not shown to have the same from the energy"
     return _rates_dissipate(law)
-
-
-def forces_of_rates_have_a_value(law: StatedLaw) -> str:
-    """Whether they have one at all rates; "" if so."""
-    return "a force is not shown to have a value" if any(Reader(over(law)).undecided(x) is not None for x in law.flow or ()) else ""
 
 
 def _rates_dissipate(law: StatedLaw) -> str:

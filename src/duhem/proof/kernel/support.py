@@ -22,7 +22,7 @@ from duhem.proof.kernel.forms import Row, affine, apart, at, degree_at_most, det
 from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.identity import multiplied_out, value, vanishes
 from duhem.proof.kernel.polyhedron import supports_polytope
-from duhem.proof.kernel.polynomial import Monomial
+from duhem.proof.kernel.polynomial import Monomial, written
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
@@ -233,7 +233,7 @@ def _supports_quadric(g: Term, potential: Term, forces: _Names, slips: _Names, f
     rows = [affine(form, slips, domain) for form in flat]
     zeros += [constant for _, constant in rows]
     zeros += [sum_of(*map(product_of, a[i], row)) for row, _ in rows for i in n]
-    gram = determinant([[sum_of(*map(product_of, one, two)) for two, _ in rows] for one, _ in rows])
+    gram = written(determinant([[sum_of(*map(product_of, one, two)) for two, _ in rows] for one, _ in rows], domain))
     return all(vanishes(zero, domain) for zero in zeros) and _positive(size, domain) and _positive(gram, domain) and domain.facts(q).convex
 
 

@@ -196,7 +196,7 @@ def _minors(term: Term, domain: StatedDomain) -> tuple[Term, ...]:
         return ()
     with suppress(NotWritten):
         matrix = quadratic(term, sorted(term.names() & set(domain.law.forces)), domain)[0]
-        every = (minor for _, minor in principal_minors(matrix, _LARGEST))
+        every = (written(minor) for _, minor in principal_minors(matrix, domain, _LARGEST))
         return tuple(dict.fromkeys(_plain(minor, domain) for minor in every if domain.facts(minor).sign & NEGATIVE))
     return ()
 
