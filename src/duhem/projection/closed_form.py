@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from math import isfinite
+from math import isfinite, nan
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.jets import formula
 from duhem.expression.numpy_ import Program, compiled
+from duhem.expression.scalar_jets import scalar_values
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Disk, Interval, Quadrants, Shape
 from duhem.projection import quadrants
@@ -21,6 +23,7 @@ from duhem.projection.in_blocks import BLOCK, in_blocks, keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.method import ClosestPoint, Compiling, Method
 from duhem.projection.metric import factors
+from duhem.projection.plain_numbers import FAULTS, interpreted
 from duhem.projection.quadrants import Quarters, plain_closest
 from duhem.projection.result import Array, Solution
 
@@ -86,14 +89,21 @@ def of_pressure(increment: Increment, entry: object) -> Callable[[Array], Array]
 
 
 def of_one_pressure(increment: Increment, entry: object) -> Callable[[float], float]:
-    """The same at one pressure, a plain number."""
+    """The same at one pressure, a plain number; nan where an operation has no value."""
     values = _values(increment)
     value = _at(increment.law, entry, values)
     if isinstance(value, float):
         return lambda _: value
-    found = value.recording.value
-    numbers = [np.float64(x) for x in values]
-    return lambda pressure: float(found([np.float64(pressure), *numbers])) + 0.0
+    text, constants = scalar_values("value", [sp.sympify(entry)], value.symbols)
+    run, numbers = interpreted(text, "value"), (*values, *constants)
+
+    def at(pressure: float) -> float:
+        found = [nan]
+        with suppress(*FAULTS):
+            run((pressure, *numbers), found)
+        return found[0] + 0.0
+
+    return at
 
 
 def uniform(increment: Increment, entry: object) -> float | None:
