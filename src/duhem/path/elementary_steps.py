@@ -23,7 +23,7 @@ kappa < 1.  As q^2 + p^2 - 2 kappa p q is constant, the work per turn is a rho l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import acos, atan, atan2, copysign, cos, exp, expm1, hypot, inf, isfinite, log, log1p, pi, sin, sqrt, tanh
 
@@ -69,7 +69,7 @@ def on_ellipse(stress: Pair, du: Pair, load: float, coefficients: Sequence[float
 
 
 def _mean_work(stress: Pair, q: Pair, du: Pair, part: float) -> float:
-    return part * sum((stress[i] + 0.5 * part * q[i]) * du[i] for i in (0, 1))
+    return part * ((stress[0] + 0.5 * part * q[0]) * du[0] + (stress[1] + 0.5 * part * q[1]) * du[1])
 
 
 def _exit(s: Pair, q: Pair, e: float, mu: Sequence[float]) -> tuple[float, Pair | None]:
@@ -111,21 +111,16 @@ def _in_quarter(w: Pair, v: Pair, big_a: float, big_b: float, signs: Sequence[fl
     at_v = big_a * v[1] * v[1] + big_b * v[0] * v[0]
     s0, c0 = v[1] * w[0] + v[0] * w[1], v[0] * w[0] - v[1] * w[1]
 
-    def turned(y: float) -> tuple[float, float, float]:
-        """Tangent, cosine and sine of half the angle travelled once ln tan(|delta|/2) has changed by y <= 0."""
+    def turned(y: float) -> tuple[float, float, Pair, float]:
+        """Once ln tan(|delta|/2) has changed by y <= 0: the time this takes, times the speed, and by how much it falls as y grows; w, and
+        the tangent of half the angle travelled."""
         h = -start * expm1(y) / (1.0 + start * start * exp(y))
         c = 1.0 / sqrt(1.0 + h * h)
-        return h, c, h * c
-
-    def spent(y: float) -> float:
-        """The time this takes, times the speed."""
-        _, c, s = turned(y)
-        return -at_v * y + 2.0 * rest * sense * s * (s0 * c + sense * c0 * s)
-
-    def rotated(y: float) -> Pair:
-        _, c, s = turned(y)
+        s = h * c
+        time = -at_v * y + 2.0 * rest * sense * s * (s0 * c + sense * c0 * s)
         cos, sin = (c - s) * (c + s), 2.0 * s * c * sense
-        return cos * w[0] - sin * w[1], sin * w[0] + cos * w[1]
+        new = cos * w[0] - sin * w[1], sin * w[0] + cos * w[1]
+        return time, big_a * new[1] * new[1] + big_b * new[0] * new[0], new, h
 
     axis = (0.0, signs[1]) if signs[0] * signs[1] * sense > 0.0 else (signs[0], 0.0)
     beyond = sense * (axis[0] * v[1] - axis[1] * v[0])
@@ -135,28 +130,26 @@ def _in_quarter(w: Pair, v: Pair, big_a: float, big_b: float, signs: Sequence[fl
         along = axis[0] * v[0] + axis[1] * v[1]
         seam = beyond / (1.0 + along) if along > 0.0 else (1.0 - along) / beyond
         least = min(log(seam / start), 0.0)
-    if least > -inf and (time := max(spent(least), 0.0)) <= total:
+    if least > -inf and (time := max((there := turned(least))[0], 0.0)) <= total:
         y, new, used = least, axis, min(time / speed, left)
     else:
-        y = _solved(spent, lambda y: _slope(rotated(y), big_a, big_b), total, max(least, -total / min(big_a, big_b)))
-        new, used = _unit(rotated(y)), left
-    travelled = 2.0 * atan(turned(y)[0])
+        y = _solved(turned, total, max(least, -total / min(big_a, big_b)))
+        there = turned(y)
+        new, used = _unit(there[2]), left
+    travelled = 2.0 * atan(there[3])
     e1 = exp(y)
     fall = -y - log1p(start * start * -expm1(2.0 * y) / (1.0 + start * start * e1 * e1))
     gained = max(at_v * fall + rest * v[0] * v[1] * sense * travelled, 0.0)
     return new, used, gained, gained + 0.5 * rest * (new[1] - w[1]) * (new[1] + w[1])
 
 
-def _slope(w: Pair, big_a: float, big_b: float) -> float:
-    return big_a * w[1] * w[1] + big_b * w[0] * w[0]
-
-
-def _solved(spent, slope, total: float, low: float) -> float:  # type: ignore[no-untyped-def]
-    """y in [low, 0] with spent(y) = total; spent falls as y grows, with the derivative -slope(y).  Newton, kept in a bracket."""
+def _solved(turned: Callable[[float], tuple[float, float, Pair, float]], total: float, low: float) -> float:
+    """y in [low, 0] at which ``turned`` takes the time ``total``, which falls as y grows.  Newton, kept in a bracket."""
     high, y = 0.0, 0.0
-    f = -total
+    f, slope, _, _ = turned(y)
+    f -= total
     for _ in range(_MOST_ITERATIONS):
-        new = y + (step := f / slope(y))
+        new = y + (step := f / slope)
         if abs(step) <= _LAST * abs(new):
             return min(max(new, low), high)
         if not low <= new <= high:
@@ -164,7 +157,8 @@ def _solved(spent, slope, total: float, low: float) -> float:  # type: ignore[no
         if abs(new - y) <= 2e-16 * abs(new):
             return new
         y = new
-        f = spent(y) - total
+        f, slope, _, _ = turned(y)
+        f -= total
         if f > 0.0:
             low = y
         else:
