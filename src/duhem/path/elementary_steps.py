@@ -125,15 +125,16 @@ def _in_quarter(w: Pair, v: Pair, big_a: float, big_b: float, signs: Sequence[fl
     axis = (0.0, signs[1]) if signs[0] * signs[1] * sense > 0.0 else (signs[0], 0.0)
     beyond = sense * (axis[0] * v[1] - axis[1] * v[0])
     least = -inf
-    total = speed * left
+    total, slowest = speed * left, min(big_a, big_b)
     if beyond > 0.0:
         along = axis[0] * v[0] + axis[1] * v[1]
         seam = beyond / (1.0 + along) if along > 0.0 else (1.0 - along) / beyond
         least = min(log(seam / start), 0.0)
-    if least > -inf and (time := max((there := turned(least))[0], 0.0)) <= total:
+    near = least > -inf and -slowest * least <= 2.0 * total  # it takes -slowest least at least
+    if near and (time := max((there := turned(least))[0], 0.0)) <= total:
         y, new, used = least, axis, min(time / speed, left)
     else:
-        y = _solved(turned, total, max(least, -total / min(big_a, big_b)))
+        y = _solved(turned, big_a * w[1] * w[1] + big_b * w[0] * w[0], total, max(least, -total / slowest))
         there = turned(y)
         new, used = _unit(there[2]), left
     travelled = 2.0 * atan(there[3])
@@ -143,11 +144,9 @@ def _in_quarter(w: Pair, v: Pair, big_a: float, big_b: float, signs: Sequence[fl
     return new, used, gained, gained + 0.5 * rest * (new[1] - w[1]) * (new[1] + w[1])
 
 
-def _solved(turned: Callable[[float], tuple[float, float, Pair, float]], total: float, low: float) -> float:
-    """y in [low, 0] at which ``turned`` takes the time ``total``, which falls as y grows.  Newton, kept in a bracket."""
-    high, y = 0.0, 0.0
-    f, slope, _, _ = turned(y)
-    f -= total
+def _solved(turned: Callable[[float], tuple[float, float, Pair, float]], slope: float, total: float, low: float) -> float:
+    """y in [low, 0] at which ``turned`` takes the time ``total``, which falls as y grows, by ``slope`` at 0.  Newton, kept in a bracket."""
+    high, y, f = 0.0, 0.0, -total
     for _ in range(_MOST_ITERATIONS):
         new = y + (step := f / slope)
         if abs(step) <= _LAST * abs(new):

@@ -12,7 +12,7 @@ from math import cos, sin
 import numpy as np
 
 from duhem.law.shapes import Disk, Interval
-from duhem.path.closest import shape_numbers
+from duhem.path.closest import ShapeNumbers, shape_numbers
 from duhem.path.elementary_steps import Move, on_ellipse, on_interval
 from duhem.path.rows import Ledger, Stepped
 from duhem.path.run import Plan, Share
@@ -31,7 +31,10 @@ _FEW = 16  # rows between two answers to whoever watches the run
 
 def elementary(plan: Plan) -> str | None:
     """None where elementary functions do for the whole path, else the reason why not."""
-    shape = shape_numbers(Share.alone(plan))
+    return _hindered(plan, shape_numbers(Share.alone(plan)))
+
+
+def _hindered(plan: Plan, shape: ShapeNumbers | None) -> str | None:
     if shape is None:
         return f"{plan.increment.law.name} has no closed form"
     one = isinstance(plan.increment.law.closed_form, Interval)
@@ -94,12 +97,12 @@ def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
 
 def piece(plan: Plan) -> Piece:
     """What moves the stress over the steps of the path."""
-    return _by_shape(plan) if elementary(plan) is None else _by_equation(plan)
+    shape = shape_numbers(Share.alone(plan))
+    return _by_equation(plan) if shape is None or _hindered(plan, shape) else _by_shape(plan, shape)
 
 
-def _by_shape(plan: Plan) -> Piece:
-    shape, path = shape_numbers(Share.alone(plan)), plan.path
-    assert shape is not None
+def _by_shape(plan: Plan, shape: ShapeNumbers) -> Piece:
+    path = plan.path
     values, arc, mu = path.values.tolist(), path.arc, shape.coefficients[0].tolist()
     load, share, centre = (array.tolist() for array in shape.along(len(path.time)))
     k = np.diagonal(plan.stiffness).tolist()
