@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from math import isfinite, nan
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ from duhem.projection.in_blocks import BLOCK, in_blocks, keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.method import ClosestPoint, Compiling, Method
 from duhem.projection.metric import factors
-from duhem.projection.plain_numbers import FAULTS, interpreted
+from duhem.projection.plain_numbers import interpreted
 from duhem.projection.quadrants import Quarters, plain_closest
 from duhem.projection.result import Array, Solution
 
@@ -89,19 +88,22 @@ def of_pressure(increment: Increment, entry: object) -> Callable[[Array], Array]
 
 
 def of_one_pressure(increment: Increment, entry: object) -> Callable[[float], float]:
-    """The same at one pressure, a plain number; nan where an operation has no value."""
-    values = _values(increment)
+    """The same at one pressure, a plain number, to the bit."""
+    values, formula = _values(increment), sp.sympify(entry)
     value = _at(increment.law, entry, values)
     if isinstance(value, float):
         return lambda _: value
-    text, constants = scalar_values("value", [sp.sympify(entry)], value.symbols)
+    if formula.has(sp.Function, sp.Pow):  # of which Python and NumPy have other last digits
+        found = value.recording.value
+        doubles = [np.float64(x) for x in values]
+        return lambda pressure: float(found([np.float64(pressure), *doubles])) + 0.0
+    text, constants = scalar_values("value", [formula], value.symbols)
     run, numbers = interpreted(text, "value"), (*values, *constants)
 
     def at(pressure: float) -> float:
-        found = [nan]
-        with suppress(*FAULTS):
-            run((pressure, *numbers), found)
-        return found[0] + 0.0
+        out = [0.0]
+        run((pressure, *numbers), out)
+        return out[0] + 0.0
 
     return at
 
