@@ -58,14 +58,14 @@ def on_ellipse(stress: Pair, du: Pair, load: float, coefficients: Sequence[float
     work = _mean_work(stress, q, du, free)
     left, multiplier, power = 1.0 - free, 0.0, 0.0
     while left > 0.0:
-        signs = [copysign(1.0, w[i] if w[i] != 0.0 else du[i]) for i in (0, 1)]
-        a, b = (coefficients[2 * i + (signs[i] < 0.0)] for i in (0, 1))
+        signs = copysign(1.0, w[0] or du[0]), copysign(1.0, w[1] or du[1])
+        a, b = coefficients[signs[0] < 0.0], coefficients[2 + (signs[1] < 0.0)]
         w, used, gained, done = _in_quarter(w, (a * du[0], b * du[1]), load * a * a / k[0], load * b * b / k[1], signs, left)
         multiplier += gained
         power += done
         left -= used
-    mu = [coefficients[2 * i + (w[i] < 0.0)] for i in (0, 1)]
-    return Move((mu[0] * load * w[0], mu[1] * load * w[1]), multiplier, load * multiplier, work + load * power, free)
+    a, b = coefficients[w[0] < 0.0], coefficients[2 + (w[1] < 0.0)]
+    return Move((a * load * w[0], b * load * w[1]), multiplier, load * multiplier, work + load * power, free)
 
 
 def _mean_work(stress: Pair, q: Pair, du: Pair, part: float) -> float:
@@ -74,13 +74,13 @@ def _mean_work(stress: Pair, q: Pair, du: Pair, part: float) -> float:
 
 def _exit(s: Pair, q: Pair, e: float, mu: Sequence[float]) -> tuple[float, Pair | None]:
     """Where s + tau q leaves K, 0 <= tau < 1, and the direction (cos theta, sin theta) there; None if it stays inside."""
-    seams = sorted(tau for i in (0, 1) if q[i] != 0.0 and 0.0 < (tau := -s[i] / q[i]) < 1.0)
+    crossed = [-s[0] / q[0] if q[0] else 0.0, -s[1] / q[1] if q[1] else 0.0]
+    seams = sorted([tau for tau in crossed if 0.0 < tau < 1.0])
     start = 0.0
     for end in [*seams, 1.0]:
         middle = 0.5 * (start + end)
-        m = [mu[2 * i + (s[i] + middle * q[i] < 0.0)] for i in (0, 1)]
-        p = [s[i] / (m[i] * e) for i in (0, 1)]
-        r = [q[i] / (m[i] * e) for i in (0, 1)]
+        a, b = mu[s[0] + middle * q[0] < 0.0] * e, mu[2 + (s[1] + middle * q[1] < 0.0)] * e
+        p, r = (s[0] / a, s[1] / b), (q[0] / a, q[1] / b)
         if hypot(p[0] + end * r[0], p[1] + end * r[1]) > 1.0:
             a, b = r[0] * r[0] + r[1] * r[1], p[0] * r[0] + p[1] * r[1]
             size = hypot(*p)
