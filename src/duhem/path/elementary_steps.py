@@ -59,13 +59,17 @@ def on_ellipse(stress: Pair, du: Pair, load: float, coefficients: Sequence[float
     left, multiplier, power = 1.0 - free, 0.0, 0.0
     while left > 0.0:
         signs = copysign(1.0, w[0] or du[0]), copysign(1.0, w[1] or du[1])
-        a, b = coefficients[signs[0] < 0.0], coefficients[2 + (signs[1] < 0.0)]
+        a, b = _of_quarter(coefficients, *signs)
         w, used, gained, done = _in_quarter(w, (a * du[0], b * du[1]), load * a * a / k[0], load * b * b / k[1], signs, left)
         multiplier += gained
         power += done
         left -= used
-    a, b = coefficients[w[0] < 0.0], coefficients[2 + (w[1] < 0.0)]
+    a, b = _of_quarter(coefficients, *w)
     return Move((a * load * w[0], b * load * w[1]), multiplier, load * multiplier, work + load * power, free)
+
+
+def _of_quarter(coefficients: Sequence[float], x: float, y: float) -> Pair:
+    return coefficients[1] if x < 0.0 else coefficients[0], coefficients[3] if y < 0.0 else coefficients[2]
 
 
 def _mean_work(stress: Pair, q: Pair, du: Pair, part: float) -> float:
@@ -79,8 +83,8 @@ def _exit(s: Pair, q: Pair, e: float, mu: Sequence[float]) -> tuple[float, Pair 
     start = 0.0
     for end in [*seams, 1.0]:
         middle = 0.5 * (start + end)
-        a, b = mu[s[0] + middle * q[0] < 0.0] * e, mu[2 + (s[1] + middle * q[1] < 0.0)] * e
-        p, r = (s[0] / a, s[1] / b), (q[0] / a, q[1] / b)
+        m, n = _of_quarter(mu, s[0] + middle * q[0], s[1] + middle * q[1])
+        p, r = (s[0] / (m * e), s[1] / (n * e)), (q[0] / (m * e), q[1] / (n * e))
         if hypot(p[0] + end * r[0], p[1] + end * r[1]) > 1.0:
             a, b = r[0] * r[0] + r[1] * r[1], p[0] * r[0] + p[1] * r[1]
             size = hypot(*p)
