@@ -206,21 +206,14 @@ def sorted_(trial: Any, stress: Any, slip: Any, multiplier: Any, seen: Any, diss
 
 
 def taken(count: int, which: Any, trial: Any, pressure: Any, stress: Any, slip: Any, multiplier: Any, at: Any, seen: Any) -> None:
-    """The slips side by side, a row at a time: so long a list of rows in one loop takes twice as long."""
-    for i in range(D):
-        for j in range(count):
-            at[CHUNK + j, i] = at[which[j], i]
-        for j in range(count):
-            seen[TRIAL + i, j] = trial[D * which[j] + i]
-        for j in range(count):
-            seen[STRESS + i, j] = stress[D * which[j] + i]
-        for j in range(count):
-            seen[SLIPPED + i, j] = slip[D * which[j] + i]
-    for k in range(4):
-        for j in range(count):
-            seen[UNIT + k, j] = seen[EVERY + k, which[j]]
+    """The slips side by side."""
     for j in range(count):
-        seen[PRESSURE, j], seen[GIVEN, j] = pressure[which[j]], multiplier[which[j]]
+        x = which[j]
+        for i in range(D):
+            at[CHUNK + j, i] = at[x, i]
+            seen[TRIAL + i, j], seen[STRESS + i, j], seen[SLIPPED + i, j] = trial[D * x + i], stress[D * x + i], slip[D * x + i]
+        seen[UNIT, j], seen[LEVEL, j], seen[HIDDEN, j] = seen[EVERY, x], seen[EVERY + 1, x], seen[EVERY + 2, x]
+        seen[RISE, j], seen[PRESSURE, j], seen[GIVEN, j] = seen[EVERY + 3, x], pressure[x], multiplier[x]
 
 
 def seen_in_metric(
