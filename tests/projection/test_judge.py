@@ -351,3 +351,34 @@ def test_a_wrong_point_at_no_pressure_is_inaccurate(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, solve=origin, again=None))
     assert duhem.project(law, trial, 0.0, method="newton").status.tolist() == [Status.SLIP, Status.INACCURATE, Status.INACCURATE]
+
+
+THIN_TIPS = {
+    "lens": (2, "max((a - 1)**2 + b**2, (a + 1)**2 + b**2) - 1 - {0}"),
+    "wedge": (2, "max(abs(a) - {1}*(b + {1}), b/1000)"),
+    "two balls": (3, "max((a - 1)**2 + b**2 + c**2, (a + 1)**2 + b**2 + c**2) - 1 - {0}"),
+}
+
+
+@pytest.mark.parametrize("name", THIN_TIPS)
+def test_no_stress_inside_a_thin_tip_passes_for_the_tip(name: str) -> None:
+    """Both sides of K are as near as rounding there, and the tip is as far along the axis as that over its angle."""
+    chance, (d, g) = np.random.default_rng(5), THIN_TIPS[name]
+    for power in (2, 5, 8, 10, 13)[:: d - 1]:
+        thin = 10.0**-power
+        tip = float(np.sqrt(thin))
+        law = Criterion("thin", g.format(repr(thin), repr(tip)), forces=("a", "b", "c")[:d], pressure=None)
+        weights = 10.0 ** chance.uniform(-2, 9) * chance.uniform(0.1, 1.0, 2)
+        k = np.append(10.0 ** chance.uniform(-3, 3), np.ones(d - 1))
+        end, slip = np.zeros(d), np.zeros(d)
+        end[1], slip[:2] = -tip, (weights[1] - weights[0], -tip * weights.sum())
+        short = 10.0 ** chance.uniform(-5, -0.5, 3)
+        stress = np.zeros((len(short), d))
+        stress[:, 0], stress[:, 1] = thin * short * chance.choice([0.0, 1e-8, 1e-3], len(short)), -tip * (1.0 - short)
+        trial = np.tile(end + k * slip, (len(short), 1))
+        multiplier = weights.sum() * (1.0 if name == "wedge" else 0.5) * (1.0 + short * chance.integers(0, 2, len(short)))
+        given = Solution(stress, (trial - stress) / k, multiplier, np.zeros(len(short), dtype=np.bool_))
+        foreign = replace(newton.NEWTON, name="foreign", again=None, solve=lambda _, __, given=given: given)
+        done = duhem.project(law, trial, stiffness=k, method=foreign, convex="assume")
+        wrong = np.abs(done.stress - end).max(axis=1) > 1e-6 * tip  # the judge may put one right
+        assert (done.status[wrong] >= Status.INACCURATE).all() and (done.status[wrong] <= Status.FAILED).all()

@@ -10,8 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
+from duhem.law.shapes import Disk
 from duhem.projection import (
+    closed_form,
     compiled_judge,
     compiled_newton,
     judge_kernel,
@@ -236,3 +239,28 @@ def test_text_that_goes_on_has_the_values_that_compiled_code_has() -> None:
     assert np.array_equal(run([[-4.0, 0.0]], 0.5), [np.nan, np.nan, np.inf, np.nan], equal_nan=True)
     assert run([[0.0, -0.0]], -1.0) == (-np.inf, 0.0, -np.inf, np.inf)
     assert all(type(x) is float for x in run([[4.0, 2.0]], 0.5))
+    larger = interpreted("from numpy import maximum\ndef f(a, b):\n    return maximum(a, b)\n", "f", True)
+    assert np.isnan([larger(np.nan, 1.0), larger(1.0, np.nan)]).all() and larger(1.0, 2.0) == 2.0
+
+
+LOADS = ["-sigma_n", "c - tan(phi)*sigma_n", "c + max(-sigma_n - 1, 0)", "c*(1 - exp(sigma_n))", "c*sqrt(1 - sigma_n**2)", "log(-sigma_n)"]
+
+
+@pytest.mark.parametrize("load", LOADS)
+def test_a_load_at_one_pressure_is_that_of_arrays(load: str) -> None:
+    parameters = {"c": Domain.fixed("0.7"), "phi": Domain.fixed("0.3")}
+    law = Criterion("loaded", f"norm(sigma_a, sigma_b) - ({load})", parameters, closed_form=Disk(1, load=load))
+    setting = increment(law, [0.0, 0.0], -1.0, 1.0, {})
+    pressure = -np.append(10.0 ** np.random.default_rng(0).uniform(-6, 3, 60), [0.0, 1.0, 1e-300, 1e200])
+    load = law.closed_form.load
+    with np.errstate(all="ignore"):
+        one = [closed_form.of_one_pressure(setting, load)(p) for p in pressure.tolist()]
+    assert np.array_equal(one, closed_form.of_pressure(setting, load)(pressure), equal_nan=True)
+
+
+def test_rooms_of_zeros_have_lists_of_their_own() -> None:
+    for sizes in ((3,), (2, 3), (2, 0), (2, 3, 4)):
+        room = zeros(*sizes)
+        assert np.array_equal(room, np.zeros(sizes))
+        flat = np.array([id(row) for row in room]) if len(sizes) > 1 else np.zeros(0)
+        assert len(set(flat.tolist())) == len(flat)

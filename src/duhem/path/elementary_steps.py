@@ -23,7 +23,7 @@ kappa < 1.  As q^2 + p^2 - 2 kappa p q is constant, the work per turn is a rho l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import acos, atan, atan2, copysign, cos, exp, expm1, hypot, inf, isfinite, log, log1p, pi, sin, sqrt, tanh
 
@@ -58,29 +58,33 @@ def on_ellipse(stress: Pair, du: Pair, load: float, coefficients: Sequence[float
     work = _mean_work(stress, q, du, free)
     left, multiplier, power = 1.0 - free, 0.0, 0.0
     while left > 0.0:
-        signs = [copysign(1.0, w[i] if w[i] != 0.0 else du[i]) for i in (0, 1)]
-        a, b = (coefficients[2 * i + (signs[i] < 0.0)] for i in (0, 1))
+        signs = copysign(1.0, w[0] or du[0]), copysign(1.0, w[1] or du[1])
+        a, b = _of_quarter(coefficients, *signs)
         w, used, gained, done = _in_quarter(w, (a * du[0], b * du[1]), load * a * a / k[0], load * b * b / k[1], signs, left)
         multiplier += gained
         power += done
         left -= used
-    mu = [coefficients[2 * i + (w[i] < 0.0)] for i in (0, 1)]
-    return Move((mu[0] * load * w[0], mu[1] * load * w[1]), multiplier, load * multiplier, work + load * power, free)
+    a, b = _of_quarter(coefficients, *w)
+    return Move((a * load * w[0], b * load * w[1]), multiplier, load * multiplier, work + load * power, free)
+
+
+def _of_quarter(coefficients: Sequence[float], x: float, y: float) -> Pair:
+    return coefficients[1] if x < 0.0 else coefficients[0], coefficients[3] if y < 0.0 else coefficients[2]
 
 
 def _mean_work(stress: Pair, q: Pair, du: Pair, part: float) -> float:
-    return part * sum((stress[i] + 0.5 * part * q[i]) * du[i] for i in (0, 1))
+    return part * ((stress[0] + 0.5 * part * q[0]) * du[0] + (stress[1] + 0.5 * part * q[1]) * du[1])
 
 
 def _exit(s: Pair, q: Pair, e: float, mu: Sequence[float]) -> tuple[float, Pair | None]:
     """Where s + tau q leaves K, 0 <= tau < 1, and the direction (cos theta, sin theta) there; None if it stays inside."""
-    seams = sorted(tau for i in (0, 1) if q[i] != 0.0 and 0.0 < (tau := -s[i] / q[i]) < 1.0)
+    crossed = [-s[0] / q[0] if q[0] else 0.0, -s[1] / q[1] if q[1] else 0.0]
+    seams = sorted([tau for tau in crossed if 0.0 < tau < 1.0])
     start = 0.0
     for end in [*seams, 1.0]:
         middle = 0.5 * (start + end)
-        m = [mu[2 * i + (s[i] + middle * q[i] < 0.0)] for i in (0, 1)]
-        p = [s[i] / (m[i] * e) for i in (0, 1)]
-        r = [q[i] / (m[i] * e) for i in (0, 1)]
+        m, n = _of_quarter(mu, s[0] + middle * q[0], s[1] + middle * q[1])
+        p, r = (s[0] / (m * e), s[1] / (n * e)), (q[0] / (m * e), q[1] / (n * e))
         if hypot(p[0] + end * r[0], p[1] + end * r[1]) > 1.0:
             a, b = r[0] * r[0] + r[1] * r[1], p[0] * r[0] + p[1] * r[1]
             size = hypot(*p)
@@ -111,52 +115,44 @@ def _in_quarter(w: Pair, v: Pair, big_a: float, big_b: float, signs: Sequence[fl
     at_v = big_a * v[1] * v[1] + big_b * v[0] * v[0]
     s0, c0 = v[1] * w[0] + v[0] * w[1], v[0] * w[0] - v[1] * w[1]
 
-    def turned(y: float) -> tuple[float, float, float]:
-        """Tangent, cosine and sine of half the angle travelled once ln tan(|delta|/2) has changed by y <= 0."""
+    def turned(y: float) -> tuple[float, float, Pair, float]:
+        """Once ln tan(|delta|/2) has changed by y <= 0: the time this takes, times the speed, and by how much it falls as y grows; w, and
+        the tangent of half the angle travelled."""
         h = -start * expm1(y) / (1.0 + start * start * exp(y))
         c = 1.0 / sqrt(1.0 + h * h)
-        return h, c, h * c
-
-    def spent(y: float) -> float:
-        """The time this takes, times the speed."""
-        _, c, s = turned(y)
-        return -at_v * y + 2.0 * rest * sense * s * (s0 * c + sense * c0 * s)
-
-    def rotated(y: float) -> Pair:
-        _, c, s = turned(y)
+        s = h * c
+        time = -at_v * y + 2.0 * rest * sense * s * (s0 * c + sense * c0 * s)
         cos, sin = (c - s) * (c + s), 2.0 * s * c * sense
-        return cos * w[0] - sin * w[1], sin * w[0] + cos * w[1]
+        new = cos * w[0] - sin * w[1], sin * w[0] + cos * w[1]
+        return time, big_a * new[1] * new[1] + big_b * new[0] * new[0], new, h
 
     axis = (0.0, signs[1]) if signs[0] * signs[1] * sense > 0.0 else (signs[0], 0.0)
     beyond = sense * (axis[0] * v[1] - axis[1] * v[0])
     least = -inf
-    total = speed * left
+    total, slowest = speed * left, min(big_a, big_b)
     if beyond > 0.0:
         along = axis[0] * v[0] + axis[1] * v[1]
         seam = beyond / (1.0 + along) if along > 0.0 else (1.0 - along) / beyond
         least = min(log(seam / start), 0.0)
-    if least > -inf and (time := max(spent(least), 0.0)) <= total:
+    near = least > -inf and -slowest * least <= 2.0 * total  # it takes -slowest least at least
+    if near and (time := max((there := turned(least))[0], 0.0)) <= total:
         y, new, used = least, axis, min(time / speed, left)
     else:
-        y = _solved(spent, lambda y: _slope(rotated(y), big_a, big_b), total, max(least, -total / min(big_a, big_b)))
-        new, used = _unit(rotated(y)), left
-    travelled = 2.0 * atan(turned(y)[0])
+        y = _solved(turned, big_a * w[1] * w[1] + big_b * w[0] * w[0], total, max(least, -total / slowest))
+        there = turned(y)
+        new, used = _unit(there[2]), left
+    travelled = 2.0 * atan(there[3])
     e1 = exp(y)
     fall = -y - log1p(start * start * -expm1(2.0 * y) / (1.0 + start * start * e1 * e1))
     gained = max(at_v * fall + rest * v[0] * v[1] * sense * travelled, 0.0)
     return new, used, gained, gained + 0.5 * rest * (new[1] - w[1]) * (new[1] + w[1])
 
 
-def _slope(w: Pair, big_a: float, big_b: float) -> float:
-    return big_a * w[1] * w[1] + big_b * w[0] * w[0]
-
-
-def _solved(spent, slope, total: float, low: float) -> float:  # type: ignore[no-untyped-def]
-    """y in [low, 0] with spent(y) = total; spent falls as y grows, with the derivative -slope(y).  Newton, kept in a bracket."""
-    high, y = 0.0, 0.0
-    f = -total
+def _solved(turned: Callable[[float], tuple[float, float, Pair, float]], slope: float, total: float, low: float) -> float:
+    """y in [low, 0] at which ``turned`` takes the time ``total``, which falls as y grows, by ``slope`` at 0.  Newton, kept in a bracket."""
+    high, y, f = 0.0, 0.0, -total
     for _ in range(_MOST_ITERATIONS):
-        new = y + (step := f / slope(y))
+        new = y + (step := f / slope)
         if abs(step) <= _LAST * abs(new):
             return min(max(new, low), high)
         if not low <= new <= high:
@@ -164,7 +160,8 @@ def _solved(spent, slope, total: float, low: float) -> float:  # type: ignore[no
         if abs(new - y) <= 2e-16 * abs(new):
             return new
         y = new
-        f = spent(y) - total
+        f, slope, _, _ = turned(y)
+        f -= total
         if f > 0.0:
             low = y
         else:

@@ -12,7 +12,7 @@ from math import cos, sin
 import numpy as np
 
 from duhem.law.shapes import Disk, Interval
-from duhem.path.closest import shape_numbers
+from duhem.path.closest import ShapeNumbers, shape_numbers
 from duhem.path.elementary_steps import Move, on_ellipse, on_interval
 from duhem.path.rows import Ledger, Stepped
 from duhem.path.run import Plan, Share
@@ -26,10 +26,15 @@ __all__ = ["Piece", "advance", "elementary", "piece", "why"]
 Reached = tuple[Sequence[float], Move]  # the stress, and what was done since the start of the step; free in parts of the whole step
 Piece = Callable[[Sequence[float], int, Sequence[float]], list[Reached]]  # stress at the start, row to reach, increasing parts of the step
 
+_FEW = 16  # rows between two answers to whoever watches the run
+
 
 def elementary(plan: Plan) -> str | None:
     """None where elementary functions do for the whole path, else the reason why not."""
-    shape = shape_numbers(Share.alone(plan))
+    return _hindered(plan, shape_numbers(Share.alone(plan)))
+
+
+def _hindered(plan: Plan, shape: ShapeNumbers | None) -> str | None:
     if shape is None:
         return f"{plan.increment.law.name} has no closed form"
     one = isinstance(plan.increment.law.closed_form, Interval)
@@ -74,29 +79,30 @@ def _not_convex(plan: Plan) -> str:
 
 
 def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
-    """Fill the ledger row by row; yields the number of rows done."""
+    """Fill the ledger row by row; yields the number of rows done, after a few of them."""
     along, formulas = piece(plan), on_numbers(len(plan.compliance))
-    values, c = plan.path.values, plan.compliance.tolist()
+    values, c = plan.path.values.tolist(), plan.compliance.tolist()
+    stress: Sequence[float] = ledger.stress[ledger.done - 1].tolist()
     while ledger.done < len(values):
-        i = ledger.done
-        before, (start, end) = ledger.stress[i - 1].tolist(), values[i - 1 : i + 1].tolist()
         with np.errstate(over="raise", invalid="raise", divide="raise"):  # or an overflow on the way would pass for rest
-            [(stress, moved)] = along(before, i, (1.0,))
-        slip, psi = formulas.slipped(before, stress, start, end, c)
-        rests = moved.free >= 1.0
-        slip = [0.0] * len(slip) if rests else slip
-        ledger.row(Stepped(end, stress, slip, psi, (moved.multiplier, moved.dissipation, moved.work, 0.0), not rests, 0))
+            for i in range(ledger.done, min(ledger.done + _FEW, len(values))):
+                before = stress
+                [(stress, moved)] = along(before, i, (1.0,))
+                slip, psi = formulas.slipped(before, stress, values[i - 1], values[i], c)
+                rests = moved.free >= 1.0
+                slip = [0.0] * len(slip) if rests else slip
+                ledger.row(Stepped(values[i], stress, slip, psi, (moved.multiplier, moved.dissipation, moved.work, 0.0), not rests, 0))
         yield ledger.done
 
 
 def piece(plan: Plan) -> Piece:
     """What moves the stress over the steps of the path."""
-    return _by_shape(plan) if elementary(plan) is None else _by_equation(plan)
+    shape = shape_numbers(Share.alone(plan))
+    return _by_equation(plan) if shape is None or _hindered(plan, shape) else _by_shape(plan, shape)
 
 
-def _by_shape(plan: Plan) -> Piece:
-    shape, path = shape_numbers(Share.alone(plan)), plan.path
-    assert shape is not None
+def _by_shape(plan: Plan, shape: ShapeNumbers) -> Piece:
+    path = plan.path
     values, arc, mu = path.values.tolist(), path.arc, shape.coefficients[0].tolist()
     load, share, centre = (array.tolist() for array in shape.along(len(path.time)))
     k = np.diagonal(plan.stiffness).tolist()
@@ -114,12 +120,12 @@ def _by_shape(plan: Plan) -> Piece:
         return moved.stress, _shared(moved, part, mu[0] * share[i], 0.0)
 
     def ellipse(stress: Sequence[float], i: int, part: float) -> Reached:
-        (x, y), (u, v) = centre[i], (part * (end - start) for start, end in zip(values[i - 1], values[i], strict=True))
-        a, b = stress
+        (x, y), (a, b), start, end = centre[i], stress, values[i - 1], values[i]
+        u, v = part * (end[0] - start[0]), part * (end[1] - start[1])
         moved = on_ellipse((a - x, b - y), (u, v), load[i], mu, (k[0], k[1]))
-        end = (moved.stress[0] + x, moved.stress[1] + y) if moved.free < 1.0 else (a + k[0] * u, b + k[1] * v)
-        slip = u - (end[0] - a) / k[0], v - (end[1] - b) / k[1]
-        return end, _shared(moved, part, share[i], x * slip[0] + y * slip[1], x * u + y * v)
+        made = (moved.stress[0] + x, moved.stress[1] + y) if moved.free < 1.0 else (a + k[0] * u, b + k[1] * v)
+        slip = u - (made[0] - a) / k[0], v - (made[1] - b) / k[1]
+        return made, _shared(moved, part, share[i], x * slip[0] + y * slip[1], x * u + y * v)
 
     if isinstance(plan.increment.law.closed_form, Interval):
         return _each(interval)

@@ -14,6 +14,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.jets import formula
 from duhem.expression.numpy_ import Program, compiled
+from duhem.expression.scalar_jets import scalar_values
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Disk, Interval, Quadrants, Shape
 from duhem.projection import quadrants
@@ -21,6 +22,7 @@ from duhem.projection.in_blocks import BLOCK, in_blocks, keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.method import ClosestPoint, Compiling, Method
 from duhem.projection.metric import factors
+from duhem.projection.plain_numbers import interpreted
 from duhem.projection.quadrants import Quarters, plain_closest
 from duhem.projection.result import Array, Solution
 
@@ -86,14 +88,24 @@ def of_pressure(increment: Increment, entry: object) -> Callable[[Array], Array]
 
 
 def of_one_pressure(increment: Increment, entry: object) -> Callable[[float], float]:
-    """The same at one pressure, a plain number."""
-    values = _values(increment)
+    """The same at one pressure, a plain number, to the bit."""
+    values, formula = _values(increment), sp.sympify(entry)
     value = _at(increment.law, entry, values)
     if isinstance(value, float):
         return lambda _: value
-    found = value.recording.value
-    numbers = [np.float64(x) for x in values]
-    return lambda pressure: float(found([np.float64(pressure), *numbers])) + 0.0
+    if formula.has(sp.Function, sp.Pow):  # of which Python and NumPy have other last digits
+        found = value.recording.value
+        doubles = [np.float64(x) for x in values]
+        return lambda pressure: float(found([np.float64(pressure), *doubles])) + 0.0
+    text, constants = scalar_values("value", [formula], value.symbols)
+    run, numbers = interpreted(text, "value"), (*values, *constants)
+
+    def at(pressure: float) -> float:
+        out = [0.0]
+        run((pressure, *numbers), out)
+        return out[0] + 0.0
+
+    return at
 
 
 def uniform(increment: Increment, entry: object) -> float | None:

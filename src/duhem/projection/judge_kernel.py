@@ -99,7 +99,7 @@ def judge(
 ) -> None:
     """Dissipation, status (``UNJUDGED`` where it is left open) and residuals, an array of ``found`` each, of every point.
 
-    They are full of zeros, and what is zero is not written.  ``numbers`` and ``rows`` hold what a law, its parameters and the
+    They are full of zeros, and those of points that stick are left so.  ``numbers`` and ``rows`` hold what a law, its parameters and the
     stiffness settle (:func:`unpacked`): the constants of the ``pressed`` data, then those of h, and what they are off by;
     ``largest`` the pressure at which the ``tips`` of K are known, ``ways`` and ``reaches`` their directions and lengths in
     the metric; ``beside`` ways off a point, where the normals of a corner are looked for; the matrices as in
@@ -157,9 +157,7 @@ def chunk(
         off = max(seen[OFF, j], seen[BALANCE, j])
         if off <= ACCURACY and seen[FEASIBLE, j] <= ACCURACY and seen[COMPLETE, j] <= ACCURACY and other <= ACCURACY:
             status[n] = SLIP
-            found[2][n], found[3][n] = seen[COMPLETE, j], off
-            if seen[FEASIBLE, j] != 0.0:
-                found[0][n] = seen[FEASIBLE, j]
+            found[0][n], found[2][n], found[3][n] = seen[FEASIBLE, j], seen[COMPLETE, j], off
             if other != 0.0:
                 found[4][n] = other
 

@@ -71,7 +71,7 @@ def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
     for share, way in chain(zip(_BESIDE, repeat(ways)), askew):  # the latter are drawn where they are needed
         if not left.size:
             break
-        best[left] = np.fmin(best[left], np.maximum(_off_normals(level, metric, suspect.of(left), share * way), share))
+        best[left] = np.fmin(best[left], np.maximum(_off_normals(level, metric, suspect.of(left), share * way, share), share))
         left = left[~(best[left] <= 10.0 * share)]
     left = np.flatnonzero(~(best <= 10.0 * _APEX[-1]))  # also where sides far about the stress come close to the slip
     for share in _APEX if left.size and suspect.slip.shape[1] > 1 else ():
@@ -86,19 +86,25 @@ def _askew(ways: Array, turn: int) -> Array:
     return np.asarray(other / np.linalg.norm(other, axis=1)[:, None])
 
 
-def _off_normals(level: Level, metric: Metric, at: Suspect, ways: Array) -> Array:
-    """Distance of the slips from the cone of the normals these ways from the stress, or of the multiplier from theirs if that is more."""
-    d, every = at.stress.shape[1], np.arange(len(at.slip))
-    off, on = _sides(level, metric, at, np.broadcast_to(ways[:, None], (len(ways), len(every), d)))
+def _off_normals(level: Level, metric: Metric, at: Suspect, ways: Array, enough: float) -> Array:
+    """Distance of the slips from the cone of the normals these ways from the stress, or of the multiplier from theirs if that is more.
+
+    Of a slip that is no farther than ``enough`` from one cone no others are tried.
+    """
+    d, left = at.stress.shape[1], np.arange(len(at.slip))
+    off, on = _sides(level, metric, at, np.broadcast_to(ways[:, None], (len(ways), len(left), d)))
     thin = _opposed(off[0])
     bare = (thin & (np.linalg.norm(ways, axis=1).min() <= 2.0 * _THIN)) | at.tip
     normals, steep, heights = (np.where(bare[:, None] if x.ndim > 2 else bare, x, y) for x, y in zip(off, on, strict=True))
-    best = np.full(len(every), np.inf)
-    for chosen in _choices(len(normals), d, most=max(1, _BLOCK // len(every))):
+    best = np.full(len(left), np.inf)
+    for chosen in _choices(len(normals), d, most=max(1, _BLOCK // len(left))):
         sets, count = chosen.shape
-        cones = _Cones(*(np.moveaxis(x[chosen], 1, -1).reshape(-1, *x.shape[2:], count) for x in (normals, steep, heights)))
-        again = np.tile(every, sets)
-        best = np.fmin(best, np.fmin.reduce(cones.off(at.of(again), thin[again]).reshape(sets, -1), axis=0))
+        taken = (x[chosen[:, :, None], left] for x in (normals, steep, heights))
+        cones = _Cones(*(np.moveaxis(x, 1, -1).reshape(-1, *x.shape[3:], count) for x in taken))
+        again = np.tile(left, sets)
+        best[left] = np.fmin(best[left], np.fmin.reduce(cones.off(at.of(again), thin[again]).reshape(sets, -1), axis=0))
+        if not (left := left[~(best[left] <= enough)]).size:
+            break
     return best
 
 

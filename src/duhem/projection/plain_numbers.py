@@ -29,9 +29,10 @@ FAULTS = ArithmeticError, ValueError
 _MOST_TURNS, _MOST_LINES = 6, 12  # of a loop that is written out
 
 
-def zeros(*sizes: int) -> Any:
+def zeros(first: int, *others: int) -> Any:
     """Lists of lists of these sizes, of zeros."""
-    first, *others = sizes
+    if len(others) == 1:  # most are, and a call a row would take four times as long
+        return [[0.0] * size for size in others * first]
     return [zeros(*others) for _ in range(first)] if others else [0.0] * first
 
 
@@ -183,15 +184,23 @@ _FUNCTIONS = {
 }
 
 
-def _as_compiled(name: str) -> Callable[..., float]:
+def _as_compiled(name: str, plain: Callable[..., float]) -> Callable[..., float]:
+    """What is plainly a number, and else what arrays have there."""
     of_numpy = array_function(name)
 
     def found(*numbers: float) -> float:
-        with np.errstate(all="ignore"):
-            return float(of_numpy(*map(np.float64, numbers)))
+        try:
+            return plain(*numbers)
+        except FAULTS:
+            with np.errstate(all="ignore"):
+                return float(of_numpy(*map(np.float64, numbers)))
 
     return found
 
 
-_GOING_ON = {name: _as_compiled(name) for name in _FUNCTIONS if callable(getattr(np, name, None)) and name != "isnan"}
-_GOING_ON |= {"real_power": _as_compiled("power"), "quotient": _as_compiled("divide")}
+_GOING_ON = {
+    name: _as_compiled(name, plain if plain.__module__ == "math" else array_function(name))  # max and min are blind to nan
+    for name, plain in _FUNCTIONS.items()
+    if callable(getattr(np, name, None))
+}
+_GOING_ON |= {"real_power": _as_compiled("power", math.pow), "quotient": _as_compiled("divide", operator.truediv)}
