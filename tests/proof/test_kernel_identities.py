@@ -110,9 +110,9 @@ def test_forms_are_read_off() -> None:
             quadratic(parse(text), ("a", "b"), here)
     numbers = [[2, 7, 1], [3, -1, 4], [5, 6, -2]]
     assert (
-        same(determinant([[number(x) for x in row] for row in numbers]), "161")
-        and same(determinant([]), "1")
-        and same(determinant([[parse("m")]]), "m")
+        determinant([[number(x) for x in row] for row in numbers], here) == poly("161")
+        and determinant([], here) == poly("1")
+        and determinant([[parse("m")]], here) == poly("m")
     )
 
 
