@@ -114,6 +114,7 @@ FAULTS = {
     "no forces": (HEAD + "forces = []\n" + G + P, "3:1", "not a list of names"),
     "force is a keyword": (HEAD + 'forces = ["in"]\n' + G + P, "3:1", "already means something"),
     "force is no name": (HEAD + 'forces = ["a b"]\n' + G + P, "3:1", "not a name"),
+    "pressure has no name": (HEAD + 'pressure = ""\n' + G + P, "3:1", "pressure is not a name"),
     "pressure is a number": (HEAD + "pressure = 1\n" + G + P, "3:1", "pressure is not a name"),
     "force and pressure agree": (HEAD + 'pressure = "sigma_a"\n' + G + P, "3:1", "declared twice"),
     "parameter named like a word": (HEAD + G + P + "abs = {}\n", "7:1", "already means something"),

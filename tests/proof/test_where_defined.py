@@ -74,6 +74,23 @@ def test_within_the_ranges_of_the_forces(g: str, right: set[str], wrong: set[str
 
 
 @pytest.mark.parametrize(
+    ("g", "convex"),
+    [
+        ("b - a*(1 + log(e/a))", True),
+        ("log(e/a) + b**2", True),
+        ("b - a*log((1 + e)/(3*a))", True),
+        ("b + a*log(e/a)", False),
+        ("log(a/e) + b**2", False),
+        ("b - a*(1 + log((e - 1/2)/a))", False),  # a is < 0 where e < 1/2
+        ("b - a*log(e/a**2)", False),  # there a may be < 0
+        ("log(e/(a*b)) - 1", False),  # two branches of a hyperbola
+    ],
+)
+def test_a_logarithm_of_what_is_divided_by_a_force_is_that_turned(g: str, convex: bool) -> None:
+    assert ("convexity" in proved(g)) is convex
+
+
+@pytest.mark.parametrize(
     ("factor", "right", "wrong"),
     [
         (f"sqrt(1 + where({SHEAR} > 0, {LODE}, 0)/10)", ALL - {"smoothness"}, set()),

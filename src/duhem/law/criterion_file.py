@@ -382,7 +382,7 @@ class _CriterionReader(SectionReader):
         given = self.document["criterion"].get("pressure", PRESSURE)
         if given is False:
             return None
-        if not isinstance(given, str):
+        if not isinstance(given, str) or not given:
             remedy = 'write pressure = "sigma_n", or pressure = false'
             raise self.error("pressure is not a name", "criterion", "pressure", remedy=remedy)
         return str(spelled(given))

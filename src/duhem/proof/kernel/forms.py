@@ -12,8 +12,8 @@ from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, divided, gr
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of
 
 __all__ = [
-    "Matrix", "Row", "affine", "apart", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "leading_minors", "multiple",
-    "of_load", "principal_minors", "quadratic", "share_and_rest", "sign_within",
+    "Matrix", "Row", "affine", "apart", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "inverse", "leading_minors",
+    "multiple", "of_load", "principal_minors", "quadratic", "share_and_rest", "sign_within",
 ]  # fmt: skip
 
 Row = Sequence[Term]
@@ -29,6 +29,15 @@ def apart(term: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
     """The constants in a product, as their product, and its other factors."""
     parts = factors(term)
     return product_of(*(f for f in parts if domain.constant(f))), [f for f in parts if not domain.constant(f)]
+
+
+def inverse(term: Term, domain: StatedDomain) -> Term | None:
+    """y/c for c/y, c > 0, y not constant: both have a value > 0 where y > 0; None for anything else."""
+    c, moving = apart(term, domain)
+    if not moving or domain.facts(c).sign != POSITIVE or any(f.op != "**" or f.args[1].op != "number" or f.args[1].value >= 0 for f in moving):
+        return None
+    turned = (f.args[0] if f.args[1].value == -1 else Term("**", (f.args[0], number(-f.args[1].value))) for f in moving)
+    return product_of(Term("**", (c, number(-1))), *turned)
 
 
 def degree_at_most(term: Term, domain: StatedDomain) -> int | None:

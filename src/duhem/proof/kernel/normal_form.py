@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, gap
-from duhem.proof.kernel.forms import apart, by_forces, multiple
+from duhem.proof.kernel.forms import apart, by_forces, inverse, multiple
 from duhem.proof.kernel.polynomial import (
     ONE,
     Monomial,
@@ -100,6 +100,9 @@ class _Form(NamedTuple):
         if term.op == "*":
             parts = (self._power(x, number(n)) for x, n in Counter(factors(term)).items()) if self.collects else term.args
             return self._multiplied(self._collected(Term("*", tuple(parts))))
+        if term.op == "log":
+            upside = inverse(*term.args, self.domain)
+            return term if upside is None else minus(Term("log", (self._collected(upside),)))
         return self._power(*term.args) if term.op == "**" else term
 
     # -- kinks ---------------------------------------------------------------------------------------------------------

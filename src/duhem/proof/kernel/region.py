@@ -45,7 +45,7 @@ from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import rarely_zero
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
-from duhem.proof.kernel.forms import apart, at_end_of, multiple
+from duhem.proof.kernel.forms import apart, at_end_of, inverse, multiple
 from duhem.proof.kernel.polynomial import ONE, Polynomial, divided, in_powers, negated, replaced, slope, times, total, written
 from duhem.proof.kernel.profiles import times_load
 from duhem.proof.kernel.regularity import smooth_but_where_zero
@@ -310,7 +310,8 @@ def _under_words(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]
     """
     for x in {x for m in domain.polynomial(part) for x, _ in m}:
         if x.op == "log":
-            yield x.args[0], True
+            c, moving = apart(inverse(x.args[0], domain) or x.args[0], domain)
+            yield product_of(*moving) if domain.facts(c).sign == POSITIVE else x.args[0], True
         elif x.op == "**" and domain.facts(x.args[1]).sign == POSITIVE == domain.facts(sum_of(number(1), minus(x.args[1]))).sign:
             yield x.args[0], False
 

@@ -1,7 +1,7 @@
 """Other formulas with the same K: g <= 0 says the same of them wherever g has a value, within the ranges of the forces.
 
 Each step is exact there: log(A) + log(B) <= h is A B <= exp(h), as the logarithm rises; R <= c X**e is R**(1/e) <= c**(1/e) X where
-R >= 0; a divisor > 0 may be multiplied with; log(c/X) is -log(X/c).
+R >= 0; a divisor > 0 may be multiplied with.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def same_k(read: StatedLaw) -> list[Term]:
     """The forms of g, those made in the fewest steps first."""
     domain, found = within_ranges(read), [read.g]
     for g in found:
-        for step in (_turned, _exponentiated, _cleared, _multiplied):
+        for step in (_exponentiated, _cleared, _multiplied):
             with suppress(*UNREADABLE):
                 found += [form for form in step(g, domain) if form not in found and len(found) <= _MOST]
     return found[1:]
@@ -58,18 +58,6 @@ def _to(base: Term, power: Term) -> Term:
 
 def _over(term: Term, divisor: Term) -> Term:
     return product_of(term, Term("**", (divisor, number(-1))))
-
-
-def _turned(g: Term, domain: StatedDomain) -> Iterator[Term]:
-    """With -log(X/c) for log(c/X), and every logarithm in a term of its own."""
-    swap = dict[Term, Term]()
-    for part in (part for part in g.parts() if part.op == "log"):
-        size, sign, moving = _parted(part.args[0], domain)
-        if sign > 0 and moving and all(f.op == "**" and f.args[1].op == "number" and f.args[1].value < 0 for f in moving):
-            above = [_to(f.args[0], number(-f.args[1].value)) for f in moving]
-            swap[part] = minus(Term("log", (_over(product_of(*above), size),)))
-    if swap:
-        yield sum_of(*_terms(g.put(swap)))
 
 
 def _exponentiated(g: Term, domain: StatedDomain) -> Iterator[Term]:
