@@ -34,7 +34,8 @@ def apart(term: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
 def inverse(term: Term, domain: StatedDomain) -> Term | None:
     """y/c for c/y, c > 0, y not constant: both have a value > 0 where y > 0; None for anything else."""
     c, moving = apart(term, domain)
-    if not moving or domain.facts(c).sign != POSITIVE or any(f.op != "**" or f.args[1].op != "number" or f.args[1].value >= 0 for f in moving):
+    below = all(f.op == "**" and f.args[1].op == "number" and f.args[1].value < 0 for f in moving)
+    if not moving or not below or domain.facts(c).sign != POSITIVE:
         return None
     turned = (f.args[0] if f.args[1].value == -1 else Term("**", (f.args[0], number(-f.args[1].value))) for f in moving)
     return product_of(Term("**", (c, number(-1))), *turned)
