@@ -101,7 +101,7 @@ class _Form(NamedTuple):
             parts = (self._power(x, number(n)) for x, n in Counter(factors(term)).items()) if self.collects else term.args
             return self._multiplied(self._collected(Term("*", tuple(parts))))
         if term.op == "log":
-            upside = inverse(*term.args, self.domain)
+            upside = inverse(term.args[0], self.domain)
             return term if upside is None else minus(Term("log", (self._collected(upside),)))
         return self._power(*term.args) if term.op == "**" else term
 
