@@ -15,7 +15,7 @@ from duhem.proof.kernel.identity import multiplied_out
 from duhem.proof.kernel.polynomial import number_in
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, Term, factors, minus, number, product_of, sum_of
-from duhem.proof.unsettled.limits import split, times
+from duhem.proof.unsettled.limits import raised, split, times
 
 __all__ = ["same_k"]
 
@@ -52,10 +52,6 @@ def _parted(term: Term, domain: StatedDomain) -> tuple[Term, int, list[Term]]:
     return constant if sign >= 0 else minus(constant), sign, [f for f in factors(term) if not domain.constant(f)]
 
 
-def _to(base: Term, power: Term) -> Term:
-    return base if power == _ONE else Term("**", (base, power))
-
-
 def _over(term: Term, divisor: Term) -> Term:
     return product_of(term, Term("**", (divisor, number(-1))))
 
@@ -71,7 +67,7 @@ def _exponentiated(g: Term, domain: StatedDomain) -> Iterator[Term]:
             continue
         times_ = number_in(domain.polynomial(size))
         divisors.add(_ONE if times_ is not None else multiplied_out(size, domain))
-        sides[sign].append(_to(moving[0].args[0], number(times_ or 1)))
+        sides[sign].append(raised(moving[0].args[0], number(times_ or 1)))
     if len(divisors) == 1:
         left = [_over(term, *divisors) for term in rest]
         still, moving = ([t for t in left if domain.constant(t) is own] for own in (True, False))
@@ -89,7 +85,7 @@ def _cleared(g: Term, domain: StatedDomain) -> Iterator[Term]:
         rest = sum_of(*(t for t in terms if t is not term))
         if domain.constant(e) and (known is None or known < 1) and len(terms) > 1 and domain.never_negative(rest):
             inverse = Term("**", (e, number(-1))) if known is None else number(1 / known)
-            yield sum_of(_to(rest, inverse), minus(product_of(_to(size, inverse), moving[0].args[0])))
+            yield sum_of(raised(rest, inverse), minus(product_of(raised(size, inverse), moving[0].args[0])))
 
 
 def _multiplied(g: Term, domain: StatedDomain) -> Iterator[Term]:
@@ -104,6 +100,6 @@ def _multiplied(g: Term, domain: StatedDomain) -> Iterator[Term]:
                 parted = [split(t, x) for t in _terms(form)]
                 if (least := min(-e * split(base, x)[1], *(own for _, own in parted))) > 0:  # where x = 0, g has no value then
                     powers = ((rest, own - least) for rest, own in parted)
-                    form = sum_of(*(product_of(*rest, *([_to(x, number(n))] if n else [])) for rest, n in powers))
+                    form = sum_of(*(product_of(*rest, *([raised(x, number(n))] if n else [])) for rest, n in powers))
             if part not in form.parts():
                 yield form

@@ -26,7 +26,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
 from duhem.proof.unsettled.term_text import Names, in_text
 
-__all__ = ["jump", "keeps_k", "split", "times", "with_values"]
+__all__ = ["jump", "keeps_k", "raised", "split", "times", "with_values"]
 
 _MOST = 4  # parts in one formula, and ways to choose each
 _CHOICES, _DRAWN, _MOVES = 2, 24, 30  # of parameters; of places, and around each; to a zero of a size
@@ -55,7 +55,7 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
         if g != read.g and g not in seen:
             seen.add(g)
             told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"
-            whole = f"{in_text(g, names)} for g, which is {in_text(_power(size, power), names)} times g"
+            whole = f"{in_text(g, names)} for g, which is {in_text(raised(size, power), names)} times g"
             yield f"write {told if start is read.g else whole}", g
 
 
@@ -71,8 +71,8 @@ def _tip(g: Term, domain: StatedDomain) -> tuple[Term, Term, Term] | None:
     size = loads[0] if len(loads) == 1 else size if len(loads) == len(factors(size)) else Term("*", tuple(loads))
     if domain.facts(size).sign & NEGATIVE or not rarely_zero(size, domain):
         return None
-    raised = (x.args[1] for x in g.parts() if x.op == "**" and x.args[1].op != "number" and part in x.args[0].parts())
-    return part, size, next(raised, number(power or 1))
+    risen = (x.args[1] for x in g.parts() if x.op == "**" and x.args[1].op != "number" and part in x.args[0].parts())
+    return part, size, next(risen, number(power or 1))
 
 
 def _above(g: Term, part: Term, names: Names) -> list[Term]:
@@ -91,13 +91,13 @@ def times(term: Term, size: Term, power: Term) -> Term:
     rest, own = split(term, size)
     for x in rest:
         if x != term and x.op in ("+", "**") and any(split(y, size)[1] < 0 for y in x.parts()):
-            outer = [] if not own else [_power(size, number(own))]
+            outer = [] if not own else [raised(size, number(own))]
             return product_of(*(times(y, size, power) if y is x else y for y in rest), *outer)
     left = number(own + power.value) if power.op == "number" else sum_of(number(own), power)
-    return product_of(*rest, *([] if left == _ZERO else [_power(size, left)]))
+    return product_of(*rest, *([] if left == _ZERO else [raised(size, left)]))
 
 
-def _power(size: Term, power: Term) -> Term:
+def raised(size: Term, power: Term) -> Term:
     return size if power == _ONE else Term("**", (size, power))
 
 
