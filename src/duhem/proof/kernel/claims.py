@@ -276,11 +276,12 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and grad g != 0 there: g is a graph, or d g(r sigma)/dr > 0, or >= 0 for a g that is steep, by its degrees.
 
-    Where it has no value that is asked of the rest alone, if this is within the ranges of the forces.
+    Where it has no value that is asked of the rest alone, if it has one up to the ends of the ranges of the forces, or tends to < 0.
     """
     whole, there = _over(law, evidence), law.once(where_it_has_a_value)
     ends = [there.polynomial(side) for side in within_ranges(law).sides]
-    within = all(any(multiple(there.polynomial(side), end, there) for end in ends) for side in there.sides) or _inside_at_tips(law)
+    own = (not strict and any(multiple(there.polynomial(side), end, there) for end in ends) for side, strict in there.sides.items())
+    within = all(own) or _inside_at_tips(law)
     read = ((g, place) for g, place in _where_defined(law, whole) if place is whole or within)
     return any((boundary.is_a_graph(law) or grows_along_rays(g, place)) and smooth_near_the_boundary(g, place) for g, place in read)
 
