@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from duhem import Criterion, Domain
+from duhem import Criterion, Domain, Verdict, verify
+from duhem.law.domain import POSITIVE
 from tests.campaigns.rewritings import verdicts
 
 UNIT = Domain.between("1/10", "9/10")
@@ -151,3 +152,9 @@ def test_what_is_of_one_degree_in_the_deviator_tends_to_zero_with_it(g: str, kno
 def test_choices_of_constants(g: str, right: set[str], wrong: set[str]) -> None:
     found = proved(g)
     assert right <= found and not wrong & found, found
+
+
+def test_a_number_that_is_too_large_for_double_precision_leaves_the_other_verdicts() -> None:
+    law = Criterion("law", "(a + b)**3*a - m**250 - a*b", {"m": POSITIVE}, forces=("a", "b"), pressure=None)
+    found = verify(law, claims=["origin", "convexity", "dissipation"], effort="quick")
+    assert found["origin"].verdict is Verdict.PROVED and found["convexity"].verdict is not Verdict.PROVED
