@@ -399,7 +399,8 @@ class _Reader:
 
     def sides(self, node: ast.Compare, depth: int) -> tuple[sp.Expr, sp.Expr, type[Relational]]:
         if len(node.ops) != 1:
-            raise self.place.error(f"{self.quote(node)} chains comparisons", at=self.start(node), remedy="join them: 0 < x and x < 1")
+            remedy = "join them: 0 < x and x < 1; list them one by one in constraints"
+            raise self.place.error(f"{self.quote(node)} chains comparisons", at=self.start(node), remedy=remedy)
         kind = _COMPARISONS.get(type(node.ops[0]))
         if kind is None:
             raise self.place.error(f"{self.quote(node)} is no comparison", at=self.start(node), remedy="comparisons are < <= > >=")

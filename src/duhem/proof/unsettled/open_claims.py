@@ -62,7 +62,7 @@ Decide = Callable[[Criterion, str, int], Verdict]
 _CHOICES = 6  # of parameters
 _LONGEST = 240  # letters of a part that is told
 _DIGITS = 6
-_NOISE = 1e-6  # of differences in floats
+_NOISE = 1e-4  # of margins in floats, where slopes may be steep
 STATEMENT = "what duhem verify says of a claim that it neither proved nor refuted, and what you can do"
 THEORY = """\
 A claim is open if its verdict is tested or undecided: no rule proved it, and no counterexample was found.  It may hold or not.  duhem
