@@ -98,7 +98,8 @@ def test_a_set_without_inside_has_no_normals() -> None:
         (law("a*abs(a) + b*abs(b) - m", m=POSITIVE), True),
         (law("a*abs(b) - m", m=POSITIVE), True),  # it is < 0 where b = 0
         (law("max(a, b)**3 - m", m=POSITIVE), False),
-        (law("a**2/norm(a, b) - m", m=POSITIVE), False),  # undefined at 0
+        (law("a**2/norm(a, b) - m", m=POSITIVE), True),  # it tends to -m at 0
+        (law("a**2/norm(a, b) - a", m=POSITIVE), False),  # it tends to 0 there
         (law("a**2 + b**2 - m - n", m=POSITIVE, n={"min": "-1"}), False),
         (law("a**2 + b**2 - m - n", m=POSITIVE, n={"min": "-1"}, constraints=("n > -m",)), True),
         (law("a**2 + exp(b) - m", m=POSITIVE), False),  # exp has no degree

@@ -36,9 +36,8 @@ FORMS = [
     ("q - m*p*(1 + log(c/p))", 0),
     ("q - m*p*log(c/p**2)", 0),
     ("-log(c/(p*q)) + b", 1),
-    ("q - m*sqrt(p)", 1),
-    ("q + c - m*(p + c)**(2/3)", 1),
-    ("q**2 - m*(p*(c - p))**(1/4)", 1),
+    ("q - m*sqrt(p)", 0),
+    ("q + c - m*(p + c)**(2/3)", 0),
     ("q/(c + m*p) + p**2 - 1", 1),
     ("(q - b*p)**2 - (c - q/p*b)*p**2*(1 - p*m)", 1),
     ("p*q - p*m + p*q/(c + p)", 1),  # 0 along p = 0, where it has a value

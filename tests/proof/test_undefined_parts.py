@@ -317,7 +317,8 @@ def test_loads_have_a_value_everywhere_and_the_rest_where_they_allow_k() -> None
     assert "convexity" in confirmed(law("max(norm(t1, t2) - 2 - sqrt(t1), -t1)"))
     assert "convexity" not in confirmed(law("max(norm(t1, t2) - 2 - sqrt(t1), -t1 + 0/e)"))
     assert "convexity" not in confirmed(law("max(norm(t1, t2) - 2 - sqrt(t1), -t1 - e/e + 1)"))
-    assert "convexity" not in confirmed(law("max(norm(t1, t2) - 2 - sqrt(t1 - 1), -t1)"))
+    assert "convexity" in confirmed(law("max(norm(t1, t2) - 2 - sqrt(t1 - 1), -t1)"))  # no point of K lies below t1 = 1
+    assert "convexity" not in confirmed(law("max(norm(t1, t2) - 2 - sqrt(t1**2 - 1), -t1 - 2)"))
     assert "convexity" not in confirmed(law("norm(t1, t2) - 2 - abs(0*log(t2 + 1))"))  # that would cut K open
 
 

@@ -8,11 +8,13 @@ Methods are tried in order, the cheapest sound one first; the kernel's rules, wh
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any, Generic, Protocol, TypeVar
 
+from duhem.errors import InputError
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.curve_subject import CurveSubject
@@ -130,14 +132,16 @@ class Claim:
             if not isinstance(subject, method.takes):
                 continue
             on_method(words(method, self.name))
-            match method:
-                case Rules():
-                    found = None if kernel is None else kernel.proof(self.name, method.steps, method.as_written)
-                case Finder():
-                    found = next(filter(confirms, method.run(subject)), None)
-                case _:
-                    found = method.run(subject, settled) if isinstance(method, Consequence) else method.run(subject)
-                    found = found if found is not None and self._counts(found, subject, confirms) else None
+            found = None
+            with suppress(InputError):  # a number of the law is too large for double precision, at parameters that the method tries
+                match method:
+                    case Rules():
+                        found = None if kernel is None else kernel.proof(self.name, method.steps, method.as_written)
+                    case Finder():
+                        found = next(filter(confirms, method.run(subject)), None)
+                    case _:
+                        found = method.run(subject, settled) if isinstance(method, Consequence) else method.run(subject)
+                        found = found if found is not None and self._counts(found, subject, confirms) else None
             if found is not None:
                 return found
         return Evidence(Verdict.UNDECIDED, "none", "no rule proves it, and no counterexample was found")

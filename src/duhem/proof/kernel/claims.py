@@ -14,7 +14,6 @@ from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.forms import multiple
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.identity import in_order, vanishes
@@ -276,12 +275,10 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and grad g != 0 there: g is a graph, or d g(r sigma)/dr > 0, or >= 0 for a g that is steep, by its degrees.
 
-    Where it has no value that is asked of the rest alone, if this is within the ranges of the forces.
+    Where it has no value, that is asked of the rest alone, if it tends to a limit < 0 there, or if this is outside the forces' ranges.
     """
-    whole, there = _over(law, evidence), law.once(where_it_has_a_value)
-    ends = [there.polynomial(side) for side in within_ranges(law).sides]
-    within = all(any(multiple(there.polynomial(side), end, there) for end in ends) for side in there.sides) or _inside_at_tips(law)
-    read = ((g, place) for g, place in _where_defined(law, whole) if place is whole or within)
+    there = law.once(where_it_has_a_value) if _inside_at_tips(law) else within_ranges(law)
+    read = _where_defined(law, _over(law, evidence), there)
     return any((boundary.is_a_graph(law) or grows_along_rays(g, place)) and smooth_near_the_boundary(g, place) for g, place in read)
 
 
@@ -317,14 +314,14 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
     """d g(r sigma)/dr >= 0 at r = 1 wherever g = 0, and no limit of grad g is 0: so sigma . n >= 0 for each; or K is a cone: it is 0."""
-    return law.associated and any(is_cone(g, domain) or grows_along_rays(g, domain) for g, domain in _where_defined(law, over(law)))
+    there = law.once(where_it_has_a_value)
+    return law.associated and any(is_cone(g, domain) or grows_along_rays(g, domain) for g, domain in _where_defined(law, over(law), there))
 
 
-def _where_defined(law: StatedLaw, whole: StatedDomain) -> Iterator[tuple[Term, StatedDomain]]:
-    """g, everywhere or where it has a value, and there its normal form too."""
+def _where_defined(law: StatedLaw, whole: StatedDomain, inside: StatedDomain) -> Iterator[tuple[Term, StatedDomain]]:
+    """g, in the ``whole`` and ``inside``, as far as it has a value there, and inside its normal form too."""
     if whole.facts(law.g).defined or _inside_at_tips(law):
         yield law.g, whole
-    inside = law.once(where_it_has_a_value)
     for spelled in (lambda g, _: g, normal) if Reader(inside).undecided(law.g) is None else ():
         form = spelled(law.g, inside)
         if not any(chooses(part, inside) for part in (form.args[1:] if form.op == "where" else (form,))):

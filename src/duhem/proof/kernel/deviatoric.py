@@ -459,14 +459,14 @@ class DeviatoricReader(PlaneVariable):
         return PlaneFunction(Fraction(0), _X, {base_of(self.distance): {(): Fraction(-1)}})
 
     def choice(self, condition: Term, one: Term, two: Term) -> PlaneFunction:
-        """By what is 0 where the deviator is 0 and > 0 elsewhere: what is chosen elsewhere, if it is 0 there, or of degree 0: any then."""
+        """By what is 0 where the deviator is 0 and > 0 elsewhere: what is chosen elsewhere, if it is 0 there."""
         strict = len(condition.op) == 1
         size = gap(condition) if strict else minus(gap(condition))
         away, here = (one, two) if strict else (two, one)
         if not self.tells(size):
             raise NotWritten("a choice is by something else")
         value = self.read(away)
-        known = self.within.facts(here).defined and (value.degree == 0 or not self.within.polynomial(here))
-        if value.degree < 0 or not (known or self.read(here).degree > 0):
+        nothing = not self.within.polynomial(here) and self.within.facts(here).defined
+        if value.degree <= 0 or not (nothing or self.read(here).degree > 0):
             raise NotWritten("a choice leaves a jump")
         return value

@@ -39,6 +39,7 @@ from duhem.proof.kernel.polynomial import (
     replaced,
     root_of_square,
     shared,
+    slope,
     solved,
     times,
     total,
@@ -445,9 +446,21 @@ class _Form(NamedTuple):
             for part in groups.values():
                 while any(x in dict(m) for m in part) and (q := quotient(divided(part, ((x, 1),)), by)) is not None:
                     part = q
-                parts.append(part)
+                parts += self._apart(part, x, by) if any(x in dict(m) for m in part) else [part]
             poly = total(*parts)
         return poly
+
+    def _apart(self, poly: Polynomial, x: Term, by: Polynomial) -> list[Polynomial]:
+        """N/P as s l + (N - s l P)/P: l is the mean of forces, and N grows by s P when all these grow alike."""
+        mixed = sorted({y for m in by if len(own := self._in_forces(m)) > 1 for y, _ in own})
+        numerator = divided(poly, ((x, 1),))
+        if not mixed or any(n < 0 for m in numerator for y, n in m if y in mixed):
+            return [poly]
+        share = quotient(total(*(slope(numerator, y) for y in mixed)), by)
+        if not share or not all(self.domain.constant(y) for m in share for y, _ in m):
+            return [poly]
+        linear = times(share, {((y, 1),): Fraction(1, len(mixed)) for y in mixed})
+        return [linear, times(total(numerator, negated(times(linear, by))), {((x, 1),): Fraction(1)})]
 
     def _presented(self, poly: Polynomial) -> Term:
         """A polynomial as a sum, each product of forces and words once, with what it is multiplied by; a square as one."""

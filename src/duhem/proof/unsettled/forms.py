@@ -1,7 +1,7 @@
 """Other formulas with the same K: g <= 0 says the same of them wherever g has a value, within the ranges of the forces.
 
-Each step is exact there: log(A) + log(B) <= h is A B <= exp(h), as the logarithm rises; R <= c X**e is R**(1/e) <= c**(1/e) X where
-R >= 0; a divisor > 0 may be multiplied with.
+Each step is exact there: log(A) + log(B) <= h is A B <= exp(h), as the logarithm rises; a divisor > 0
+may be multiplied with.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def same_k(read: StatedLaw) -> list[Term]:
     """The forms of g, those made in the fewest steps first."""
     domain, found = within_ranges(read), [read.g]
     for g in found:
-        for step in (_exponentiated, _cleared, _multiplied):
+        for step in (_exponentiated, _multiplied):
             with suppress(*UNREADABLE):
                 found += [form for form in step(g, domain) if form not in found and len(found) <= _MOST]
     return found[1:]
@@ -73,19 +73,6 @@ def _exponentiated(g: Term, domain: StatedDomain) -> Iterator[Term]:
         still, moving = ([t for t in left if domain.constant(t) is own] for own in (True, False))
         one = product_of(*sides[1], *([Term("exp", (sum_of(*moving),))] if moving else []))
         yield sum_of(one, minus(product_of(*sides[-1], *([Term("exp", (sum_of(*map(minus, still)),))] if still else []))))
-
-
-def _cleared(g: Term, domain: StatedDomain) -> Iterator[Term]:
-    """Without a root or power: R**(1/e) - c**(1/e) X for R - c X**e where R >= 0."""
-    for term in (terms := _terms(g)):
-        size, sign, moving = _parted(term, domain)
-        if sign >= 0 or len(moving) != 1 or moving[0].op != "**" or domain.facts(e := moving[0].args[1]).sign != POSITIVE:
-            continue
-        known = number_in(domain.polynomial(e))
-        rest = sum_of(*(t for t in terms if t is not term))
-        if domain.constant(e) and (known is None or known < 1) and len(terms) > 1 and domain.never_negative(rest):
-            inverse = Term("**", (e, number(-1))) if known is None else number(1 / known)
-            yield sum_of(raised(rest, inverse), minus(product_of(raised(size, inverse), moving[0].args[0])))
 
 
 def _multiplied(g: Term, domain: StatedDomain) -> Iterator[Term]:
