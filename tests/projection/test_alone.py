@@ -83,3 +83,23 @@ def test_one_of_each_row_is_seen(d: int) -> None:
     for given in (rows, np.asfortranarray(rows), rows[::2]):
         np.testing.assert_array_equal(any_of(given), given.any(axis=1))
     assert any_of(rows[:0]).shape == (0,)
+
+
+@pytest.mark.parametrize("n", [1, 9, 40])
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_load_that_overflows_has_failed_beside_others_too(n: int, compiled: bool) -> None:
+    """Every trial would lie inside, although nothing is known of K."""
+    pressure = np.full(n, -1e300)
+    pressure[1:] = -1e-5
+    asked = {"parameters": {"mu": 1e10, "cohesion": 1.0}, "compiled": compiled}
+    status = duhem.prepare("cohesive", **asked)(np.tile([3.0, 4.0], (n, 1)), pressure).status
+    assert status.tolist() == [duhem.Status.FAILED] + [duhem.Status.STICK] * (n - 1)
+    done = duhem.project("cohesive", np.tile([3.0, 4.0], (n, 1)), pressure, **asked)
+    assert done.status.tolist() == status.tolist() and np.isnan(done.stress[0]).all() and (done.stress[1:] == [3.0, 4.0]).all()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("n", [1, 9, 40])
+def test_a_multiplier_that_overflows_has_failed_without_a_warning(n: int) -> None:
+    status = duhem.prepare("coulomb", parameters={"mu": 0.3})(np.tile([1.7e308, -1.7e308], (n, 1)), np.full(n, -1.0)).status
+    assert (status == duhem.Status.FAILED).all()

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import acos, atan, atan2, copysign, cos, exp, expm1, hypot, inf, isfinite, log, log1p, pi, sin, sqrt, tanh
+from math import acos, atan, atan2, copysign, cos, exp, expm1, frexp, hypot, inf, isfinite, ldexp, log, log1p, pi, sin, sqrt, tanh
 
 __all__ = ["Move", "Pair", "on_disk", "on_ellipse", "on_interval"]
 
@@ -50,6 +50,8 @@ class Move:
 
 def on_ellipse(stress: Pair, du: Pair, load: float, coefficients: Sequence[float], k: Pair) -> Move:
     """From ``stress`` in K (about its centre) along ``du``; coefficients (a_plus, a_minus, b_plus, b_minus) > 0, load > 0."""
+    if du[0] == du[1] == 0.0:  # even where rounding has put the stress outside
+        return Move(stress, 0.0, 0.0, 0.0, 1.0)
     q = (k[0] * du[0], k[1] * du[1])
     free, w = _exit(stress, q, load, coefficients)
     if w is None:
@@ -77,15 +79,19 @@ def _mean_work(stress: Pair, q: Pair, du: Pair, part: float) -> float:
 
 
 def _exit(s: Pair, q: Pair, e: float, mu: Sequence[float]) -> tuple[float, Pair | None]:
-    """Where s + tau q leaves K, 0 <= tau < 1, and the direction (cos theta, sin theta) there; None if it stays inside."""
-    crossed = [-s[0] / q[0] if q[0] else 0.0, -s[1] / q[1] if q[1] else 0.0]
-    seams = sorted([tau for tau in crossed if 0.0 < tau < 1.0])
+    """Where s + tau q leaves K, 0 <= tau < 1, and the direction (cos theta, sin theta) there; None if it stays inside.
+
+    Each piece starts at its seam: seen in the units of a thin quarter, the start of the step would be far away.
+    """
+    seams = sorted((tau, i) for i in (0, 1) if q[i] and 0.0 < (tau := -s[i] / q[i]) < 1.0)
     start = 0.0
-    for end in [*seams, 1.0]:
-        middle = 0.5 * (start + end)
-        m, n = _of_quarter(mu, s[0] + middle * q[0], s[1] + middle * q[1])
+    for end, i in [*seams, (1.0, -1)]:
+        part = end - start
+        m, n = _of_quarter(mu, s[0] + 0.5 * part * q[0], s[1] + 0.5 * part * q[1])
         p, r = (s[0] / (m * e), s[1] / (n * e)), (q[0] / (m * e), q[1] / (n * e))
-        if hypot(p[0] + end * r[0], p[1] + end * r[1]) > 1.0:
+        if hypot(p[0] + part * r[0], p[1] + part * r[1]) > 1.0:
+            unit = frexp(max(abs(r[0]), abs(r[1])))[1] - 1  # a power of two, lest the square of a short step underflow
+            r = ldexp(r[0], -unit), ldexp(r[1], -unit)
             a, b = r[0] * r[0] + r[1] * r[1], p[0] * r[0] + p[1] * r[1]
             size = hypot(*p)
             c = (size - 1.0) * (size + 1.0)
@@ -93,13 +99,14 @@ def _exit(s: Pair, q: Pair, e: float, mu: Sequence[float]) -> tuple[float, Pair 
             if not isfinite(square):  # it would pass for rest
                 raise OverflowError("the distance to the boundary overflows or underflows")
             root = sqrt(max(square, 0.0))
-            tau = (root - b) / a if b <= 0.0 else -c / (b + root)
-            tau = min(max(tau, start), end)
-            x, y = p[0] + tau * r[0], p[1] + tau * r[1]
+            way = (root - b) / a if b <= 0.0 else -c / (b + root)
+            way = min(max(way, 0.0), ldexp(part, unit))
+            tau = start + ldexp(way, -unit)
+            x, y = p[0] + way * r[0], p[1] + way * r[1]
             length = hypot(x, y)
             if tau < 1.0:  # at a tangent start too: the straight line leaves the convex set at once
                 return tau, (x / length, y / length)
-        start = end
+        start, s = end, (0.0 if i == 0 else s[0] + part * q[0], 0.0 if i == 1 else s[1] + part * q[1])
     return 1.0, None
 
 

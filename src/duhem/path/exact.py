@@ -57,7 +57,7 @@ def _hindered(plan: Plan, shape: ShapeNumbers | None) -> str | None:
 def _affine(load: Array, pressure: Array) -> bool:
     """Whether the loads lie on one line over the pressures."""
     i, j = int(np.argmin(pressure)), int(np.argmax(pressure))
-    line = load[i] + (load[j] - load[i]) * (pressure - pressure[i]) / (pressure[j] - pressure[i])
+    line = load[i] + (load[j] - load[i]) * ((pressure - pressure[i]) / (pressure[j] - pressure[i]))
     return bool((np.abs(load - line) <= 1e-14 * np.abs(load).max()).all())
 
 

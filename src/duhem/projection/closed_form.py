@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
-from math import isfinite
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -227,7 +227,11 @@ def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solut
             stress[:] = np.where(slips[:, None], stress + middle, increment.trial[block])
             multiplier[~np.isfinite(stress).all(axis=1)] = np.nan
         if share is not None:
-            multiplier /= share(pressure)
+            with np.errstate(all="ignore"):  # what overflows has failed
+                multiplier /= share(pressure)
+        if not e.max(initial=0.0) < inf:  # every trial would be inside, although nothing is known of K
+            for found_there in (stress, slip, multiplier):
+                found_there[~np.isfinite(e)] = np.nan
         failed = np.isfinite(multiplier, out=solution.failed[block])
         np.logical_not(failed, out=failed)
 
