@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, permutations
 from typing import Any
 
 import sympy as sp
 
 from duhem.expression import Norm, Where
-from duhem.expression.branches import seams
+from duhem.expression.branches import seam, seams
 from duhem.expression.dimensions import degree
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
@@ -30,9 +30,9 @@ from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = [
-    "convexity_by_sums", "convexity_in_a_box", "convexity_on_boundary", "dissipation_by_identities", "dissipation_by_shares",
-    "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "origin_by_signs", "smoothness_by_identities",
-    "smoothness_by_sums", "smoothness_on_boundary", "state_laws_not_stated", "without_heat",
+    "convexity_by_branches", "convexity_by_sums", "convexity_in_a_box", "convexity_on_boundary", "dissipation_by_identities",
+    "dissipation_by_shares", "dissipation_of_potential", "dissipation_on_boundary", "duality", "normality_parallel", "origin_by_signs",
+    "smoothness_by_identities", "smoothness_by_sums", "smoothness_on_boundary", "state_laws_not_stated", "without_heat",
 ]  # fmt: skip
 
 Terms = Mapping[sp.Expr, sp.Expr]  # what depends on the forces, and its coefficient
@@ -83,6 +83,37 @@ def convexity_in_a_box(subject: FormulaSubject | GraphSubject) -> Iterator[Evide
     if subject.effort >= 1 and len(ranges) == 2 and all(own.low is not None and own.high is not None for own in ranges):
         detail = "K is star-shaped and its boundary curves inward, by enclosures in parts of the ranges of the forces"
         yield _offered("curvature-in-a-box", detail, {})
+
+
+def convexity_by_branches(subject: FormulaSubject) -> Evidence | None:
+    """In two forces the boundary rises outward and curves inward on every branch of g, and kinks outward on every seam.
+
+    The boundary is run through with K on its left.  On a seam it passes from one branch to the next where the tangents (-g_y, g_x) of both
+    point into the next one; there it may not turn right.  It does not if T/E does not fall, E = sigma . grad g > 0, T = x g_y - y g_x.
+    """
+    pieces, forces, origin = subject.pieces, subject.simple.forces, subject.at_origin
+    if pieces is None or len(pieces) > _MOST_PIECES or len(forces) != 2 or origin is None or not subject.continuous:
+        return None
+    x, y = forces
+    asked: list[Asked] = [(-origin, Sense.POSITIVE, ())]
+    for piece in pieces:
+        there, (gx, gy) = (*piece.conditions(), sp.Eq(piece.expr, 0)), _gradient(piece.expr, forces)
+        tangent = (-gy, gx)
+        bend = _dot(tangent, [_dot(tangent, _gradient(d, forces)) for d in (gx, gy)])
+        asked += [(x * gx + y * gy, Sense.POSITIVE, there), (bend, Sense.NONNEGATIVE, there)]
+    for before, after in permutations(pieces, 2):
+        if before.expr == after.expr:
+            continue
+        if (found := seam(before, after)) is None:
+            return None
+        (bx, by), (ax, ay) = (_gradient(branch.expr, forces) for branch in (before, after))
+        on_seam = [sp.Eq(before.expr, 0), *found.on(), *found.within()]
+        for switch in found.crossed:
+            sx, sy = _gradient(after.signs[switch] * switch, forces)
+            on_seam += [sp.GreaterThan(sy * ax - sx * ay, 0), sp.GreaterThan(sy * bx - sx * by, 0)]
+        turn = (x * ay - y * ax) * (x * bx + y * by) - (x * by - y * bx) * (x * ax + y * ay)
+        asked.append((turn, Sense.NONNEGATIVE, tuple(on_seam)))
+    return _by_signs(subject, asked, "implicit-curvature", "K is star-shaped about 0, its boundary curves inward, and kinks are outward")
 
 
 def smoothness_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
