@@ -342,7 +342,7 @@ def holds_at(relation: sp.Basic, place: Mapping[sp.Symbol, sp.Expr]) -> bool:
     try:
         if compare is None:
             return relation.xreplace(place) == sp.true
-        left, right = (side.xreplace(place) for side in relation.args)
+        left, right = (sp.sympify(side.xreplace(place)) for side in relation.args)
         if left.is_Rational and right.is_Rational:  # SymPy's relation asks the same in ten times the time
             return bool(compare(left, right))
         return relation.func(left, right) == sp.true
