@@ -116,8 +116,15 @@ def test_a_question_that_fails_shows_nothing(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_a_law_that_is_undefined_somewhere_is_not_shown_to_be_convex() -> None:
-    law = Criterion("edge", "norm(a, b) - sqrt(1 + a)", {}, forces=("a", "b"), pressure=None)
-    assert duhem.project(law, [3.0, 3.0]).status[0] != Status.SLIP
+    law = Criterion("edge", "norm(a, b) - sqrt(1 + a**3)", {}, forces=("a", "b"), pressure=None)
+    assert duhem.project(law, [0.5, 3.0]).status[0] != Status.SLIP
+
+
+def test_where_it_has_no_value_there_is_no_point_of_k() -> None:
+    law = Criterion("egg", "norm(a, b) - sqrt(1 + a)", {}, forces=("a", "b"), pressure=None)
+    found = duhem.project(law, [[3.0, 0.0], [-3.0, 0.0]])
+    assert (found.status == Status.SLIP).all()
+    assert np.allclose(found.stress, [[(1 + np.sqrt(5)) / 2, 0], [(1 - np.sqrt(5)) / 2, 0]], rtol=0, atol=1e-12)
 
 
 @pytest.mark.slow

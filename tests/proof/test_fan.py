@@ -94,7 +94,7 @@ def barrel(a: str, b: str) -> str:
             ("where(abs(a) >= abs(b), abs(b), abs(a)) - 1", False, False),
             ("where(a > 0, norm(a, b), norm(2*a, b)) - 1", True, True),
             ("where(a > 0, norm(a, b) - 1, norm(2*a, b) - 2)", False, False),
-            ("where(a > 0, sqrt(a**2) + norm(a, b), sqrt(a**2) + norm(a, b)) - 1", False, False),  # a kink that no word names
+            ("where(a > 0, sqrt(a**2) + norm(a, b), sqrt(a**2) + norm(a, b)) - 1", True, False),  # a kink that no word names, and no choice
             ("where(a > 0, (a**4 + b**4)**(1/4), norm(a, b)) - 1", True, True),
             pytest.param("where(a > 0, (abs(a)**(3/2) + abs(b)**(3/2))**(2/3), norm(a, b)) - 1", True, True, marks=pytest.mark.long),
             ("where(a > 0, norm(a, b), norm(2*a, b)) + 1", False, False),

@@ -67,7 +67,7 @@ def _kept(domain: StatedDomain, where: str, seen: set[int]) -> Iterator[tuple[ob
     if id(domain) in seen:
         return
     seen.add(id(domain))
-    for what in ("known", "_polynomials", "_spans", "_orders", "_compared"):
+    for what in ("known", "_polynomials", "_spans", "_compared"):
         yield from (((where, what, term), found) for term, found in getattr(domain, what).items())
     for what, term, found in ((what, term, found) for what, own in domain.kept.items() for term, found in own.items()):
         if what == "deviators":
