@@ -9,7 +9,7 @@ from scipy import optimize, stats
 import duhem
 from duhem import InputError
 from duhem.identification import Points
-from duhem.identification.estimation import AnyFormula, QuarterEllipses
+from duhem.identification.surface import AnyFormula, QuarterEllipses
 from duhem.law.domain import Domain
 from tests.identification.limit_points import PAPER, design, information, on_boundary, table, values
 from tests.long import mostly_long

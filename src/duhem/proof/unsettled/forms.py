@@ -1,7 +1,6 @@
 """Other formulas with the same K: g <= 0 says the same of them wherever g has a value, within the ranges of the forces.
 
-Each step is exact there: log(A) + log(B) <= h is A B <= exp(h), as the logarithm rises; a divisor > 0
-may be multiplied with.
+Each step is exact there: log(A) + log(B) <= h is A B <= exp(h), as the logarithm rises; a divisor > 0 may be multiplied with.
 """
 
 from __future__ import annotations
