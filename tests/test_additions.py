@@ -153,11 +153,11 @@ def test_a_decider_is_asked_and_the_next_one_where_it_passes(tmp_path: Path) -> 
     before = tree.run("-c", ASKED).split()
     tree.write("src/duhem/proof/decide/discriminant.py", DECIDER)
     tree.insert(
-        "src/duhem/proof/decide/deciders.py",
+        "src/duhem/proof/decide/__init__.py",
         "from duhem.proof.decide.question import",
         "from duhem.proof.decide.discriminant import by_discriminant",
     )
-    tree.enter("src/duhem/proof/decide/deciders.py", "POLYNOMIAL_DECIDERS", "by_discriminant")
+    tree.enter("src/duhem/proof/decide/__init__.py", "POLYNOMIAL_DECIDERS", "by_discriminant")
     after = tree.run("-c", ASKED).split()
     assert before[::2] == after[::2] == ["True", "True"]
     assert "discriminant" not in before

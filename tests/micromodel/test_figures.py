@@ -16,8 +16,7 @@ import pytest
 import duhem
 from duhem.__main__ import main
 from duhem.errors import InputError, MissingExtraError
-from duhem.micromodel.figures import FIGURES, Figure, Table
-from duhem.micromodel.figures.paper import boundary
+from duhem.micromodel.figures import FIGURES, Figure, Table, boundary
 from duhem.micromodel.figures.value import Arrows, Curve
 from duhem.micromodel.wedge import coefficients
 from tests.long import long_but, mostly_long

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 import sympy as sp
 
-import duhem.proof.decide.deciders as deciders_module
+import duhem.proof.decide as deciders_module
 import duhem.proof.facts.subject as subject_module
 import duhem.proof.methods.refuters as refuters_module
 import duhem.proof.statement as problem_module

@@ -8,8 +8,7 @@ from duhem import POSITIVE, Criterion, Domain
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.parse import parse_expression
-from duhem.proof.decide import Question, Sense
-from duhem.proof.decide.deciders import decide
+from duhem.proof.decide import Question, Sense, decide
 from duhem.proof.verification import verify
 from tests.long import long_but, mostly_long
 

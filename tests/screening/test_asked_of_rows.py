@@ -9,10 +9,10 @@ import pytest
 from click.testing import CliRunner
 
 import duhem
-from duhem import InputError
+from duhem import InputError, screening
 from duhem.benchmark.extreme_cases import StressCases
 from duhem.cli import cli
-from duhem.screening import entry, file, pool
+from duhem.screening import file, pool
 from duhem.screening.campaign import Campaign, asked
 from duhem.screening.rows import Grid, LawName
 from duhem.show.printing import text
@@ -43,7 +43,7 @@ def called(*words):
 @pytest.mark.slow
 def test_a_routine_named_on_the_command_line_is_put_to_its_checks(folder, monkeypatch):
     """0.3 is the friction that it has; of 0.5 its K is too small, which no feasibility sees and nothing here refutes."""
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     (folder / "c.toml").write_text(CHECKS.replace("0.5", "0.1") + 'expect = { tangent = "none yet" }\n')
     done = called("c.toml", "--routine", "mine_of_rows:update", "--out", "t.csv")
     lines = table("t.csv")
@@ -175,7 +175,7 @@ def test_the_same_cases_are_drawn_whatever_was_loaded_before(tmp_path, monkeypat
 @pytest.mark.slow
 def test_stress_cases_of_a_row(folder, monkeypatch):
     """Of the disc every answer is right; no parameter of it makes K thin along one axis."""
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     (folder / "s.toml").write_text(STRESS.replace("0.5", "-1"))
     summary = duhem.campaign(folder / "s.toml", stress=StressCases)
     first, second = ([line for line in summary.lines if line.row == row] for row in (1, 2))

@@ -14,11 +14,11 @@ import pytest
 from click.testing import CliRunner
 
 import duhem
-from duhem import InputError
+from duhem import InputError, screening
 from duhem.cli import cli
 from duhem.law.catalogue import load
 from duhem.proof.verification import claim_results
-from duhem.screening import entry, file, pool, rows
+from duhem.screening import file, pool, rows
 from duhem.screening.campaign import Campaign, Claimed, as_text, asked
 from duhem.screening.rows import Grid, LawName
 from duhem.screening.summary import Counts
@@ -79,7 +79,7 @@ def mu(values):
 
 @pytest.mark.slow
 def test_the_table_is_sorted_whatever_was_done_first(folder, monkeypatch):
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     done = CliRunner().invoke(cli, ["campaign", str(folder / "campaign.toml")], standalone_mode=False)
     assert done.return_value == 4  # a row has no verdict
     lines = table(folder / "table.csv")
@@ -103,7 +103,7 @@ class Killed(BaseException):
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", [KeyboardInterrupt, Killed])
 def test_a_campaign_goes_on_from_what_is_done(folder, monkeypatch, fault):
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     monkeypatch.setattr("duhem.screening.table._PAUSE", 0.0)
     whole = folder / "whole.csv"
     duhem.campaign(folder / "campaign.toml", out=whole)
@@ -114,14 +114,14 @@ def test_a_campaign_goes_on_from_what_is_done(folder, monkeypatch, fault):
         return last[-1]
 
     for most in (2, 1):
-        monkeypatch.setattr(entry, "Pool", lambda campaign, workers, most=most: some(most, campaign, workers))
-        with pytest.raises(entry.StoppedCampaign if fault is KeyboardInterrupt else Killed) as ended:
+        monkeypatch.setattr(screening, "Pool", lambda campaign, workers, most=most: some(most, campaign, workers))
+        with pytest.raises(screening.StoppedCampaign if fault is KeyboardInterrupt else Killed) as ended:
             duhem.campaign(folder / "campaign.toml", out=out, resume=bool(last))
         assert fault is Killed or ("of 5 rows" in str(ended.value) and "--resume" in str(ended.value))
         with open(rows_beside(out), "ab") as stream:
             stream.write(b"half a row, and then")
     assert not out.exists()
-    monkeypatch.setattr(entry, "Pool", lambda campaign, workers: some(9, campaign, workers))
+    monkeypatch.setattr(screening, "Pool", lambda campaign, workers: some(9, campaign, workers))
     with pytest.raises(InputError, match="another run; delete it, or go on with the campaign as it was"):
         duhem.campaign(folder / "campaign.toml", claims=["origin"], out=out, resume=True)
     duhem.campaign(folder / "campaign.toml", out=out, resume=True)
@@ -131,7 +131,7 @@ def test_a_campaign_goes_on_from_what_is_done(folder, monkeypatch, fault):
 
 def test_a_finished_table_in_csv_is_asked_anew_as_it_says_not_what_was_asked(folder, monkeypatch):
     """The same rows, values and claims, of a law with another formula."""
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     mine = folder / "mine.toml"
     mine.write_text('[criterion]\nname = "mine"\nforces = ["t"]\npressure = false\ng = "t**2 - 1"\n')
     (folder / "c.toml").write_text('[campaign]\nclaims = ["origin"]\nout = "t.csv"\n[[rows]]\nlaws = ["mine.toml"]\n')
@@ -147,11 +147,11 @@ def test_a_finished_table_in_csv_is_asked_anew_as_it_says_not_what_was_asked(fol
 @pytest.mark.slow
 def test_a_finished_campaign_in_parquet_has_nothing_left_to_do(folder, monkeypatch):
     pytest.importorskip("pyarrow")
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     out = folder / "t.parquet"
     first = duhem.campaign(folder / "campaign.toml", out=out)
     stands = out.read_bytes(), out.stat().st_mtime_ns
-    monkeypatch.setattr(entry, "Pool", None)
+    monkeypatch.setattr(screening, "Pool", None)
     again = duhem.campaign(folder / "campaign.toml", out=out, resume=True)
     assert (out.read_bytes(), out.stat().st_mtime_ns) == stands and replace(again, stood=False) == first
     done = CliRunner().invoke(cli, ["campaign", str(folder / "campaign.toml"), "--out", str(out), "--resume"], standalone_mode=False)
@@ -167,9 +167,9 @@ def test_a_finished_campaign_in_parquet_has_nothing_left_to_do(folder, monkeypat
 
 
 def test_a_part_that_was_changed_is_refused(folder, monkeypatch):
-    monkeypatch.setattr(entry, "Pool", lambda campaign, workers: InProcess(campaign, workers, 3))
+    monkeypatch.setattr(screening, "Pool", lambda campaign, workers: InProcess(campaign, workers, 3))
     out = folder / "t.csv"
-    with pytest.raises(entry.StoppedCampaign):
+    with pytest.raises(screening.StoppedCampaign):
         duhem.campaign(folder / "campaign.toml", out=out)
     rows_beside(out).write_bytes(rows_beside(out).read_bytes().replace(b"proved", b"Proved", 1))
     with pytest.raises(InputError, match="damaged"):
@@ -178,7 +178,7 @@ def test_a_part_that_was_changed_is_refused(folder, monkeypatch):
 
 @pytest.mark.slow
 def test_two_runs_do_not_write_one_table(folder, monkeypatch):
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     out, refused = folder / "t.csv", []
 
     def another_begins(done, rows):
@@ -194,7 +194,7 @@ def test_two_runs_do_not_write_one_table(folder, monkeypatch):
 
 @pytest.mark.slow
 def test_where_there_is_no_room_one_line_says_so_and_what_is_noted_stays(folder, monkeypatch):
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     monkeypatch.setattr("duhem.screening.table._PAUSE", 0.0)
     out, whole = folder / "t.csv", folder / "whole.csv"
     duhem.campaign(folder / "campaign.toml", out=whole)
@@ -213,14 +213,14 @@ def test_where_there_is_no_room_one_line_says_so_and_what_is_noted_stays(folder,
         stream.write(b"3 12")  # half a note
     pools = []
     for most in (1, 9):
-        monkeypatch.setattr(entry, "Pool", lambda campaign, workers, n=most: pools.append(InProcess(campaign, workers, n)) or pools[-1])
-        with suppress(entry.StoppedCampaign):
+        monkeypatch.setattr(screening, "Pool", lambda campaign, workers, n=most: pools.append(InProcess(campaign, workers, n)) or pools[-1])
+        with suppress(screening.StoppedCampaign):
             duhem.campaign(folder / "campaign.toml", out=out, resume=True)
     assert [each.asked for each in pools] == [[4], [1, 3, 5]] and table(out) == table(whole)
 
 
 def test_what_repeats_a_row_asks_what_the_row_asked(folder, monkeypatch):
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     head = '[campaign]\nclaims = ["origin"]\neffort = "quick"\n'
     (folder / "v.csv").write_text("mu,e\n0.3,0.1\n0.3\n")
     (folder / "c.toml").write_text(f'{head}[[rows]]\nlaw = "limacon"\ntable = "v.csv"\n')
@@ -230,13 +230,13 @@ def test_what_repeats_a_row_asks_what_the_row_asked(folder, monkeypatch):
 
 
 def test_a_campaign_without_any_verdict_has_a_summary(folder, monkeypatch):
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     summary = duhem.campaign([("limacon", {"e": "3"}), ("limacon", {"e": "4"})], ["origin"])
     assert "2 rows" in text(summary) and "origin" in text(summary) and "Without verdict" in text(summary)
 
 
 def test_what_costs_nothing_is_asked_as_anything_is(folder, monkeypatch):
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     summary = duhem.campaign(replace(file.read(folder / "campaign.toml"), inquiry=AtOnce(), out=None))
     assert {line.verdict for line in summary.lines} == {"proved", None} and summary.commands
 
@@ -287,7 +287,7 @@ def test_parquet_has_types_and_says_where_it_is_from(folder, monkeypatch):
     pytest.importorskip("pyarrow")
     from pyarrow import parquet
 
-    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr(screening, "Pool", InProcess)
     for name in ("t.csv", "t.parquet"):
         duhem.campaign(folder / "campaign.toml", out=folder / name)
     found = parquet.read_table(folder / "t.parquet")
@@ -367,7 +367,7 @@ def test_a_process_that_has_grown_is_replaced_and_no_row_is_lost_or_doubled(monk
 
 
 def test_what_cannot_be_asked_is_said_before_the_work(folder, monkeypatch):
-    monkeypatch.setattr(entry, "Pool", None)  # nothing is started
+    monkeypatch.setattr(screening, "Pool", None)  # nothing is started
     for arguments, said in (
         ({"out": folder / "t.txt"}, "neither .csv nor .parquet"),
         ({"out": folder / "campaign.toml"}, "neither"),

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from duhem.proof.decide import Answer, Budget, Question, decide
-from duhem.proof.decide.deciders import by_rules
+from duhem.proof.decide import Answer, Budget, Question, by_rules, decide
 from duhem.proof.decide.smt import System, by_smt
 
 __all__ = ["OF_QUESTIONS", "OF_SYSTEMS"]

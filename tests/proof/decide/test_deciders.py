@@ -9,9 +9,9 @@ import pytest
 import sympy as sp
 import z3
 
+import duhem.proof.decide as deciders
 from duhem.expression import Atan2, symbol
-from duhem.proof.decide import Answer, Budget, Question, Sense, decide, deciders, smt
-from duhem.proof.decide.deciders import _meaningful, _named, by_rules
+from duhem.proof.decide import Answer, Budget, Question, Sense, _meaningful, _named, by_rules, decide, smt
 from duhem.proof.decide.smt import Relation, System, by_smt
 from tests.long import long_but
 

@@ -13,8 +13,7 @@ import sympy as sp
 
 from duhem.expression import Neg, Norm, Pos, Where, symbol
 from duhem.expression.number import rational
-from duhem.proof.decide import Budget, Question, Sense, decide
-from duhem.proof.decide.deciders import by_rules
+from duhem.proof.decide import Budget, Question, Sense, by_rules, decide
 from tests.oracles.prover.affine import Affine
 from tests.proof.decide.truth import UnsuitedError, value, violated
 

@@ -17,8 +17,9 @@ from functools import cache
 import pytest
 import sympy as sp
 
+import duhem.proof.decide as deciders
 from duhem.proof import decide
-from duhem.proof.decide import Answer, Question, Sense, deciders
+from duhem.proof.decide import Answer, Question, Sense
 from duhem.proof.decide.smt import System
 from tests.proof.decide.questions import GOALS, Violated, violated_ones
 from tests.proof.decide.truth import Point, UndefinedError, UnsuitedError, system_violated, value

@@ -61,9 +61,10 @@ def campaign(
     Exit codes: 1 if a claim is refuted, a check failed, or an increment is flagged or wrong; 4 if a row has an error. 4 takes
     precedence.
     """
+    from duhem import screening
     from duhem.api.increments import project
     from duhem.expression.spelling import spelled
-    from duhem.screening import entry, file, plane
+    from duhem.screening import file, plane
     from duhem.screening.table import finished_csv
     from duhem.show import figure
     from duhem.show.place import check_place, check_places
@@ -116,10 +117,10 @@ def campaign(
             aside(f"the cluster's dashboard is {dashboard}")
 
         try:
-            summary = entry.campaign(
+            summary = screening.campaign(
                 asked, out=table, workers=workers, scheduler=scheduler, resume=resume, on_row=on_row, on_start=on_start
             )
-        except entry.StoppedCampaign as stop:
+        except screening.StoppedCampaign as stop:
             progress.show("")
             aside(stop)
             return INTERRUPTED

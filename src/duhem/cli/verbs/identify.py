@@ -57,12 +57,13 @@ def identify(
     may add weight (proportional to 1/scatter^2) or scatter (standard deviation of each force).
     """
     from duhem import identification
+    from duhem.identification.result import check
     from duhem.show.printing import text
 
     family = read_fixed_formula(law, settings)
     check_outputs(plot, [out], [points, law])
     if plot is not None:
-        identification.printing.check(family)
+        check(family)
     if inside:
         from duhem.regions.mending.by_parameters import within_region
 
