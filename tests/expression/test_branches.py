@@ -4,7 +4,7 @@ import sympy as sp
 
 from duhem.expression import Where
 from duhem.expression.branches import branches
-from duhem.expression.inert_number import InertNumber
+from duhem.expression.number import InertNumber
 
 X = sp.Symbol("x", real=True)
 OPEN, CLOSED = Where(X > 0, 1, -1), Where(X >= 0, 1, -1)

@@ -6,7 +6,7 @@ import sympy as sp
 
 from duhem import POSITIVE, Criterion, Domain, Verdict, load, project, verify
 from duhem.expression import mpmath_
-from duhem.expression.inert_number import InertNumber, inert_exponent
+from duhem.expression.number import InertNumber, inert_exponent
 from duhem.expression.parse import parse_expression
 from tests.long import long_at
 

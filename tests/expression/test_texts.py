@@ -12,7 +12,7 @@ from duhem import POSITIVE, Criterion, InputError, criterion
 from duhem.derivation.support_function import support_function
 from duhem.expression import Norm, symbol
 from duhem.expression.branches import gradient
-from duhem.expression.inert_number import InertNumber, reckoned
+from duhem.expression.number import InertNumber, reckoned
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import faithful, formula
 from duhem.law import registry

@@ -10,7 +10,7 @@ import sympy as sp
 from sympy.core.cache import clear_cache
 
 from duhem.expression import Neg, Norm, Pos, Where, symbol
-from duhem.expression.inert_number import InertNumber
+from duhem.expression.number import InertNumber
 from duhem.expression.pnorm import PNorm
 from duhem.expression.unevaluated import Verbatim
 from tests.long import long_but

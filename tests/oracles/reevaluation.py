@@ -19,7 +19,7 @@ from mpmath.libmp import from_rational, round_ceiling, round_floor
 
 from duhem import Criterion, Domain, Witness
 from duhem.expression import Neg, Norm, Pos, Where
-from duhem.expression.inert_number import InertNumber
+from duhem.expression.number import InertNumber
 from duhem.expression.vocabulary import EigMax
 
 __all__ = ["Interval", "confirmed", "gradient", "value"]

@@ -21,7 +21,7 @@ from duhem.errors import InputError
 from duhem.expression import Norm
 from duhem.expression.build import settled, unacceptable
 from duhem.expression.fold import fold
-from duhem.expression.inert_number import InertNumber
+from duhem.expression.number import InertNumber
 from duhem.expression.vocabulary import KINKS, EigMax, Neg, Pos, Where, adopted
 
 __all__ = [

@@ -22,7 +22,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.elementary import ELEMENTARY
 from duhem.expression.fold import Table, fold
-from duhem.expression.inert_number import InertNumber, inert_exponent, reckoned
+from duhem.expression.number import InertNumber, inert_exponent, reckoned
 from duhem.expression.vocabulary import COMPARISONS, MOST_ARGUMENTS, NODES, WORDS, Atan2, EigMax, Neg, Norm, Pos, Where, deviator
 
 __all__ = ["AS_WRITTEN", "EVALUATED", "IN_RANGE", "TABLE", "UNMADE", "Building", "greatest", "least", "settled", "unacceptable"]

@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.inert_number import InertNumber
+from duhem.expression.number import InertNumber
 
 __all__ = ["Graph", "Recording", "Shared", "Table", "bound", "fold", "graph_of", "once_a_precision", "recorded", "same"]
 

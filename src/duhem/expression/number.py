@@ -1,4 +1,7 @@
-"""Numbers read exactly: 0.15 is 3/20, whether it comes as text, as a float or from NumPy."""
+"""Numbers read exactly: 0.15 is 3/20, whether it comes as text, as a float or from NumPy.
+
+An exponent with a long denominator is a number that SymPy leaves alone, because its algebra would write out huge powers.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,17 @@ import re
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
+from weakref import WeakValueDictionary
 
 import sympy as sp
+from sympy.printing.precedence import precedence
 
 from duhem.errors import InputError
 
-__all__ = ["DECIMAL", "MOST_DIGITS", "exact_number", "exact_text", "fraction", "nearest_double", "ratio", "rational"]
+__all__ = [
+    "DECIMAL", "MOST_DIGITS", "MOST_ROOT", "InertNumber", "exact_number", "exact_text", "fraction", "inert_exponent", "nearest_double",
+    "plain_exponent", "ratio", "rational", "reckoned",
+]  # fmt: skip
 
 # A decimal without sign.  At most MOST_DIGITS digits and a scale of at most 10^+-MOST_DIGITS: beyond doubles, yet cheap.
 DECIMAL = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -120,3 +128,96 @@ def _decimal(text: str) -> Fraction:
     if len(digits) > MOST_DIGITS or len(scale) > 6 or abs(int(scale or 0)) > MOST_DIGITS:
         raise InputError(f"the number {text[:24]}{'...' if len(text) > 24 else ''} is too long or too large", remedy=_SHORTEN)
     return Fraction(text)
+
+
+# -- exponents that SymPy leaves alone ---------------------------------------------------------------------------------
+
+# 0.3**3.0012 has SymPy write out 3**30012; up to this denominator the integers stay small and the algebra is worth having.
+MOST_ROOT = 12
+_MOST_PASSES = 8
+
+
+class InertNumber(sp.NumberSymbol):
+    """The rational ``value`` as a number that is never combined with others, as pi is; every interpreter reads the value."""
+
+    is_real = True
+    is_zero = False
+    is_rational = None
+    is_irrational = None
+    is_integer = False
+    is_algebraic = None
+    is_transcendental = None
+
+    value: sp.Rational
+
+    def __new__(cls, value: sp.Rational) -> InertNumber:
+        """One object for each value as long as anybody has it: SymPy compares such numbers by identity."""
+        if (found := _living.get(value)) is None:
+            _living[value] = found = sp.AtomicExpr.__new__(cls)
+            found.value = value
+        return found
+
+    def _eval_is_positive(self) -> bool:
+        return bool(self.value > 0)
+
+    def _hashable_content(self) -> tuple[Any, ...]:
+        return (self.value,)
+
+    def _as_mpf_val(self, prec: int) -> Any:
+        return self.value._as_mpf_val(prec)
+
+    def approximation_interval(self, number_cls: Any) -> tuple[Any, Any]:
+        return (self.value, self.value)
+
+    @property
+    def precedence(self) -> int:
+        """How closely its text holds together, by which SymPy's printers set brackets: 13/20 is a quotient, -3 has a sign."""
+        return int(precedence(self.value))
+
+    def _sympystr(self, printer: Any) -> str:
+        return str(printer._print(self.value))
+
+    def _latex(self, printer: Any) -> str:
+        return str(printer._print(self.value))
+
+    def __getnewargs__(self) -> tuple[sp.Rational]:
+        return (self.value,)
+
+
+_living: WeakValueDictionary[sp.Rational, InertNumber] = WeakValueDictionary()
+
+
+def inert_exponent(value: Any) -> Any:
+    """A rational with a long denominator as :class:`InertNumber`; anything else as it is."""
+    return InertNumber(value) if isinstance(value, sp.Rational) and value.q > MOST_ROOT else value
+
+
+def plain_exponent(exponent: sp.Expr) -> sp.Expr:
+    """An exponent with the rationals that its inert numbers stand for, to reckon with."""
+    return exponent.xreplace({x: x.value for x in exponent.atoms(InertNumber)})
+
+
+def reckoned(expr: Any) -> Any:
+    """The expression with inert numbers as whole exponents alone, as :func:`duhem.expression.parse.parse_expression` has them.
+
+    A derivative brings an exponent down to the factors, and a product adds exponents up: ``101/100/(-1 + 101/100)`` is 101.
+    """
+    for _ in range(_MOST_PASSES):
+        if not _open(expr) or (found := _reckoned_once(expr)) == expr:
+            break
+        expr = found
+    return expr
+
+
+def _open(expr: sp.Basic) -> bool:
+    return expr.has(InertNumber) or any(power.exp.is_Rational and power.exp.q > MOST_ROOT for power in expr.atoms(sp.Pow))
+
+
+def _reckoned_once(expr: sp.Basic) -> sp.Basic:
+    if not expr.args:
+        return expr.value if isinstance(expr, InertNumber) else expr
+    if isinstance(expr, sp.Pow):
+        changed = _reckoned_once(expr.base), inert_exponent(_reckoned_once(plain_exponent(expr.exp)))
+    else:
+        changed = tuple(map(_reckoned_once, expr.args))
+    return expr if changed == expr.args else expr.func(*changed)

@@ -17,8 +17,7 @@ from sympy.printing.str import StrPrinter
 from duhem.errors import InputError
 from duhem.expression.build import settled
 from duhem.expression.fold import Shared
-from duhem.expression.inert_number import reckoned
-from duhem.expression.number import MOST_DIGITS
+from duhem.expression.number import MOST_DIGITS, reckoned
 from duhem.expression.parse import parse_expression, parse_relation
 from duhem.expression.vocabulary import Where, nested
 

@@ -24,7 +24,7 @@ from duhem.expression.abbreviations import NONE, Abbreviations, Stress
 from duhem.expression.branches import gradient
 from duhem.expression.build import greatest
 from duhem.expression.fold import Graph, Shared, graph_of
-from duhem.expression.inert_number import inert_exponent
+from duhem.expression.number import inert_exponent
 from duhem.expression.parse import check_formula, check_size, own_text, parse_expression, parse_graph, too_long, written_out
 from duhem.expression.spelling import respelled, spelled
 from duhem.expression.unevaluated import HASH, Verbatim

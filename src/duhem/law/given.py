@@ -18,8 +18,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression.abbreviations import NONE, Abbreviations
 from duhem.expression.build import unacceptable
-from duhem.expression.inert_number import inert_exponent, reckoned
-from duhem.expression.number import exact_number
+from duhem.expression.number import exact_number, inert_exponent, reckoned
 from duhem.expression.parse import parse_as_written, parse_relation, reread, written_out
 from duhem.expression.vocabulary import COMPARISONS, adopted
 

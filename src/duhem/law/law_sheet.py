@@ -13,7 +13,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression.dimensions import Conditions, Weight, combined
-from duhem.expression.inert_number import InertNumber
+from duhem.expression.number import InertNumber
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain

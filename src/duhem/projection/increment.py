@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression.given_array import check_rows, in_order, unlabelled, unmasked
-from duhem.expression.inert_number import inert_exponent
-from duhem.expression.number import exact_number
+from duhem.expression.number import exact_number, inert_exponent
 from duhem.expression.unevaluated import Verbatim
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion

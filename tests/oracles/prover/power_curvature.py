@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 import sympy as sp
 
 from duhem.expression import Pos
-from duhem.expression.inert_number import plain_exponent
+from duhem.expression.number import plain_exponent
 from duhem.proof.facts.formula_subject import FormulaSubject
 from tests.oracles.prover.quadratic_form import semidefinite
 from tests.oracles.prover.shape import Curvature

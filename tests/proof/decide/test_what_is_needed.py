@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 from duhem.expression import Atan2, Norm, Where, symbol
-from duhem.expression.inert_number import InertNumber
+from duhem.expression.number import InertNumber
 from duhem.proof.decide import Question, Sense
 from duhem.proof.decide.question import NEAR_RIGHT, Obligation, obligations
 

@@ -16,7 +16,7 @@ from duhem.expression import UNDEFINED, Atan2, Norm
 from duhem.expression.balls import ball, enclose
 from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.expression.elementary import ELEMENTARY
-from duhem.expression.inert_number import MOST_ROOT
+from duhem.expression.number import MOST_ROOT
 from duhem.expression.vocabulary import KINKS
 from duhem.proof.decide.question import ANY_STEPS, EFFORTS, NEAR_RIGHT, Answer, Budget, Question, Sense, bounds, obligations
 from duhem.proof.decide.smt import NotAlgebraicError, System, by_smt, polynomial_system

@@ -20,8 +20,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from duhem.expression import UNDEFINED, Atan2, Where, holds_at
-from duhem.expression.inert_number import InertNumber
-from duhem.expression.number import fraction
+from duhem.expression.number import InertNumber, fraction
 
 __all__ = [
     "ANY_STEPS", "EFFORTS", "NEAR_RIGHT", "Answer", "Budget", "Obligation", "Question", "Sense", "bounds", "evaluated", "obligations",

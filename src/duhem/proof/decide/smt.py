@@ -20,7 +20,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression import Norm, fold
-from duhem.expression.inert_number import MOST_ROOT
+from duhem.expression.number import MOST_ROOT
 from duhem.expression.smt import Reals
 from duhem.proof.decide.question import Answer, Budget, Question, Sense
 

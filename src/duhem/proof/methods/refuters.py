@@ -32,12 +32,15 @@ from duhem.proof.witness.points import (
     enclosed,
     enclosed_flow,
     enclosed_normal,
+    less_than_0,
+    of_energy,
     origin_outside,
     over_box,
     rounded,
+    two_forces_at,
     violation,
+    with_variables,
 )
-from duhem.proof.witness.states import less_than_0, of_energy, two_forces_at, with_variables
 
 if TYPE_CHECKING:
     from duhem.proof.search.boundary_points import BoundaryScout, Chord, Exit
@@ -184,7 +187,7 @@ def energy_in_temperature(subject: FormulaSubject) -> Evidence | None:
 
 def _bent(subject: FormulaSubject, along: FormulaSubject, name: str, detail: str, statement: str) -> Evidence | None:
     """By the first chord of an epigraph that passes the exact check."""
-    from duhem.proof.search.bends import chords_across_bends
+    from duhem.proof.search.plain_states import chords_across_bends
 
     found = (of_energy(subject, one, name, statement) for ends in chords_across_bends(along) if (one := chord(along, *ends)) is not None)
     return Evidence.refuted_by(found, "witness-state", detail)

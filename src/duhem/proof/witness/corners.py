@@ -24,8 +24,7 @@ import sympy as sp
 from duhem.expression import Neg, Norm, Pos, Where
 from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.expression.branches import Seam, almost_everywhere, jacobian, seams
-from duhem.expression.inert_number import plain_exponent
-from duhem.expression.number import rational
+from duhem.expression.number import plain_exponent, rational
 from duhem.expression.text import formula
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
