@@ -5,14 +5,12 @@ A part stands between the lines `<!-- generated: NAME -->` and `<!-- end of NAME
 
 from __future__ import annotations
 
-import ast
 import inspect
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import Enum
 from importlib import import_module
-from importlib.util import find_spec
 from inspect import getdoc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -96,9 +94,7 @@ def _law(name: str) -> str:
     from duhem.law import catalogue
 
     law = catalogue.load(name)
-    spec = find_spec(f"duhem.law.builtin.{name.replace('-', '_')}")
-    text = ast.get_docstring(ast.parse(spec.loader.get_source(spec.name))) or ""
-    summary, *rest = _paragraphs(text)
+    summary, *rest = _paragraphs(catalogue.description(name))
     parameters = ", ".join(f"`{parameter}` {domain.describe()}" for parameter, domain in law.parameters.items())
     return "\n\n".join([f"## {name}", summary, *rest, f"Parameters: {parameters or 'none'}."])
 

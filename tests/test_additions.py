@@ -19,28 +19,27 @@ pytestmark = pytest.mark.slow
 
 # -- a law: one file ---------------------------------------------------------------------------------------------------
 
-LAW = '''\
-"""Friction with tilted axes: g = |(sigma_a + tilt sigma_b, sigma_b)|/mu - |sigma_n|.
+LAW = """\
+# Friction with tilted axes: g = |(sigma_a + tilt sigma_b, sigma_b)|/mu - |sigma_n|.
+#
+# Forces: two tangential stresses; pressure sigma_n <= 0 in compression.  Verdicts: every claim holds.  Source: made up.
 
-Forces: two tangential stresses; pressure sigma_n <= 0 in compression.  Verdicts: every claim holds.  Source: made up.
+[criterion]
+name = "tilted-ellipse"
+summary = "Friction with tilted axes"
+source = "made up"
+g = "norm(sigma_a + tilt*sigma_b, sigma_b)/mu - abs(sigma_n)"
+
+[parameters]
+mu = { positive = true }
+tilt = { min = 0, max = 0.5 }
 """
-
-from duhem.expression import Norm
-from duhem.law.domain import Domain
-from duhem.law.formula_law import criterion
-
-
-@criterion(parameters={"tilt": Domain.between(0, "1/2")}, source="made up")
-def tilted_ellipse(sigma_a, sigma_b, sigma_n, mu, tilt):
-    """Friction with tilted axes."""
-    return Norm(sigma_a + tilt * sigma_b, sigma_b) / mu - abs(sigma_n)
-'''
 
 
 @pytest.fixture(scope="module")
 def with_law(tmp_path_factory: pytest.TempPathFactory) -> Tree:
     tree = Tree.copied(tmp_path_factory.mktemp("law"))
-    tree.write("src/duhem/law/builtin/tilted_ellipse.py", LAW)
+    tree.write("src/duhem/law/builtin/tilted-ellipse.toml", LAW)
     return tree
 
 
@@ -61,7 +60,7 @@ def test_a_law_is_verified(with_law: Tree) -> None:
 
 
 def test_the_tests_over_all_laws_take_it_up_and_pass(with_law: Tree) -> None:
-    said = with_law.run("-m", "pytest", "-p", "no:cacheprovider", "-q", "-k", "tilted-ellipse or tilted_ellipse", "tests/law/test_laws.py")
+    said = with_law.run("-m", "pytest", "-p", "no:cacheprovider", "-q", "-k", "tilted-ellipse", "tests/law/test_laws.py")
     passed = re.search(r"(\d+) passed", said)
     assert passed and int(passed[1]) >= 2, said
 

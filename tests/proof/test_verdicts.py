@@ -233,9 +233,7 @@ def test_one_claim_may_be_named_alone(claim: str) -> None:
 
 # -- what the kernel confirms of them --------------------------------------------------------------------------------
 
-BUILT_IN = sorted(
-    p.stem.replace("_", "-") for p in Path(builtin.__path__[0]).glob("*.py") if p.stem != "__init__"
-)  # and none that a test made
+BUILT_IN = sorted(p.stem.replace("_", "-") for p in Path(builtin.__path__[0]).glob("[!_]*.*"))  # and none that a test made
 FORMULA_LAWS = [name for name in BUILT_IN if isinstance(load(name), Criterion)]
 
 

@@ -1,4 +1,4 @@
-"""Laws by name: one module of :mod:`duhem.law.builtin` each, the atlas, what other distributions add, files, ``module:attribute``.
+"""Laws by name: a file of the folder ``builtin`` each, the atlas, what other distributions add, files, ``module:attribute``.
 
 The names are read from the file system and from entry points; only the law that is asked for is imported.
 Other distributions add laws by the entry point group ``duhem.criteria``.
@@ -10,12 +10,12 @@ import ast
 import re
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from difflib import get_close_matches
+from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
-from itertools import chain
+from itertools import chain, takewhile
 from pathlib import Path
-from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any, overload
 
 from duhem.errors import InputError
@@ -28,9 +28,11 @@ if TYPE_CHECKING:
     from duhem.law.curve_law import Law, ParametricCriterion
     from duhem.law.formula_law import Criterion
 
-__all__ = ["attribute", "file_read", "installed", "load", "load_formula", "load_named", "names", "shipped", "summary", "template"]
+__all__ = [
+    "attribute", "description", "file_read", "installed", "load", "load_formula", "load_named", "names", "shipped", "summary", "template",
+]  # fmt: skip
 
-_PACKAGE = "duhem.law.builtin"
+_BUILT_IN = Path(__file__).with_name("builtin")
 _GROUP = "duhem.criteria"
 
 
@@ -48,7 +50,8 @@ def installed(name: str) -> bool:
     """Whether another process has the law by that name too: duhem's own, or that of a distribution, and none registered in its place."""
     if (known := registered().get(name)) is None:
         return shipped(name) or name in _added()
-    module = _built_in().get(name) or (_added()[name].value.partition(":")[0] if name in _added() else "")
+    own = _built_in().get(name)
+    module = f"duhem.law.builtin.{own.stem}" if own else _added()[name].value.partition(":")[0] if name in _added() else ""
     return module in sys.modules and any(each is known for each in vars(sys.modules[module]).values())
 
 
@@ -105,9 +108,8 @@ def _of_name(given: str) -> Law | None:
     name = given.strip().replace("_", "-")
     if name in registered():
         return registered()[name]
-    if name in (modules := _built_in()):
-        import_module(modules[name])
-        return registered()[name]
+    if (own := _built_in().get(name)) is not None:
+        return _read_once(name, own)
     if (published := file_of(name)) is not None:
         return _from_file(published)
     if name in (points := _added()):
@@ -135,15 +137,22 @@ def load_formula(law: str | Path | Law) -> Criterion:
 
 
 def summary(name: str) -> str:
-    """One line about a law of :func:`names`, read from its source without running it."""
+    """One line about a law of :func:`names`; of a built-in law the first one of its file."""
     if (law := registered().get(name)) is not None:
         return law.summary
-    if name in (modules := _built_in()):
-        spec = find_spec(modules[name])
-        source = spec.loader.get_source(modules[name]) if spec and spec.loader and hasattr(spec.loader, "get_source") else ""
-        return (ast.get_docstring(ast.parse(source or "")) or "").split("\n", 1)[0]
+    if name in _built_in():
+        return description(name).split("\n", 1)[0]
     point = _added().get(name)
     return f"from {point.dist.name}" if point and point.dist else ""
+
+
+def description(name: str) -> str:
+    """What the file of a built-in law says of it in words: formula, units, verdicts and source.  The file is not run."""
+    file = _built_in()[name]
+    text = file.read_text("utf-8")
+    if file.suffix == ".py":
+        return ast.get_docstring(ast.parse(text)) or ""
+    return "\n".join(line[1:].removeprefix(" ") for line in takewhile(lambda line: line.startswith("#"), text.splitlines()))
 
 
 def template(name: str, kind: str = "law", of: str = __file__) -> str:
@@ -156,11 +165,22 @@ def template(name: str, kind: str = "law", of: str = __file__) -> str:
     return Path(of).with_name("template.toml").read_text("utf-8").replace("NAME", name)
 
 
-def _built_in() -> Mapping[str, str]:
-    spec = find_spec(_PACKAGE)
-    paths = spec.submodule_search_locations if spec else None
-    found = (m.name for m in iter_modules(paths) if not m.name.startswith("_"))
-    return {module.replace("_", "-"): f"{_PACKAGE}.{module}" for module in found}
+def _built_in() -> Mapping[str, Path]:
+    """The file of each law: a criterion file, or a module where a file cannot say all of the law."""
+    found = (file for file in _BUILT_IN.iterdir() if file.suffix in (".toml", ".py") and not file.stem.startswith("_"))
+    return {file.stem.replace("_", "-"): file for file in found}
+
+
+@cache
+def _read_once(name: str, file: Path) -> Law:
+    if file.suffix == ".py":
+        import_module(f"duhem.law.builtin.{file.stem}")
+        return registered()[name]
+    from duhem.law.formula_law import Criterion
+    from duhem.law.shapes import BUILT_IN
+
+    law, shape = _from_file(file), BUILT_IN.get(name)
+    return replace(law, closed_form=shape) if shape and isinstance(law, Criterion) else law
 
 
 def _added() -> Mapping[str, EntryPoint]:

@@ -1,4 +1,4 @@
-"""Shapes of K(sigma_n) onto which the closest point is known in closed form; a law declares the one it has.
+"""Shapes of K(sigma_n) onto which the closest point is known in closed form, and those of the built-in laws.
 
 Every entry is an expression (or text) over the law's pressure and parameters.  Semi-axes are written ``coefficient x
 load`` with the load common to all directions, so that a product such as mu |sigma_n| need not be rounded before a trial
@@ -8,7 +8,7 @@ the boundary: it turns the multiplier of the gauge into the multiplier of g.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, TypeAlias
 
@@ -16,7 +16,7 @@ import sympy as sp
 
 from duhem.expression.unevaluated import Verbatim
 
-__all__ = ["Disk", "Interval", "Quadrants", "Shape", "converted"]
+__all__ = ["BUILT_IN", "Disk", "Interval", "Quadrants", "Shape", "converted"]
 
 Entry: TypeAlias = str | sp.Expr
 _LOAD = "abs(sigma_n)"
@@ -65,3 +65,18 @@ Shape = Interval | Disk | Quadrants
 def converted(shape: Any, change: Callable[[Any], Any]) -> Any:
     """The shape with every entry changed."""
     return replace(shape, **{entry.name: change(getattr(shape, entry.name)) for entry in fields(shape)})
+
+
+BUILT_IN: Mapping[str, Shape] = {
+    "antoni2007": Quadrants("mu_a_plus", "mu_a_minus", "mu_b_plus", "mu_b_minus"),
+    "antoni2007-1d": Interval("mu_plus", "mu_minus"),
+    "capped": Disk(load="min(mu*abs(sigma_n), tau_max)"),
+    "cohesive": Disk(load="cohesion + mu*abs(sigma_n)"),
+    "coulomb": Disk("mu"),
+    "orthotropic": Quadrants("mu_a", "mu_a", "mu_b", "mu_b"),
+    "regularised": Disk(
+        load="sqrt(mu*abs(sigma_n)*(mu*abs(sigma_n) + 2*c))", slope="sqrt(mu*abs(sigma_n)*(mu*abs(sigma_n) + 2*c))/(mu*abs(sigma_n) + c)"
+    ),
+    "shifted-ellipse": Quadrants("mu_a", "mu_a", "mu_b", "mu_b", centre_a="shift*abs(sigma_n)"),
+}
+"""Those of built-in laws by name: a criterion file does not state one, because nothing would compare it with the formula."""
