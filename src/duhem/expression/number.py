@@ -56,7 +56,7 @@ def exact_number(x: Any) -> sp.Rational:
 
 
 def _of_few_digits(x: Any) -> sp.Rational:
-    """A float of another type than Python's, whose shortest decimal may be far from what it holds."""
+    """Return a float of another type than Python's as a rational; its shortest decimal may be far from what it holds."""
     read = _from_text(str(x))
     held = Fraction(*x.as_integer_ratio()) if hasattr(x, "as_integer_ratio") else Fraction(float(x))
     if abs(fraction(read) - held) > _NEAR * abs(held):
@@ -66,24 +66,24 @@ def _of_few_digits(x: Any) -> sp.Rational:
 
 
 def _bounded(x: sp.Rational) -> sp.Rational:
-    """``x`` where it is no longer than what is read as text; sums and products of such numbers may be longer, and are no input."""
+    """Return ``x``; raise InputError if it has more digits than text may have.  Sums and products may have more, as they are no input."""
     if max(int(x.p).bit_length(), int(x.q).bit_length()) > 8 * MOST_DIGITS:
         raise InputError("the number is too long or too large", remedy=_SHORTEN)
     return x
 
 
 def rational(x: numbers.Rational) -> sp.Rational:
-    """A fraction (or an integer) as SymPy's rational."""
+    """Return a fraction or an integer as SymPy's rational."""
     return sp.Rational(int(x.numerator), int(x.denominator))
 
 
 def fraction(x: Any) -> Fraction:
-    """An exact number as a fraction: a rational of SymPy or FLINT, which have ``p`` and ``q``, or what Python reads as one."""
+    """Return an exact number as a fraction: a rational of SymPy or FLINT, which have ``p`` and ``q``, or what ``Fraction`` takes."""
     return Fraction(int(x.p), int(x.q)) if hasattr(x, "p") else Fraction(x)
 
 
 def nearest_double(x: Any) -> float | None:
-    """The double nearest to an exact number, as :func:`fraction` takes it; None beyond doubles."""
+    """Return the double nearest to a number that :func:`fraction` takes; None if it is larger than all doubles."""
     try:
         return float(fraction(x))
     except OverflowError:
@@ -91,7 +91,7 @@ def nearest_double(x: Any) -> float | None:
 
 
 def ratio(x: sp.Rational) -> str:
-    """``x`` as text, ``p`` or ``p/q``; :func:`exact_number` reads it back where they have no more digits than it takes."""
+    """Return ``x`` as text, ``p`` or ``p/q``; :func:`exact_number` reads it back unless it has too many digits."""
     return f"{x.p}/{x.q}" if x.q != 1 else f"{x.p}"
 
 
@@ -138,7 +138,7 @@ _MOST_PASSES = 8
 
 
 class InertNumber(sp.NumberSymbol):
-    """The rational ``value`` as a number that is never combined with others, as pi is; every interpreter reads the value."""
+    """A number that SymPy never combines with others, as it does not combine pi; every interpreter reads its rational ``value``."""
 
     is_real = True
     is_zero = False
@@ -151,7 +151,7 @@ class InertNumber(sp.NumberSymbol):
     value: sp.Rational
 
     def __new__(cls, value: sp.Rational) -> InertNumber:
-        """One object for each value as long as anybody has it: SymPy compares such numbers by identity."""
+        """Return the one object of this value, as long as anything refers to it: SymPy compares such numbers by identity."""
         if (found := _living.get(value)) is None:
             _living[value] = found = sp.AtomicExpr.__new__(cls)
             found.value = value
@@ -188,12 +188,12 @@ _living: WeakValueDictionary[sp.Rational, InertNumber] = WeakValueDictionary()
 
 
 def inert_exponent(value: Any) -> Any:
-    """A rational with a long denominator as :class:`InertNumber`; anything else as it is."""
+    """Return a rational with a long denominator as :class:`InertNumber`, and anything else unchanged."""
     return InertNumber(value) if isinstance(value, sp.Rational) and value.q > MOST_ROOT else value
 
 
 def plain_exponent(exponent: sp.Expr) -> sp.Expr:
-    """An exponent with the rationals that its inert numbers stand for, to reckon with."""
+    """Return the exponent with rationals in the place of its inert numbers."""
     return exponent.xreplace({x: x.value for x in exponent.atoms(InertNumber)})
 
 

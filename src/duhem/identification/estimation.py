@@ -48,35 +48,35 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Parameters theta (p,) to coordinates x (p,) and back, over their ``domains``."""
+    """The change from parameters theta (p,) to coordinates x (p,) and back, over the ``domains`` of the parameters."""
 
     domains: tuple[Domain, ...]
 
     @property
     def logarithmic(self) -> NDArray[np.bool_]:
-        """Which parameters are moved by their logarithm (p,)."""
+        """Which parameters (p,) the fit moves by their logarithm."""
         return np.array([domain.positive for domain in self.domains], dtype=np.bool_)
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """Least and greatest coordinate; infinite where the domain has no end there."""
+        """The least and the greatest coordinate; they are infinite where the domain has no end."""
         low = [-np.inf if d.positive or d.low is None else float(d.low) for d in self.domains]
         high = [np.inf if d.high is None else np.log(float(d.high)) if d.positive else float(d.high) for d in self.domains]
         return np.array(low), np.array(high)
 
     @property
     def unbounded(self) -> bool:
-        """Whether no coordinate has a bound."""
+        """Whether none of the coordinates has a bound."""
         low, high = self.bounds
         return bool(np.all(np.isinf(low)) and np.all(np.isinf(high)))
 
     def inward(self, theta: Sequence[float] | Array) -> Array:
-        """The coordinates of ``theta``."""
+        """Return the coordinates of the parameters ``theta``."""
         values, logs = np.asarray(theta, dtype=np.float64), self.logarithmic
         return np.where(logs, np.log(np.where(logs, values, 1.0)), values)
 
     def outward(self, x: Array) -> Array:
-        """The parameters at ``x``."""
+        """Return the parameters at the coordinates ``x``."""
         logs = self.logarithmic
         with np.errstate(over="ignore"):  # an interval may be endless
             return np.where(logs, np.exp(np.where(logs, x, 0.0)), x)
@@ -118,23 +118,23 @@ class FitProblem:
     coordinates: Coordinates
 
     def residual(self, theta: Array) -> Array:
-        """Distance over scatter (m,)."""
+        """Return the distance of each point over its scatter (m,)."""
         return np.asarray(self.surface.distance(self.points.forces, theta)[0] / self.points.scatter)
 
     def slope(self, theta: Array) -> Array:
-        """d residual / d theta (m, p)."""
+        """Return the slopes d residual / d theta (m, p)."""
         return np.asarray(self.surface.slope(self.points.forces, theta) / self.points.scatter[:, None])
 
     def rounding(self) -> float:
-        """The size of residuals that are nothing but rounding."""
+        """The size up to which residuals may come from rounding alone."""
         return _ROUNDING * float(np.max(np.abs(self.points.forces) / self.points.scatter[:, None]))
 
     def least_squares(self, start: Array) -> Solved:
-        """The maximum-likelihood fit, from parameters ``start``."""
+        """Return the maximum-likelihood fit; it starts at the parameters ``start``."""
         return self._at(self.minimised(start, None), np.ones(len(self.points), dtype=np.bool_))
 
     def huber(self, start: Array) -> Solved:
-        """The robust fit, from parameters ``start``, which should be robust themselves."""
+        """Return the robust fit; it starts at the parameters ``start``, which should come from a robust estimate."""
         theta, level = start, self.level(start)
         kept = self._within(theta, level)
         for _ in range(_MOST_ROUNDS):
@@ -145,7 +145,7 @@ class FitProblem:
         return self._at(theta, kept)
 
     def level(self, theta: Array) -> float:
-        """The level s of the scatter: one where that is absolute, else from the median of the residuals."""
+        """Return the level s of the scatter: 1 if the scatter is absolute, else an estimate from the median of the residuals."""
         if self.points.absolute:
             return 1.0
         sizes = np.sort(np.abs(self.residual(theta)))
@@ -157,14 +157,14 @@ class FitProblem:
         return kept if np.count_nonzero(kept) > len(theta) else np.ones_like(kept)
 
     def _of(self, kept: NDArray[np.bool_]) -> FitProblem:
-        """The same points, those not kept with endless scatter."""
+        """Return the problem with infinite scatter for the points that are not kept."""
         return replace(self, points=replace(self.points, scatter=np.where(kept, self.points.scatter, np.inf)))
 
     def _at(self, theta: Array, kept: NDArray[np.bool_]) -> Solved:
         return Solved(theta, self.residual(theta), self._of(kept).slope(theta), self.level(theta), kept)
 
     def minimised(self, start: Array, corner: float | None) -> Array:
-        """The parameters that minimise the loss; ``corner`` is where Huber's turns linear, None for squares."""
+        """Return the parameters that minimise the loss.  ``corner`` is where Huber's loss becomes linear; None means squares."""
         c = self.coordinates
         low, high = c.bounds
         first = np.clip(c.inward(start), low, high)
@@ -243,7 +243,7 @@ def _weights(share: Array, target: Array, factor: Array) -> Array:
 
 
 def guesses(problem: FitProblem, *, robust: bool) -> Array:
-    """The best (p,) of the fits from a few guesses: a ratio, a stress or one for what is positive, points of an interval."""
+    """Return the best (p,) of the fits from a few guesses: a ratio, a stress or 1 for a positive parameter, else points of its interval."""
     points = problem.points
     size = np.linalg.norm(points.forces, axis=1)
     stress = float(np.median(size))
@@ -316,28 +316,28 @@ def covariance(solved: Solved, level: float, *, robust: bool) -> Array:
 
 
 def leverage(solved: Solved) -> Array:
-    """h_i (m,): the share of a point's own residual that the fit takes away."""
+    """Return h_i (m,): the share of a point's own residual that the fit removes (its leverage)."""
     q, _ = np.linalg.qr(solved.slope)
     return np.asarray(np.sum(np.square(q), axis=1))
 
 
 @dataclass(frozen=True)
 class OutlierTest:
-    """Standardised residuals (m,) against the robust fit, NaN where a point cannot be judged, and the bound they break."""
+    """The standardised residuals (m,) of the robust fit, NaN for a point that cannot be judged, and the bound that outliers exceed."""
 
     standardised: Array
     bound: float
 
     @property
     def outliers(self) -> NDArray[np.intp]:
-        """Indices of the outliers, the worst first."""
+        """The indices of the outliers, of which the worst comes first."""
         size = np.abs(np.nan_to_num(self.standardised))
         found = np.flatnonzero(size > self.bound)
         return np.asarray(found[np.argsort(-size[found], kind="stable")])
 
 
 def outlying(robust: Solved, rounding: float, *, absolute: bool) -> OutlierTest:
-    """Residuals of the robust fit over s sqrt(1 - h), and the bound |z| that one of m sound points breaks with chance 1 %."""
+    """Return residuals of the robust fit over s sqrt(1 - h), and the bound |z| that one of m correct points exceeds with chance 1 %."""
     m, p = robust.slope.shape
     rest = 1.0 - leverage(robust)
     level = max(robust.level, rounding)
@@ -376,7 +376,7 @@ def bootstrapped(problem: FitProblem, solved: Solved, corner: float | None, draw
 
 
 def _centre(pool: Array, corner: float | None) -> float:
-    """Where the loss of the differences is least."""
+    """Return the value at which the loss of the differences is least."""
     if corner is None or not np.ptp(pool):
         return float(np.mean(pool)) if pool.size else 0.0
     return float(brentq(lambda c: np.sum(np.clip(pool - c, -corner, corner)), pool.min(), pool.max()))
@@ -393,7 +393,7 @@ _TAILS = (0.025, 0.975)
 
 
 def estimated(family: Criterion, read: Points, *, robust: bool, bootstrap: int, seed: int, convex: str) -> Identification:
-    """The identification of ``family`` from points that are at least as many as its free parameters."""
+    """Return the identification of ``family``; there are at least as many points as free parameters."""
     problem, unfelt = _felt(family, read, _problem(family, read))
     solved, resistant = _solved(problem, robust)
     names = _names(problem)
@@ -454,7 +454,7 @@ def _pinned(law: Criterion, values: Mapping[str, Any]) -> Criterion:
 
 
 def _felt(family: Criterion, points: Points, problem: FitProblem) -> tuple[FitProblem, dict[str, str]]:
-    """The problem without the coefficients of senses in which there is no point, and why each of them is left out."""
+    """Return the problem without the coefficients that no point depends on, and the reason for each."""
     ellipses = problem.surface
     if not isinstance(ellipses, QuarterEllipses):
         return problem, {}
@@ -470,7 +470,7 @@ def _felt(family: Criterion, points: Points, problem: FitProblem) -> tuple[FitPr
 
 
 def _solved(problem: FitProblem, robust: bool) -> tuple[Solved, Solved]:
-    """The fit that is asked for, and the robust one, against which points are judged."""
+    """Return the requested fit, and the robust fit, by which outliers are found."""
     ellipses = problem.surface
     wide = isinstance(ellipses, QuarterEllipses)
     start = convex(ellipses, problem.points) if isinstance(ellipses, QuarterEllipses) else guesses(problem, robust=True)
@@ -482,7 +482,7 @@ def _solved(problem: FitProblem, robust: bool) -> tuple[Solved, Solved]:
 
 
 def _idle(problem: FitProblem, solved: Solved) -> tuple[str, ...]:
-    """Parameters of no influence on any residual at the solution."""
+    """Return the parameters that influence no residual at the solution."""
     influence = np.linalg.norm(solved.slope, axis=0) * problem.coordinates.stretch(solved.theta)
     idle = influence <= _UNFELT * influence.max(initial=0.0)
     if idle.all():
@@ -502,7 +502,7 @@ def _check_settled(problem: FitProblem, solved: Solved) -> None:
 
 
 def _check_at_rest(problem: FitProblem, solved: Solved, robust: bool) -> None:
-    """One more step would move no parameter, unless its domain holds it, by much of its standard error or of itself."""
+    """Return whether one more step would move no parameter by much of its standard error or of its value, unless its domain stops it."""
     size = HUBER * solved.level
     pull = np.clip(solved.residual, -size, size) if robust else solved.residual
     free = np.array([not end for end in _ends(problem, solved)])
@@ -519,7 +519,7 @@ def _check_at_rest(problem: FitProblem, solved: Solved, robust: bool) -> None:
 
 
 def _ends(problem: FitProblem, solved: Solved) -> list[str]:
-    """On which end of its domain each fitted parameter lies, if on one."""
+    """Return on which end of its domain each fitted parameter lies, if it lies on one."""
     low, high = problem.coordinates.bounds
     x = problem.coordinates.inward(solved.theta)
     flags = zip(x <= low + _NEAR, x >= high - _NEAR, strict=True)
@@ -564,7 +564,7 @@ def _not_fitted(family: Criterion, name: str, unfelt: Mapping[str, str]) -> Esti
 
 
 def _decimal(value: float, domain: Domain) -> str:
-    """The shortest decimal of ``value``; the end of its domain where it differs from that by rounding or lies beyond."""
+    """Return the shortest decimal of ``value``, or the end of its domain if the value lies beyond it or differs from it by rounding."""
     low, high = (None if end is None else float(end) for end in (domain.low, domain.high))
     if high is not None and value >= high - _SNAP * abs(high):
         return repr(high)
@@ -583,13 +583,13 @@ def _fixed(family: Criterion, values: Mapping[str, str], points: Points) -> Crit
 
 
 def _exponents(law: Criterion) -> set[str]:
-    """Free parameters in an exponent.  Exact arithmetic on powers of long decimals to long decimals does not end."""
+    """Return the free parameters in exponents.  Exact arithmetic on powers of long decimals to long decimals does not end."""
     inside = set().union(*(power.exp.free_symbols for power in law.g.atoms(sp.Pow)))
     return {symbol.name for symbol in inside} & set(free_parameters(law))
 
 
 def _short(family: Criterion, problem: FitProblem, solved: Solved, corner: float | None, exponents: set[str]) -> dict[str, str]:
-    """Values with exponents to three decimals, the others refitted to them and cut to six digits."""
+    """Return the values with exponents rounded to three decimals, and the other parameters fitted again and rounded to six digits."""
     theta = dict(zip(_names(problem), solved.theta.tolist(), strict=True))
     short = {n: f"{theta[n]:.3f}" for n in exponents}
     rest = _problem(family.fix(short), problem.points)

@@ -73,7 +73,7 @@ class Points:
         return _of_columns(dict(zip(names, rows.T, strict=True)), (), law, "points")
 
     def at(self, forces: Array) -> Points:
-        """The same test with other forces."""
+        """Return the same points with other forces."""
         return Points(forces, self.pressure, self.scatter, self.absolute, self.lines, self.where)
 
 
@@ -88,7 +88,7 @@ def _numbers(given: ArrayLike, what: str) -> Array:
 
 
 def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Array], tuple[int, ...]]:
-    """The columns that are asked for, and the line of each row."""
+    """Return the requested columns, and the line of each row."""
     where, text = f"{fspath(file)}", _text(file)
     rows = _rows(text, where)
     if not rows:
@@ -118,7 +118,7 @@ def _text(file: str | PathLike[str]) -> str:
 
 
 def _rows(text: str, where: str) -> list[tuple[int, list[str]]]:
-    """Rows that are neither blank nor comments, with their lines."""
+    """Yield the rows that are neither blank nor comments, with their lines."""
     reader = csv.reader(io.StringIO(text, newline=""))
     rows = []
     try:
@@ -134,7 +134,7 @@ def _rows(text: str, where: str) -> list[tuple[int, list[str]]]:
 
 
 def _complete(present: Any, names: Sequence[str], header: Sequence[str], where: str) -> None:
-    """Every column that is needed is there, and none is nearly the name of an optional one."""
+    """Raise InputError if a required column is missing, or if a name is nearly that of an optional column."""
     shown = ", ".join(header)[:120] or "none"
     if absent := [name for name in names if name not in present]:
         what = f"there is no column {', '.join(absent)}"

@@ -50,7 +50,7 @@ class Estimate:
     remark: str = ""
 
     def to_dict(self) -> dict[str, Any]:
-        """The estimate as the JSON report has it."""
+        """Return the estimate as the JSON report has it."""
         own = {key: getattr(self, key) for key in ("state", "value", "standard_error")}
         return own | {"interval": None if self.interval is None else list(self.interval), "remark": self.remark}
 
@@ -106,12 +106,12 @@ class Identification(Shown):
 
     @property
     def coefficients(self) -> Mapping[str, float]:
-        """Value by name, of every parameter that is not open."""
+        """The value of every parameter that is not open, by name."""
         return MappingProxyType({e.name: e.value for e in self.estimates if e.value is not None})
 
     @property
     def fitted(self) -> tuple[str, ...]:
-        """The parameters fitted, in order of declaration."""
+        """The names of the fitted parameters, in the order of their declaration."""
         return tuple(e.name for e in self.estimates if e.state == "fitted")
 
     @property
@@ -121,17 +121,17 @@ class Identification(Shown):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Points less fitted parameters."""
+        """The number of points less the number of fitted parameters."""
         return len(self.points) - len(self.fitted)
 
     @property
     def chi_squared(self) -> float | None:
-        """Sum of squared residuals, where the scatter of the points is absolute."""
+        """The sum of squared residuals; None unless the scatter of the points is absolute."""
         return float(np.sum(np.square(self.residual))) if self.points.absolute else None
 
     @property
     def p_value(self) -> float | None:
-        """Chance of a chi_squared at least as large if law and scatter are right."""
+        """The probability of a chi_squared at least as large, if law and scatter are right."""
         if self.chi_squared is None or self.degrees_of_freedom < 1:
             return None
         from scipy import stats
@@ -145,7 +145,7 @@ class Identification(Shown):
         raise KeyError(name)
 
     def to_dict(self) -> dict[str, Any]:
-        """The result as one JSON object; what is unknown is None."""
+        """Return the result as one JSON object; unknown values are None."""
         names = self.fitted
         found = {
             "duhem": __version__,
@@ -189,7 +189,7 @@ _HEAD = ("parameter", "value", "std. error", "least", "greatest", "")
 
 @text.register(Identification)
 def as_text(done: Identification, page: Page = PAGE) -> str:
-    """Coefficients with their uncertainty, what was minimised, outliers, and what is proved of the fitted law."""
+    """Return the text: coefficients with their uncertainty, what was minimised, outliers, and what is proved of the fitted law."""
     law, proved = done.family, _proved(done)
     return page.report(
         [
@@ -203,7 +203,7 @@ def as_text(done: Identification, page: Page = PAGE) -> str:
 
 @sheet.register(Identification)
 def as_sheet(done: Identification) -> Sheet:
-    """The same as a sheet: coefficients in a table, what is open or on a bound and what lies apart as notes."""
+    """Return the same as a sheet: the coefficients are a table; open parameters, parameters on a bound and outliers are notes."""
     apart = tuple(f"row {o.row}: standardised {o.standardised:+.4g}, distance {o.distance:+.4g}" for o in done.outliers)
     notes = (("Remarks", tuple(_remarks(done))), ("Outliers", apart))
     fields = {**_fitted(done), **_proved(done)}
@@ -246,7 +246,7 @@ def _scatter(done: Identification) -> str:
 
 
 def _remarks(done: Identification) -> Iterator[str]:
-    """What is said of parameters that are open, or end on a bound."""
+    """Yield a sentence for each parameter that is open or ends on a bound."""
     return (f"{e.name} is {e.remark}" for e in done.estimates if e.remark and e.state != "given")
 
 
@@ -276,14 +276,14 @@ _ALIKE = 1e-9
 
 
 def check(law: Criterion) -> None:
-    """InputError for a law that is not drawn."""
+    """Raise InputError for a law that cannot be drawn."""
     if len(law.forces) != 2:
         raise InputError(f"{law.name} has {len(law.forces)} forces", where="--plot", remedy="only laws of two forces are drawn")
 
 
 @draw.register(Identification)
 def plot(done: Identification, file: figure.Target | None = None, *, ax: Axes | None = None) -> Axes:
-    """Points and the boundary of K at the median pressure, on ``ax`` or a sheet of its own; the axes.
+    """Draw points and the boundary of K at the median pressure, on ``ax`` or on a new sheet; return the axes.
 
     Where K grows in proportion to the pressure, forces are those over |sigma_n|.  Otherwise, as with adhesion, each point is
     as many times as far out on its ray as the boundary at the median pressure is, compared with that at its own pressure.

@@ -33,21 +33,21 @@ class Surface(Protocol):
     names: tuple[str, ...]
 
     def distance(self, forces: Array, theta: Array) -> tuple[Array, Array]:
-        """Signed distance (m,) in the unit of the stresses, and outward unit normal (m, d)."""
+        """Return the signed distance (m,) in the unit of the stresses, and the outward unit normal (m, d)."""
         ...
 
     def slope(self, forces: Array, theta: Array) -> Array:
-        """d distance / d theta (m, p)."""
+        """Return the slopes d distance / d theta (m, p)."""
         ...
 
 
 def free_parameters(law: Criterion) -> tuple[str, ...]:
-    """The parameters without a fixed value, in order of declaration."""
+    """Return the parameters without a fixed value, in the order of their declaration."""
     return tuple(name for name, domain in law.parameters.items() if domain.value is None)
 
 
 def surface(law: Criterion, pressure: Array | None) -> Surface:
-    """The surface of a law: quarter ellipses where the law declares them about the origin, else from its formula."""
+    """Return the surface of a law: quarter ellipses if the law declares them about the origin, else the surface of its formula."""
     return QuarterEllipses.of(law, pressure) or AnyFormula(law, pressure)
 
 
@@ -64,7 +64,7 @@ class QuarterEllipses:
 
     @classmethod
     def of(cls, law: Criterion, pressure: Array | None) -> QuarterEllipses | None:
-        """The shape a law declares, if it is of this kind and each half-axis is a parameter; None otherwise."""
+        """Return the shape that a law declares, if it is of this kind and each half-axis is a parameter; else None."""
         shape = law.closed_form
         if shape is None or pressure is None or law.pressure is None:
             return None
@@ -87,7 +87,7 @@ class QuarterEllipses:
         return cls(free_parameters(law), named, values, np.abs(pressure))
 
     def senses(self, name: str) -> str:
-        """Where a coefficient is felt: ``sigma_a < 0``."""
+        """Return where the distance depends on a coefficient, for example ``sigma_a < 0``."""
         signs = [
             (f"{f} {sign} 0", n) for f, pair in zip(self._forces, self._senses, strict=True) for sign, n in zip("><", pair, strict=True)
         ]

@@ -37,17 +37,17 @@ _GROUP = "duhem.criteria"
 
 
 def names() -> tuple[str, ...]:
-    """The laws that can be loaded by name, sorted; the published ones are many and named by :mod:`duhem.law.atlas.entry`."""
+    """Return the names of laws, sorted, without those of the atlas, which :mod:`duhem.law.atlas.entry` lists."""
     return tuple(sorted({*_built_in(), *_added(), *registered()}))
 
 
 def shipped(name: str) -> bool:
-    """Whether duhem has a law of that name in every process, whatever was registered in this one."""
+    """Return whether duhem has a law of that name in every process, whatever was registered in this one."""
     return name in _built_in() or file_of(name) is not None
 
 
 def installed(name: str) -> bool:
-    """Whether another process has the law by that name too: duhem's own, or that of a distribution, and none registered in its place."""
+    """Return whether another process has the same law by that name: a law of duhem or of a distribution that no other one replaces."""
     if (known := registered().get(name)) is None:
         return shipped(name) or name in _added()
     own = _built_in().get(name)
@@ -86,7 +86,7 @@ def load(law: str | Path | Law) -> Law:
 
 
 def file_read(law: str) -> Path | None:
-    """The criterion file that :func:`load` reads for a name or path; None where it reads none."""
+    """Return the criterion file that :func:`load` reads for a path or a name of the atlas; None for any other law."""
     if not law.endswith(".toml") and _of_name(law) is not None:
         name = law.strip().replace("_", "-")
         return None if name in registered() else file_of(name)
@@ -94,7 +94,7 @@ def file_read(law: str) -> Path | None:
 
 
 def load_named(name: str) -> Law:
-    """The law of a name, never of a file or of a module: what a document asks for, which is data.  InputError if none has it."""
+    """Return the law of a name in a document; never import code or read a path for it.  Raise InputError for an unknown name."""
     if (known := _of_name(name)) is not None:
         return known
     if ":" in name:
@@ -124,7 +124,7 @@ def _unknown(law: str) -> InputError:
 
 
 def load_formula(law: str | Path | Law) -> Criterion:
-    """:func:`load` for what needs a formula g; InputError where the law has none, or no K."""
+    """Return a law that has a formula g, as :func:`load` does; raise InputError where the law has no formula, or no K."""
     from duhem.law.formula_law import Criterion
     from duhem.law.state import check_has_k
 
@@ -137,7 +137,7 @@ def load_formula(law: str | Path | Law) -> Criterion:
 
 
 def summary(name: str) -> str:
-    """One line about a law of :func:`names`; of a built-in law the first one of its file."""
+    """Return one line about a law of :func:`names`; for a built-in law it is the first line of its file."""
     if (law := registered().get(name)) is not None:
         return law.summary
     if name in _built_in():
@@ -147,7 +147,7 @@ def summary(name: str) -> str:
 
 
 def description(name: str) -> str:
-    """What the file of a built-in law says of it in words: formula, units, verdicts and source.  The file is not run."""
+    """Return what the file of a built-in law says in words: formula, units, verdicts and source.  The file is not run."""
     file = _built_in()[name]
     text = file.read_text("utf-8")
     if file.suffix == ".py":
@@ -156,9 +156,9 @@ def description(name: str) -> str:
 
 
 def template(name: str, kind: str = "law", of: str = __file__) -> str:
-    """The file to start from that stands beside a module, of a law with every key explained: it loads and verifies as it stands.
+    """Return the text of a file to start from, with every key explained: it loads and verifies unchanged.
 
-    InputError for what cannot name a ``kind``.
+    The file stands beside the module ``of``.  Raise InputError for text that cannot name a ``kind``.
     """
     if not re.fullmatch(r"[A-Za-z0-9][\w.-]{0,60}", name):
         raise InputError(f"{name[:60]!r} cannot name a {kind}", remedy="use letters, digits, hyphens and underscores")
@@ -166,7 +166,7 @@ def template(name: str, kind: str = "law", of: str = __file__) -> str:
 
 
 def _built_in() -> Mapping[str, Path]:
-    """The file of each law: a criterion file, or a module where a file cannot say all of the law."""
+    """Return the file of each law: a criterion file, or a Python module for a law that such a file cannot state."""
     found = (file for file in _BUILT_IN.iterdir() if file.suffix in (".toml", ".py") and not file.stem.startswith("_"))
     return {file.stem.replace("_", "-"): file for file in found}
 
@@ -203,7 +203,7 @@ def _from_file(path: str | Path) -> Law:
 
 
 def _attribute(reference: str, shown: str) -> Law:
-    """The law ``module:attribute``."""
+    """Return the law ``module:attribute``."""
     from duhem.law.curve_law import Law
 
     found = attribute(reference, shown)
@@ -213,7 +213,7 @@ def _attribute(reference: str, shown: str) -> Law:
 
 
 def attribute(reference: str, shown: str) -> Any:
-    """What ``module:attribute`` names; importing the module runs it, which is what the caller asks for.  InputError if nothing."""
+    """Return the object ``module:attribute``; this imports, and so runs, the module.  Raise InputError if there is no such object."""
     module, _, path = reference.partition(":")
     if not all(part.isidentifier() for part in (*module.split("."), *path.split("."))):
         raise InputError(f"{shown[:60]!r} is not of the form module:attribute", remedy="write for example mylaws:ellipse")

@@ -63,7 +63,7 @@ Shape = Interval | Disk | Quadrants
 
 
 def converted(shape: Any, change: Callable[[Any], Any]) -> Any:
-    """The shape with every entry changed."""
+    """Return the shape with every entry changed."""
     return replace(shape, **{entry.name: change(getattr(shape, entry.name)) for entry in fields(shape)})
 
 
@@ -79,4 +79,4 @@ BUILT_IN: Mapping[str, Shape] = {
     ),
     "shifted-ellipse": Quadrants("mu_a", "mu_a", "mu_b", "mu_b", centre_a="shift*abs(sigma_n)"),
 }
-"""Those of built-in laws by name: a criterion file does not state one, because nothing would compare it with the formula."""
+"""The shapes of built-in laws, by name.  A criterion file states no shape, because nothing would compare it with the formula."""

@@ -26,7 +26,7 @@ Pairs = Iterable[str | Law | tuple[str | Law, Mapping[str, Any]]]
 
 
 class StoppedCampaign(KeyboardInterrupt):
-    """A campaign that was interrupted; its text says what is kept and how to go on."""
+    """This is raised where a campaign is interrupted; its text says what is kept and how to continue."""
 
 
 def campaign(
@@ -108,7 +108,7 @@ def _read(rows: str | os.PathLike[str] | Pairs | Campaign, claims: Iterable[str]
 
 
 def _gathered(asked: Campaign, pool: Pool | Cluster, on_row: OnRow | None) -> Summary:
-    """The lines in the summary."""
+    """Return a summary that contains all lines."""
     found, counts = dict[int, tuple[VerdictLine, ...]](), Counts(asked)
     for text in pool.texts([range(1, len(asked) + 1)]):
         found[number_of(text)] = lines_of(text)
@@ -119,7 +119,7 @@ def _gathered(asked: Campaign, pool: Pool | Cluster, on_row: OnRow | None) -> Su
 
 
 def _written(asked: Campaign, pool: Pool | Cluster, table: str, resume: bool, on_row: OnRow | None) -> Summary:
-    """The lines in the table, which grows as they are done."""
+    """Write the lines to the table, which grows during the run, and return the summary without them."""
     counts = Counts(asked)
     with GrowingLines(asked, table, resume) as growing:
         try:

@@ -50,11 +50,11 @@ class Inquiry(Protocol):
     def alone(self) -> bool: ...
 
     def told(self) -> str:
-        """The inquiry in words that tell it from every other."""
+        """Return words that tell this inquiry from every other."""
         ...
 
     def answers(self, law: Law) -> Iterator[Answer]:
-        """A line for each name; InputError where the law cannot be asked."""
+        """Return a line for each name; raise InputError where the law cannot be asked."""
         ...
 
 
@@ -106,7 +106,7 @@ class Campaign:
         return tuple(accumulate(map(len, self.blocks)))
 
     def row(self, number: int) -> Row:
-        """The row of a number from 1 to ``len``."""
+        """Return the row of a number from 1 to ``len``."""
         block = bisect_right(self._ends, number - 1)
         before = self._ends[block - 1] if block else 0
         return self.blocks[block].row(number - 1 - before, number)
@@ -138,14 +138,14 @@ class VerdictLine(NamedTuple):
 
     @property
     def counts_as(self) -> str:
-        """The verdict under which it is counted: what holds by construction is no proof, and without a verdict it is none."""
+        """The verdict under which the line is counted: a claim that holds by construction does not count as proved."""
         from duhem.proof.kernel.claims import BY_CONSTRUCTION
 
         return "by_construction" if self.method == BY_CONSTRUCTION else "none" if self.verdict is None else self.verdict
 
 
 def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
-    """The lines of a row, sorted by claim; an error of any kind but lack of memory is in them, one that ends a program too."""
+    """Return the lines of a row, sorted by claim.  They contain every error but lack of memory, also one that would end a program."""
     row = campaign.row(number)
     try:
         return _lines(row, campaign.inquiry.answers(row.law()), None)
@@ -164,7 +164,7 @@ def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
 
 
 def _for_lack_of_memory(fault: BaseException) -> bool:
-    """Whether memory was lacking, also where what lacked it, a library that does not load or a thread, is told as an error of its own."""
+    """Return whether memory was lacking, also where the error speaks of a library that does not load or a thread that does not start."""
     met = set[int]()
     cause: BaseException | None = fault
     while cause is not None and id(cause) not in met:
@@ -178,7 +178,7 @@ def _for_lack_of_memory(fault: BaseException) -> bool:
 
 
 def _all_but_taken() -> bool:
-    """Whether this process has come so near to the memory that it may have that a thread or a library more does not fit."""
+    """Return whether this process has come so near to its limit of memory that one more thread or library does not fit."""
     try:
         import resource
 
@@ -191,7 +191,7 @@ def _all_but_taken() -> bool:
 
 
 def ended(campaign: Campaign, row: Row, error: str) -> tuple[VerdictLine, ...]:
-    """The lines of a row without verdicts, and why."""
+    """Return the lines of a row without verdicts, with the reason."""
     answers: Iterator[Answer] = ((name, None, None, None, None, 0, 0.0) for name in campaign.inquiry.names)
     return _lines(row, answers, error if len(error) <= _MOST else f"{error[:_MOST]} ...")
 
@@ -207,15 +207,15 @@ def _writable(text: str) -> str:
 
 
 def as_text(lines: Sequence[VerdictLine]) -> str:
-    """The lines of one row as one line of text."""
+    """Return the lines of one row as one line of text."""
     return json.dumps(lines, separators=(",", ":"))
 
 
 def number_of(text: str) -> int:
-    """Of which row a text of :func:`as_text` is."""
+    """Return the number of the row of which :func:`as_text` made the text."""
     return int(text[2 : text.index(",")])
 
 
 def lines_of(text: str) -> tuple[VerdictLine, ...]:
-    """What :func:`as_text` has written."""
+    """Return the lines of which :func:`as_text` made the text."""
     return tuple(VerdictLine(*values) for values in json.loads(text))

@@ -33,7 +33,7 @@ _SIGNS = {word.node: word.sign_change for word in ELEMENTARY.values() if word.si
 
 
 def decide(question: Question, budget: Budget | None = None) -> Answer:
-    """Answer the question by the first method that can within the budget; the answer names it.
+    """Answer the question by the first method that succeeds within the budget; the answer names this method.
 
     Kinks are opened into branches; each must hold.
     """
@@ -58,7 +58,7 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
 
 
 def _by_branches(question: Question, budget: Budget) -> Answer:
-    """The question on every smooth branch of its expression and hypotheses."""
+    """Answer the question by deciding it on every smooth branch of its expression and hypotheses."""
     parts = sp.Tuple(question.expr, *(sp.Tuple(r.lhs, r.rhs) for r in question.given))
     try:
         pieces = branches(parts, 32)
@@ -83,10 +83,10 @@ def _by_branches(question: Question, budget: Budget) -> Answer:
 
 
 def _named(question: Question, budget: Budget) -> Question | None:
-    """The question with a name for each part that is not algebraic, of which its sign is told.
+    """Return the question with a symbol in the place of each part that is not algebraic; hypotheses say what is known of its sign.
 
-    None where there is no such part, or one may have no value.  What is asked is more.  A hypothesis of which such a part
-    may have no value is not told.
+    Return None where there is no such part, or where one may have no value.  The new question asks for more than the old one.  It omits
+    each hypothesis of which such a part may have no value.
     """
     plain = tuple(r for r in question.given if not any(_words(r)))
 
@@ -113,7 +113,7 @@ def _named(question: Question, budget: Budget) -> Question | None:
 
 
 def _words(expr: sp.Basic) -> Iterator[sp.Expr]:
-    """The parts that are not algebraic and in no other."""
+    """Yield the largest parts of the expression that are not algebraic."""
     root = expr.is_Pow and expr.exp.is_Rational and expr.exp.q <= MOST_ROOT
     if root or isinstance(expr, sp.Add | sp.Mul | Norm | sp.Rel):
         for part in expr.args:
@@ -123,7 +123,7 @@ def _words(expr: sp.Basic) -> Iterator[sp.Expr]:
 
 
 def _bounds(name: sp.Expr, word: sp.Expr, given: tuple[sp.Basic, ...]) -> Iterator[sp.Basic]:
-    """What a word is at least and at most over the ranges of its symbols, as relations."""
+    """Yield the least and the greatest value of a word over the ranges of its symbols, as relations."""
     ranges = ((x, *bounds(x, given)) for x in word.free_symbols)
     within = {x: ball(low, high) for x, low, high in ranges if low is not None and high is not None}
     if within.keys() == word.free_symbols and (value := enclose(word, within)).is_finite():
@@ -132,18 +132,18 @@ def _bounds(name: sp.Expr, word: sp.Expr, given: tuple[sp.Basic, ...]) -> Iterat
 
 
 def _name(word: sp.Expr) -> sp.Symbol:
-    """A symbol with the sign that SymPy sees."""
+    """Return a new symbol with the sign that SymPy sees in the word."""
     signs = {"positive": True} if word.is_positive else {"nonnegative": word.is_nonnegative, "nonzero": word.is_nonzero}
     return sp.Dummy("w", real=True, **{sign: True for sign, known in signs.items() if known})
 
 
 def _monotone(word: sp.Expr, shown: Callable[..., bool]) -> bool:
-    """Whether it has a known sign: a tangent as long as it has no pole."""
+    """Return whether the word has the sign that its row states: a tangent has it only where it has no pole."""
     return not isinstance(word, sp.tan) or all(shown(NEAR_RIGHT + s * word.args[0], Sense.POSITIVE) for s in (1, -1))
 
 
 def _sides(name: sp.Expr, like: sp.Expr, shown: Callable[..., bool]) -> Iterator[sp.Basic]:
-    """What has the sign of another expression, as relations."""
+    """Yield the sign of the symbol ``name``, which is that of another expression, as relations."""
     for sign in (1, -1):
         if shown(sign * like, Sense.NONNEGATIVE):
             relation = sp.StrictGreaterThan if shown(sign * like, Sense.POSITIVE) else sp.GreaterThan
@@ -151,7 +151,7 @@ def _sides(name: sp.Expr, like: sp.Expr, shown: Callable[..., bool]) -> Iterator
 
 
 def by_rules(question: Question) -> Answer:
-    """Sign rules: sums and products of quantities whose sign is known from the declared domains."""
+    """Answer by sign rules: SymPy knows signs of sums and products of quantities whose sign the declared domains give."""
     expr = question.expr
     if not all(map(_meaningful, expr.atoms(sp.Pow, sp.log, sp.tan, sp.asin, sp.acos, Atan2))):
         return Answer(None, "sign-rules", reason="a part of it may be undefined")
@@ -162,7 +162,7 @@ def by_rules(question: Question) -> Answer:
 
 
 def _meaningful(node: Any) -> bool:
-    """Whether signs show that a power, a logarithm, a tangent, ... is a number: SymPy has |log(x)| >= 0 for all x."""
+    """Return whether signs show that a power, a logarithm, a tangent, ... is a number: SymPy takes |log(x)| >= 0 to hold for all x."""
     if node.is_Pow:
         return bool(node.is_extended_real and (node.exp.is_nonnegative or node.base.is_nonzero))
     return bool(node.is_real)

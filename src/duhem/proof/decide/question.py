@@ -30,7 +30,7 @@ NEAR_RIGHT = sp.Rational(157, 100)  # an angle below pi/2
 
 
 class Sense(StrEnum):
-    """What is asked of an expression, or needed: of a divisor (ZERO) that it is not 0."""
+    """What is asked of an expression; of a divisor, ZERO asks that it is not 0."""
 
     NONNEGATIVE = ">="
     POSITIVE = ">"
@@ -51,27 +51,27 @@ class Obligation(NamedTuple):
 
     @property
     def asked(self) -> tuple[sp.Expr, Sense]:
-        """As a question of a sign."""
+        """The obligation as a question: an expression and the sign that it must have."""
         return (self.expr**2, Sense.POSITIVE) if self.sense is Sense.ZERO else (self.expr, self.sense)
 
     def symbols(self) -> set[sp.Symbol]:
-        """What it speaks of."""
+        """The symbols that occur in the obligation, its conditions and its alternatives."""
         return self.expr.free_symbols.union(*(r.free_symbols for r in self.given), *(o.symbols() for o in self.instead))
 
     def put(self, values: Mapping[sp.Symbol, sp.Expr]) -> Obligation:
-        """The same with symbols replaced."""
+        """The same obligation with values in the place of symbols."""
         given = tuple(r.xreplace({**values}) for r in self.given)
         return self._replace(expr=self.expr.xreplace({**values}), given=given, instead=tuple(o.put(values) for o in self.instead))
 
     def met(self, shown: Callable[[sp.Expr, Sense, tuple[sp.Basic, ...]], bool]) -> bool:
-        """Whether it, or all that may be instead, is ``shown``: that an expression is >= 0 or > 0 where relations hold."""
+        """Return whether the obligation, or every one of its alternatives, is met; ``shown`` tells whether an expression has a sign."""
         expr, sense = self.asked
         if not any(e.has(*UNDEFINED) for e in (expr, *self.given)) and shown(expr, sense, self.given):
             return True
         return bool(self.instead) and all(other._replace(given=self.given).met(shown) for other in self.instead)
 
     def broken(self, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
-        """Whether it certainly fails at exact values of all symbols."""
+        """Return whether the obligation certainly fails at exact values of all symbols."""
         if not all(holds_at(r, values) for r in self.given):
             return False
         value = self.expr.subs(values)
@@ -80,7 +80,7 @@ class Obligation(NamedTuple):
 
 
 def obligations(tree: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Obligation]:
-    """Those of every part of a formula's tree; what a ``where`` does not choose needs no value."""
+    """Yield the obligations of every part of a formula's tree; a branch that a ``where`` does not choose needs no value."""
     if isinstance(tree, Where):
         condition, then, otherwise = tree.args
         yield from obligations(condition, given)
@@ -97,7 +97,7 @@ def obligations(tree: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Ob
 
 
 def evaluated(tree: sp.Basic) -> sp.Basic:
-    """The tree as SymPy computes it: the same wherever all obligations of its parts are met."""
+    """Return the tree as SymPy computes it, which has the same value wherever all obligations of its parts are met."""
     if not tree.args:
         return tree
     try:
@@ -159,18 +159,18 @@ class Question:
     circle: tuple[sp.Symbol, sp.Symbol] | None = None
 
     def on_circle(self) -> tuple[sp.Basic, ...]:
-        """That circle as a relation."""
+        """The circle as a relation, if there is one."""
         return () if self.circle is None else (sp.Eq(self.circle[0] ** 2 + self.circle[1] ** 2, 1),)
 
     def hidden(self, shown: Iterable[sp.Expr]) -> tuple[Obligation, ...]:
-        """What its formula needs to be defined and some other form of it no longer shows, as abs(x)/x does not when it is 1."""
+        """The obligations of the formula that some other form of it no longer has: abs(x)/x divides by x, and its form 1 does not."""
         needs = dict.fromkeys(obligations(self.expr))
         common = set(needs).intersection(*map(obligations, shown))
         return tuple(need for need in needs if need not in common)
 
 
 def bounds(x: sp.Symbol, given: Iterable[sp.Basic]) -> tuple[Fraction | None, Fraction | None]:
-    """The least and the greatest value of a symbol, by the relations that speak of it alone; None where there is none."""
+    """Return the least and the greatest value that relations about this symbol alone give; None where they give none."""
     low = [fraction(r.lts) for r in given if getattr(r, "gts", None) == x and r.lts.is_Rational]
     high = [fraction(r.gts) for r in given if getattr(r, "lts", None) == x and r.gts.is_Rational]
     return max(low, default=None), min(high, default=None)

@@ -30,12 +30,12 @@ _OPS = {sp.GreaterThan: ">=", sp.StrictGreaterThan: ">", sp.LessThan: ">=", sp.S
 
 
 class NotAlgebraicError(Exception):
-    """The question involves something else than polynomials, quotients and roots."""
+    """This is raised where a question has something else than polynomials, quotients and roots."""
 
 
 @dataclass(frozen=True)
 class Relation:
-    """``poly op 0`` with op one of ``>=``, ``>``, ``==``, ``!=``."""
+    """The relation ``poly op 0``, where op is one of ``>=``, ``>``, ``==``, ``!=``."""
 
     poly: sp.Expr
     op: str
@@ -70,7 +70,7 @@ class _Names:
         self.found: dict[tuple[sp.Expr, int], _Named] = {}
 
     def root(self, radicand: sp.Expr, q: int) -> sp.Expr:
-        """rho >= 0 with rho^q = radicand."""
+        """Return a symbol rho >= 0 that stands for the root: rho^q = radicand."""
         if radicand == self._one:
             return sp.S.One
         if radicand.is_Rational and (exact := sp.root(radicand, q)).is_Rational:
@@ -82,7 +82,7 @@ class _Names:
         return self.found[radicand, q].symbol
 
     def reciprocal(self, divisor: sp.Expr) -> sp.Expr:
-        """r with r divisor = 1."""
+        """Return a symbol r that stands for the quotient: r divisor = 1."""
         if divisor.is_Rational:
             if divisor == 0:
                 raise NotAlgebraicError("division by zero")
@@ -94,7 +94,7 @@ class _Names:
         return self.found[divisor, -1].symbol
 
     def rewrite(self, expr: sp.Basic) -> sp.Expr:
-        """``expr`` with every root and every quotient replaced by its symbol."""
+        """Return ``expr`` with a symbol in the place of every root and every quotient."""
 
         def power(_: sp.Basic, base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
             if not exponent.is_Rational or exponent.q > MOST_ROOT:
@@ -119,7 +119,7 @@ class _Names:
 
 
 def polynomial_system(question: Question) -> System:
-    """The question over polynomials; NotAlgebraicError where it is not algebraic."""
+    """Return the question over polynomials; raise NotAlgebraicError where it is not algebraic."""
     names = _Names(question.circle)
     said = dict.fromkeys((names.rewrite(_gap(r)), _OPS[type(r)]) for r in (*question.given, *question.on_circle()))
     given = [Relation(p, "==" if op == ">=" and (-p, op) in said else op) for p, op in said]  # z3 does not see that, and it costs much
@@ -176,7 +176,7 @@ def by_smt(system: System, budget: Budget) -> Answer:
 
 
 def counted(solver: Any, otherwise: int) -> int:
-    """How many steps the solver counted."""
+    """Return how many steps the solver counted, or ``otherwise`` where it counted none."""
     found = solver.statistics()
     return int(found.get_key_value("rlimit count")) if "rlimit count" in found.keys() else otherwise  # noqa: SIM118
 

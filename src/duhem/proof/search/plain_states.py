@@ -35,7 +35,7 @@ State = tuple[Fraction, ...]
 
 
 def plain_states(spans: Sequence[Domain], most: int, values: int = len(_PLAIN)) -> list[State]:
-    """Every combination of that many plain values, or of some of them drawn where these are too many; those near 0 first."""
+    """Return all combinations of so many plain values, or ``most`` drawn ones if there are more; those near 0 come first."""
     every = [_inside(span, values) for span in spans]
     if prod(map(len, every)) <= most:
         found = list(product(*every))
@@ -46,7 +46,7 @@ def plain_states(spans: Sequence[Domain], most: int, values: int = len(_PLAIN)) 
 
 
 def _inside(span: Domain, values: int) -> list[Fraction]:
-    """Plain values of a range; where it has none its ends, its middle and what lies beside them."""
+    """Return plain values of a range, its ends, its middle and values beside them."""
     low, high = (None if end is None else fraction(end) for end in (span.low, span.high))
     ends = [low, high, None if low is None or high is None else (low + high) / 2, None if low is None else low + 1]
     own = [*_PLAIN[:values], *(end for end in ends if end is not None), *([] if high is None else [high - 1])]
@@ -56,7 +56,7 @@ def _inside(span: Domain, values: int) -> list[Fraction]:
 def states_of_negative(
     quantity: sp.Expr, bound: sp.Expr | None, on_it: bool, names: Sequence[sp.Symbol], states: Sequence[State]
 ) -> Iterator[State]:
-    """Those at which in floats the quantity is negative, and the bound <= 0, or 0 with ``on_it``: the first ones and the clearest."""
+    """Yield states where, in floats, the quantity is < 0 and the bound is <= 0 (0 with ``on_it``): the first, then the clearest."""
     columns = np.array([[float(x) for x in state] for state in states], dtype=float).reshape(len(states), len(names)).T
     with np.errstate(all="ignore"):
         spent, height = (np.broadcast_to(compiled(sp.S.Zero if e is None else e, names)(*columns), len(states)) for e in (quantity, bound))
@@ -76,7 +76,10 @@ _ROUNDING, _HUGE = 1e-9, 1e200  # of second derivatives
 
 
 def chords_across_bends(subject: FormulaSubject) -> Iterator[Chord]:
-    """Of a law {psi(chi) - z <= 0}, z its last force: between chi - v and chi + v with v . psi'' v < 0, a little above the graph."""
+    """Yield chords of the epigraph {psi(chi) - z <= 0}, where z is the last force: between chi - v and chi + v with v . psi'' v < 0.
+
+    Their ends lie a little above the graph of psi.
+    """
     *moving, height = subject.simple.forces
     if not moving:  # every variable is fixed
         return
@@ -102,7 +105,7 @@ def chords_across_bends(subject: FormulaSubject) -> Iterator[Chord]:
 def _along(
     parameters: Values, state: Sequence[Fraction], steep: Any, spans: Sequence[Domain], value: Callable[..., Any]
 ) -> Iterator[Chord]:
-    """Chords on both sides of a state, or of one beside it where the state lies at an end of a range."""
+    """Yield chords about a state, or about one beside it where the state lies at an end of a range."""
     steep = steep / np.abs(steep).max()
     widths = (fraction(span.high - span.low) / 2 for span in spans if span.high is not None and span.low is not None)
     room = min([Fraction(1), *widths])

@@ -284,7 +284,7 @@ def _steps(point: Sequence[Fraction]) -> Iterator[Fraction]:
 
 
 def less_than_0(subject: FormulaSubject, spent: Spent, values: Values, name: str, statement: str) -> Witness | None:
-    """The power is < 0 in this state, or None if that, or that the state is one of the law, is not certain."""
+    """Return a witness that the power is < 0 in this state; None if that is not certain, or if the state may not be one of the law."""
     sign, power = sign_at(spent.power, values)
     if sign != -1 or not subject.admits(values) or not _has_a_value(spent.energy, values):
         return None
@@ -298,7 +298,7 @@ def less_than_0(subject: FormulaSubject, spent: Spent, values: Values, name: str
 
 
 def two_forces_at(subject: FormulaSubject, gaps: Mapping[str, sp.Expr], states: Iterable[Values], statement: str) -> Witness | None:
-    """The first state in which one of what must be 0 is certainly not; None where none of them shows that."""
+    """Return a witness from the first state in which a gap that must be 0 is certainly not 0; None where no state shows one."""
     law = subject.of
     stored = None if law.energy is None else parsed_as_written(law, law.energy, law.written_energy, law.symbols())
     for values in states:
@@ -311,14 +311,14 @@ def two_forces_at(subject: FormulaSubject, gaps: Mapping[str, sp.Expr], states: 
 
 
 def _has_a_value(energy: sp.Expr | None, values: Values) -> bool:
-    """Whether it certainly has one; where there is none, nothing is asked."""
+    """Return whether the energy certainly has a value in the state; a law without an energy needs none."""
     return energy is None or bool(sign_at(energy, values)[1].is_finite())
 
 
 def _in_state(
     law: Criterion, values: Values, shown: Mapping[str, tuple[str, str]], statement: str, chosen: Mapping[str, sp.Symbol] = FrozenMapping()
 ) -> Witness:
-    """A state with all its variables, what else is ``chosen``, the pressure, and the forces of the energy where these are fractions."""
+    """Return a witness that names all variables, what else is ``chosen``, the pressure, and forces of the energy that are fractions."""
     table, exact = law.symbols(), rationals(values)
     given = {} if law.energy is None else {f: force.xreplace(exact) for f, force in forces_in(law).items()}
     named = {name: values[x] for name, x in {**table, **chosen}.items() if name not in law.parameters and x in values}
@@ -331,7 +331,7 @@ def _in_state(
 
 
 def of_energy(subject: FormulaSubject, chord: Witness, name: str, statement: str) -> Witness:
-    """A chord of the epigraph of an energy as what it says of that, every variable among its points."""
+    """Return a chord of the epigraph of an energy as a witness about the energy itself, with every variable among its points."""
     states = {x: v for x, v in chord.parameters.items() if x in subject.of.variables}
     shown = {role.replace("g(", f"{name} - z at ").rstrip(")"): value for role, value in chord.values.items()}
     parameters = {x: v for x, v in chord.parameters.items() if x not in states}
@@ -339,7 +339,7 @@ def of_energy(subject: FormulaSubject, chord: Witness, name: str, statement: str
 
 
 def with_variables(subject: FormulaSubject, found: Witness) -> Witness:
-    """The displacements, if they are fractions, that give the forces at each point, and with them every variable and force."""
+    """Return the witness completed by all variables and forces, if displacements that are fractions give the forces at each point."""
     law, table = subject.of, subject.of.symbols()
     seen = {own.force: name for name, own in law.variables.items() if own.observable and own.force in subject.law.forces}
     if subject.state is None or not subject.state.onto or law.energy is None:
