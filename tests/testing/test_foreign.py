@@ -308,7 +308,7 @@ def test_what_is_missing_is_told(many: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(("module", "make"), [("jax", lambda: jax_routine(abs)), ("mgis", lambda: mgis_material("a.so", "A", np.eye(6)))])
 def test_what_is_not_installed_is_told(module: str, make: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, module, None)
-    monkeypatch.setattr("duhem.testing.foreign.packages.find_spec", lambda _: None)
+    monkeypatch.setattr("duhem.testing.foreign.find_spec", lambda _: None)
     with pytest.raises(InputError, match=f"{module} is not installed; install"):
         make()
 

@@ -21,7 +21,7 @@ from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Subject
-from duhem.proof.methods import coupled, curves, evidence, graphs, refuters
+from duhem.proof.methods import coupled, curves, evidence, refuters
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = [
@@ -91,7 +91,7 @@ Method = Rules | ProofMethod[Any] | Consequence[Any] | Finder[Any]
 CHEAP, SPELLED_OTHERWISE = Rules(500_000, as_written=True), Rules(500_000, FormulaSubject, as_written=False)
 DEAR = Rules(10_000_000, FormulaSubject)
 OF_GRAPH = Rules(200_000_000, GraphSubject)
-_NO_DUAL = ProofMethod(GraphSubject, graphs.duality_left_out)
+_NO_DUAL = ProofMethod(GraphSubject, refuters.duality_of_graph_left_out)
 WITHOUT_K = ProofMethod(RateSubject, refuters.without_k)
 
 
@@ -195,7 +195,7 @@ around 0, or proves T x T' > 0, or proves T . d > 0, so that T turns as often as
             ProofMethod(FormulaSubject, evidence.origin_by_signs),
             ProofMethod(FormulaSubject, refuters.origin_undefined),
             OF_GRAPH,
-            ProofMethod(GraphSubject, graphs.origin_refuted),
+            ProofMethod(GraphSubject, refuters.origin_of_graph),
             ProofMethod(CurveSubject, curves.origin_refuted),
         ),
     ),
@@ -236,9 +236,9 @@ of boundary points contains a point around which the curve does not wind.""",
             ProofMethod(FormulaSubject, refuters.convexity_by_thorough_scouting),
             ProofMethod(FormulaSubject, refuters.convexity_by_sampling),
             OF_GRAPH,
-            ProofMethod(GraphSubject, graphs.convexity_refuted),
+            ProofMethod(GraphSubject, refuters.convexity_of_graph),
             Finder(GraphSubject, evidence.convexity_in_a_box),
-            ProofMethod(GraphSubject, graphs.convexity_left_open),
+            ProofMethod(GraphSubject, refuters.convexity_of_graph_left_open),
             ProofMethod(CurveSubject, curves.convexity_refuted),
         ),
     ),

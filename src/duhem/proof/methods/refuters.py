@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import sympy as sp
 
-from duhem.expression.number import fraction, rational
+from duhem.expression.abbreviations import names_in
+from duhem.expression.number import DECIMAL, fraction, rational
 from duhem.law.domain import POSITIVE
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
@@ -49,10 +51,11 @@ if TYPE_CHECKING:
 __all__ = [
     "convexity_at_clear_dents", "convexity_at_deepest_dents", "convexity_at_dents", "convexity_at_far_points", "convexity_at_seams",
     "convexity_beside_edges", "convexity_between_exact_rays", "convexity_by_sampling", "convexity_by_scouting",
-    "convexity_by_thorough_scouting", "dissipation_at_points", "dissipation_by_sampling", "dissipation_in_states",
-    "dissipation_of_rates", "energy_at_bends", "energy_in_temperature", "energy_of_two_forces", "heat_uphill", "normality_at_chord",
-    "normality_at_points", "normality_by_sampling", "normality_of_rates", "origin_at_parameters", "origin_undefined",
-    "smoothness_at_corners", "smoothness_at_sharp_points", "without_k",
+    "convexity_by_thorough_scouting", "convexity_of_graph", "convexity_of_graph_left_open", "dissipation_at_points",
+    "dissipation_by_sampling", "dissipation_in_states", "dissipation_of_rates", "duality_of_graph_left_out", "energy_at_bends",
+    "energy_in_temperature", "energy_of_two_forces", "heat_uphill", "normality_at_chord", "normality_at_points", "normality_by_sampling",
+    "normality_of_rates", "origin_at_parameters", "origin_of_graph", "origin_undefined", "smoothness_at_corners",
+    "smoothness_at_sharp_points", "without_k",
 ]  # fmt: skip
 
 _PLAIN = 2  # choices of the parameters that are plain
@@ -474,3 +477,44 @@ def _tested(what: str, found: Sequence[int]) -> Evidence | None:
     choices = "1 parameter choice" if len(found) == 1 else f"{len(found)} parameter choices"
     detail = f"{what} {sum(found)} boundary points of {choices} (fixed random seeds); this is not a proof"
     return Evidence(Verdict.TESTED, "sampling", detail)
+
+
+# -- a law kept as a graph ---------------------------------------------------------------------------------------------
+
+_CHOICES = 3
+_WORD = re.compile(r"\w\s*\(|\*\*")
+_NEGATIVE_WEIGHT = re.compile(rf"-\s*(?P<number>{DECIMAL})\)?\s*\*\s*(?P<of>[^\W\d]\w*)(?!\s*\()")
+
+
+def origin_of_graph(subject: GraphSubject) -> Evidence | None:
+    """Parameters at which g(0) > 0."""
+    found = (origin_outside(subject, parameters) for parameters in subject.choices(_CHOICES))
+    return Evidence.refuted_by(found, "witness-point", "zero force is outside K")
+
+
+def convexity_of_graph(subject: GraphSubject) -> Evidence | None:
+    """A chord that leaves K."""
+    from duhem.proof.search.graph_chords import graph_chords
+
+    found = (chord(subject, values, *ends) for values in subject.choices(_CHOICES) for ends in graph_chords(subject, values))
+    return Evidence.refuted_by(found, "witness-chord", "a chord between two points of K leaves K")
+
+
+def convexity_of_graph_left_open(subject: GraphSubject) -> Evidence | None:
+    """Which weight is negative, where one is, so that convexity does not follow from the structure of a network."""
+    graph = subject.law.graph
+    nodes = () if graph is None else (*graph.nodes, ("g", graph.last))
+    curved = set[str]()  # of words, or of what is
+    for name, text in nodes:
+        found = next((part for part in _NEGATIVE_WEIGHT.finditer(text) if part["of"] in curved), None)
+        curved |= {name} if _WORD.search(text) or names_in(text) & curved else set()
+        if found is not None:
+            weight = f"the weight of {found['of']} in {name} is -{found['number']}"
+            said = f"{weight}: convexity does not follow from the structure, and duhem found no chord that leaves K. K may be convex or not"
+            return Evidence(Verdict.UNDECIDED, "none", f"{said}; if it is to be convex, train with weights >= 0 between layers")
+    return None
+
+
+def duality_of_graph_left_out(_: GraphSubject) -> Evidence:
+    """There is no closed form to ask about."""
+    return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", "g is kept as a graph, and no closed form is looked for of one")
