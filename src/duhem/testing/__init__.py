@@ -12,13 +12,13 @@ or one test a check: ``@pytest.mark.parametrize("check", checks_for("coulomb"))`
 """
 
 from duhem.testing.checks.registry import Check
-from duhem.testing.conformance import ACCURACY, RoutineChecks, assert_conforms, check, checks_for, conformance, violation
+from duhem.testing.conformance import ACCURACY, RoutineChecks, assert_conforms, check, checks_for, conformance, projection, violation
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.strategies import cases, decades, loadings, parameters, pressures, stiffnesses, trials, ways
 from duhem.testing.failures.failure import Failure
 from duhem.testing.failures.report import Report
 from duhem.testing.routines.material import Material, MaterialState, from_material
-from duhem.testing.routines.routine import Step, Update, from_displacements, pointwise, projection
+from duhem.testing.routines.routine import Step, Update, from_displacements, pointwise
 
 __all__ = [
     "ACCURACY", "Case", "Check", "Failure", "Material", "MaterialState", "Report", "RoutineChecks", "Step", "Update", "assert_conforms",

@@ -1,4 +1,4 @@
-"""The conformance suite: a routine put to every check, or to one case, or asked by a campaign for each of its rows."""
+"""The conformance suite: every check of a routine, a check on one case, duhem's own routines, and what a campaign asks of each row."""
 
 from __future__ import annotations
 
@@ -16,13 +16,19 @@ from pathlib import Path
 from time import monotonic
 from typing import Any, TypeAlias
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import DuhemError, InputError, meant
 from duhem.law.catalogue import attribute, load, load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.state import check_stateless
+from duhem.projection.increment import check_associated
+from duhem.projection.methods import METHODS
+from duhem.projection.projector import Projector
+from duhem.projection.result import Array, Status
+from duhem.proof.facts.formula_subject import admitted_values
 from duhem.testing.checks import law_checks, material_checks  # noqa: F401 (they register their checks)
 from duhem.testing.checks.law_in_state import Places
 from duhem.testing.checks.query import NoReply
@@ -32,12 +38,12 @@ from duhem.testing.drawn.options import ACCURACY, TRIES, RunOptions, check_share
 from duhem.testing.drawn.values import Strategy
 from duhem.testing.failures.report import FAILED, MET, PASSED, SKIPPED, UNMET, Report
 from duhem.testing.routines.material import Material
-from duhem.testing.routines.routine import Update, named
+from duhem.testing.routines.routine import Step, Update, law_as_written, named
 from duhem.testing.run import ConformanceRun
 
 __all__ = [
-    "ACCURACY", "RoutineChecks", "assert_conforms", "check", "check_expected", "checks_asked", "checks_for", "conformance", "every_check",
-    "violation",
+    "ACCURACY", "PROMISED", "RoutineChecks", "assert_conforms", "check", "check_expected", "checks_asked", "checks_for", "conformance",
+    "every_check", "own_solvers", "projection", "violation",
 ]  # fmt: skip
 
 _Law = Criterion | str | Path | None
@@ -229,6 +235,64 @@ def assert_conforms(
     if not report.ok:
         raise AssertionError(str(report))
     return report
+
+
+# -- duhem's own routines ----------------------------------------------------------------------------------------------
+
+
+def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bool = False) -> Update:
+    """duhem's own routine for ``law`` (:func:`duhem.project`); flagged points count as not solved.
+
+    InputError for a law with a flow of its own, which has no such routine.
+    """
+    check_associated(load(law))
+
+    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: Any) -> Step:
+        found = Projector.of(law, stiffness, parameters, method)(trial, pressure, tangent)
+        solved: NDArray[np.bool_] = found.status <= Status.SLIP
+        return Step(found.stress, found.slip, found.multiplier, found.tangent, solved)
+
+    update.__qualname__ = f"projection.{method}"
+    if named := law_as_written(load(law), law):
+        again = f"update = projection({named}, {method!r}, tangent={tangent!r})"
+        names = "from duhem import load\n" if named.startswith("load(") else ""
+        if names or not named.startswith("Criterion("):
+            update.__duhem_import__ = f"{names}from duhem.testing import projection\n\n{again}"  # type: ignore[attr-defined]
+    return update
+
+
+PROMISED = {"cvxpy": 1e-6}  # relative errors in stress of methods that are less accurate than others: the root of a solver's gap
+
+
+def own_solvers(law: Criterion) -> Iterator[tuple[str, Update | str]]:
+    """Yield duhem's own methods by name, each with its routine, or with the reason why it does not take the law.
+
+    InputError for a law with a flow of its own, which none takes.
+    """
+    check_associated(law)
+    check_stateless(law, "a test of single increments")
+    point = admitted_values(law) or {}
+    values = {name: point[name] for name, domain in law.parameters.items() if domain.value is None and name in point}
+    for method in METHODS:
+        try:
+            Projector.of(law, 1.0, values, method)
+        except InputError as reason:
+            yield method, str(reason)
+        else:
+            yield method, _answering(projection(law, method))
+
+
+def _answering(routine: Update) -> Update:
+    """The routine, which says of parameters at which its method does not apply that they are not solved."""
+
+    @wraps(routine)
+    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Any:
+        try:
+            return routine(trial, pressure, stiffness, **parameters)
+        except InputError:
+            return Step(np.full_like(trial, np.nan), solved=np.zeros(len(trial), dtype=np.bool_))
+
+    return update
 
 
 # -- what a campaign asks of each of its rows --------------------------------------------------------------------------

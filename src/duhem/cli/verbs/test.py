@@ -243,8 +243,8 @@ def _routines(
 ) -> tuple[dict[str, Routine], dict[str, str]]:
     """What is tested, by the name it is shown under; of the methods of duhem that do not take a law, why they do not."""
     from duhem.law.catalogue import load_formula
+    from duhem.testing.conformance import PROMISED, own_solvers
     from duhem.testing.drawn.options import ACCURACY
-    from duhem.testing.routines.routine import PROMISED, own_solvers
     from duhem.testing.run import ConformanceRun
 
     values = {name: float(value) for name, value in read_settings(settings).items()} if own else {}

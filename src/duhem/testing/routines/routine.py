@@ -1,4 +1,4 @@
-"""The routine under test: what it is given, may answer and must not spoil, adapters for other shapes of routine, and duhem's own.
+"""The routine under test: what it is given, may answer and must not spoil, and adapters for other shapes of routine.
 
 Its origin, and that of a law, is the Python by which another file has them again, where they have names that it can import.
 """
@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial, wraps
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -24,15 +24,9 @@ from duhem.law.catalogue import file_read, installed, load, load_named, shipped
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.registry import registered
-from duhem.law.state import check_stateless
-from duhem.projection.increment import check_associated
-from duhem.projection.methods import METHODS
-from duhem.projection.projector import Projector
-from duhem.projection.result import Array, Status
-from duhem.proof.facts.formula_subject import admitted_values
+from duhem.projection.result import Array
 
 __all__ = [
-    "PROMISED",
     "FormerAnswers",
     "NoStep",
     "Origin",
@@ -43,14 +37,13 @@ __all__ = [
     "called",
     "changed",
     "from_displacements",
+    "law_as_written",
     "named",
     "named_after",
     "noticed",
     "origin",
     "overwritten",
-    "own_solvers",
     "pointwise",
-    "projection",
 ]
 
 
@@ -158,27 +151,6 @@ def from_displacements(step: Callable[..., ArrayLike]) -> Update:
     return named_after(update, step, "from_displacements")
 
 
-def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bool = False) -> Update:
-    """duhem's own routine for ``law`` (:func:`duhem.project`); flagged points count as not solved.
-
-    InputError for a law with a flow of its own, which has no such routine.
-    """
-    check_associated(load(law))
-
-    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: Any) -> Step:
-        found = Projector.of(law, stiffness, parameters, method)(trial, pressure, tangent)
-        solved: NDArray[np.bool_] = found.status <= Status.SLIP
-        return Step(found.stress, found.slip, found.multiplier, found.tangent, solved)
-
-    update.__qualname__ = f"projection.{method}"
-    if named := law_as_written(load(law), law):
-        again = f"update = projection({named}, {method!r}, tangent={tangent!r})"
-        names = "from duhem import load\n" if named.startswith("load(") else ""
-        if names or not named.startswith("Criterion("):
-            update.__duhem_import__ = f"{names}from duhem.testing import projection\n\n{again}"  # type: ignore[attr-defined]
-    return update
-
-
 def named_after(update: Update, step: Callable[..., Any], adapter: str) -> Update:
     """Return an adapted routine with the name of what it adapts, and the Python that makes it again."""
     update.__name__, update.__wrapped__ = getattr(step, "__name__", "update"), step  # type: ignore[attr-defined]
@@ -197,40 +169,6 @@ def called(
     pairs = {"trial": (given[0], trial), "pressure": (given[1], pressure), "stiffness": (given[2][None], stiffness[None])}
     said = noticed(pairs, answered, len(trial), partial(_parts, answer))
     return step if said is None else replace(step, overwritten=said)
-
-
-PROMISED = {"cvxpy": 1e-6}  # relative errors in stress of methods that are less accurate than others: the root of a solver's gap
-
-
-def own_solvers(law: Criterion) -> Iterator[tuple[str, Update | str]]:
-    """Yield duhem's own methods by name, each with its routine, or with the reason why it does not take the law.
-
-    InputError for a law with a flow of its own, which none takes.
-    """
-    check_associated(law)
-    check_stateless(law, "a test of single increments")
-    point = admitted_values(law) or {}
-    values = {name: point[name] for name, domain in law.parameters.items() if domain.value is None and name in point}
-    for method in METHODS:
-        try:
-            Projector.of(law, 1.0, values, method)
-        except InputError as reason:
-            yield method, str(reason)
-        else:
-            yield method, _answering(projection(law, method))
-
-
-def _answering(routine: Update) -> Update:
-    """The routine, which says of parameters at which its method does not apply that they are not solved."""
-
-    @wraps(routine)
-    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Any:
-        try:
-            return routine(trial, pressure, stiffness, **parameters)
-        except InputError:
-            return Step(np.full_like(trial, np.nan), solved=np.zeros(len(trial), dtype=np.bool_))
-
-    return update
 
 
 # -- what a routine must not spoil --------------------------------------------------------------------------------------
