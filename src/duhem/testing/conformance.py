@@ -50,7 +50,7 @@ _Law = Criterion | str | Path | None
 
 
 def checks_for(law: _Law, *, associated: bool = False) -> tuple[Check, ...]:
-    """The checks a routine for ``law`` has to pass; those that only some laws satisfy are asked for by name.
+    """Return the checks that a routine for ``law`` has to pass; those that only some laws satisfy run only if you name them.
 
     For None, those that need no law; ``associated``, with those that only associated laws, and some only those without
     hardening, satisfy.
@@ -84,7 +84,7 @@ def _named(name: str, of_a_law: bool, of_states: bool = False, where: str = "") 
 def checks_asked(
     law: _Law, checks: Iterable[Check | str] | Check | str | None, of_states: bool = False, where: str = ""
 ) -> tuple[Check, ...]:
-    """The checks that ``checks`` name, of a law or of none; all that are demanded where left out.
+    """Return the checks that ``checks`` name, of a law or of none; without ``checks``, return all that are demanded.
 
     InputError for one that there is not, for what names none, and where none is asked for: nothing would be tested.
     """
@@ -106,7 +106,7 @@ def checks_asked(
 
 
 def check_expected(law: _Law, expected: Mapping[str, str] | None, of_states: bool = False, where: str = "") -> None:
-    """InputError unless it maps names of checks to the reasons why they fail."""
+    """Raise InputError unless ``expected`` maps names of checks to the reasons why they fail."""
     if expected is None:
         return
     if not isinstance(expected, Mapping) or not all(isinstance(each, str) for pair in expected.items() for each in pair):
@@ -127,7 +127,7 @@ def violation(
     parameters: Mapping[str, Any] | None = None,
     state: Places | None = None,
 ) -> str | None:
-    """What is wrong with the routine's answer to one case by one check, or None; ``open_parameters`` are passed to it by name.
+    """Return what one check finds wrong with the routine's answer to one case, or None; ``open_parameters`` are passed to it by name.
 
     ``parameters`` and ``state`` are those with which a material is held to a law (:func:`conformance`).
     """
@@ -214,7 +214,7 @@ def conformance(
 
 
 def _loaded(law: _Law, update: Update | Material) -> Criterion | None:
-    """The law, or None.  InputError for one with a state where the routine keeps none."""
+    """Return the law, or None.  Raise InputError for a law with a state if the routine keeps none."""
     if law is None or isinstance(update, Material):
         return None if law is None else load_formula(law)
     if isinstance(known := load(law), Criterion):
@@ -230,7 +230,7 @@ def assert_conforms(
     most_flagged: float = 0.0,
     **options: Any,
 ) -> Report:
-    """:func:`conformance`, raising AssertionError with the shrunk cases if a check fails or more than ``most_flagged`` is flagged."""
+    """Run :func:`conformance`; raise AssertionError with the shrunk cases if a check fails or more than ``most_flagged`` is flagged."""
     report = conformance(law, update, parameters, most_flagged=most_flagged, **options)
     if not report.ok:
         raise AssertionError(str(report))
@@ -241,7 +241,7 @@ def assert_conforms(
 
 
 def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bool = False) -> Update:
-    """duhem's own routine for ``law`` (:func:`duhem.project`); flagged points count as not solved.
+    """Return duhem's own routine for ``law`` (:func:`duhem.project`); flagged points count as not solved.
 
     InputError for a law with a flow of its own, which has no such routine.
     """
@@ -283,7 +283,7 @@ def own_solvers(law: Criterion) -> Iterator[tuple[str, Update | str]]:
 
 
 def _answering(routine: Update) -> Update:
-    """The routine, which says of parameters at which its method does not apply that they are not solved."""
+    """Return the routine, which flags increments as not solved at parameters to which its method does not apply."""
 
     @wraps(routine)
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Any:
@@ -318,7 +318,7 @@ class _NoMemory(BaseException):
 
 @dataclass(frozen=True)
 class RoutineChecks:
-    """The conformance of one routine to the law of each row, for ``duhem.campaign(..., ask=RoutineChecks(update))``.
+    """This asks whether one routine conforms to the law of each row: ``duhem.campaign(..., ask=RoutineChecks(update))``.
 
     ``routine`` is what :func:`duhem.testing.conformance` takes, in a module that another process can import, or its name
     ``module:callable``, which goes to those processes in its place.  A value that the row fixes goes to it too, by name, where it has an
@@ -363,7 +363,7 @@ class RoutineChecks:
 
     @property
     def options(self) -> tuple[str, ...]:
-        """What the command line names beside the campaign."""
+        """The options that the command line names beside the campaign."""
         return (f"--routine={self._named()}",)
 
     @property
@@ -387,7 +387,7 @@ class RoutineChecks:
         return found
 
     def answers(self, law: Law) -> Iterator[_Line]:
-        """A line for each name; InputError where the law cannot be asked."""
+        """Return a line for each name; raise InputError where the law cannot be asked."""
         began = monotonic()
         try:
             with _own_constants_left_out():
@@ -406,7 +406,7 @@ class RoutineChecks:
             yield name, verdict, None, None, None if said is None else json.dumps(said), report.points, each
 
     def _of(self, name: str, report: Report) -> tuple[str, dict[str, Any] | None]:
-        """The verdict on a check, and what there is to say of it."""
+        """Return the verdict on a check, and the text beside it."""
         if name == _SOLVED and report.points == 0:
             return "not_applicable", {"reason": "no increment was answered"}
         if name == _SOLVED:

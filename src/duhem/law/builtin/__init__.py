@@ -1,1 +1,1 @@
-"""Built-in laws, one per file; a file placed here is a law of the catalogue."""
+"""Built-in laws, one per file: criterion files, and Python for a law that such a file cannot state.  A new file here is a new law."""

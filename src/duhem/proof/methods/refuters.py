@@ -83,7 +83,7 @@ _DISSIPATION = "force . flow < 0 at the boundary point between `inside` and `out
 
 
 def _of_k(subject: FormulaSubject, detail: str) -> str:
-    """The detail, with what K is where the law has none of its own."""
+    """Return the detail; for a law without a K of its own it says which set K is."""
     return f"with K = {{Phi* <= {subject.law.forces[-1]}}}: {detail}" if subject.of.viscous else detail
 
 
@@ -91,14 +91,14 @@ def _of_k(subject: FormulaSubject, detail: str) -> str:
 
 
 def origin_at_parameters(subject: FormulaSubject) -> Evidence | None:
-    """Parameters at which g(0) > 0."""
+    """Refute by parameters at which g(0) > 0."""
     hint = None if subject.at_origin is None else subject.ask(-subject.at_origin, Sense.NONNEGATIVE).point
     found = (origin_outside(subject, parameters) for parameters in subject.choices(40, [hint] if hint else []))
     return Evidence.refuted_by(found, "witness-point", _of_k(subject, "zero force is outside K"))
 
 
 def origin_undefined(subject: FormulaSubject) -> Evidence | None:
-    """Why it stays open: g has no value at zero force."""
+    """Say that the claim stays open because g has no value at zero force."""
     said = undefined_at_zero(subject)
     return Evidence(Verdict.UNDECIDED, "none", said) if said else None
 
@@ -108,65 +108,65 @@ def origin_undefined(subject: FormulaSubject) -> Evidence | None:
 
 
 def _refuted(subject: FormulaSubject, suggested: Iterable[Chord], touching: bool = False) -> Evidence | None:
-    """By the first chord that passes the exact check."""
+    """Refute by the first suggested chord that passes the exact check."""
     found = (chord(subject, *one, touching) for one in suggested)
     return Evidence.refuted_by(found, "witness-chord", _of_k(subject, "a chord between two points of K leaves K"))
 
 
 def convexity_by_scouting(subject: FormulaSubject, choices: int = 6, steps: int | None = None) -> Evidence | None:
-    """At a few parameter choices."""
+    """Try sampled chords at a few choices of the parameters."""
     from duhem.proof.search.long_chords import sampled_chords
 
     return _refuted(subject, sampled_chords(subject, choices, steps))
 
 
 def convexity_by_thorough_scouting(subject: FormulaSubject) -> Evidence | None:
-    """At many parameter choices, but for a few seconds: by then no rule has proved it, and more effort is to be asked for."""
+    """Try sampled chords at many choices of the parameters, for a few seconds at most, because no rule has proved the claim by then."""
     return convexity_by_scouting(subject, 60, int(_SAMPLING * subject.effort))
 
 
 def convexity_at_far_points(subject: FormulaSubject) -> Evidence | None:
-    """From where a ball in a maximum lies farthest along a load."""
+    """Try chords from the point where a ball in a maximum lies farthest along a load."""
     from duhem.proof.search.long_chords import chords_from_far_points
 
     return _refuted(subject, chords_from_far_points(subject), touching=True)
 
 
 def convexity_between_exact_rays(subject: FormulaSubject) -> Evidence | None:
-    """Between points of faces, edges or whiskers of K that no sample meets."""
+    """Try chords between points of faces, edges or whiskers of K that no sample meets."""
     from duhem.proof.search.long_chords import chords_between_exact_rays
 
     return _refuted(subject, chords_between_exact_rays(subject))
 
 
 def convexity_beside_edges(subject: FormulaSubject) -> Evidence | None:
-    """Where g rises beside an edge a little less than in proportion, as powers a little below 1 do."""
+    """Try chords beside an edge where g rises a little less than in proportion, as powers a little below 1 do."""
     from duhem.proof.search.precise_chords import chords_beside_edges
 
     return _refuted(subject, chords_beside_edges(subject))
 
 
 def convexity_at_clear_dents(subject: FormulaSubject, thorough: bool = False) -> Evidence | None:
-    """Where the boundary of a polynomial law bends outward in one of many directions."""
+    """Try chords where the boundary of a polynomial law bends outward in one of many directions."""
     from duhem.proof.search.dents import chords_across_dents
 
     return _refuted(subject, chords_across_dents(subject, 24, thorough))
 
 
 def convexity_at_deepest_dents(subject: FormulaSubject) -> Evidence | None:
-    """Where the boundary of a polynomial law bends outward most, however little."""
+    """Try chords where the boundary of a polynomial law bends outward most, however little."""
     return convexity_at_clear_dents(subject, thorough=True)
 
 
 def convexity_at_dents(subject: FormulaSubject) -> Evidence | None:
-    """Where the boundary of any law bends outward most, between its kinks."""
+    """Try chords where the boundary of any law bends outward most, between its kinks."""
     from duhem.proof.search.dents import chords_across_smooth_dents
 
     return _refuted(subject, chords_across_smooth_dents(subject))
 
 
 def convexity_at_seams(subject: FormulaSubject) -> Evidence | None:
-    """Where the boundary crosses a seam with a kink inward, a chord across it (two forces)."""
+    """Try chords across a seam at which the boundary has a kink inward (two forces)."""
     if len(subject.simple.forces) != 2 or subject.pieces is None or len(subject.pieces) < 2:
         return None
     from duhem.proof.search.precise_chords import kink_chords
@@ -175,12 +175,12 @@ def convexity_at_seams(subject: FormulaSubject) -> Evidence | None:
 
 
 def energy_at_bends(subject: FormulaSubject) -> Evidence | None:
-    """Where the second derivative of an energy along some direction is < 0: a chord of its epigraph along that."""
+    """Try chords of the epigraph of an energy along a direction in which its second derivative is < 0."""
     return None if subject.of.energy is None else _bent(subject, subject, "psi", _SAGS, _HEIGHTS)
 
 
 def energy_in_temperature(subject: FormulaSubject) -> Evidence | None:
-    """Where the second derivative of an energy by the temperature is > 0: a chord of the epigraph of -psi along that."""
+    """Try chords of the epigraph of -psi along the temperature where the second derivative of psi by it is > 0."""
     if (heated := epigraph(subject.of, of_heat=True)) is None:
         return None
     along = FormulaSubject(heated, subject.effort, of=subject.of)
@@ -189,7 +189,7 @@ def energy_in_temperature(subject: FormulaSubject) -> Evidence | None:
 
 
 def _bent(subject: FormulaSubject, along: FormulaSubject, name: str, detail: str, statement: str) -> Evidence | None:
-    """By the first chord of an epigraph that passes the exact check."""
+    """Refute by the first chord of an epigraph that passes the exact check."""
     from duhem.proof.search.plain_states import chords_across_bends
 
     found = (of_energy(subject, one, name, statement) for ends in chords_across_bends(along) if (one := chord(along, *ends)) is not None)
@@ -197,7 +197,7 @@ def _bent(subject: FormulaSubject, along: FormulaSubject, name: str, detail: str
 
 
 def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
-    """A state at which the derivatives of an energy by an observable and by its slip are two forces."""
+    """Refute by a state at which the derivatives of an energy by an observable and by its slip are two different forces."""
     law, gaps = subject.of, two_forces(subject.of)
     if all(sp.expand(gap) == 0 for gap in gaps.values()):
         return None
@@ -219,7 +219,7 @@ def energy_of_two_forces(subject: FormulaSubject, choices: int = 12) -> Evidence
 
 
 def smoothness_at_corners(subject: FormulaSubject | GraphSubject) -> Evidence | None:
-    """A boundary point on a seam where the one-sided normals differ: in two forces on any seam, in more in some planes."""
+    """Refute by a boundary point on a seam where the one-sided normals differ: for two forces on any seam, for more in some planes."""
     if isinstance(subject, GraphSubject):
         return None if subject.written_out is None else smoothness_at_corners(subject.written_out)
     choices = subject.choices(6 if len(subject.simple.forces) == 2 else 2, _at_least_exponents(subject))
@@ -228,7 +228,7 @@ def smoothness_at_corners(subject: FormulaSubject | GraphSubject) -> Evidence | 
 
 
 def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
-    """An exact boundary point to which K narrows: the tip of a cone, of a drop, a cusp; a saddle of g."""
+    """Refute by an exact boundary point to which K narrows: the tip of a cone or of a drop, a cusp, or a saddle of g."""
     from duhem.proof.search.corners import centred_choices, sharp_points  # numpy, only when something is looked for
 
     choices = subject.choices(1, [*_at_least_exponents(subject), *centred_choices(subject)])
@@ -237,7 +237,7 @@ def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
 
 
 def _at_least_exponents(subject: FormulaSubject) -> list[Values]:
-    """The plainest choices with each exponent at its least value, where |x|^a may have a kink."""
+    """Return the plainest choices with each exponent at its least value, at which |x|^a may have a kink."""
     exponents = {x for power in subject.simple.g.atoms(sp.Pow) for x in power.exp.free_symbols}
     least = {x: fraction(own.low) for x in exponents if (own := subject.law.parameters.get(x.name)) and own.low is not None}
     found = ({**plain, **least} for plain in itertools.islice(subject.choices(_PLAIN), _PLAIN if least else 0))
@@ -245,7 +245,7 @@ def _at_least_exponents(subject: FormulaSubject) -> list[Values]:
 
 
 def _not_smooth(subject: FormulaSubject, found: Iterable[Witness | None], method: str, detail: str) -> Evidence | None:
-    """By the first that lies well within the law's ranges."""
+    """Refute by the first witness that lies well within the ranges of the law."""
     within = (one for one in found if one is not None and subject.may_refute("smoothness", one.points.values()))
     return Evidence.refuted_by(within, method, _of_k(subject, detail))
 
@@ -265,7 +265,7 @@ def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionC
 
 
 def normality_at_chord(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
-    """Associated flow on a non-convex K: where a chord from p to q leaves K, the normal there points towards one of them."""
+    """Refute normality of an associated flow if K is not convex: where a chord leaves K, the normal points towards one end of it."""
     left = settled["convexity"].witness
     if not subject.problem.associated or left is None:
         return None
@@ -289,7 +289,7 @@ def _leans(
     statement: str,
     measures: Callable[[EnclosedPoint], dict[str, float]] = lambda point: {},
 ) -> Witness | None:
-    """Where the boundary crosses a segment the ``vector`` points towards the target."""
+    """Return a witness that the ``vector`` points towards the target where the boundary crosses a segment."""
 
     def lean(point: EnclosedPoint) -> sp.Expr | None:
         found, forces = vector(subject, point), subject.simple.forces
@@ -299,19 +299,19 @@ def _leans(
 
 
 def _beside(n: int) -> list[int]:
-    """Whole numbers of many sizes: beside 0 along them few kinks are met, along all of which both ends of a chord may lie."""
+    """Return whole numbers of many sizes: a point beside 0 in this direction lies on few kinks."""
     return [(-1) ** (i // 2) * (1 + i * i % 7 + 10 * i) for i in range(n)]
 
 
 def _centre(subject: FormulaSubject, parameters: Values) -> Iterator[Point]:
-    """A point well inside K; the ends of a chord may lie on its boundary, with no way into K between them."""
+    """Yield points well inside K, for the ends of a chord may lie on its boundary, with no way into K between them."""
     from duhem.proof.search.boundary_points import scouts
 
     yield from (exit.inside for scout in scouts(subject, 6) if scout.parameters == parameters for exit in scout.towards_zero_force())
 
 
 def _read(subject: FormulaSubject, left: Witness) -> tuple[Values, Point, Point, Point]:
-    """The parameters, the ends and the midpoint of a chord that leaves K."""
+    """Return the parameters, the ends and the midpoint of a chord that leaves K."""
     table, simple = subject.law.symbols(), subject.simple
     parameters = {table[name]: Fraction(value) for name, value in left.parameters.items() if table[name] in simple.parameters}
     if simple.magnitude is not None and simple.magnitude in simple.parameters:
@@ -321,7 +321,7 @@ def _read(subject: FormulaSubject, left: Witness) -> tuple[Values, Point, Point,
 
 
 def normality_at_points(subject: FormulaSubject, choices: int = 12, near: bool = True) -> Evidence | None:
-    """A boundary point whose flow points towards another point of K, the worst direction first.
+    """Refute by a boundary point whose flow points towards another point of K; the worst direction is tried first.
 
     The other point is first sought all along the boundary, then it is zero force, towards which a flow of negative power
     points, then (if ``near``) close by, at the scale of the deviation itself; at so many choices of the parameters.
@@ -341,7 +341,7 @@ def normality_at_points(subject: FormulaSubject, choices: int = 12, near: bool =
 
 
 def _on_the_boundary(subject: FormulaSubject, scout: BoundaryScout) -> Iterator[tuple[Exit, Point]]:
-    """Targets close by as points that are surely in K."""
+    """Yield targets close by, as points that are surely in K."""
     for exit, turned in scout.near_targets():
         if found := enclosed(subject, *turned, 80):
             yield exit, found.inside
@@ -352,7 +352,7 @@ def _leans_towards(subject: FormulaSubject, exit: Exit, target: Point) -> Witnes
 
 
 def _angles(subject: FormulaSubject, point: EnclosedPoint) -> dict[str, float]:
-    """Deviation of the flow from the normal at the enclosed point, and the flow's own angle (two forces), in degrees."""
+    """Return by how many degrees the flow leaves the normal at the enclosed point and, for two forces, the angle of the flow."""
     normal, flow = enclosed_normal(subject, point), enclosed_flow(subject, point)
     if normal is None or flow is None:
         return {}
@@ -366,7 +366,7 @@ def _angles(subject: FormulaSubject, point: EnclosedPoint) -> dict[str, float]:
 
 
 def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
-    """A boundary point where force . flow < 0, at so many choices of the parameters."""
+    """Refute by a boundary point where force . flow < 0, at so many choices of the parameters."""
     from duhem.proof.search.boundary_points import scouts
 
     def power(point: EnclosedPoint) -> sp.Expr | None:
@@ -380,31 +380,31 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
 
 
 def dissipation_in_states(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
-    """A state in which the forces that its energy gives dissipate less than 0: rates without a multiplier in K, or the flow on g = 0."""
+    """Refute by a state whose forces dissipate less than 0 with the rates without a multiplier in K, or with the flow on g = 0."""
     ways = spent_in_states(subject.of, subject.problem.compressed)
     found = (_spent_less(subject, way, "sum of Y . rate", _FLOW_OF_STATE if way.on_it else _RATES, choices) for way in ways)
     return Evidence.refuted_by(found, "witness-state", "in an admissible state less than 0 is dissipated")
 
 
 def heat_uphill(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
-    """Temperatures at which the heat of the bodies dissipates less than 0."""
+    """Refute by temperatures at which the heat of the bodies dissipates less than 0."""
     found = _spent_less(subject, heat_in_states(subject.of, subject.problem.compressed), "D_th", _UPHILL, choices)
     return Evidence.refuted_by([found], "witness-state", "heat flows from the colder to the warmer")
 
 
 def without_k(subject: RateSubject) -> Evidence:
-    """Claims about K are not asked of forces that are functions of the rates."""
+    """Answer that a claim about K does not apply to forces that are functions of the rates."""
     detail = "the law gives forces as functions of the rates, so it has no K; what is claimed of them is normality and dissipation"
     return Evidence(Verdict.NOT_APPLICABLE, "none", detail)
 
 
 def dissipation_of_rates(subject: RateSubject) -> Evidence:
-    """Rates at which force . rate < 0."""
+    """Refute by rates at which force . rate < 0."""
     return _of_rates(subject, 0, "force . rate", _NEGATIVE, "at these rates less than 0 is dissipated")
 
 
 def normality_of_rates(subject: RateSubject) -> Evidence:
-    """Two rates from one to the other of which the forces decrease: they derive from no convex potential."""
+    """Refute by two rates between which the forces decrease, so that they derive from no convex potential."""
     return _of_rates(subject, 1, "(force - force of the other) . (rate - rate of the other)", _FALLS, "the forces decrease with the rate")
 
 
@@ -416,7 +416,7 @@ def _of_rates(subject: RateSubject, which: int, name: str, statement: str, detai
 
 
 def _spent_less(subject: FormulaSubject, spent: Spent, name: str, statement: str, choices: int) -> Witness | None:
-    """A state in which that is certainly < 0; what it does not depend on is as the parameters are chosen."""
+    """Refute by a state in which the quantity is certainly < 0; values that it does not depend on are those of the chosen parameters."""
     from duhem.proof.search.plain_states import plain_states, states_of_negative
 
     formulas = [e for e in (spent.power, spent.bound) if e is not None]
@@ -439,21 +439,21 @@ def _spent_less(subject: FormulaSubject, spent: Spent, name: str, statement: str
 
 
 def convexity_by_sampling(subject: FormulaSubject) -> Evidence | None:
-    """Between how many boundary points, of how many parameter choices, chords were tried in vain; None where none were."""
+    """Say between how many boundary points, at how many choices of the parameters, chords were tried in vain; None if there were none."""
     from duhem.proof.search.long_chords import looked_between
 
     return _tested("no chord was found that leaves K between", looked_between(subject))
 
 
 def normality_by_sampling(subject: FormulaSubject) -> Evidence | None:
-    """Of an associated law it is the convexity of K."""
+    """Say where the slip was looked at in vain; for an associated law, say it of the chords, because normality is convexity there."""
     if subject.problem.associated:
         return convexity_by_sampling(subject)
     return _flow(subject, "the slip leans towards another point of K", lambda scout: scout.seem_to_lean_inward())
 
 
 def dissipation_by_sampling(subject: FormulaSubject) -> Evidence | None:
-    """At how many boundary points, of how many parameter choices, the slip was looked at in vain; None where none were found.
+    """Say at how many boundary points, at how many choices of the parameters, the slip was looked at in vain; None if none were found.
 
     None too where no state may have the forces that would be looked at.
     """
@@ -487,13 +487,13 @@ _NEGATIVE_WEIGHT = re.compile(rf"-\s*(?P<number>{DECIMAL})\)?\s*\*\s*(?P<of>[^\W
 
 
 def origin_of_graph(subject: GraphSubject) -> Evidence | None:
-    """Parameters at which g(0) > 0."""
+    """Refute by parameters at which g(0) > 0."""
     found = (origin_outside(subject, parameters) for parameters in subject.choices(_CHOICES))
     return Evidence.refuted_by(found, "witness-point", "zero force is outside K")
 
 
 def convexity_of_graph(subject: GraphSubject) -> Evidence | None:
-    """A chord that leaves K."""
+    """Refute by a chord that leaves K."""
     from duhem.proof.search.graph_chords import graph_chords
 
     found = (chord(subject, values, *ends) for values in subject.choices(_CHOICES) for ends in graph_chords(subject, values))
@@ -501,7 +501,7 @@ def convexity_of_graph(subject: GraphSubject) -> Evidence | None:
 
 
 def convexity_of_graph_left_open(subject: GraphSubject) -> Evidence | None:
-    """Which weight is negative, where one is, so that convexity does not follow from the structure of a network."""
+    """Say which weight of a network is negative, if one is, so that convexity does not follow from its structure."""
     graph = subject.law.graph
     nodes = () if graph is None else (*graph.nodes, ("g", graph.last))
     curved = set[str]()  # of words, or of what is
@@ -516,5 +516,5 @@ def convexity_of_graph_left_open(subject: GraphSubject) -> Evidence | None:
 
 
 def duality_of_graph_left_out(_: GraphSubject) -> Evidence:
-    """There is no closed form to ask about."""
+    """Answer that there is no closed form to ask about."""
     return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", "g is kept as a graph, and no closed form is looked for of one")

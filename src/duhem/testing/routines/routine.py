@@ -86,7 +86,7 @@ class Unfinished(DuhemError):
 
 
 class NoStep(Exception):
-    """What a routine returned can be read neither as a stress nor as a :class:`Step`."""
+    """This is raised where the answer of a routine is neither a stress nor a :class:`Step`."""
 
 
 def _as_step(answer: Any) -> Step:
@@ -113,7 +113,7 @@ def _parts(answer: Any) -> Mapping[str, Any]:
 
 
 def pointwise(step: Callable[..., Any]) -> Update:
-    """A routine for one increment, ``step(trial (d,), pressure, stiffness (d, d), **parameters) -> stress (d,) or Step``, for many."""
+    """Adapt a routine for one increment, ``step(trial (d,), pressure, stiffness (d, d), **parameters) -> stress (d,) or Step``, to many."""
 
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
         loads = [None] * len(trial) if pressure is None else pressure.tolist()
@@ -135,7 +135,7 @@ def pointwise(step: Callable[..., Any]) -> Update:
 
 
 def from_displacements(step: Callable[..., ArrayLike]) -> Update:
-    """A routine ``step(u (N, d), u_in (N, d), pressure, stiffness, **parameters) -> u_in (N, d)`` at the end of the increment.
+    """Adapt a routine ``step(u (N, d), u_in (N, d), pressure, stiffness, **parameters) -> u_in (N, d)`` at the end of the increment.
 
     It is given a former slip that is not zero, u_in = the elastic displacement with its components reversed: a routine
     that forgets what has slipped before is found out.
@@ -162,7 +162,7 @@ def named_after(update: Update, step: Callable[..., Any], adapter: str) -> Updat
 def called(
     update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array, answered: FormerAnswers
 ) -> Step:
-    """What a routine answers, called on copies, and which of them, or of what it has ``answered`` before, it has overwritten."""
+    """Call a routine on copies; return its answer, with the names of the copies and former answers that it has overwritten."""
     given = trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy()
     answer = update(*given, **values)
     step = _as_step(answer)
@@ -190,7 +190,7 @@ def overwritten(found: Mapping[str, NDArray[np.bool_]]) -> Overwritten | None:
 
 
 def noticed(pairs: Mapping[str, tuple[Any, Any]], answered: FormerAnswers, count: int, parts: _Parts) -> Overwritten | None:
-    """What a call for ``count`` increments has overwritten: arrays that are not as they were, of pairs by name, and former answers.
+    """Return what a call for ``count`` increments has overwritten: arrays of ``pairs`` that have changed, and former answers.
 
     An array of one row is that of all increments; ``parts`` reads what was answered (:meth:`FormerAnswers.spoilt`).
     """
@@ -268,12 +268,12 @@ class Origin:
 
 
 def origin(update: Any, law: Criterion | None, given: Any) -> Origin:
-    """That of a routine and of the law it was tested with, as it was ``given``."""
+    """Return the origin of a routine and of the law that it was tested with, as the law was ``given``."""
     return Origin(made_by(update), _folder(_defined(update)), "None" if law is None else law_as_written(law, given))
 
 
 def made_by(update: Any) -> str:
-    """Lines of Python that bind ``update`` to the routine: what it carries as ``__duhem_import__``, or an import by name, or ''."""
+    """Return lines of Python that bind ``update`` to the routine: its ``__duhem_import__``, or an import by name, or ''."""
     said = getattr(update, "__duhem_import__", None)
     if said is not None:
         return str(said)
@@ -291,21 +291,21 @@ def made_by(update: Any) -> str:
 
 
 def _called(update: Any) -> Any:
-    """What a partial application calls; else the routine itself."""
+    """Return the routine that a partial application calls, or the routine itself."""
     while isinstance(update, partial):
         update = update.func
     return update
 
 
 def _defined(update: Any) -> Any:
-    """The routine inside, where it is wrapped or partly applied."""
+    """Return the routine inside, if it is wrapped or partly applied."""
     while hasattr(inner := _called(update), "__wrapped__"):
         update = inner.__wrapped__
     return inner
 
 
 def _folder(update: Any) -> str:
-    """The folder that has to be on the path to import the routine's module; '' where the module is installed."""
+    """Return the folder that must be on the path to import the routine's module; '' if the module is installed."""
     module = sys.modules.get(getattr(update, "__module__", None) or "")
     file = getattr(module, "__file__", None)
     if module is None or file is None or module.__name__ == "__main__":
@@ -316,7 +316,7 @@ def _folder(update: Any) -> str:
 
 
 def law_as_written(law: Criterion, given: Any = None) -> str:
-    """Python for a law: its name or file, with the values it fixes, or its formula where that reads as the same law; else ''."""
+    """Return Python for a law: its name or file with the values it fixes, or its formula if that reads as the same law, or ''."""
     with suppress(InputError):
         if (known_by := _known_by(given)) is not None:
             return _fixed(known_by, load(known_by), law)
@@ -332,7 +332,7 @@ def law_as_written(law: Criterion, given: Any = None) -> str:
 
 
 def _known_by(given: Any) -> str | None:
-    """What another process loads a law by: a name, ``module:attribute``, or the whole path of a file; None where there is no such thing."""
+    """Return a name, ``module:attribute`` or a whole path by which another process loads the law; None if there is none."""
     if isinstance(given, Path):
         return str(given.resolve())
     if not isinstance(given, str):
@@ -345,7 +345,7 @@ def _known_by(given: Any) -> str | None:
 
 
 def _fixed(name: str, known: Any, law: Criterion) -> str:
-    """The known law, with the parameters fixed that the other one fixes."""
+    """Return Python for the known law, with the parameters fixed that the other law fixes."""
     values = {n: str(d.value) for n, d in law.parameters.items() if d.value is not None and known.parameters[n].value is None}
     return f"load({name!r}).fix({values!r})" if values else repr(name)
 
@@ -364,7 +364,7 @@ def _same(known: Any, law: Criterion) -> bool:
 
 
 def named(update: Any) -> str:
-    """Module and name of a routine, as it says itself; of the routine inside, where it is wrapped."""
+    """Return the module and the name of a routine, or of the routine inside if it is wrapped."""
     update = _defined(update)
     name = getattr(update, "__qualname__", type(update).__qualname__)
     return f"{getattr(update, '__module__', '')}.{name}"
