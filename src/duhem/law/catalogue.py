@@ -51,7 +51,7 @@ def installed(name: str) -> bool:
     if (known := registered().get(name)) is None:
         return shipped(name) or name in _added()
     own = _built_in().get(name)
-    module = f"duhem.law.builtin.{own.stem}" if own else _added()[name].value.partition(":")[0] if name in _added() else ""
+    module = _module(own) if own else _added()[name].value.partition(":")[0] if name in _added() else ""
     return module in sys.modules and any(each is known for each in vars(sys.modules[module]).values())
 
 
@@ -171,10 +171,15 @@ def _built_in() -> Mapping[str, Path]:
     return {file.stem.replace("_", "-"): file for file in found}
 
 
+def _module(file: Path) -> str:
+    """Return the module of a law that is Python."""
+    return f"duhem.law.builtin.{file.stem}"
+
+
 @cache
 def _read_once(name: str, file: Path) -> Law:
     if file.suffix == ".py":
-        import_module(f"duhem.law.builtin.{file.stem}")
+        import_module(_module(file))
         return registered()[name]
     from duhem.law.formula_law import Criterion
     from duhem.law.shapes import BUILT_IN
