@@ -13,8 +13,8 @@ from itertools import combinations
 import sympy as sp
 
 from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.dents import Dent
-from duhem.proof.kernel.forms import principal_minors, quadratic
+from duhem.proof.kernel.dents import Dent, form_of
+from duhem.proof.kernel.forms import principal_minors
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, replaced
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -43,9 +43,7 @@ def _sums(names: Sequence[str]) -> Iterator[sp.Expr]:
 
 def _minors(law: StatedLaw) -> Iterator[sp.Expr]:
     with suppress(*UNREADABLE):
-        domain = over(law)
-        matrix = quadratic(law.g, law.forces, domain)[0]
-        for _, minor in principal_minors(matrix, domain, _MOST_MINORS):
+        for _, minor in principal_minors(form_of(law), over(law), _MOST_MINORS):
             with suppress(NotWritten):
                 yield sp.fraction(sp.together(_expression(minor)))[0]
 
