@@ -112,8 +112,8 @@ def _named(law: Criterion, parameters: str | Iterable[str] | None, over: Mapping
 def shape_parameters(law: Criterion, claim: str = "convexity") -> tuple[str, ...]:
     """The free parameters that no change of units absorbs (Buckingham's pi theorem); of a law of scales alone, all that are free.
 
-    Where these are several, and convexity is asked of a g that is quadratic or has a quadratic form under its only root: those that this form
-    depends on, if they are few.
+    Where these are several, and convexity is asked of a g that is quadratic or has a quadratic form under its only root: those on which
+    this form depends, if they are few.
     """
     free = tuple(name for name, own in law.parameters.items() if own.value is None and name not in law.variables)
     scales = _absorbed(law)

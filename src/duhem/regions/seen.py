@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from duhem.expression.elementary import ELEMENTARY, array_function
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import FAMILIES, Dent, dents, form_of
 from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.polynomial import Polynomial

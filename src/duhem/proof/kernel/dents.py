@@ -180,8 +180,8 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
     f(v) = 0 leaves it c x^4 alone; else it is k (x^4 + 6 l x^2 y^2 + y^4), l >= 1/3, in coordinates in which its two pairs of roots are
     imaginary and reciprocal, its Hessian at (1, 1) has the sign of 1 - l, and l, 1 and 1 - l^2 are the minors of its matrix.
 
-    Of the root of a quadratic form f and an affine part that is < 0 at zero force these are the minors of f.  If f > 0 somewhere and f(v) < 0,
-    a line through v has two points where f is 0 on either side of v, where g has no value.  Close to zero force K has such two points.
+    Of the root of a quadratic form f and an affine part that is < 0 at zero force these are the minors of f.  If f > 0 somewhere and
+    f(v) < 0, a line through v has two points where f is 0 on either side of v, where g has no value.  Close to zero force K has such two.
     """
     domain, (g, forces) = over(law), (law.g, law.forces)
     g = _under_a_root(g, domain) or g
@@ -214,7 +214,7 @@ def form_of(law: StatedLaw) -> Matrix:
 
 
 def _under_a_root(g: Term, domain: StatedDomain) -> Term | None:
-    """f, if g is a multiple of the root of a quadratic form f and an affine part that is < 0 at zero force, or a constant <= 0; else None."""
+    """f, if g is a multiple of the root of a quadratic form f and an affine part, < 0 at zero force, or a constant <= 0; else None."""
     with suppress(NotWritten):
         parts = by_forces(domain.polynomial(g), domain)
         roots = [x for m in parts for x, _ in m if x.op == "**" and domain.polynomial(x.args[1]) == {(): _HALF}]
