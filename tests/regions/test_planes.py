@@ -25,7 +25,7 @@ from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.recheck import RecheckedRegion
-from duhem.regions import PavedRegion
+from duhem.regions import PavedRegion, told
 from duhem.regions.paving import Paving
 from duhem.show.printing import latex, text
 from tests.long import long_but, mostly_long
@@ -427,6 +427,12 @@ def test_constraints_may_be_what_a_tree_is_not_divided_by(constraint: str) -> No
 def test_parameters_may_be_left_out() -> None:
     assert duhem.region(PLANE).parameters == ("a", "b")
     assert duhem.region(LAWS["root"][0]).parameters == ("r", "q")  # neither the slope nor the strength decides
+    strengths = {name: duhem.POSITIVE for name in ("Xt", "Xc", "Yt", "Yc")}
+    g = "a*(1/Xt - 1/Xc) + b*(1/Yt - 1/Yc) + a**2/(Xt*Xc) + b**2/(Yt*Yc) + f*a*b/sqrt(Xt*Xc*Yt*Yc) - 1"
+    coupled = duhem.Criterion(name="coupled", pressure=None, forces=("a", "b"), g=g, parameters={**strengths, "f": BETWEEN(-3, 3)})
+    assert duhem.region(coupled).sentence == "convexity holds exactly for f >= -2 and f <= 2"
+    assert told(coupled, "convexity", "coupled.toml") == duhem.region(coupled).sentence
+    assert told(coupled, "smoothness", "coupled.toml") == ""  # five parameters
     assert duhem.region("orthotropic").sentence == "convexity holds for all values of the domain"
     many = duhem.Criterion(name="many", pressure=None, forces=("x", "y"), g="x**2 + a*x*y + (1 + b + c + d)*y**2 - 1",
                            parameters=dict.fromkeys("abcd", BETWEEN(0, 1)))  # fmt: skip

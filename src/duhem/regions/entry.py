@@ -17,12 +17,12 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain, simple_points
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
-from duhem.proof.kernel.dents import form_of
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.recheck import document_of
 from duhem.proof.statement import state
 from duhem.regions.asked import MOST_STEPS, constraints_on
+from duhem.regions.boundaries import deciding_parameters
 from duhem.regions.decided import Asked
 from duhem.regions.paved import PavedRegion
 from duhem.regions.paving import Paving
@@ -113,19 +113,19 @@ def shape_parameters(law: Criterion, claim: str = "convexity") -> tuple[str, ...
     """The free parameters that no change of units absorbs (Buckingham's pi theorem); of a law of scales alone, all that are free.
 
     Where these are several, and convexity is asked of a g that is quadratic or has a quadratic form under its only root: those on which
-    this form depends, if they are few.
+    the signs of its minors depend, if they are few.
     """
     free = tuple(name for name, own in law.parameters.items() if own.value is None and name not in law.variables)
     scales = _absorbed(law)
     shape = tuple(name for name in free if name not in scales) or free
-    return (_in_the_form(law, free) if len(shape) > 1 and claim == "convexity" else ()) or shape
+    return (_of_minors(law) if len(shape) > 1 and claim == "convexity" else ()) or shape
 
 
-def _in_the_form(law: Criterion, free: Iterable[str]) -> tuple[str, ...]:
-    """The parameters on which the quadratic form depends whose sign decides whether K is convex; none where they are many."""
+def _of_minors(law: Criterion) -> tuple[str, ...]:
+    """The parameters on which it depends whether the quadratic form in g is >= 0; none where they are many."""
     with suppress(*UNREADABLE):
-        own = {name for line in form_of(cast("StatedLaw", stated(law_as_text(law)))) for x in line for name in x.names()}
-        return names if len(names := tuple(name for name in free if name in own)) <= _MOST_UNNAMED else ()
+        names = deciding_parameters(cast("StatedLaw", stated(law_as_text(law))))
+        return names if len(names) <= _MOST_UNNAMED else ()
     return ()
 
 
@@ -192,7 +192,7 @@ def told(law: Law, claim: str, asked: str) -> str:
     try:
         if not isinstance(law, Criterion) or claim not in _ASKED or len(names := shape_parameters(law, claim)) > _MOST_UNNAMED:
             return ""
-        if len(names) > 2 and names != _in_the_form(law, law.parameters):
+        if len(names) > 2 and names != _of_minors(law):
             return ""
         if {*names} <= {*_absorbed(law)}:
             return ""
