@@ -4,7 +4,7 @@ from functools import partial
 
 import pytest
 
-from duhem import Criterion, Domain
+from duhem import Criterion, Domain, verify
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import refuters
 from tests.long import long_but
@@ -135,3 +135,12 @@ def test_a_corner_is_shown_where_g_jumps(one):
 @pytest.mark.parametrize("one", SMOOTHLY_JOINED)
 def test_a_jump_of_g_alone_is_no_corner(one):
     assert refuters.smoothness_at_corners(FormulaSubject(one())) is None
+
+
+def test_a_root_of_strengths_is_no_polynomial_of_one() -> None:
+    """Tsai and Wu (1971) with a free coupling: the determinant of its matrix has powers Xt^(9/2)."""
+    domains = {**dict.fromkeys(("Xt", "Xc", "Yt", "Yc"), POSITIVE), "f": Domain(low=-3, high=3)}
+    g = "a*(1/Xt - 1/Xc) + b*(1/Yt - 1/Yc) + a**2/(Xt*Xc) + b**2/(Yt*Yc) + f*a*b/sqrt(Xt*Xc*Yt*Yc) - 1"
+    one = Criterion("coupled", g, domains, TWO)
+    (found,) = verify(one, claims="smoothness").results
+    assert found.verdict.value == "refuted" and found.witness is not None and confirmed(one, "smoothness", found.witness)

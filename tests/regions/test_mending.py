@@ -206,6 +206,9 @@ def test_more_forces_no_end_and_zero_outside_are_errors() -> None:
     away = Criterion("away", "1 - norm(x, y) + norm(x, y)**4/10", forces=("x", "y"), pressure=None)
     with pytest.raises(duhem.InputError, match="zero force lies outside K"):
         duhem.mend(away, "hull")
+    wedge = Criterion("wedge", "sqrt(x**2 + y**2 + 3*x*y) - 1", forces=("x", "y"), pressure=None)  # no value in 27 % of the directions
+    with pytest.raises(duhem.InputError, match="K ends at zero force in 27% of the directions"):
+        duhem.mend(wedge)
 
 
 @pytest.mark.slow

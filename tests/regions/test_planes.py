@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -17,9 +18,14 @@ from click.testing import CliRunner
 
 import duhem
 from duhem.cli import cli
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import digest
+from duhem.proof.kernel.dents import dents
+from duhem.proof.kernel.real_root import RealRoot
+from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.recheck import RecheckedRegion
-from duhem.regions import PavedRegion
+from duhem.regions import PavedRegion, told
 from duhem.regions.paving import Paving
 from duhem.show.printing import latex, text
 from tests.long import long_but, mostly_long
@@ -71,6 +77,11 @@ LAWS: dict[str, tuple[duhem.Criterion, tuple[str, ...], str, str, Callable[[Poin
     "hoffman": (
         duhem.load("hoffman"), ("Xt", "Xc", "Yt", "Yc"), "convexity", "4*Xc*Xt - Yc*Yt >= 0",
         lambda at: 4 * at["Xt"] * at["Xc"] >= at["Yt"] * at["Yc"],
+    ),
+    "root": (
+        duhem.Criterion(name="root", pressure=None, forces=("x", "y"), g="2*sqrt(x**2 - 2*r*x*y + q*y**2) + a*(x + y) - s",
+                        parameters={"r": BETWEEN(-2, 2), "q": BETWEEN("1/10", 5), "a": BETWEEN(0, 1), "s": duhem.POSITIVE}),
+        ("r", "q"), "convexity", "q - r**2 >= 0", lambda at: at["r"] ** 2 <= at["q"],
     ),
     "hill": (
         duhem.Criterion(name="cone", forces=("x", "y", "z"), pressure=None, g="F*(y - z)**2 + G*(z - x)**2 + H*(x - y)**2 - 1",
@@ -137,7 +148,7 @@ def beside(region: PavedRegion, holds: Callable[[Point], bool], point: Point, ot
     return [at(low), at(high)]
 
 
-@pytest.mark.parametrize("name", mostly_long(LAWS, "form of two", "shifted", "fibre", "hoffman"))
+@pytest.mark.parametrize("name", mostly_long(LAWS, "form of two", "root", "shifted", "fibre", "hoffman"))
 def test_regions_of_several_parameters_are_exact(name: str) -> None:
     done, (_, names, claim, condition, _) = found(name), LAWS[name]
     assert done.exact and done.open_share == 0 and done.parameters == names and done.claim == claim
@@ -146,7 +157,7 @@ def test_regions_of_several_parameters_are_exact(name: str) -> None:
     assert duhem.recheck(done.certificate()).ok
 
 
-@pytest.mark.parametrize("name", mostly_long(LAWS, "form of two", "shifted", "fibre", "hoffman"))
+@pytest.mark.parametrize("name", mostly_long(LAWS, "form of two", "root", "shifted", "fibre", "hoffman"))
 def test_verdicts_are_those_of_sums_by_hand(name: str) -> None:
     done, holds = found(name), LAWS[name][4]
     drawn = points(done, 60)
@@ -415,12 +426,46 @@ def test_constraints_may_be_what_a_tree_is_not_divided_by(constraint: str) -> No
 
 def test_parameters_may_be_left_out() -> None:
     assert duhem.region(PLANE).parameters == ("a", "b")
+    assert duhem.region(LAWS["root"][0]).parameters == ("r", "q")  # neither the slope nor the strength decides
+    strengths = {name: duhem.POSITIVE for name in ("Xt", "Xc", "Yt", "Yc")}
+    g = "a*(1/Xt - 1/Xc) + b*(1/Yt - 1/Yc) + a**2/(Xt*Xc) + b**2/(Yt*Yc) + f*a*b/sqrt(Xt*Xc*Yt*Yc) - 1"
+    coupled = duhem.Criterion(name="coupled", pressure=None, forces=("a", "b"), g=g, parameters={**strengths, "f": BETWEEN(-3, 3)})
+    assert duhem.region(coupled).sentence == "convexity holds exactly for f >= -2 and f <= 2"
+    assert told(coupled, "convexity", "coupled.toml") == duhem.region(coupled).sentence
+    assert told(coupled, "smoothness", "coupled.toml") == ""  # five parameters
     assert duhem.region("orthotropic").sentence == "convexity holds for all values of the domain"
     many = duhem.Criterion(name="many", pressure=None, forces=("x", "y"), g="x**2 + a*x*y + (1 + b + c + d)*y**2 - 1",
                            parameters=dict.fromkeys("abcd", BETWEEN(0, 1)))  # fmt: skip
     with pytest.raises(duhem.InputError, match="several parameters are free"):
         duhem.region(many)
     assert duhem.region(many, ("a", "b", "c", "d")).condition != "false"
+
+
+@pytest.mark.parametrize(
+    ("g", "dented"),
+    [
+        ("sqrt(x**2 - 3*x*y + y**2) - s", True),
+        ("sqrt(x**2 - 3*x*y + y**2)", True),  # two lines, of which the points between them are no part
+        ("s*sqrt(x**2 - 3*x*y + y**2) + x/2 - 1", True),
+        ("sqrt(x**2 - y**2) + x", False),  # a convex cone: only one of the two points lies in it
+        ("sqrt(x**2 - 3*x*y + y**2) + s", False),  # K is empty
+        ("sqrt((1 - s)*x**2 - y**2) - 1", False),  # a point or a line
+        ("sqrt(x**2 - 3*x*y + y**2 + 1) - 2", False),  # no form alone
+        ("sqrt(x**2 - 3*x*y + y**2 + x) - 2", False),
+        ("where(x > 0, sqrt(x**2 - 3*x*y + y**2), 0) - 1", False),  # it has a value where the root has none
+        ("sqrt(x**2 - 3*x*y + y**2) + sqrt(x) - 1", False),
+        ("sqrt(x**2 - 3*x*y + y**2) + 1/(1 - s) - 1", False),  # no value at s = 1
+        ("sqrt(x**2 - 2*x*y + y**2) - 1", False),
+    ],
+)
+def test_minors_of_a_form_under_a_root(g: str, dented: bool) -> None:
+    law = duhem.Criterion("root", g, {"s": BETWEEN(1, 2)}, ("x", "y"), None)
+    stated = StatedLaw.read(law_as_text(law))
+    with suppress(*UNREADABLE):
+        found = any(dent.family == "form" and dent.at(RealRoot.of(Fraction(0))) for dent in dents(stated, "form"))
+        assert found is dented
+        return
+    assert not dented
 
 
 def test_the_command_of_several_parameters(tmp_path: Any) -> None:

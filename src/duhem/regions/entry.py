@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import sympy as sp
 
@@ -14,9 +15,14 @@ from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain, simple_points
+from duhem.proof.certificate import law_as_text
+from duhem.proof.kernel.certificate import stated
+from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.recheck import document_of
 from duhem.proof.statement import state
 from duhem.regions.asked import MOST_STEPS, constraints_on
+from duhem.regions.boundaries import deciding_parameters
 from duhem.regions.decided import Asked
 from duhem.regions.paved import PavedRegion
 from duhem.regions.paving import Paving
@@ -43,7 +49,8 @@ def region(
 ) -> FoundRegion:
     """For which values of one or several parameters a claim holds of a law, exactly where all of its cells are decided.
 
-    ``parameters`` names them; they may be left out where at most three are free and no mere scales.  ``over`` maps parameters
+    ``parameters`` names them; they may be left out where at most three are free and no mere scales, or the convexity of a quadratic law
+    depends on at most three.  ``over`` maps parameters
     to ranges that take the place of those of the law: ``"0:1"``, ``(0, 1)`` with None for no end, or a Domain; ``"0<:1"`` leaves out 0.
     An end at which the law has no value is left out.  The other parameters are all that they may be: the claim holds if it holds for all
     of them.  ``steps`` bounds the work; what is left then is open, as it is where a region of several parameters is interrupted.  From the
@@ -53,7 +60,7 @@ def region(
     asked = _over(load_formula(law), over or {})
     if claim not in _ASKED:
         raise InputError(f"regions are not known of the claim {claim!r}", where="claim", remedy=meant(str(claim), _ASKED))
-    names = _named(asked, parameters, over or {})
+    names = _named(asked, parameters, over or {}, claim)
     if len(names) == 1 and resume is not None:
         raise InputError("a region of one parameter is not resumed", where="resume", remedy="leave it out")
     found = _found(asked, names, claim, steps, resume)
@@ -84,8 +91,8 @@ def _found(
     return found if seen else replace(found, joined=joined)
 
 
-def _named(law: Criterion, parameters: str | Iterable[str] | None, over: Mapping[str, Range]) -> tuple[str, ...]:
-    free = shape_parameters(law) if parameters is None else ()
+def _named(law: Criterion, parameters: str | Iterable[str] | None, over: Mapping[str, Range], claim: str) -> tuple[str, ...]:
+    free = shape_parameters(law, claim) if parameters is None else ()
     names = (parameters,) if isinstance(parameters, str) else tuple(parameters) if parameters is not None else tuple(over) or free
     known = f"its parameters are: {', '.join(law.parameters) or 'none'}"
     for name in names:
@@ -102,11 +109,24 @@ def _named(law: Criterion, parameters: str | Iterable[str] | None, over: Mapping
     return names
 
 
-def shape_parameters(law: Criterion) -> tuple[str, ...]:
-    """The free parameters that no change of units absorbs (Buckingham's pi theorem); of a law of scales alone, all that are free."""
+def shape_parameters(law: Criterion, claim: str = "convexity") -> tuple[str, ...]:
+    """The free parameters that no change of units absorbs (Buckingham's pi theorem); of a law of scales alone, all that are free.
+
+    Where these are several, and convexity is asked of a g that is quadratic or has a quadratic form under its only root: those on which
+    the signs of its minors depend, if they are few.
+    """
     free = tuple(name for name, own in law.parameters.items() if own.value is None and name not in law.variables)
     scales = _absorbed(law)
-    return tuple(name for name in free if name not in scales) or free
+    shape = tuple(name for name in free if name not in scales) or free
+    return (_of_minors(law) if len(shape) > 1 and claim == "convexity" else ()) or shape
+
+
+def _of_minors(law: Criterion) -> tuple[str, ...]:
+    """The parameters on which it depends whether the quadratic form in g is >= 0; none where they are many."""
+    with suppress(*UNREADABLE):
+        names = deciding_parameters(cast("StatedLaw", stated(law_as_text(law))))
+        return names if len(names) <= _MOST_UNNAMED else ()
+    return ()
 
 
 def _absorbed(law: Criterion, but: str = "") -> tuple[str, ...]:
@@ -164,17 +184,19 @@ def _read(given: Any, where: str) -> Domain:
 
 
 def told(law: Law, claim: str, asked: str) -> str:
-    """A claim that is not proved of a law over its domain, in one sentence: for which values of its one or two shape parameters it holds.
+    """A claim that is not proved of a law over its domain, in one sentence: for which values of its few shape parameters it holds.
 
     ``asked`` is the law as the command line names it, for the command that finds more.  "" for a law of which nothing is
     known, or whose parameters are mere scales: it is the same law for all their values.
     """
     try:
-        if not isinstance(law, Criterion) or claim not in _ASKED or len(names := shape_parameters(law)) not in (1, 2):
+        if not isinstance(law, Criterion) or claim not in _ASKED or len(names := shape_parameters(law, claim)) > _MOST_UNNAMED:
+            return ""
+        if len(names) > 2 and names != _of_minors(law):
             return ""
         if {*names} <= {*_absorbed(law)}:
             return ""
-        steps = _STEPS_OF_A_SENTENCE // len(names) ** 2
+        steps = _STEPS_OF_A_SENTENCE // min(len(names), 2) ** 2
         found = region(law, None, claim, steps=steps)
     except Exception:  # the verdicts stand, whatever goes wrong in what is said beside them
         return ""

@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 
 from duhem.expression.elementary import ELEMENTARY, array_function
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.curvature import over
-from duhem.proof.kernel.dents import FAMILIES, Dent, dents
+from duhem.proof.kernel.dents import FAMILIES, Dent, dents, form_of
 from duhem.proof.kernel.domain import gap
-from duhem.proof.kernel.forms import quadratic
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -57,8 +55,7 @@ class Holding(NamedTuple):
         if claim != "convexity":
             return None
         with suppress(*UNREADABLE):
-            matrix = quadratic(law.g, law.forces, over(law))[0]
-            return cls((), tuple(map(tuple, matrix)))
+            return cls((), tuple(map(tuple, form_of(law))))
         for family in FAMILIES:
             with suppress(*UNREADABLE):
                 if found := tuple(dents(law, family)):

@@ -48,8 +48,9 @@ def region(
     The domain of the parameters is divided into cells. On each cell, the kernel confirms a proof of the claim, or a family of
     counterexamples: one for each value of the parameters. What is neither is open, and duhem says which share of the domain that is.
 
-    PARAMETER may be left out if at most three parameters of the law are free and no mere scales. The other parameters are all that they
-    may be; --set fixes one of them. If you interrupt the search for a region of several parameters, duhem prints what is known so far;
+    PARAMETER may be left out if at most three parameters of the law are free and no mere scales, or if g is quadratic in the forces (or
+    the root of such a form) and the signs of its minors depend on at most three. The other parameters are all that they may be; --set
+    fixes one of them. If you interrupt the search for a region of several parameters, duhem prints what is known so far;
     --resume goes on from its certificate.
     """
     from duhem import regions

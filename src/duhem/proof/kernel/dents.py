@@ -23,7 +23,7 @@ from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.deviatoric import WALLS, DeviatoricReader, deviatoric_readers, invariants
 from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
-from duhem.proof.kernel.forms import at, principal_minors
+from duhem.proof.kernel.forms import Matrix, at, by_forces, principal_minors, quadratic
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.plane_function import PlaneFunction, Signs, inner
 from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
@@ -35,9 +35,9 @@ from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer
 from duhem.proof.kernel.stated_law import StatedLaw, as_object
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, parse, product_of, sum_of
 
-__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways"]
+__all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "form_of"]
 
-_ZERO, _ONE = Fraction(0), Fraction(1)
+_ZERO, _HALF, _ONE = Fraction(0), Fraction(1, 2), Fraction(1)
 _MOST_ROWS, _MOST_WAYS = 4, 20  # of a minor; along which a form may be > 0
 _STEP = Term("name", name="along the line")  # no name of a law has blanks
 
@@ -179,8 +179,12 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
     minors.  A quartic f >= 0 is then the fourth power of the gauge of K, and convex.  It has a positive semidefinite matrix (Reznick 2011):
     f(v) = 0 leaves it c x^4 alone; else it is k (x^4 + 6 l x^2 y^2 + y^4), l >= 1/3, in coordinates in which its two pairs of roots are
     imaginary and reciprocal, its Hessian at (1, 1) has the sign of 1 - l, and l, 1 and 1 - l^2 are the minors of its matrix.
+
+    Of the root of a quadratic form f and an affine part that is < 0 at zero force these are the minors of f.  If f > 0 somewhere and
+    f(v) < 0, a line through v has two points where f is 0 on either side of v, where g has no value.  Close to zero force K has such two.
     """
     domain, (g, forces) = over(law), (law.g, law.forces)
+    g = _under_a_root(g, domain) or g
     forms = dict[int, dict[Monomial, Polynomial]]()
     with suppress(NotWritten):
         forms = homogeneous_parts(domain.polynomial(g), domain)
@@ -201,6 +205,25 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
         matrix = catalecticant(homogeneous_parts(domain.polynomial(spelled), domain)[degree], degree)
         for rows, minor in principal_minors(matrix, domain, _MOST_ROWS):
             yield Dent("form", f"minor {rows} in coordinates {i}", minor, (_ZERO, _ZERO), domain)
+
+
+def form_of(law: StatedLaw) -> Matrix:
+    """The matrix of the quadratic form in g, or under its root; NotWritten for a g that is not quadratic."""
+    domain = over(law)
+    return quadratic(_under_a_root(law.g, domain) or law.g, law.forces, domain)[0]
+
+
+def _under_a_root(g: Term, domain: StatedDomain) -> Term | None:
+    """f, if g is a multiple of the root of a quadratic form f and an affine part, < 0 at zero force, or a constant <= 0; else None."""
+    with suppress(NotWritten):
+        parts = by_forces(domain.polynomial(g), domain)
+        roots = [x for m in parts for x, _ in m if x.op == "**" and domain.polynomial(x.args[1]) == {(): _HALF}]
+        at_zero, affine = domain.facts(written(parts.get((), {}))).sign, all(m == () or (len(m) == 1 and m[0][1] == 1) for m in parts)
+        if len(roots) == 1 and affine and all(x in roots or x.op == "name" for m in parts for x, _ in m):
+            small = at_zero == NEGATIVE or (not at_zero & POSITIVE and len(parts) <= 2 and set(parts) <= {(), ((roots[0], 1),)})
+            known, base = Reader(domain).undecided(g.put({roots[0]: number(0)})) is None, roots[0].args[0]
+            return base if small and known and set(homogeneous_parts(domain.polynomial(base), domain)) == {2} else None
+    return None
 
 
 def _is_plain(part: Term, domain: StatedDomain) -> bool:

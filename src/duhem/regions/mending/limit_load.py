@@ -97,8 +97,11 @@ def limit_loads(law: Criterion, values: Numbers, ways: Array, load: float = 1.0)
     others |= {table[law.pressure]: -load} if law.pressure else {}
     radii = max([1.0, *map(abs, others.values())]) * _RADII
     inner, outer = exits(law.g, law.force_symbols(), ways, radii, others)
-    if (inner <= 0.0).any():
+    if (ends := inner <= 0.0).all():
         raise InputError("zero force lies outside K, or on its boundary", where=law.name, remedy="limit loads are counted from zero force")
+    if ends.any():
+        what = f"K ends at zero force in {ends.mean():.0%} of the directions: there g is positive or has no value"
+        raise InputError(what, where=law.name, remedy="choose parameters for which zero force lies inside K")
     return np.where(inner == outer, np.inf, inner)
 
 
