@@ -305,7 +305,7 @@ def centred_choices(subject: FormulaSubject) -> Iterator[Values]:
         for x in plain:
             at = matrix.subs({y: rational(value) for y, value in plain.items() if y != x})
             over = sp.numer(sp.together(at.det()))
-            if over.has(x) and (line := sp.Poly(over, x)).domain in (sp.ZZ, sp.QQ):
+            if over.has(x) and over.is_polynomial(x) and (line := sp.Poly(over, x)).domain in (sp.ZZ, sp.QQ):
                 yield from ({**plain, x: fraction(root)} for root in line.ground_roots())
 
 

@@ -5,12 +5,15 @@ Each trial is a law of which less is claimed.  One that is proved says what the 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import chain, islice
+from itertools import chain, islice, product
 from typing import Any
 
+from duhem.proof.decide import Budget
 from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import needs_of, objection, rules_of
@@ -22,97 +25,155 @@ from duhem.proof.unsettled.blocked import Blocked
 from duhem.proof.unsettled.term_text import Names, in_text
 from duhem.proof.verdict import Verdict
 
-__all__ = ["Form", "settings", "that_help"]
+__all__ = ["Form", "Tried", "settings", "that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Form = tuple[str, str]  # what to write, and g then
-Decide = Callable[[str | None, Choice], Verdict | None]  # the verdict on a form of g, or on g, with fixed parameters; None where it is open
-_A_TRIAL, _A_KIND, _READING = 200_000, 400_000, 5_000  # steps of one trial and of all of one kind; for reading a law
+Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
+_IN_ALL, _SHARE = 2_500_000, 2  # steps for all claims of a law; of what is left one claim may have such a part
+_A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 500_000, 5_000  # steps; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
+_TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 3  # of plain values; of those at which everything that decides is asked
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
-_MOST_FORMS, _MOST_SINGLE = 2, 2  # beside g itself; of parameters that are 0
-_MOST_DECIDED, _MOST_FREED = 8, 5  # times that everything is asked, until it settles the claim, and after that
+_MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 4  # beside g itself; of parameters that are 0; of constants whose sign is asked
+
+
+@dataclass
+class Tried:
+    """What was tried of one law, for all its open claims together: each claim of each changed law once, within so many ``steps``.
+
+    ``shown`` are the claims that are proved of changed laws, ``vain`` those that are not; what ``helped`` one claim is tried first of the next.
+    """
+
+    steps: int = _IN_ALL
+    shown: dict[str, set[str]] = field(default_factory=dict)
+    vain: set[tuple[str, str]] = field(default_factory=set)
+    verdicts: dict[tuple[str, str], Verdict | None] = field(default_factory=dict)
+    helped: dict[str, Text] = field(default_factory=dict)
 
 
 def that_help(
-    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Choices, forms: Sequence[Form],
-    decide: Decide | None = None, first: Sequence[Choice] = (),
+    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Choices,
+    forms: Callable[[], Sequence[Form]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (), tried: Tried | None = None,
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
     empty K much is proved; ``forms`` have the K of g; at those tried ``first`` the claim may fail.
     """
-    asked = _Asked(claim, law, settled, decide)
-    refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(law, None, choice) is Verdict.REFUTED]
+    asked = _Asked(claim, law, settled, decide, tried or Tried())
+    refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
+    if again := [told for told, changed in asked.tried.helped.items() if asked(changed)]:
+        return [*again, *refuted]
     found = list[str]()
     for kind in () if blocked is None else (_signs(law, blocked, choices), _ranges(law, blocked)):
         asked.steps = _A_KIND
-        found += [action for action, changed in kind if asked(changed)][:1]
-    loads = () if blocked is None else _forms(law, blocked, names)
-    found += _with_least_lost(law, chain(((told, {**law, "g": g}) for told, g in forms), loads), asked)
+        if (best := next(((told, changed) for told, changed in kind if asked(changed)), None)) is not None:
+            found.append(asked.keep(*best))
+    others = () if found else ((told, {**law, "g": g}) for told, g in forms())
+    found += _with_least_lost(law, chain(others, () if blocked is None else _forms(law, blocked, names)), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     if found or refuted:
         return [*found, *refuted]
     known, asked.steps = [*choices(_choices(law))], _A_KIND
-    alone = () if forms or not known else sorted(known[0])  # where g has no value at a tip, it is no parameter that is to blame
-    return _narrowed(law, alone, known, {}, asked) or _settling(law, forms, part, known, choices, asked)
+    alone = () if forms() or not known else sorted(known[0])  # where g has no value at a tip, it is no parameter that is to blame
+    return _narrowed(law, alone, known, {}, asked) or _settling(law, forms(), part, known, choices, asked)
 
 
 class _Asked:
-    """The kernel, as long as steps are left, and everything that decides, a few times."""
+    """The kernel, and everything that decides, about one open claim of a law and of that with changes, as long as steps are left."""
 
-    def __init__(self, claim: str, law: Text, settled: frozenset[str], decide: Decide | None) -> None:
-        self.claim, self.g, self.settled, self.decide = claim, law.get("g"), settled, decide
-        self.steps, self.left = _A_KIND, _MOST_DECIDED
+    def __init__(self, claim: str, law: Text, settled: frozenset[str], decide: Decide | None, tried: Tried) -> None:
+        self.claim, self.g, self.settled, self.decide, self.tried = claim, law.get("g"), settled, decide, tried
+        self.steps, self.kept = _A_KIND, tried.steps - tried.steps // _SHARE  # for the claims that come after
 
-    def decided(self, law: Text, g: str | None, values: Choice) -> Verdict | None:
-        """Proved or refuted of a form of g, or of g, with fixed parameters; None where it is open, or has been asked often."""
-        self.left -= 1
-        if self.decide is not None and self.left >= 0:
-            return self.decide(g, values)
-        return Verdict.PROVED if self.decide is None and self(_with(law if g is None else {**law, "g": g}, values)) else None
+    def decided(self, law: Text) -> Verdict | None:
+        """Proved or refuted; None where it is open, or no steps are left."""
+        if self.decide is None:
+            return Verdict.PROVED if self(law) else None
+        key = self.claim, _key(law)
+        if key not in self.tried.verdicts:
+            if self.tried.steps <= self.kept:
+                return None
+            budget = Budget(_A_DECISION)
+            self.tried.verdicts[key] = self.decide(self.claim, law, budget)
+            self.tried.steps -= budget.spent + _READING
+        return self.tried.verdicts[key]
 
     def __call__(self, law: Text, *claims: str) -> bool:
         """Whether it proves the claim, or others, without evidence, with what that may rest on; of g itself holds what is settled."""
-        if self.steps < 0:
-            return False
-        known, wanted = set(self.settled if law.get("g") == self.g else ()), claims or (self.claim,)
+        key, wanted = _key(law), claims or (self.claim,)
+        if wanted == ("duality",):  # which needs evidence
+            return self.decide is not None and self.decided(law) is Verdict.PROVED
+        shown = self.tried.shown.setdefault(key, set())
+        known = shown.union(self.settled if law.get("g") == self.g else ())
+        if self.steps < 0 or self.tried.steps <= self.kept or any((key, name) in self.tried.vain for name in wanted):
+            return known.issuperset(wanted)
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
             read = stated(law)
             needed = {*wanted}
             for name in reversed(_BEFORE):
                 needed |= needs_of(name, read) if name in needed else set()
-            for name in (name for name in _BEFORE if name in needed - known):
+            for name in (name for name in _BEFORE if name in needed - known and (key, name) not in self.tried.vain):
                 if any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read)):
                     known.add(name)
+                    shown.add(name)
+                else:
+                    self.tried.vain.add((key, name))
+        self.tried.vain |= {(key, name) for name in wanted if name not in known}
         self.steps -= purse.spent + _READING
+        self.tried.steps -= purse.spent + _READING
         return known.issuperset(wanted)
+
+    def keep(self, told: str, law: Text) -> str:
+        """What to do, with the claims that are then proved too; the next claims are tried with it first."""
+        self.tried.helped[told] = law
+        more = [name for name in _TOLD if name not in (self.claim, *self.settled) and self(law, name)]
+        return f"{told} ({', '.join(more)} {'are' if more[1:] else 'is'} proved then, too)" if more else told
+
+
+def _key(law: Text) -> str:
+    return json.dumps(law, sort_keys=True, default=str)
 
 
 def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked) -> list[str]:
     """The form of g of which the claim is proved, and all that is proved of the law as it is, or most; what is open then is said."""
-    asked.steps, found = _A_KIND, list[tuple[int, int, str]]()
+    asked.steps, found = _A_KIND, list[tuple[int, int, str, Text]]()
     for told, changed in forms:
         if asked(changed):
             claims = [name for name in _BEFORE[:3] if name != asked.claim and asked(law, name)]
             lost = [name for name in claims if not asked(changed, name)]
             more = f" (for this claim alone: {' and '.join(lost)} would be open)" if lost else ""
-            found.append((len(lost), len(told), told + more))
-    return [min(found)[2]] if found else []
+            found.append((len(lost), len(told), told + more, changed))
+    if not found:
+        return []
+    *_, told, changed = min(found, key=lambda each: each[:3])
+    asked.tried.helped[told] = changed
+    return [told]
 
 
 def _signs(law: Text, blocked: Blocked, choices: Choices) -> Iterator[tuple[str, Text]]:
     """Constraints that hold somewhere: of a law without parameters that satisfy it every claim would be shown, and nothing be said."""
-    for constant in (constant for constant in blocked.signs if constant.names()):
-        text = f"{in_text(constant, {})} {'>' if blocked.strict else '>='} 0"
-        changed = {**law, "constraints": [*law["constraints"], text]}
+    sides = [(c,) for c in blocked.signs if c.names()]
+    sides += [tuple(c for (c,) in sides)] if len(sides) > 1 else []
+    sides += [(way,) for c in blocked.beside[:_MOST_SIGNS] for way in (c, minus(c)) if (way,) not in sides]
+    for constants, strict in product(sides, (True,) if blocked.strict else (False, True)):
+        texts = [_compared(constant, strict) for constant in constants]
+        changed = {**law, "constraints": [*law["constraints"], *texts]}
         if any(_inhabits(choice, changed) for choice in choices(_choices(changed))):
-            yield f'add the constraint "{text}"', changed
+            quoted = " and ".join(f'"{text}"' for text in texts)
+            yield f"add the constraint{'s' if texts[1:] else ''} {quoted}", changed
+
+
+def _compared(constant: Term, strict: bool) -> str:
+    """That it is >= 0, or > 0, with what is taken away in it on the other side."""
+    texts = [in_text(a, {}) for a in (constant.args if constant.op == "+" else (constant,))]
+    less, more = [t[1:] for t in texts if t.startswith("-")], [t for t in texts if not t.startswith("-") and t != "0"]
+    return f"{' + '.join(less) or 0} {'<' if strict else '<='} {' + '.join(more) or 0}"
 
 
 def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
@@ -149,7 +210,7 @@ def _settling(
     single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
     for values in ({}, *known[:1], *islice(choices(single), _MOST_SINGLE), *known[1:_MOST_FIXED]):
         for told, g in bases if values else bases[1:2]:
-            if (verdict := asked.decided(law, g, values)) is Verdict.REFUTED:
+            if (verdict := asked.decided(_changed(law, g, values))) is Verdict.REFUTED:
                 return [_said(told, values, verdict)]
             if verdict is Verdict.PROVED:
                 return [_with_fewest(law, told, g, values, part, asked)]
@@ -158,16 +219,18 @@ def _settling(
 
 def _with_fewest(law: Text, told: str, g: str | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
     """What is proved with values fixed, with as few of them as may be, those of a ``part`` the longest, and one of these narrowed."""
-    asked.left, others = _MOST_FREED, [name for name in fixed if name not in part]
+    others = [name for name in fixed if name not in part]
     for freed in (others, *([name] for name in sorted(fixed, key=lambda name: name in part))):
         fewer = {x: value for x, value in fixed.items() if x not in freed}
-        if fewer != fixed and (fewer or g is not None) and asked.decided(law, g, fewer) is Verdict.PROVED:
+        if fewer != fixed and (fewer or g is not None) and asked.decided(_changed(law, g, fewer)) is Verdict.PROVED:
             fixed = fewer
     for name in fixed:
         more = {x: value for x, value in fixed.items() if x != name}
-        if found := _narrowed(law if g is None else {**law, "g": g}, [name], [fixed], more, asked):
+        if found := _narrowed(_changed(law, g, {}), [name], [fixed], more, asked):
             return " and ".join(filter(None, (told, *found)))
-    return _said(told, fixed, Verdict.PROVED)
+    said = _said(told, fixed, Verdict.PROVED)
+    asked.tried.helped[said] = _changed(law, g, fixed)
+    return said
 
 
 def _said(told: str, values: Choice, verdict: Verdict) -> str:
@@ -185,7 +248,10 @@ def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: 
     for name, domain, told in sorted(parts, key=lambda part: (" = " in part[2], law["parameters"][part[0]].get("max") is None)):
         holds, changed = Bounds.read(domain).holds, {**law, "parameters": {**law["parameters"], name: domain}}
         if any(holds(choice[name]) for choice in known) and asked(_with(changed, others)):
-            return [f"narrow {name} to {told}" + "".join(f" and --set {x}={value}" for x, value in others.items())]
+            told = f"narrow {name} to {told}" + "".join(f" and --set {x}={value}" for x, value in others.items())
+            if law.get("g") == asked.g:
+                asked.tried.helped[told] = _with(changed, others)
+            return [told]
     return []
 
 
@@ -208,6 +274,11 @@ def _inhabits(choice: Choice, law: Text) -> bool:
         fixed = {name: x.low for name, x in read.parameters.items() if name not in choice and x.low is not None and x.single}
         return inhabited(read.parameters, read.constraints, {**fixed, **choice})
     return False
+
+
+def _changed(law: Text, g: str | None, fixed: Choice) -> Text:
+    """The law with another g, and fixed parameters."""
+    return _with(law if g is None else {**law, "g": g}, fixed)
 
 
 def _with(law: Text, fixed: Choice) -> Text:
