@@ -36,7 +36,7 @@ _LARGEST = 4  # of a matrix whose minors are looked at
 class Blocked(NamedTuple):
     """The ``part`` of the formula, and ``why`` no rule reads it; conditions on constants that might help are of ``signs`` >= 0, or > 0.
 
-    ``beside`` are other constants of the formula whose sign is not known.
+    ``beside`` are other constants of the formula whose sign is not known, each before its opposite.
     """
 
     part: Term
@@ -124,7 +124,7 @@ def _power(law: StatedLaw) -> Blocked | None:
         return undefined
     power = law.power or sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, flow or (), strict=True)))
     part = _negative(power, domain)
-    if law.of_rates:
+    if law.of_rates or flow is None:  # of a potential the rates are the gradient
         return Blocked(part, "is the part of force . rate that is not shown to be >= 0")
     return Blocked(part, "is the part of force . flow that is not shown to be >= 0 where g = 0, even with a multiple of g taken from it")
 
@@ -137,14 +137,14 @@ def _negative(term: Term, domain: StatedDomain) -> Term:
 
 
 def _open_signs(term: Term, domain: StatedDomain) -> tuple[Term, ...]:
-    """Constants that a formula multiplies with or adds, but for lone parameters, whose sign is not known: which one they have may decide."""
+    """Constants that a formula multiplies with or adds, but for lone parameters, whose sign is not known, and their opposites."""
     found, pressure = dict[Term, None](), {domain.law.pressure}
 
     def look(part: Term) -> None:
         if domain.constant(part) and not part.names() & pressure:
             known = domain.facts(part)
             if part.op != "name" and known.defined and known.sign & NEGATIVE and known.sign & POSITIVE:
-                found.setdefault(_plain(part, domain))
+                found.update(dict.fromkeys(_plain(way, domain) for way in (part, minus(part))))
             return
         fixed = [a for a in part.args if domain.constant(a) and not a.names() & pressure]
         for a in (*([sum_of(*fixed)] if part.op == "+" and len(fixed) > 1 else fixed), *(a for a in part.args if a not in fixed)):

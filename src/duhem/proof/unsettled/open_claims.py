@@ -244,10 +244,10 @@ def _read(law: Criterion, text: Mapping[str, Any]) -> Criterion:
         more = {"g": text["g"], "written": ""}
     if text["constraints"] != own["constraints"]:
         more |= {"constraints": tuple(text["constraints"]), "written_constraints": ()}
-    for key, domains in (("parameters", law.parameters), ("domain", law.domain)):
-        if (entries := text.get(key, {})) != own.get(key, {}):
-            more[key] = {name: domains[name] if own.get(key, {}).get(name) == entry else _domain(entry) for name, entry in entries.items()}
-    return replace(law, **more)
+    if (ranges := text.get("domain", {})) != own.get("domain", {}):
+        more["domain"] = {name: _domain(entry) for name, entry in ranges.items()}
+    narrower = {name: _domain(entry) for name, entry in text["parameters"].items() if entry != own["parameters"][name]}
+    return replace(law, **more).within(narrower)
 
 
 def _domain(entry: Mapping[str, Any]) -> Domain:

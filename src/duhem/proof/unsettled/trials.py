@@ -32,14 +32,16 @@ Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Form = tuple[str, str]  # what to write, and g then
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
-_IN_ALL, _SHARE = 2_500_000, 2  # steps for all claims of a law; of what is left one claim may have such a part
+_IN_ALL, _SHARE = 4_000_000, 2  # steps for all claims of a law; of what is left one claim may have such a part
 _A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 500_000, 5_000  # steps; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 3  # of plain values; of those at which everything that decides is asked
+_MOST_DECIDED, _MOST_DUALS = 12, 3  # times that everything is asked about one claim
+_LONGEST = 120  # letters of a constraint
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
-_MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 4  # beside g itself; of parameters that are 0; of constants whose sign is asked
+_MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
 
 
 @dataclass
@@ -79,7 +81,7 @@ def that_help(
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     if found or refuted:
         return [*found, *refuted]
-    known, asked.steps = [*choices(_choices(law))], _A_KIND
+    known, asked.steps = [*choices(_choices(law))], 2 * _A_KIND
     alone = () if forms() or not known else sorted(known[0])  # where g has no value at a tip, it is no parameter that is to blame
     return _narrowed(law, alone, known, {}, asked) or _settling(law, forms(), part, known, choices, asked)
 
@@ -89,6 +91,7 @@ class _Asked:
 
     def __init__(self, claim: str, law: Text, settled: frozenset[str], decide: Decide | None, tried: Tried) -> None:
         self.claim, self.g, self.settled, self.decide, self.tried = claim, law.get("g"), settled, decide, tried
+        self.decisions = _MOST_DECIDED if claim != "duality" else _MOST_DUALS
         self.steps, self.kept = _A_KIND, tried.steps - tried.steps // _SHARE  # for the claims that come after
 
     def decided(self, law: Text) -> Verdict | None:
@@ -97,8 +100,9 @@ class _Asked:
             return Verdict.PROVED if self(law) else None
         key = self.claim, _key(law)
         if key not in self.tried.verdicts:
-            if self.tried.steps <= self.kept:
+            if self.tried.steps <= self.kept or self.decisions == 0:
                 return None
+            self.decisions -= 1
             budget = Budget(_A_DECISION)
             self.tried.verdicts[key] = self.decide(self.claim, law, budget)
             self.tried.steps -= budget.spent + _READING
@@ -158,13 +162,13 @@ def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked
 
 def _signs(law: Text, blocked: Blocked, choices: Choices) -> Iterator[tuple[str, Text]]:
     """Constraints that hold somewhere: of a law without parameters that satisfy it every claim would be shown, and nothing be said."""
-    sides = [(c,) for c in blocked.signs if c.names()]
-    sides += [tuple(c for (c,) in sides)] if len(sides) > 1 else []
-    sides += [(way,) for c in blocked.beside[:_MOST_SIGNS] for way in (c, minus(c)) if (way,) not in sides]
-    for constants, strict in product(sides, (True,) if blocked.strict else (False, True)):
+    own = sorted((c for c in blocked.signs if c.names()), key=Term.size)
+    sides = [tuple(own[:n]) for n in range(1, len(own) + 1)] if blocked.strict else [*((c,) for c in own), tuple(own)]
+    sides += [(c,) for c in blocked.beside[:_MOST_SIGNS]]
+    for constants, strict in product(dict.fromkeys(filter(None, sides)), (True,) if blocked.strict else (False, True)):
         texts = [_compared(constant, strict) for constant in constants]
         changed = {**law, "constraints": [*law["constraints"], *texts]}
-        if any(_inhabits(choice, changed) for choice in choices(_choices(changed))):
+        if max(map(len, texts)) <= _LONGEST and any(_inhabits(choice, changed) for choice in choices(_choices(changed))):
             quoted = " and ".join(f'"{text}"' for text in texts)
             yield f"add the constraint{'s' if texts[1:] else ''} {quoted}", changed
 
@@ -177,15 +181,21 @@ def _compared(constant: Term, strict: bool) -> str:
 
 
 def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
-    ranges = law.get("domain", {})
-    for force in sorted(blocked.part.names() & {*law["forces"]} - {*ranges}) if len(law["forces"]) <= _MOST_FORCES else ():
+    """Of forces of which the part may be meant for one sign: not of a sum, or of what is 0 at a tip."""
+    ranges, part = law.get("domain", {}), blocked.part
+    if len(law["forces"]) > _MOST_FORCES or part.op in ("+", "norm") or not isinstance(read := stated(law), StatedLaw):
+        return
+    if part.op in ("**", "log") and not over(read).facts(part.args[0]).sign & NEGATIVE:
+        return
+    for force in sorted(part.names() & {*read.forces} - {*ranges}):
         for end, side in (("min", ">="), ("max", "<=")):
             action = f"ask for {force} {side} 0 alone: {force} = {{ {end} = 0 }} in the section [domain]"
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
 
 
 def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Text]]:
-    """g with a limit written out, and in a maximum with loads without which a part has no value."""
+    """g with a limit written out, and in a maximum with loads without which a part has no value; psi without a size of what has one sign."""
+    yield from _energies(law, blocked, names)
     if "g" not in law or blocked.part.op not in ("log", "**"):
         return
     if not isinstance(read := stated(law), StatedLaw) or not blocked.part.names() & {*read.forces}:
@@ -200,6 +210,18 @@ def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Tex
         told = f"write {in_text(limit, names)} for {in_text(whole, names)}, and max(..., {said}) for g: so g has its limit where this is 0"
         yield told, {**law, "g": f"max({in_text(g.put({whole: limit}), {})}, {ends})"}
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
+
+
+def _energies(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Text]]:
+    """psi with x or -x for abs(x), where the ranges of the variables leave x one sign."""
+    part = blocked.part
+    if part.op != "abs" or not isinstance(read := stated(law), StatedLaw) or read.energy is None or part not in read.energy.parts():
+        return
+    (inner,), known = part.args, over(read).facts(part.args[0]).sign
+    if not (known & NEGATIVE and known & POSITIVE):
+        same = minus(inner) if known & NEGATIVE else inner
+        told = f"write {in_text(same, names)} for {in_text(part, names)} in psi, which is the same in the ranges of the variables"
+        yield told, {**law, "energy": in_text(read.energy.put({part: same}), {})}
 
 
 def _settling(
@@ -219,8 +241,9 @@ def _settling(
 
 def _with_fewest(law: Text, told: str, g: str | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
     """What is proved with values fixed, with as few of them as may be, those of a ``part`` the longest, and one of these narrowed."""
-    others = [name for name in fixed if name not in part]
-    for freed in (others, *([name] for name in sorted(fixed, key=lambda name: name in part))):
+    others = [name for name in fixed if name not in part]  # an effect that is gone at 0 is the likeliest that matters
+    ways = ([name for name in others if fixed[name]], others, *([x] for x in sorted(fixed, key=lambda x: (not fixed[x], x in part))))
+    for freed in ways:
         fewer = {x: value for x, value in fixed.items() if x not in freed}
         if fewer != fixed and (fewer or g is not None) and asked.decided(_changed(law, g, fewer)) is Verdict.PROVED:
             fixed = fewer
@@ -272,7 +295,10 @@ def _inhabits(choice: Choice, law: Text) -> bool:
     with suppress(*UNREADABLE):
         read = stated(law)
         fixed = {name: x.low for name, x in read.parameters.items() if name not in choice and x.low is not None and x.single}
-        return inhabited(read.parameters, read.constraints, {**fixed, **choice})
+        if inhabited(read.parameters, read.constraints, {**fixed, **choice}):
+            return True
+        here = StatedLaw.read(_with(law, choice)) if all(read.parameters[name].holds(value) for name, value in choice.items()) else None
+        return isinstance(here, StatedLaw) and all(over(here._replace(constraints=())).decided(c) for c in here.constraints)
     return False
 
 
