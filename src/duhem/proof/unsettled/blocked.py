@@ -29,7 +29,6 @@ __all__ = ["Blocked", "blocked", "required"]
 _OF_THE_ENERGY = ("state_laws", "dissipation")
 _CONVEX, _CONCAVE, _SIZE = "convex", "concave", "convex in size"
 _NEEDS = {"**": "is a power, root or quotient", "log": "is a logarithm", "atan2": "is an angle"}
-NONE_AT_ZERO = "is not shown to have a value at zero force"
 _LARGEST = 4  # of a matrix whose minors are looked at
 
 
@@ -104,7 +103,7 @@ def _origin(law: StatedLaw) -> Blocked | None:
     zero, domain = law.g.put(nothing), over(law)
     if (undefined := _undefined((zero,), domain)) is not None:
         own = next((x for x in law.g.parts() if x.put(nothing) == undefined.part), undefined.part)
-        return Blocked(own, f"{_NEEDS.get(own.op, 'is a word')} that {NONE_AT_ZERO}", undefined.signs, True)
+        return Blocked(own, f"{_NEEDS.get(own.op, 'is a word')} that is not shown to have a value at zero force", undefined.signs, True)
     value = multiplied_out(zero, domain)
     return Blocked(value, "is g at zero force, and is not shown to be <= 0", (minus(value),))
 
@@ -182,7 +181,7 @@ def _resistance(law: StatedLaw) -> Blocked | None:
         if (found := _undefined((force,), domain) or _rough(force, domain, "at some rate")) is not None:
             return found
         if force.names() & ({*law.forces} - {rate}):
-            return Blocked(force, f"is a force that depends on other rates than {rate} alone: no rule shows that such forces have a potential")
+            return Blocked(force, f"depends on other rates than {rate}: no rule shows that such forces have a potential")
         (slope,) = gradient(force, (rate,))
         if not domain.never_negative(slope):
             return Blocked(_negative(slope, domain), f"is the part of d force/d {rate} that is not shown to be >= 0")

@@ -46,9 +46,10 @@ _MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of paramete
 
 @dataclass
 class Tried:
-    """What was tried of one law, for all its open claims together: each claim of each changed law once, within so many ``steps``.
+    """What was tried of one law for all its open claims: each claim of each changed law once, within so many ``steps``.
 
-    ``shown`` are the claims that are proved of changed laws, ``vain`` those that are not; what ``helped`` one claim is tried first of the next.
+    ``shown`` are the claims that were proved of changed laws, ``vain`` those that were not.  What ``helped`` one claim is tried first
+    of the next.
     """
 
     steps: int = _IN_ALL
@@ -194,7 +195,7 @@ def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
 
 
 def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Text]]:
-    """g with a limit written out, and in a maximum with loads without which a part has no value; psi without a size of what has one sign."""
+    """g with a limit written out, and in a maximum with loads without which a part has no value; psi without a size."""
     yield from _energies(law, blocked, names)
     if "g" not in law or blocked.part.op not in ("log", "**"):
         return
