@@ -436,9 +436,11 @@ class _CriterionReader(SectionReader):
             remedy = 'write constraints = ["e < mu_b"]'
             raise self.error("constraints is not a list of comparisons", "criterion", "constraints", remedy=remedy)
         placed = [self.formula("criterion", "constraints", i) for i in range(len(given))]
-        if (load := next((x for text, *_ in placed for x in re.findall(r"\w+", text) if x in loads), None)) is not None:
-            remedy = "constraints relate parameters only; a range of a force or of the pressure belongs in the section [domain]"
-            raise self.error(f"a constraint depends on {load}, which is no parameter", "criterion", "constraints", remedy=remedy)
+        for text, line, column in placed:
+            for name in (name for name in re.finditer(r"\w+", text) if name[0] in loads):
+                remedy = "constraints relate parameters only; a range of a force or of the pressure belongs in the section [domain]"
+                where = f"{self.where}:{line}:{column + name.start() + 1}"
+                raise InputError(f"a constraint depends on {name[0]}, which is no parameter", where=where, remedy=remedy)
         short = define.short
         found = [parse_relation(t, parameters, where=self.where, line=line, column=column, short=short) for t, line, column in placed]
         return tuple(found), tuple(written_out(t, short) for t, _, _ in placed)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
+from fractions import Fraction
+from math import gcd, lcm
 from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over, within_ranges
@@ -74,7 +76,7 @@ def _energy(law: StatedLaw) -> Blocked | None:
         return None
     domain = over(stored)
     found = _undefined((law.energy, *gradient(law.energy, stored.forces[:-1])), domain) or _rough(law.energy, domain, "in some state")
-    return found and found._replace(why=f"{found.why}; the forces are derivatives of psi, which every rule for this claim needs")
+    return found and found._replace(why=f"{found.why}; the forces are derivatives of psi")
 
 
 def _least_at_zero(law: StatedLaw) -> Blocked:
@@ -290,7 +292,9 @@ def _minors(term: Term, domain: StatedDomain) -> tuple[Term, ...]:
 
 
 def _plain(constant: Term, domain: StatedDomain) -> Term:
-    """A constant times what is > 0, without divisors: of the same sign."""
+    """A constant times what is > 0, without divisors and with whole numbers: of the same sign."""
     with suppress(NotWritten):
-        return written(without_content(multiplied_through(domain.polynomial(constant), domain, signed=True), domain))
+        poly = without_content(multiplied_through(domain.polynomial(constant), domain, signed=True), domain)
+        scale = Fraction(lcm(*(c.denominator for c in poly.values())), gcd(*(c.numerator for c in poly.values())) or 1)
+        return written({m: c * scale for m, c in poly.items()})
     return constant
