@@ -115,7 +115,7 @@ def changed(criterion: Criterion, action: str) -> Criterion:
         more["g"] = criterion.written.replace(part, limit)
     if found := re.match(r"write (.*) for (.*) in psi", action):
         more |= {"energy": criterion.written_energy.replace(found[2], found[1]), "written_energy": ""}
-    if found := re.match(r'write g = "(.*)", with the same K', action) or re.match(r"write (.*) for g, which is", action):
+    if found := re.match(r"write (.*) for g, which is", action):
         more["g"] = found[1]
     settings = dict(re.findall(r"--set (\w+)=(\S+)", action))
     criterion = replace(criterion, **more)  # type: ignore[arg-type]
@@ -428,19 +428,19 @@ def test_the_part_of_an_energy_without_a_derivative_is_named(energy: str, part: 
 
 
 def test_each_claim_of_a_changed_law_is_asked_once_and_all_draw_on_one_purse(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked, made = list[tuple[object, ...]](), list[trials.Tried]()
-    ask, new = trials.objection, trials.Tried.__init__
+    asked, made = list[tuple[object, ...]](), list[trials.Trials]()
+    ask, new = trials.objection, trials.Trials.__init__
 
     def counted(claim: str, rule: str, settled: frozenset[str], read: StatedLaw, evidence: dict[str, object]) -> str:
         asked.append((claim, rule, repr(read)))
         return ask(claim, rule, settled, read, evidence)
 
-    def kept(own: trials.Tried, *rest: object) -> None:
+    def kept(own: trials.Trials, *rest: object) -> None:
         new(own, *rest)  # type: ignore[arg-type]
         made.append(own)
 
     monkeypatch.setattr(trials, "objection", counted)
-    monkeypatch.setattr(trials.Tried, "__init__", kept)
+    monkeypatch.setattr(trials.Trials, "__init__", kept)
     found = verify(FOLLOWED["clay"], effort="quick")
     assert sum(result.unsettled is not None for result in found) == 4
     assert len(asked) == len({*asked}) and len(made) == 1
@@ -451,5 +451,5 @@ def test_no_more_is_tried_when_the_purse_is_empty() -> None:
     text = law_as_text(FOLLOWED["adhesion"])
     part = blocked("smoothness", StatedLaw.read(text))
     for steps, told in ((0, []), (trials._IN_ALL, ['add the constraint "w < e"'])):
-        found = that_help("smoothness", text, frozenset({"convexity"}), part, {}, list, tried=trials.Tried(steps))
+        found = that_help("smoothness", text, frozenset({"convexity"}), part, {}, list, tried=trials.Trials(steps))
         assert [action.split(" (")[0] for action in found] == told

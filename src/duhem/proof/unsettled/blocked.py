@@ -234,7 +234,7 @@ def _below(term: Term, want: str, domain: StatedDomain) -> Blocked | None:
         sign = domain.facts(scale).sign
         if sign & NEGATIVE and sign & POSITIVE:
             ways = tuple(_plain(way, domain) for way in (scale, minus(scale)))
-            return Blocked(ways[0], "is a factor whose sign is not known", ways)
+            return Blocked(scale, "is a factor whose sign is not known", ways)
         return _below(moving[0], want if not sign & NEGATIVE else _CONCAVE if want == _CONVEX else _CONVEX, domain)
     if term.op == "**":
         return _below_a_power(term, want, domain)

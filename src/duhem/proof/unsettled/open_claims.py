@@ -31,10 +31,9 @@ from duhem.proof.kernel.term import UNREADABLE, parse
 from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
-from duhem.proof.unsettled.forms import same_k
 from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
-from duhem.proof.unsettled.trials import Form, Tried, settings, that_help
+from duhem.proof.unsettled.trials import Form, Trials, settings, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
 
 __all__ = ["STATEMENT", "THEORY", "OpenClaims"]
@@ -70,7 +69,6 @@ _OF_A_POTENTIAL = {
 _OF_G = ("origin", "convexity", "smoothness", "duality")  # claims about g alone
 _OF_ANY_K = ("origin", "state_laws", "thermal")  # of an empty K they are not proved, or they are about something else
 _STEPS = 3_000_000
-_WRITTEN = 'write g = "{}", with the same K wherever g has a value'
 Decide = Callable[[Criterion, str, Budget], Verdict]
 _CHOICES = 6  # of parameters
 _LONGEST = 240  # letters of a part that is told
@@ -83,19 +81,16 @@ verify then says four things of it.
 
 Open: the inequality that would have to be shown, in forces and parameters.
 
-No rule reads: the smallest part of the formula that keeps the rules from a proof, and what is lacking, as in "(p/c)**n is a power whose
-exponent is not shown to be >= 1".  The rules go from the whole formula to its parts.  They prove that a sum of convex parts is convex,
-that a norm of affine parts is, and so on; at this part they know nothing of what is needed.  Other ways to write the same part may be
-known: norm(a, b) for sqrt(a**2 + b**2), a sum for a product of a load and a sum, where(x > 0, ..., 0) for a part that has a limit at 0.
+No rule reads: the smallest part of the formula that keeps the rules from a proof, and what is lacking.  The rules go from the formula to
+its parts: a sum of convex parts is convex, a norm of affine parts is, and so on.  They may know another way to write the same part, such
+as norm(a, b) for sqrt(a**2 + b**2), or where(x > 0, ..., 0) for a part that has a limit at 0.
 
 Closest: the point of the boundary, and values of the parameters, at which a search in floating-point numbers found the least margin.
-A margin near 0 says that the law is at the limit there, and a margin below 0 that it may be violated: fix the parameters with --set at
-this place, and verify again.
+Near 0 the law is at the limit there; below 0 it may violate the claim: fix the parameters with --set at this place, and verify again.
 
-Try: what helps.  duhem changed the law (another formula with the same K, a value for a part that has none, a constraint, a range of a
-force, a narrower parameter, fixed parameters) and asked again.  It suggests a change only if the claim was settled then: proved, of a K
-that is not empty, or refuted.  If a claim is refuted with fixed parameters, it is false for the law.  If no change that was tried helped,
-the form of the part is more likely to blame than a parameter."""
+Try: what helps.  duhem changed the law (a constraint, a range of a force, a value for a part that has none, a narrower parameter, fixed
+parameters) and asked again.  It suggests a change only if the claim was settled then: proved, of a K that is not empty, or refuted.  A
+claim that is refuted with fixed parameters is false for the law.  If nothing helped, the form of the part is likely to blame."""
 
 
 class _Asked(NamedTuple):
@@ -115,7 +110,7 @@ class OpenClaims:
     """
 
     def __init__(self, law: Law, decide: Decide | None = None) -> None:
-        self._law, self._decide, self._tried = law, decide, Tried()
+        self._law, self._decide, self._tried = law, decide, Trials()
         self._forms: dict[Subject, list[Form]] = {}
 
     def unsettled(self, claim: str, subject: Subject, settled: Mapping[str, Evidence]) -> Unsettled | None:
@@ -162,7 +157,7 @@ class OpenClaims:
     def _same(self, asked: _Asked, names: Names) -> list[Form]:
         """Forms of g with which K seems to be as it was, each made once."""
         if asked.subject not in self._forms:
-            self._forms[asked.subject] = [] if asked.claim == "duality" else [*_same(asked, names)]
+            self._forms[asked.subject] = [] if asked.claim == "duality" else [*_with_values(asked, names)]
         return self._forms[asked.subject]
 
 
@@ -184,16 +179,12 @@ def _quoted(asked: _Asked, found: Blocked, names: Names) -> tuple[str, str]:
     return text, why
 
 
-def _same(asked: _Asked, names: Names) -> Iterator[Form]:
-    """Forms of g in which parts that have no value at a tip have one."""
+def _with_values(asked: _Asked, names: Names) -> Iterator[Form]:
+    """Forms of g in which parts that have no value at a tip have one, and with which K seems to be as it was."""
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
         if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
-            forms = [(None, read.g), *((_WRITTEN, g) for g in same_k(read))]
-            for start, g in forms:
-                tips = [*with_values(read._replace(g=g), names)]
-                for told, own in [*([] if start is None or tips else [(start, g)]), *((start or told, x) for told, x in tips)]:
-                    if keeps_k(asked.subject, text := in_text(own, {})):
-                        yield told.format(in_text(own, names)) if start else told, text
+            texts = ((told, in_text(g, {})) for told, g in with_values(read, names))
+            yield from (form for form in texts if keeps_k(asked.subject, form[1]))
 
 
 def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:

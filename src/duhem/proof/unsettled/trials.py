@@ -25,7 +25,7 @@ from duhem.proof.unsettled.blocked import Blocked
 from duhem.proof.unsettled.term_text import Names, in_text
 from duhem.proof.verdict import Verdict
 
-__all__ = ["Form", "Tried", "settings", "that_help"]
+__all__ = ["Form", "Trials", "settings", "that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
@@ -34,7 +34,7 @@ Form = tuple[str, str]  # what to write, and g then
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
 _IN_ALL, _SHARE = 4_000_000, 2  # steps for all claims of a law; of what is left one claim may have such a part
 _A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 500_000, 5_000  # steps; for reading a law
-_BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
+_BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 3  # of plain values; of those at which everything that decides is asked
@@ -45,30 +45,29 @@ _MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of paramete
 
 
 @dataclass
-class Tried:
+class Trials:
     """What was tried of one law for all its open claims: each claim of each changed law once, within so many ``steps``.
 
-    ``shown`` are the claims that were proved of changed laws, ``vain`` those that were not.  What ``helped`` one claim is tried first
-    of the next.
+    ``answers`` say whether the kernel proves a claim of a changed law, ``verdicts`` are those of everything that decides.  What ``helped``
+    one claim is tried first of the next.
     """
 
     steps: int = _IN_ALL
-    shown: dict[str, set[str]] = field(default_factory=dict)
-    vain: set[tuple[str, str]] = field(default_factory=set)
+    answers: dict[str, dict[str, bool]] = field(default_factory=dict)
     verdicts: dict[tuple[str, str], Verdict | None] = field(default_factory=dict)
     helped: dict[str, Text] = field(default_factory=dict)
 
 
 def that_help(
     claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Choices,
-    forms: Callable[[], Sequence[Form]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (), tried: Tried | None = None,
+    forms: Callable[[], Sequence[Form]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (), tried: Trials | None = None,
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
     empty K much is proved; ``forms`` have the K of g; at those tried ``first`` the claim may fail.
     """
-    asked = _Asked(claim, law, settled, decide, tried or Tried())
+    asked = _Asked(claim, law, settled, decide, tried or Trials())
     refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
     if again := [told for told, changed in asked.tried.helped.items() if asked(changed)]:
         return [*again, *refuted]
@@ -90,7 +89,7 @@ def that_help(
 class _Asked:
     """The kernel, and everything that decides, about one open claim of a law and of that with changes, as long as steps are left."""
 
-    def __init__(self, claim: str, law: Text, settled: frozenset[str], decide: Decide | None, tried: Tried) -> None:
+    def __init__(self, claim: str, law: Text, settled: frozenset[str], decide: Decide | None, tried: Trials) -> None:
         self.claim, self.g, self.settled, self.decide, self.tried = claim, law.get("g"), settled, decide, tried
         self.decisions = _MOST_DECIDED if claim != "duality" else _MOST_DUALS
         self.steps, self.kept = _A_KIND, tried.steps - tried.steps // _SHARE  # for the claims that come after
@@ -109,30 +108,26 @@ class _Asked:
             self.tried.steps -= budget.spent + _READING
         return self.tried.verdicts[key]
 
-    def __call__(self, law: Text, *claims: str) -> bool:
-        """Whether it proves the claim, or others, without evidence, with what that may rest on; of g itself holds what is settled."""
-        key, wanted = _key(law), claims or (self.claim,)
-        if wanted == ("duality",):  # which needs evidence
+    def __call__(self, law: Text, claim: str = "") -> bool:
+        """Whether it proves the claim, or another, without evidence, with what that may rest on; of g itself holds what is settled."""
+        key, claim = _key(law), claim or self.claim
+        if claim == "duality":  # which needs evidence
             return self.decide is not None and self.decided(law) is Verdict.PROVED
-        shown = self.tried.shown.setdefault(key, set())
-        known = shown.union(self.settled if law.get("g") == self.g else ())
-        if self.steps < 0 or self.tried.steps <= self.kept or any((key, name) in self.tried.vain for name in wanted):
-            return known.issuperset(wanted)
+        answers = self.tried.answers.setdefault(key, {})
+        known = {name for name, holds in answers.items() if holds}.union(self.settled if law.get("g") == self.g else ())
+        if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
+            return claim in known
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
-            read = stated(law)
-            needed = {*wanted}
+            read, needed = stated(law), {claim}
             for name in reversed(_BEFORE):
                 needed |= needs_of(name, read) if name in needed else set()
-            for name in (name for name in _BEFORE if name in needed - known and (key, name) not in self.tried.vain):
-                if any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read)):
-                    known.add(name)
-                    shown.add(name)
-                else:
-                    self.tried.vain.add((key, name))
-        self.tried.vain |= {(key, name) for name in wanted if name not in known}
+            for name in (name for name in _BEFORE if name in needed - known and name not in answers):
+                answers[name] = any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read))
+                known |= {name} if answers[name] else set()
+        answers.setdefault(claim, False)
         self.steps -= purse.spent + _READING
         self.tried.steps -= purse.spent + _READING
-        return known.issuperset(wanted)
+        return claim in known
 
     def keep(self, told: str, law: Text) -> str:
         """What to do, with the claims that are then proved too; the next claims are tried with it first."""
