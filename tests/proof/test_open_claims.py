@@ -21,6 +21,7 @@ from duhem.law.domain import POSITIVE, Domain
 from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject, admitted_values
+from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
 from duhem.proof.unsettled import open_claims, trials
@@ -428,19 +429,19 @@ def test_the_part_of_an_energy_without_a_derivative_is_named(energy: str, part: 
 
 
 def test_each_claim_of_a_changed_law_is_asked_once_and_all_draw_on_one_purse(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked, made = list[tuple[object, ...]](), list[trials.Trials]()
-    ask, new = trials.objection, trials.Trials.__init__
+    asked, made = list[tuple[object, ...]](), list[trials.Attempts]()
+    new = trials.Attempts.__init__
 
     def counted(claim: str, rule: str, settled: frozenset[str], read: StatedLaw, evidence: dict[str, object]) -> str:
         asked.append((claim, rule, repr(read)))
-        return ask(claim, rule, settled, read, evidence)
+        return objection(claim, rule, settled, read, evidence)
 
-    def kept(own: trials.Trials, *rest: object) -> None:
+    def kept(own: trials.Attempts, *rest: object) -> None:
         new(own, *rest)  # type: ignore[arg-type]
         made.append(own)
 
     monkeypatch.setattr(trials, "objection", counted)
-    monkeypatch.setattr(trials.Trials, "__init__", kept)
+    monkeypatch.setattr(trials.Attempts, "__init__", kept)
     found = verify(FOLLOWED["clay"], effort="quick")
     assert sum(result.unsettled is not None for result in found) == 4
     assert len(asked) == len({*asked}) and len(made) == 1
@@ -451,5 +452,5 @@ def test_no_more_is_tried_when_the_purse_is_empty() -> None:
     text = law_as_text(FOLLOWED["adhesion"])
     part = blocked("smoothness", StatedLaw.read(text))
     for steps, told in ((0, []), (trials._IN_ALL, ['add the constraint "w < e"'])):
-        found = that_help("smoothness", text, frozenset({"convexity"}), part, {}, list, tried=trials.Trials(steps))
+        found = that_help("smoothness", text, frozenset({"convexity"}), part, {}, list, tried=trials.Attempts(steps))
         assert [action.split(" (")[0] for action in found] == told

@@ -33,7 +33,7 @@ from duhem.proof.search.margins import least_margin
 from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
-from duhem.proof.unsettled.trials import Form, Trials, settings, that_help
+from duhem.proof.unsettled.trials import Attempts, Form, settings, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
 
 __all__ = ["STATEMENT", "THEORY", "OpenClaims"]
@@ -110,7 +110,7 @@ class OpenClaims:
     """
 
     def __init__(self, law: Law, decide: Decide | None = None) -> None:
-        self._law, self._decide, self._tried = law, decide, Trials()
+        self._law, self._decide, self._tried = law, decide, Attempts()
         self._forms: dict[Subject, list[Form]] = {}
 
     def unsettled(self, claim: str, subject: Subject, settled: Mapping[str, Evidence]) -> Unsettled | None:

@@ -25,7 +25,7 @@ from duhem.proof.unsettled.blocked import Blocked
 from duhem.proof.unsettled.term_text import Names, in_text
 from duhem.proof.verdict import Verdict
 
-__all__ = ["Form", "Trials", "settings", "that_help"]
+__all__ = ["Attempts", "Form", "settings", "that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
@@ -45,7 +45,7 @@ _MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of paramete
 
 
 @dataclass
-class Trials:
+class Attempts:
     """What was tried of one law for all its open claims: each claim of each changed law once, within so many ``steps``.
 
     ``answers`` say whether the kernel proves a claim of a changed law, ``verdicts`` are those of everything that decides.  What ``helped``
@@ -60,14 +60,14 @@ class Trials:
 
 def that_help(
     claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Choices,
-    forms: Callable[[], Sequence[Form]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (), tried: Trials | None = None,
+    forms: Callable[[], Sequence[Form]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (), tried: Attempts | None = None,
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
     empty K much is proved; ``forms`` have the K of g; at those tried ``first`` the claim may fail.
     """
-    asked = _Asked(claim, law, settled, decide, tried or Trials())
+    asked = _Asked(claim, law, settled, decide, tried or Attempts())
     refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
     if again := [told for told, changed in asked.tried.helped.items() if asked(changed)]:
         return [*again, *refuted]
@@ -89,7 +89,7 @@ def that_help(
 class _Asked:
     """The kernel, and everything that decides, about one open claim of a law and of that with changes, as long as steps are left."""
 
-    def __init__(self, claim: str, law: Text, settled: frozenset[str], decide: Decide | None, tried: Trials) -> None:
+    def __init__(self, claim: str, law: Text, settled: frozenset[str], decide: Decide | None, tried: Attempts) -> None:
         self.claim, self.g, self.settled, self.decide, self.tried = claim, law.get("g"), settled, decide, tried
         self.decisions = _MOST_DECIDED if claim != "duality" else _MOST_DUALS
         self.steps, self.kept = _A_KIND, tried.steps - tried.steps // _SHARE  # for the claims that come after
