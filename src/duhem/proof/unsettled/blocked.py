@@ -230,7 +230,8 @@ def _below(term: Term, want: str, domain: StatedDomain) -> Blocked | None:
     if want == _SIZE:
         return _below(term, _CONVEX, domain) or Blocked(term, _NO_SIZE)
     if term.op == "*" and len(moving) == 1:
-        scale = product_of(*(a for a in term.args if domain.constant(a)))
+        own = [a for a in term.args if domain.constant(a)]
+        scale = own[0] if len(own) == 1 else product_of(*own)
         sign = domain.facts(scale).sign
         if sign & NEGATIVE and sign & POSITIVE:
             ways = tuple(_plain(way, domain) for way in (scale, minus(scale)))
