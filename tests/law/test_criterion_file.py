@@ -134,7 +134,11 @@ FAULTS = {
     "huge bound": (HEAD + G + "[parameters]\nmu_a = { max = 1e999999 }\n", "5:1", "too large"),
     "domain in a section of its own": (HEAD + G + "[parameters.mu_a]\nmax = 'x'\n", "4:1", "not a number"),
     "constraint is no comparison": (HEAD + G + 'constraints = ["mu_a"]\n' + P, "4:17", "no comparison"),
-    "constraint on a force": (HEAD + G + 'constraints = ["mu_a < 1", "mu_a < sigma_a"]\n' + P, "4:36", "unknown name 'sigma_a'"),
+    "constraint on a force": (
+        HEAD + G + 'constraints = ["mu_a < 1", "mu_a < sigma_a"]\n' + P,
+        "4:36",
+        "a constraint depends on sigma_a, which is no parameter",
+    ),
     "constraint never holds": (HEAD + G + 'constraints = ["mu_a < -1"]\n' + P, "4:17", "contradictory"),
     "constraints contradict each other": (HEAD + G + 'constraints = ["mu_a < mu_b", "mu_b < mu_a"]\n' + P, "4:1", "no parameter values"),
     "constraint against a domain": (HEAD + G + 'constraints = ["e > mu_b"]\n' + P + "e = { max = 0 }\n", "4:1", "no parameter values"),

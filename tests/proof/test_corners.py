@@ -7,6 +7,7 @@ import pytest
 from duhem import Criterion, Domain, verify
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import refuters
+from duhem.proof.search.corners import centred_choices
 from tests.long import long_but
 from tests.oracles.reevaluation import confirmed
 
@@ -144,3 +145,11 @@ def test_a_root_of_strengths_is_no_polynomial_of_one() -> None:
     one = Criterion("coupled", g, domains, TWO)
     (found,) = verify(one, claims="smoothness").results
     assert found.verdict.value == "refuted" and found.witness is not None and confirmed(one, "smoothness", found.witness)
+
+
+@pytest.mark.parametrize(("factor", "found"), [("tan(p)", False), ("exp(p)", False), ("sqrt(p)", True), ("p**(1/2)*q**(3/2)", True)])
+def test_centres_of_a_quadratic_law_with_words_of_parameters_are_found_where_numbers_are_rational(factor, found):
+    known = {"p": Domain.between("1/10", "4/5"), "q": Domain.between(1, 2), "c": Domain.between(-1, 1)}
+    subject = FormulaSubject(Criterion("law", f"a**2 + b**2 + {factor}*a*b + 0*q - c", known, ("a", "b"), None))
+    zeros = [{str(x): value for x, value in choice.items()}["c"] == 0 for choice in centred_choices(subject)]
+    assert any(zeros) is found

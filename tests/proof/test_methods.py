@@ -11,7 +11,7 @@ from typing import get_args, get_type_hints
 import pytest
 
 import duhem.proof
-from duhem import load
+from duhem import InputError, load
 from duhem.law.curve_law import ParametricCriterion
 from duhem.proof.claims import CLAIMS, Claim, ProofMethod, Rules, words
 from duhem.proof.facts.curve_subject import CurveSubject
@@ -70,6 +70,20 @@ def test_a_method_is_asked_about_the_laws_it_takes_alone() -> None:
     claim.examine(FormulaSubject(load("coulomb")), {}, on_method=told.append)
     assert told == ["test methods any law", "test methods formula"]
     assert Claim("none", "", "", ()).examine(FormulaSubject(load("coulomb")), {}).verdict is Verdict.UNDECIDED
+
+
+@pytest.mark.parametrize("later", [Verdict.TESTED, Verdict.PROVED, None])
+def test_a_method_that_stops_at_a_number_too_large_is_told_beside_an_open_verdict(later: Verdict | None) -> None:
+    def stops(_: FormulaSubject) -> None:
+        raise InputError("k is too large for double precision")
+
+    def answers(_: FormulaSubject) -> Evidence | None:
+        return None if later is None else Evidence(later, "later", "as it is")
+
+    methods = (ProofMethod(FormulaSubject, stops), ProofMethod(FormulaSubject, answers))
+    found = Claim("two", "", "", methods).examine(FormulaSubject(load("coulomb")), {})
+    assert found.verdict is (later or Verdict.UNDECIDED)
+    assert found.detail.endswith("; not all methods could try: k is too large for double precision") == (later is not Verdict.PROVED)
 
 
 def test_a_fact_is_made_once_for_each_law_and_looked_for_again_where_it_was_not_found() -> None:

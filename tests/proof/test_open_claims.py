@@ -12,16 +12,19 @@ from fractions import Fraction
 from random import Random
 
 import pytest
+import sympy as sp
 
 import duhem
 from duhem import Criterion, Verdict, verify
 from duhem.expression.abbreviations import Stress
 from duhem.law.domain import POSITIVE, Domain
+from duhem.law.state import Variable
 from duhem.proof.certificate import law_as_text
-from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.formula_subject import FormulaSubject, admitted_values
+from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import parse
-from duhem.proof.unsettled import open_claims
+from duhem.proof.unsettled import open_claims, trials
 from duhem.proof.unsettled.blocked import blocked
 from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import in_text, names_of
@@ -29,7 +32,7 @@ from duhem.proof.unsettled.trials import that_help
 from duhem.proof.verdict import Evidence, Unsettled, Witness
 from duhem.regions import told as told_of_a_region
 from duhem.show.printing import sheet, text
-from tests.long import long_at
+from tests.long import long_at, mostly_long
 from tests.oracles import drawn_formulas
 
 ANY, AT_LEAST_0 = Domain(), Domain.between(0)
@@ -53,10 +56,11 @@ TOLD = [
     (law(QUADRATIC, {"x": POSITIVE, "y": POSITIVE, "k": ANY}), "smoothness", "a**2/x**2", "matrix is not shown to be positive semidefinite",
         'add the constraint "'),
     (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "dissipation",
-        "norm(a, b)", "rise along the rays", "narrow d to max = 1"),
-    (law("norm(a, b) - log(s/t)", {"s": POSITIVE, "t": POSITIVE}), "dissipation", "norm(a, b) - log(s/t)", "rays", "narrow s to min = 1"),
+        "norm(a, b)", "rise along the rays", 'add the constraint "d <= 1" (origin is proved then, too)'),
+    (law("norm(a, b) - log(s/t)", {"s": POSITIVE, "t": POSITIVE}), "dissipation", "norm(a, b) - log(s/t)", "rays",
+        'add the constraint "0 <= log(s/t)"'),
     (law("norm(a, b) - c*(1 - d)", {"c": POSITIVE, "d": ANY}), "smoothness",
-        "norm(a, b)", "may be 0 on the boundary", "narrow d to max = 0"),
+        "norm(a, b)", "may be 0 on the boundary", 'add the constraint "d < 1"'),
     (law("sqrt(a**2 + c**2) - (d + m*b)", {"c": ANY, "d": ANY, "m": ANY}), "smoothness",
         "a**2 + c**2", "may be 0", "narrow c to what is > 0"),
     (law("-k*(1 + c*cos3theta(s)) + sqrt(3*J2(s))", {"k": POSITIVE, "c": Domain.between(0, "1/9")}, (), stress=Stress("s", "principal")),
@@ -93,15 +97,15 @@ def written_out(criterion: Criterion, text: str) -> str:
 
 def changed(criterion: Criterion, action: str) -> Criterion:
     """The law after what an action says."""
-    more: dict[str, object] = {"g": criterion.written, "written": ""}
+    more: dict[str, object] = {} if criterion.forces_of_rates else {"g": criterion.written, "written": ""}
     if found := re.match(r"narrow (\w+) to (?:(min|max) = (\S+)|what is > 0)", action):
         name, end, value = found.groups()
         own = criterion.parameters[name]
         low, high = (value if end == word else x for word, x in (("min", own.low), ("max", own.high)))
         positive = end is None or (end == "max" and own.positive)
         more["parameters"] = {**criterion.parameters, name: replace(Domain.between(None if positive else low, high), positive=positive)}
-    if found := re.match(r'add the constraint "(.*)"', action):
-        more["constraints"] = (found[1],)
+    if action.startswith("add the constraint"):
+        more["constraints"] = tuple(re.findall(r'"([^"]*)"', action))
     if found := re.match(r"ask for .* alone: (\w+) = \{ (min|max) = 0 \}", action):
         more["domain"] = {found[1]: Domain.between(0) if found[2] == "min" else Domain.between(None, 0)}
     if found := re.match(r"write (?:(?P<limit>where.*) for (?P<part>.*), and )?max\((?:g|\.\.\.), (?P<ends>.*)\) for g", action):
@@ -110,7 +114,9 @@ def changed(criterion: Criterion, action: str) -> Criterion:
     if found := re.match(r"write (.*) for (.*), if you mean 0 there", action):
         limit, part = (written_out(criterion, text) for text in found.groups())
         more["g"] = criterion.written.replace(part, limit)
-    if found := re.match(r'write g = "(.*)", with the same K', action) or re.match(r"write (.*) for g, which is", action):
+    if found := re.match(r"write (.*) for (.*) in psi", action):
+        more |= {"energy": criterion.written_energy.replace(found[2], found[1]), "written_energy": ""}
+    if found := re.match(r"write (.*) for g, which is", action):
         more["g"] = found[1]
     settings = dict(re.findall(r"--set (\w+)=(\S+)", action))
     criterion = replace(criterion, **more)  # type: ignore[arg-type]
@@ -150,7 +156,7 @@ def told_of(criterion: Criterion, claim: str, spent: bool = False, **verdicts: V
     settled = {
         name: Evidence(verdict, "none", "", shown_against(verdict)) for name, verdict in (*verdicts.items(), (claim, Verdict.TESTED))
     }
-    found = open_claims.unsettled(claim, criterion, subject, settled)
+    found = open_claims.OpenClaims(criterion).unsettled(claim, subject, settled)
     assert found is not None
     return found.actions
 
@@ -207,8 +213,8 @@ def test_no_values_are_suggested_at_which_k_is_empty() -> None:
     assert next(iter(open_claims._with_k(asked, choices))) == {"c": 3}
     root = TOLD[8][0]
     about = "smoothness", law_as_text(root), frozenset[str]()
-    assert that_help(*about, None, {}, list, []) == ["narrow c to what is > 0 (positive = true) and --set m=1"]
-    assert that_help(*about, None, {}, lambda _: [], []) == []
+    assert that_help(*about, None, {}, list) == ["narrow c to what is > 0 (positive = true) and --set m=1"]
+    assert that_help(*about, None, {}, lambda _: []) == []
 
 
 def test_a_part_is_quoted_as_the_law_has_it_where_values_are_put_in() -> None:
@@ -331,3 +337,120 @@ def test_no_line_of_forces_far_from_k_is_added_to_it(forces: tuple[str, ...], pa
     subject = FormulaSubject(Criterion("own", f"{part}/{divisor} + {size} - 1", {}, forces, None))
     assert not keeps_k(subject, f"{part} + {size}*{divisor} - {divisor}")
     assert keeps_k(subject, f"where({divisor} > 0, {part}/{divisor}, 0) + {size} - 1")
+
+
+# -- followed to the letter ----------------------------------------------------------------------------------------------------
+
+PROVED_TOO = re.compile(r"\(([a-z_, ]+) (?:is|are) proved then, too\)")
+PQ = {"p": AT_LEAST_0, "q": AT_LEAST_0}
+F = {"F1": ANY, "F2": ANY, "F11": POSITIVE, "F22": POSITIVE, "F12": ANY}
+STATE = {"u": Variable("s", observable=True), "d": Variable("Y", domain=Domain.between(0, 1))}
+FOLLOWED = {
+    "a quadric": law("F1*a + F2*b + F11*a**2 + F22*b**2 + 2*F12*a*b - 1", F),
+    "strengths": law("a**2/x**2 + b**2/y**2 + 2*f*a*b/(x*y) - 1", {"x": POSITIVE, "y": POSITIVE, "f": Domain.between(-2, 2)}),
+    "matrix failure": law("(a/x)**2*(1 - r) + (b/y)**2 + r*a/x - 1", {"x": POSITIVE, "y": POSITIVE, "r": ANY}),
+    "adhesion": law("norm(a, b) - c*(1 - w/e)", {"c": POSITIVE, "w": AT_LEAST_0, "e": POSITIVE}),
+    "wear": law("norm(a, b) - m*(1 + k*tanh(h) - h)", {"m": POSITIVE, "k": ANY, "h": AT_LEAST_0}),
+    "exponent": law("(abs(a)/x)**n + (abs(b)/y)**n - 1", {"x": POSITIVE, "y": POSITIVE, "n": POSITIVE}),
+    "clay": law("q**2 - m**2*p**(2 - k)*(c - p)**k", {"m": POSITIVE, "c": POSITIVE, "k": Domain.between("1/2", "3/2")}, "qp"),
+    "angle": law("abs(q) - m*p*tan(f)*(1 - exp(-p/k))", {"m": POSITIVE, "f": Domain.between(0, 1), "k": POSITIVE}, "qp"),
+    "creep": law("A*(cosh(a) - 1) - B*a**2", {"A": POSITIVE, "B": ANY}, "a", viscous=True),
+    "flow": law("A*a**4 + B*a**2 + D*a", {"A": POSITIVE, "B": ANY, "D": ANY}, "a", viscous=True),
+    "damage": law("Y - c", {"c": POSITIVE, "k": POSITIVE} | {name: own.domain for name, own in STATE.items()}, "Y", variables=STATE,
+                  energy="k*u**2/2 + c*abs(1 - d) + c*d**2"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", mostly_long(FOLLOWED, "a quadric", "adhesion", "creep", "damage"))
+def test_what_is_suggested_is_true_when_it_is_followed(name: str) -> None:
+    """Of every open claim: the law after the action has a K, or a potential, and the claim, and those named beside it, are as it says."""
+    criterion, helped = FOLLOWED[name], 0
+    for found in verify(criterion, effort="quick"):
+        for action in () if found.unsettled is None else found.unsettled.actions:
+            if action.startswith(("settle ", "--effort")) or "in floating point" in action:
+                continue
+            too = re.search(PROVED_TOO, action)
+            after = verify(changed(criterion, action), claims=[found.claim, *(too[1].split(", ") if too else ())])
+            for result in after:
+                due = Verdict.REFUTED if "(then it is refuted)" in action else Verdict.PROVED
+                assert result.verdict is due, (result.claim, action)
+            assert not after.vacuous and admitted_values(after.criterion) is not None
+            helped += 1
+    assert helped
+
+
+def test_a_quadric_is_told_the_minors_of_its_matrix() -> None:
+    found = {result.claim: result.unsettled for result in verify(FOLLOWED["a quadric"]) if result.unsettled is not None}
+    assert [actions.split(" (")[0] for actions in found["smoothness"].actions] == ['add the constraint "F12**2 <= F11*F22"']
+    assert [actions.split(" (")[0] for actions in found["duality"].actions] == ['add the constraint "F12**2 < F11*F22"']
+    assert found["duality"].part == "F11*F22 - F12**2" and "in the closed form" in (found["duality"].why or "")
+
+
+def of_rates(force: str, **parameters: Domain) -> Criterion:
+    known = {"v": Domain(), **parameters}
+    return Criterion("rates", sp.nan, known, ("s",), None, variables={"v": Variable("s")}, forces_of_rates={"s": force})
+
+
+@pytest.mark.parametrize(
+    ("criterion", "claim", "part"),
+    [
+        (of_rates("c*v_rate + k*tanh(v_rate) - m*v_rate/(1 + v_rate**2)", c=POSITIVE, k=POSITIVE, m=Domain.between(0, "1/10")),
+         "dissipation", "-"),
+        (of_rates("c*v_rate + k*tanh(v_rate) - m*v_rate/(1 + v_rate**2)", c=POSITIVE, k=POSITIVE, m=Domain.between(0, "1/10")),
+         "normality", "-"),
+        (of_rates("c*log(v_rate + sqrt(1 + v_rate**2))", c=POSITIVE), "normality", "log(v_rate + sqrt(1 + v_rate**2))"),
+        (law("where(abs(a) > c, a**2 - 8/3*sqrt(c)*abs(a)**(3/2) + 2*c*abs(a) - c**2/3, 0)", {"c": POSITIVE}, "a", viscous=True),
+         "origin", "where(abs(a) > c"),
+        (law("where(abs(a) > c, a**2 - 8/3*sqrt(c)*abs(a)**(3/2) + 2*c*abs(a) - c**2/3, 0)", {"c": POSITIVE}, "a", viscous=True),
+         "convexity", "where(abs(a) > c"),
+    ],
+)  # fmt: skip
+def test_of_rates_and_potentials_nothing_is_said_of_k(criterion: Criterion, claim: str, part: str) -> None:
+    found = opened(criterion, claim)
+    told = " ".join(found.sentences())
+    assert found.part is not None and part in found.part
+    assert not re.search(r"\bK\b|\bg\b|flow|boundary|\bz\b", told), told
+
+
+@pytest.mark.parametrize(
+    ("energy", "part"),
+    [
+        ("k*u**2*d**2/2 - c*abs(d - 1/2)", "abs(d - 1/2)"),
+        ("k*u**2*(1 - d)/2 + c*abs(u)*d", "abs(u)"),
+        ("k*u**2/2 + c*d**2*log(d)", "log(d)"),
+    ],
+)
+@pytest.mark.parametrize("claim", ["state_laws", "dissipation"])
+def test_the_part_of_an_energy_without_a_derivative_is_named(energy: str, part: str, claim: str) -> None:
+    domains = {"k": POSITIVE, "c": POSITIVE} | {name: own.domain for name, own in STATE.items()}
+    given = law("Y - c", domains, "Y", variables=STATE, energy=energy)
+    found = blocked(claim, StatedLaw.read(law_as_text(given)))
+    assert found is not None and in_text(found.part, {}) == part and found.why.endswith("; the forces are derivatives of psi")
+
+
+def test_each_claim_of_a_changed_law_is_asked_once_and_all_draw_on_one_purse(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked, made = list[tuple[object, ...]](), list[trials.Attempts]()
+    new = trials.Attempts.__init__
+
+    def counted(claim: str, rule: str, settled: frozenset[str], read: StatedLaw, evidence: dict[str, object]) -> str:
+        asked.append((claim, rule, repr(read)))
+        return objection(claim, rule, settled, read, evidence)
+
+    def kept(own: trials.Attempts, *rest: object) -> None:
+        new(own, *rest)  # type: ignore[arg-type]
+        made.append(own)
+
+    monkeypatch.setattr(trials, "objection", counted)
+    monkeypatch.setattr(trials.Attempts, "__init__", kept)
+    found = verify(FOLLOWED["clay"], effort="quick")
+    assert sum(result.unsettled is not None for result in found) == 4
+    assert len(asked) == len({*asked}) and len(made) == 1
+    assert 0 < made[0].steps < trials._IN_ALL
+
+
+def test_no_more_is_tried_when_the_purse_is_empty() -> None:
+    text = law_as_text(FOLLOWED["adhesion"])
+    part = blocked("smoothness", StatedLaw.read(text))
+    for steps, told in ((0, []), (trials._IN_ALL, ['add the constraint "w < e"'])):
+        found = that_help("smoothness", text, frozenset({"convexity"}), part, {}, list, tried=trials.Attempts(steps))
+        assert [action.split(" (")[0] for action in found] == told

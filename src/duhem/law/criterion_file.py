@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, Inexact
@@ -219,7 +220,7 @@ class _CriterionReader(SectionReader):
 
     def head(self, forces: Sequence[str], pressure: str | None, domains: Mapping[str, Domain], define: Definitions) -> dict[str, Any]:
         """What a law of either kind has."""
-        constraints, texts = self.constraints({p: domain.symbol(p) for p, domain in domains.items()}, define)
+        constraints, texts = self.constraints({p: domain.symbol(p) for p, domain in domains.items()}, define, (*forces, pressure))
         said = {key: self.line("criterion", key, required=key == "name") for key in ("name", "summary", "source")}
         names = {"parameters": domains, "forces": tuple(forces), "pressure": pressure}
         return said | names | {"constraints": constraints, "written_constraints": texts, "expect": self.expected()}
@@ -319,6 +320,9 @@ class _CriterionReader(SectionReader):
         self.keys("energy", self.table("energy", required=False), ("psi",))
         given = self.table("dissipation", required=False)
         self.keys("dissipation", given, ("potential", "rates", "forces_of_rates"))
+        if "dissipation" in self.document and not given:
+            remedy = "write potential, rates or forces_of_rates in it, or remove the section"
+            raise self.error("[dissipation] says nothing", "dissipation", remedy=remedy)
         functions = {"rates": "alpha", "forces_of_rates": "sigma"}
         for key, name in functions.items():
             if not isinstance(given.get(key, {}), dict):
@@ -426,12 +430,17 @@ class _CriterionReader(SectionReader):
         except InputError as fault:
             raise self.error(f"{name}: {fault.what}", section, name, remedy=fault.remedy) from None
 
-    def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions) -> Relations:
+    def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions, loads: Sequence[str | None]) -> Relations:
         given = self.document["criterion"].get("constraints", [])
         if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
             remedy = 'write constraints = ["e < mu_b"]'
             raise self.error("constraints is not a list of comparisons", "criterion", "constraints", remedy=remedy)
         placed = [self.formula("criterion", "constraints", i) for i in range(len(given))]
+        for text, line, column in placed:
+            for name in (name for name in re.finditer(r"\w+", text) if name[0] in loads):
+                remedy = "constraints relate parameters only; a range of a force or of the pressure belongs in the section [domain]"
+                where = f"{self.where}:{line}:{column + name.start() + 1}"
+                raise InputError(f"a constraint depends on {name[0]}, which is no parameter", where=where, remedy=remedy)
         short = define.short
         found = [parse_relation(t, parameters, where=self.where, line=line, column=column, short=short) for t, line, column in placed]
         return tuple(found), tuple(written_out(t, short) for t, _, _ in placed)

@@ -90,7 +90,8 @@ def misfits(variables: Mapping[str, Variable], forces: Sequence[str], energy: bo
         elif own.temperature and own.force is not None:
             yield name, f"the temperature {name} has a force", "remove force: what belongs to it is the entropy"
         elif own.observable and own.force is None:
-            yield name, f"the observable {name} has no force", f'add force = "{forces[0]}"'
+            other = ", or another name if no internal variable has this force: the energy gives it, and it need not stand in forces"
+            yield name, f"the observable {name} has no force", f'add force = "{forces[0]}"{other if energy else ""}'
         elif own.force is not None and own.force not in forces and not (own.observable and energy):  # then it is what the energy gives
             yield name, f"the force {own.force!r} of {name} is not declared", f"the forces are: {', '.join(forces)}"
     for kind in ("observable", "internal"):
@@ -102,9 +103,11 @@ def misfits(variables: Mapping[str, Variable], forces: Sequence[str], energy: bo
     if temperatures := [name for name, own in variables.items() if own.temperature][1:]:
         yield temperatures[0], "there are two temperatures", "declare one"
     driven = {own.force for own in variables.values() if own.internal}
+    observed = {own.force: name for name, own in variables.items() if own.observable}
     for force in forces if energy else ():
         if force not in driven:
-            yield "", f"no internal variable has the force {force}", f'declare one, such as {force}_in = {{ force = "{force}" }}'
+            given = f"remove {force} from forces, as the energy gives the force of {observed[force]}; or " if force in observed else ""
+            yield "", f"no internal variable has the force {force}", f'{given}declare one, such as {force}_in = {{ force = "{force}" }}'
 
 
 def check_state(law: Any) -> None:

@@ -8,7 +8,6 @@ Methods are tried in order, the cheapest sound one first; the kernel's rules, wh
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
@@ -128,12 +127,13 @@ class Claim:
         """
         subject.allow(self.steps)
         confirms: Confirms = (lambda _: False) if kernel is None else partial(kernel.confirms, self.name)
+        stopped = list[str]()
         for method in self.methods:
             if not isinstance(subject, method.takes):
                 continue
             on_method(words(method, self.name))
             found = None
-            with suppress(InputError):  # a number of the law is too large for double precision, at parameters that the method tries
+            try:
                 match method:
                     case Rules():
                         found = None if kernel is None else kernel.proof(self.name, method.steps, method.as_written)
@@ -142,9 +142,15 @@ class Claim:
                     case _:
                         found = method.run(subject, settled) if isinstance(method, Consequence) else method.run(subject)
                         found = found if found is not None and self._counts(found, subject, confirms) else None
+            except InputError as fault:  # a number of the law is too large for double precision, at parameters that the method tries
+                stopped.append(fault.what)
             if found is not None:
-                return found
-        return Evidence(Verdict.UNDECIDED, "none", "no rule proves it, and no counterexample was found")
+                break
+        else:
+            found = Evidence(Verdict.UNDECIDED, "none", "no rule proves it, and no counterexample was found")
+        if not stopped or found.verdict in (Verdict.PROVED, Verdict.REFUTED):
+            return found
+        return replace(found, detail=f"{found.detail}; not all methods could try: {stopped[0]}")
 
     def provers_first(self) -> Claim:
         """The same claim for who needs a proof: the first refuter alone comes before what finds one, for it sees what is plainly false.

@@ -39,7 +39,7 @@ from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.methods.coupled import polar_of_the_cone
 from duhem.proof.remarks import not_needed, remarks, scope
-from duhem.proof.verdict import CONTRADICTION, ClaimResult, Evidence, Proof, Trust, Verdict
+from duhem.proof.verdict import CONTRADICTION, ClaimResult, Evidence, Proof, Trust, Unsettled, Verdict
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.printing import Shown
 from duhem.version import __version__
@@ -222,14 +222,14 @@ def claim_results(law: Law, claims: Iterable[str] | None = None, effort: str = "
     return results
 
 
-def verdict_within(law: Criterion, claim: str, steps: int) -> Verdict:
-    """The verdict on one claim, for which no more than so many steps are spent on everything together.
+def verdict_within(law: Criterion, claim: str, steps: int | Budget) -> Verdict:
+    """The verdict on one claim, for which no more than so many steps are spent on everything together, or those of a budget.
 
     The kernel is asked before anything is derived from the law, and about the claims that its rules may rest on only where that shows
     nothing: of most laws that is all.  What finds proofs comes before what refutes.  InputError where the domain is empty.
     """
     check_domain(law)
-    kernel, asked = Confirmations(law, Budget(steps)), CLAIMS[claim]
+    kernel, asked = Confirmations(law, steps if isinstance(steps, Budget) else Budget(steps)), CLAIMS[claim]
     with _alone():
         if kernel.proof(claim, CHEAP.steps, CHEAP.as_written) is None:
             for name in sorted(kernel.needs(claim)):
@@ -269,6 +269,7 @@ def _examined(
     confirmations = Confirmations(criterion)
     needed = _closed(wanted, lambda name: {*EVERY[name].needs, *confirmations.needs(name)})
     results: list[ClaimResult] = []
+    explain: Callable[[str, Subject, Mapping[str, Evidence]], Unsettled | None] | None = None
     for name in (name for name in EVERY if name in needed):
         subject = about[name]
         start, before = time.perf_counter(), subject.spent + confirmations.spent
@@ -287,10 +288,11 @@ def _examined(
         verdict, witness, steps = evidence.verdict, evidence.witness, subject.spent + confirmations.spent - before
         left = None
         if name in wanted and explained and verdict in (Verdict.TESTED, Verdict.UNDECIDED):
-            from duhem.proof.unsettled.open_claims import unsettled  # numpy, only where a claim is open
+            from duhem.proof.unsettled.open_claims import OpenClaims  # numpy, only where a claim is open
 
+            explain = explain or OpenClaims(criterion, verdict_within).unsettled
             with _alone():
-                left = unsettled(name, criterion, subject, settled, verdict_within)
+                left = explain(name, subject, settled)
         said = scope(criterion, verdict), seconds, evidence.detail
         found = ClaimResult(name, verdict, evidence.method, *said, witness, standing.trust, standing.proof, steps, left)
         results.append(found)

@@ -167,11 +167,8 @@ def verify(
 
 
 def _say_for_which(found: Verification, law: str) -> None:
-    """For each claim that is refuted or open: for which values of the one parameter of shape it holds, or the command that finds it."""
-    from duhem.proof.unsettled.blocked import NONE_AT_ZERO
-
-    claims = [r for r in found if r.claim in ("origin", "convexity") and r.verdict in ("refuted", "undecided", "tested")]
-    asked = [r.claim for r in claims if r.unsettled is None or NONE_AT_ZERO not in (r.unsettled.why or "")]
+    """For each claim that is refuted: for which values of the one parameter of shape it holds, or the command that finds it."""
+    asked = [r.claim for r in found if r.claim in ("origin", "convexity") and r.verdict == "refuted"]
     if found.interrupted or not asked:
         return
     from duhem.regions import told

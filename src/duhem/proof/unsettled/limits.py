@@ -26,7 +26,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of, sum_of
 from duhem.proof.unsettled.term_text import Names, in_text
 
-__all__ = ["jump", "keeps_k", "raised", "split", "times", "with_values"]
+__all__ = ["jump", "keeps_k", "with_values"]
 
 _MOST = 4  # parts in one formula, and ways to choose each
 _CHOICES, _DRAWN, _MOVES = 2, 24, 30  # of parameters; of places, and around each; to a zero of a size
@@ -41,7 +41,7 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
     if (tip := _tip(read.g, domain)) is None:
         return
     _, size, power = tip
-    for start, rank in product((read.g, times(read.g, size, power)), range(_MOST)):
+    for start, rank in product((read.g, _times(read.g, size, power)), range(_MOST)):
         g, put = start, list[tuple[Term, Term]]()
         while (tip := _tip(g, domain)) is not None and len(put) < _MOST:
             above = _above(start, tip[0], names)
@@ -55,7 +55,7 @@ def with_values(read: StatedLaw, names: Names) -> Iterator[tuple[str, Term]]:
         if g != read.g and g not in seen:
             seen.add(g)
             told = " and ".join(f"{in_text(limit, names)} for {in_text(x, names)}" for x, limit in put) + ", if you mean 0 there"
-            whole = f"{in_text(g, names)} for g, which is {in_text(raised(size, power), names)} times g"
+            whole = f"{in_text(g, names)} for g, which is {in_text(_raised(size, power), names)} times g"
             yield f"write {told if start is read.g else whole}", g
 
 
@@ -82,33 +82,33 @@ def _above(g: Term, part: Term, names: Names) -> list[Term]:
     return [*(x for x in found if isinstance(names.get(x), str)), *whole[:1], *whole[-1:], *found[:1]] or [part]
 
 
-def times(term: Term, size: Term, power: Term) -> Term:
+def _times(term: Term, size: Term, power: Term) -> Term:
     """A formula times a power of a size by which it may divide."""
     if term.op == "+":
-        return sum_of(*(times(a, size, power) for a in term.args if a != _ZERO))
+        return sum_of(*(_times(a, size, power) for a in term.args if a != _ZERO))
     if term.op == "**" and term.args[1] == power and power.op != "number":
-        return Term("**", (times(term.args[0], size, _ONE), power))
-    rest, own = split(term, size)
+        return Term("**", (_times(term.args[0], size, _ONE), power))
+    rest, own = _split(term, size)
     for x in rest:
-        if x != term and x.op in ("+", "**") and any(split(y, size)[1] < 0 for y in x.parts()):
-            outer = [] if not own else [raised(size, number(own))]
-            return product_of(*(times(y, size, power) if y is x else y for y in rest), *outer)
+        if x != term and x.op in ("+", "**") and any(_split(y, size)[1] < 0 for y in x.parts()):
+            outer = [] if not own else [_raised(size, number(own))]
+            return product_of(*(_times(y, size, power) if y is x else y for y in rest), *outer)
     left = number(own + power.value) if power.op == "number" else sum_of(number(own), power)
-    return product_of(*rest, *([] if left == _ZERO else [raised(size, left)]))
+    return product_of(*rest, *([] if left == _ZERO else [_raised(size, left)]))
 
 
-def raised(size: Term, power: Term) -> Term:
+def _raised(size: Term, power: Term) -> Term:
     return size if power == _ONE else Term("**", (size, power))
 
 
-def split(term: Term, size: Term) -> tuple[list[Term], Fraction]:
+def _split(term: Term, size: Term) -> tuple[list[Term], Fraction]:
     """The factors of a term but for powers of a size, and the power of that."""
     if factors(term) == factors(size):
         return [], Fraction(1)
-    if term.op == "**" and term.args[1].op == "number" and (found := split(term.args[0], size))[1]:
+    if term.op == "**" and term.args[1].op == "number" and (found := _split(term.args[0], size))[1]:
         return [Term("**", (product_of(*found[0]), term.args[1]))] if found[0] else [], found[1] * term.args[1].value
     if term.op == "*":
-        parts = [split(a, size) for a in term.args]
+        parts = [_split(a, size) for a in term.args]
         return [x for rest, _ in parts for x in rest], sum((own for _, own in parts), Fraction(0))
     return [term], Fraction(0)
 

@@ -15,27 +15,28 @@ from itertools import chain
 from typing import Any, NamedTuple
 
 from duhem.errors import InputError
+from duhem.expression.text import formula
 from duhem.law.curve_law import Law
+from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.proof.certificate import law_as_text
 from duhem.proof.claims import EVERY
-from duhem.proof.decide import EFFORTS
+from duhem.proof.decide import EFFORTS, Budget
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.graph_subject import GraphSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
-from duhem.proof.kernel.term import UNREADABLE
+from duhem.proof.kernel.term import UNREADABLE, parse
 from duhem.proof.search.boundary_points import scouts
 from duhem.proof.search.margins import least_margin
-from duhem.proof.unsettled.blocked import Blocked, blocked, in_forces
-from duhem.proof.unsettled.forms import same_k
+from duhem.proof.unsettled.blocked import Blocked, blocked, required
 from duhem.proof.unsettled.limits import jump, keeps_k, with_values
 from duhem.proof.unsettled.term_text import Names, in_text, names_of
-from duhem.proof.unsettled.trials import Form, settings, that_help
+from duhem.proof.unsettled.trials import Attempts, Form, settings, that_help
 from duhem.proof.verdict import CONTRADICTION, Evidence, Unsettled, Verdict
 
-__all__ = ["STATEMENT", "THEORY", "unsettled"]
+__all__ = ["STATEMENT", "THEORY", "OpenClaims"]
 
 _OPEN = (Verdict.TESTED, Verdict.UNDECIDED)
 _INEQUALITIES = {
@@ -54,11 +55,21 @@ _OF_A_CURVE = {
     "normality": "d . T' = 0 and d x T' > 0 at every angle",
     "dissipation": "T . d >= 0 at every angle",
 }
-_OF_G = ("origin", "convexity", "smoothness")  # claims about g alone
+_OF_RATES = {
+    "normality": "(force - other force) . (rate - other rate) >= 0 for any two rates, and the forces have a potential",
+    "dissipation": "force . rate >= 0 at all rates",
+}
+_OF_A_POTENTIAL = {
+    "origin": "Phi* = 0 at zero force, and Phi* >= 0 at all forces",
+    "convexity": "v . Hess Phi* v >= 0 for all v, at all forces",
+    "smoothness": "Phi* is C^1 at all forces",
+    "normality": "Phi*(tau) - Phi*(sigma) >= grad Phi*(sigma) . (tau - sigma) for all tau and sigma",
+    "dissipation": "force . grad Phi* >= 0 at all forces",
+}
+_OF_G = ("origin", "convexity", "smoothness", "duality")  # claims about g alone
 _OF_ANY_K = ("origin", "state_laws", "thermal")  # of an empty K they are not proved, or they are about something else
-_STEPS, _A_TRIAL = 3_000_000, 1_000_000
-_WRITTEN = 'write g = "{}", with the same K wherever g has a value'
-Decide = Callable[[Criterion, str, int], Verdict]
+_STEPS = 3_000_000
+Decide = Callable[[Criterion, str, Budget], Verdict]
 _CHOICES = 6  # of parameters
 _LONGEST = 240  # letters of a part that is told
 _DIGITS = 6
@@ -70,19 +81,16 @@ verify then says four things of it.
 
 Open: the inequality that would have to be shown, in forces and parameters.
 
-No rule reads: the smallest part of the formula that keeps the rules from a proof, and what is lacking, as in "(p/c)**n is a power whose
-exponent is not shown to be >= 1".  The rules go from the whole formula to its parts.  They prove that a sum of convex parts is convex,
-that a norm of affine parts is, and so on; at this part they know nothing of what is needed.  Other ways to write the same part may be
-known: norm(a, b) for sqrt(a**2 + b**2), a sum for a product of a load and a sum, where(x > 0, ..., 0) for a part that has a limit at 0.
+No rule reads: the smallest part of the formula that keeps the rules from a proof, and what is lacking.  The rules go from the formula to
+its parts: a sum of convex parts is convex, a norm of affine parts is, and so on.  They may know another way to write the same part, such
+as norm(a, b) for sqrt(a**2 + b**2), or where(x > 0, ..., 0) for a part that has a limit at 0.
 
 Closest: the point of the boundary, and values of the parameters, at which a search in floating-point numbers found the least margin.
-A margin near 0 says that the law is at the limit there, and a margin below 0 that it may be violated: fix the parameters with --set at
-this place, and verify again.
+Near 0 the law is at the limit there; below 0 it may violate the claim: fix the parameters with --set at this place, and verify again.
 
-Try: what helps.  duhem changed the law (another formula with the same K, a value for a part that has none, a constraint, a range of a
-force, a narrower parameter, fixed parameters) and asked again.  It suggests a change only if the claim was settled then: proved, of a K
-that is not empty, or refuted.  If a claim is refuted with fixed parameters, it is false for the law.  If no change that was tried helped,
-the form of the part is more likely to blame than a parameter."""
+Try: what helps.  duhem changed the law (a constraint, a range of a force, a value for a part that has none, a narrower parameter, fixed
+parameters) and asked again.  It suggests a change only if the claim was settled then: proved, of a K that is not empty, or refuted.  A
+claim that is refuted with fixed parameters is false for the law.  If nothing helped, the form of the part is likely to blame."""
 
 
 class _Asked(NamedTuple):
@@ -95,43 +103,70 @@ class _Asked(NamedTuple):
     settled: Mapping[str, Evidence]
 
 
-def unsettled(claim: str, law: Law, subject: Subject, settled: Mapping[str, Evidence], decide: Decide | None = None) -> Unsettled | None:
-    """What is said of a claim whose evidence settles nothing; None of any other.  ``decide`` is asked of laws with fixed parameters."""
-    evidence = settled[claim]
-    if evidence.verdict not in _OPEN or evidence.method == CONTRADICTION:
-        return None
-    inequality = (_INEQUALITIES if isinstance(law, Criterion) else _OF_A_CURVE).get(claim, EVERY[claim].statement)
-    if isinstance(subject, GraphSubject):  # its detail names what is open
-        return Unsettled(inequality)
-    try:
-        return _explained(inequality, _Asked(claim, law, law_as_text(law), subject, settled), decide)
-    except Exception:  # the verdicts stand, whatever goes wrong in what is said beside them
-        return Unsettled(inequality)
+class OpenClaims:
+    """What is said of the claims of one law that stay open; what was tried for one of them is known for the next.
+
+    ``decide`` is asked of laws with changes.
+    """
+
+    def __init__(self, law: Law, decide: Decide | None = None) -> None:
+        self._law, self._decide, self._tried = law, decide, Attempts()
+        self._forms: dict[Subject, list[Form]] = {}
+
+    def unsettled(self, claim: str, subject: Subject, settled: Mapping[str, Evidence]) -> Unsettled | None:
+        """Of a claim whose evidence settles nothing; None of any other."""
+        evidence, law = settled[claim], self._law
+        if evidence.verdict not in _OPEN or evidence.method == CONTRADICTION:
+            return None
+        inequality = _inequality(claim, law)
+        if isinstance(subject, GraphSubject):  # its detail names what is open
+            return Unsettled(inequality)
+        try:
+            return self._explained(inequality, _Asked(claim, law, law_as_text(law), subject, settled))
+        except Exception:  # the verdicts stand, whatever goes wrong in what is said beside them
+            return Unsettled(inequality)
+
+    def _explained(self, inequality: str, asked: _Asked) -> Unsettled:
+        claim, law, subject, settled = asked.claim, asked.law, asked.subject, asked.settled
+        exhausted = subject.budget.left * 8 < subject.budget.left + subject.budget.spent
+        subject.allow(_STEPS)
+        place, measure, margin = _closest(asked)
+        bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
+        names, found = names_of(law), None
+        with suppress(*UNREADABLE, TooDearError), within(_STEPS):
+            if claim == "duality" and isinstance(subject, FormulaSubject) and subject.support is not None:
+                found = required([parse(formula(x)) for x in subject.support.requires], StatedLaw.read(asked.text))
+            elif "boundary" not in asked.text:
+                found = blocked(claim, StatedLaw.read(asked.text))
+        actions, own = list[str](), _everything(asked, self._decide)
+        proved = frozenset(name for name, evidence in settled.items() if evidence.verdict is Verdict.PROVED and name != claim)
+        with suppress(*UNREADABLE):
+            first = [{name: Fraction(value) for name, value in bad.items()}] if bad and own else []
+            choices, forms = partial(_with_k, asked), partial(self._same, asked, names)
+            actions = that_help(claim, asked.text, proved, found, names, choices, forms, own, first, self._tried)
+        if bad and not any(Verdict.REFUTED in action for action in actions) and claim not in _OF_G:
+            actions = [*actions, f"{settings(bad)} (in floating point the claim seems to be violated there)"]
+        rests = [name for name in _rests_on(asked) if settled[name].verdict is not Verdict.PROVED]
+        if not actions and rests and all(settled[name].verdict in _OPEN for name in rests):
+            actions = [f"settle {' and '.join(rests)} first: {claim} follows from {'both' if rests[1:] else 'it'}"]
+        if exhausted and not actions and subject.effort < EFFORTS["thorough"]:
+            actions = ["--effort thorough, which was not tried: the steps for this claim ran out before every method had tried"]
+        part, why = (None, None) if found is None else _quoted(asked, found, names)
+        return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
+
+    def _same(self, asked: _Asked, names: Names) -> list[Form]:
+        """Forms of g with which K seems to be as it was, each made once."""
+        if asked.subject not in self._forms:
+            self._forms[asked.subject] = [] if asked.claim == "duality" else [*_with_values(asked, names)]
+        return self._forms[asked.subject]
 
 
-def _explained(inequality: str, asked: _Asked, decide: Decide | None) -> Unsettled:
-    claim, law, subject, settled = asked.claim, asked.law, asked.subject, asked.settled
-    exhausted = subject.budget.left * 8 < subject.budget.left + subject.budget.spent
-    subject.allow(_STEPS)
-    place, measure, margin = _closest(asked)
-    bad = {x: place[x] for x in _free(law) if x in place} if margin is not None and margin < 0 else {}
-    names, found = names_of(law), None
-    with suppress(*UNREADABLE, TooDearError), within(_STEPS):
-        found = None if "boundary" in asked.text else blocked(claim, in_forces(claim, StatedLaw.read(asked.text)))
-    actions, own = list[str](), _everything(asked, decide)
-    proved = frozenset(name for name, evidence in settled.items() if evidence.verdict is Verdict.PROVED and name != claim)
-    with suppress(*UNREADABLE):
-        first = [{name: Fraction(value) for name, value in bad.items()}] if bad and own else []
-        actions = that_help(claim, asked.text, proved, found, names, partial(_with_k, asked), [*_same(asked, names)], own, first)
-    if bad and not any(Verdict.REFUTED in action for action in actions) and claim not in _OF_G:
-        actions = [*actions, f"{settings(bad)} (in floating point the claim seems to be violated there)"]
-    rests = [name for name in _rests_on(asked) if settled[name].verdict is not Verdict.PROVED]
-    if not actions and rests and all(settled[name].verdict in _OPEN for name in rests):
-        actions = [f"settle {' and '.join(rests)} first: {claim} follows from {'both' if rests[1:] else 'it'}"]
-    if exhausted and not actions and subject.effort < EFFORTS["thorough"]:
-        actions = ["--effort thorough, which was not tried: the steps for this claim ran out before every method had tried"]
-    part, why = (None, None) if found is None else _quoted(asked, found, names)
-    return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
+def _inequality(claim: str, law: Law) -> str:
+    """What would have to be shown."""
+    if not isinstance(law, Criterion):
+        return _OF_A_CURVE.get(claim, EVERY[claim].statement)
+    own = _OF_RATES if law.forces_of_rates else _OF_A_POTENTIAL if law.viscous else {}
+    return {**_INEQUALITIES, **own}.get(claim, EVERY[claim].statement)
 
 
 def _quoted(asked: _Asked, found: Blocked, names: Names) -> tuple[str, str]:
@@ -144,16 +179,12 @@ def _quoted(asked: _Asked, found: Blocked, names: Names) -> tuple[str, str]:
     return text, why
 
 
-def _same(asked: _Asked, names: Names) -> Iterator[Form]:
-    """Forms of g with which K seems to be as it was, and parts that have no value at a tip have one."""
+def _with_values(asked: _Asked, names: Names) -> Iterator[Form]:
+    """Forms of g in which parts that have no value at a tip have one, and with which K seems to be as it was."""
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
         if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
-            forms = [(None, read.g), *((_WRITTEN, g) for g in same_k(read))]
-            for start, g in forms:
-                tips = [*with_values(read._replace(g=g), names)]
-                for told, own in [*([] if start is None or tips else [(start, g)]), *((start or told, x) for told, x in tips)]:
-                    if keeps_k(asked.subject, text := in_text(own, {})):
-                        yield told.format(in_text(own, names)) if start else told, text
+            texts = ((told, in_text(g, {})) for told, g in with_values(read, names))
+            yield from (form for form in texts if keeps_k(asked.subject, form[1]))
 
 
 def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:
@@ -182,19 +213,40 @@ def _has_k(asked: _Asked, values: Mapping[str, Any]) -> bool:
     return False
 
 
-def _everything(asked: _Asked, decide: Decide | None) -> Callable[[str | None, Mapping[str, Any]], Verdict | None] | None:
-    """What decides a claim about K of forms of g with fixed parameters; None of a law that has more than K."""
-    law, claim = asked.law, asked.claim
+def _everything(asked: _Asked, decide: Decide | None) -> Callable[[str, Mapping[str, Any], Budget], Verdict | None] | None:
+    """What decides a claim about K of the law with changes; None of a law that has more than K."""
+    law, own = asked.law, asked.claim
     if decide is None or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
         return None
 
-    def verdict(g: str | None, values: Mapping[str, Any]) -> Verdict | None:
+    def verdict(claim: str, text: Mapping[str, Any], budget: Budget) -> Verdict | None:
         with suppress(InputError):  # a variable of the state may not be 0
-            found = decide((law if g is None else replace(law, written="", g=g)).fix(_text(values)), claim, _A_TRIAL)
+            found = decide(_read(law, text), claim, budget)
             return None if found in _OPEN else found
         return None
 
-    return verdict if claim in _OF_G or (claim == "dissipation" and not law.variables) else None
+    return verdict if own in _OF_G or (own == "dissipation" and not law.variables) else None
+
+
+def _read(law: Criterion, text: Mapping[str, Any]) -> Criterion:
+    """The law with the changes that its text has."""
+    own, more = law_as_text(law), dict[str, Any]()
+    if text.get("g") != own.get("g"):
+        more = {"g": text["g"], "written": ""}
+    if text["constraints"] != own["constraints"]:
+        more |= {"constraints": tuple(text["constraints"]), "written_constraints": ()}
+    if (ranges := text.get("domain", {})) != own.get("domain", {}):
+        more["domain"] = {name: _domain(entry) for name, entry in ranges.items()}
+    narrower = {name: _domain(entry) for name, entry in text["parameters"].items() if entry != own["parameters"][name]}
+    return replace(law, **more).within(narrower)
+
+
+def _domain(entry: Mapping[str, Any]) -> Domain:
+    if "value" in entry:
+        return Domain.fixed(entry["value"])
+    if entry.get("positive"):
+        return replace(Domain.between(None, entry.get("max")), positive=True)
+    return Domain.between(entry.get("min"), entry.get("max"))
 
 
 def _text(values: Mapping[str, Any]) -> dict[str, str]:
@@ -215,7 +267,8 @@ def _rests_on(asked: _Asked) -> Iterator[str]:
 def _closest(asked: _Asked) -> tuple[Mapping[str, str], str | None, float | None]:
     """Parameters, forces and pressure of the least margin, what is measured, and the margin."""
     subject = asked.subject
-    if not isinstance(subject, FormulaSubject) or isinstance(subject, RateSubject) or (found := least_margin(asked.claim, subject)) is None:
+    of_k = isinstance(subject, FormulaSubject) and not isinstance(subject, RateSubject) and not subject.of.viscous
+    if not isinstance(subject, FormulaSubject) or not of_k or (found := least_margin(asked.claim, subject)) is None:
         return {}, None, None
     place = subject.named(subject.values_at(found.parameters, tuple(map(Fraction, found.point))))
     margin = float(f"{found.value:.3g}") if abs(found.value) > _NOISE else 0.0

@@ -5,12 +5,15 @@ Each trial is a law of which less is claimed.  One that is proved says what the 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import chain, islice
+from itertools import chain, islice, product
 from typing import Any
 
+from duhem.proof.decide import Budget
 from duhem.proof.kernel.bounds import NEGATIVE, POSITIVE, ZERO, Bounds
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import needs_of, objection, rules_of
@@ -22,109 +25,173 @@ from duhem.proof.unsettled.blocked import Blocked
 from duhem.proof.unsettled.term_text import Names, in_text
 from duhem.proof.verdict import Verdict
 
-__all__ = ["Form", "settings", "that_help"]
+__all__ = ["Attempts", "Form", "settings", "that_help"]
 
 Text = Mapping[str, Any]  # a law as the kernel reads it
 Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Form = tuple[str, str]  # what to write, and g then
-Decide = Callable[[str | None, Choice], Verdict | None]  # the verdict on a form of g, or on g, with fixed parameters; None where it is open
-_A_TRIAL, _A_KIND, _READING = 200_000, 400_000, 5_000  # steps of one trial and of all of one kind; for reading a law
-_BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "homogeneity")
+Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
+_IN_ALL, _SHARE = 4_000_000, 2  # steps for all claims of a law; of what is left one claim may have such a part
+_A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 500_000, 5_000  # steps; for reading a law
+_BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
+_TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
 _PLAIN = tuple(map(Fraction, ("1", "2", "1/2", "1/10", "3", "-1")))
 _TURNS, _MOST_CHOICES, _MOST_FIXED = 7, 6, 3  # of plain values; of those at which everything that decides is asked
+_MOST_DECIDED, _MOST_DUALS = 12, 3  # times that everything is asked about one claim
+_LONGEST = 120  # letters of a constraint
 _MOST_FORCES = 3  # of a law that may be meant for one sign of a force
-_MOST_FORMS, _MOST_SINGLE = 2, 2  # beside g itself; of parameters that are 0
-_MOST_DECIDED, _MOST_FREED = 8, 5  # times that everything is asked, until it settles the claim, and after that
+_MOST_FORMS, _MOST_SINGLE, _MOST_SIGNS = 2, 2, 8  # beside g itself; of parameters that are 0; of constants whose sign is asked
+
+
+@dataclass
+class Attempts:
+    """What was tried of one law for all its open claims: each claim of each changed law once, within so many ``steps``.
+
+    ``answers`` say whether the kernel proves a claim of a changed law, ``verdicts`` are those of everything that decides.  What ``helped``
+    one claim is tried first of the next.
+    """
+
+    steps: int = _IN_ALL
+    answers: dict[str, dict[str, bool]] = field(default_factory=dict)
+    verdicts: dict[tuple[str, str], Verdict | None] = field(default_factory=dict)
+    helped: dict[str, Text] = field(default_factory=dict)
 
 
 def that_help(
-    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Choices, forms: Sequence[Form],
-    decide: Decide | None = None, first: Sequence[Choice] = (),
+    claim: str, law: Text, settled: frozenset[str], blocked: Blocked | None, names: Names, choices: Choices,
+    forms: Callable[[], Sequence[Form]] = tuple, decide: Decide | None = None, first: Sequence[Choice] = (), tried: Attempts | None = None,
 ) -> list[str]:  # fmt: skip
     """What to do, so that the claim is settled: one action a kind, each seen to help.
 
     ``choices`` gives values of the free parameters at which it is tried, and of plain ones those at which K is not empty, for of an
     empty K much is proved; ``forms`` have the K of g; at those tried ``first`` the claim may fail.
     """
-    asked = _Asked(claim, law, settled, decide)
-    refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(law, None, choice) is Verdict.REFUTED]
+    asked = _Asked(claim, law, settled, decide, tried or Attempts())
+    refuted = [_said("", choice, Verdict.REFUTED) for choice in first if asked.decided(_with(law, choice)) is Verdict.REFUTED]
+    if again := [told for told, changed in asked.tried.helped.items() if asked(changed)]:
+        return [*again, *refuted]
     found = list[str]()
     for kind in () if blocked is None else (_signs(law, blocked, choices), _ranges(law, blocked)):
         asked.steps = _A_KIND
-        found += [action for action, changed in kind if asked(changed)][:1]
-    loads = () if blocked is None else _forms(law, blocked, names)
-    found += _with_least_lost(law, chain(((told, {**law, "g": g}) for told, g in forms), loads), asked)
+        if (best := next(((told, changed) for told, changed in kind if asked(changed)), None)) is not None:
+            found.append(asked.keep(*best))
+    others = () if found else ((told, {**law, "g": g}) for told, g in forms())
+    found += _with_least_lost(law, chain(others, () if blocked is None else _forms(law, blocked, names)), asked)
     part = frozenset[str]() if blocked is None else blocked.part.names().union(*(c.names() for c in blocked.signs))
     if found or refuted:
         return [*found, *refuted]
-    known, asked.steps = [*choices(_choices(law))], _A_KIND
-    alone = () if forms or not known else sorted(known[0])  # where g has no value at a tip, it is no parameter that is to blame
-    return _narrowed(law, alone, known, {}, asked) or _settling(law, forms, part, known, choices, asked)
+    known, asked.steps = [*choices(_choices(law))], 2 * _A_KIND
+    alone = () if forms() or not known else sorted(known[0])  # where g has no value at a tip, it is no parameter that is to blame
+    return _narrowed(law, alone, known, {}, asked) or _settling(law, forms(), part, known, choices, asked)
 
 
 class _Asked:
-    """The kernel, as long as steps are left, and everything that decides, a few times."""
+    """The kernel, and everything that decides, about one open claim of a law and of that with changes, as long as steps are left."""
 
-    def __init__(self, claim: str, law: Text, settled: frozenset[str], decide: Decide | None) -> None:
-        self.claim, self.g, self.settled, self.decide = claim, law.get("g"), settled, decide
-        self.steps, self.left = _A_KIND, _MOST_DECIDED
+    def __init__(self, claim: str, law: Text, settled: frozenset[str], decide: Decide | None, tried: Attempts) -> None:
+        self.claim, self.g, self.settled, self.decide, self.tried = claim, law.get("g"), settled, decide, tried
+        self.decisions = _MOST_DECIDED if claim != "duality" else _MOST_DUALS
+        self.steps, self.kept = _A_KIND, tried.steps - tried.steps // _SHARE  # for the claims that come after
 
-    def decided(self, law: Text, g: str | None, values: Choice) -> Verdict | None:
-        """Proved or refuted of a form of g, or of g, with fixed parameters; None where it is open, or has been asked often."""
-        self.left -= 1
-        if self.decide is not None and self.left >= 0:
-            return self.decide(g, values)
-        return Verdict.PROVED if self.decide is None and self(_with(law if g is None else {**law, "g": g}, values)) else None
+    def decided(self, law: Text) -> Verdict | None:
+        """Proved or refuted; None where it is open, or no steps are left."""
+        if self.decide is None:
+            return Verdict.PROVED if self(law) else None
+        key = self.claim, _key(law)
+        if key not in self.tried.verdicts:
+            if self.tried.steps <= self.kept or self.decisions == 0:
+                return None
+            self.decisions -= 1
+            budget = Budget(_A_DECISION)
+            self.tried.verdicts[key] = self.decide(self.claim, law, budget)
+            self.tried.steps -= budget.spent + _READING
+        return self.tried.verdicts[key]
 
-    def __call__(self, law: Text, *claims: str) -> bool:
-        """Whether it proves the claim, or others, without evidence, with what that may rest on; of g itself holds what is settled."""
-        if self.steps < 0:
-            return False
-        known, wanted = set(self.settled if law.get("g") == self.g else ()), claims or (self.claim,)
+    def __call__(self, law: Text, claim: str = "") -> bool:
+        """Whether it proves the claim, or another, without evidence, with what that may rest on; of g itself holds what is settled."""
+        key, claim = _key(law), claim or self.claim
+        if claim == "duality":  # which needs evidence
+            return self.decide is not None and self.decided(law) is Verdict.PROVED
+        answers = self.tried.answers.setdefault(key, {})
+        known = {name for name, holds in answers.items() if holds}.union(self.settled if law.get("g") == self.g else ())
+        if claim in known or claim in answers or self.steps < 0 or self.tried.steps <= self.kept:
+            return claim in known
         with within(_A_TRIAL) as purse, suppress(*UNREADABLE, TooDearError):
-            read = stated(law)
-            needed = {*wanted}
+            read, needed = stated(law), {claim}
             for name in reversed(_BEFORE):
                 needed |= needs_of(name, read) if name in needed else set()
-            for name in (name for name in _BEFORE if name in needed - known):
-                if any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read)):
-                    known.add(name)
+            for name in (name for name in _BEFORE if name in needed - known and name not in answers):
+                answers[name] = any(not objection(name, rule, frozenset(known), read, {}) for rule in rules_of(name, read))
+                known |= {name} if answers[name] else set()
+        answers.setdefault(claim, False)
         self.steps -= purse.spent + _READING
-        return known.issuperset(wanted)
+        self.tried.steps -= purse.spent + _READING
+        return claim in known
+
+    def keep(self, told: str, law: Text) -> str:
+        """What to do, with the claims that are then proved too; the next claims are tried with it first."""
+        self.tried.helped[told] = law
+        more = [name for name in _TOLD if name not in (self.claim, *self.settled) and self(law, name)]
+        return f"{told} ({', '.join(more)} {'are' if more[1:] else 'is'} proved then, too)" if more else told
+
+
+def _key(law: Text) -> str:
+    return json.dumps(law, sort_keys=True, default=str)
 
 
 def _with_least_lost(law: Text, forms: Iterator[tuple[str, Text]], asked: _Asked) -> list[str]:
     """The form of g of which the claim is proved, and all that is proved of the law as it is, or most; what is open then is said."""
-    asked.steps, found = _A_KIND, list[tuple[int, int, str]]()
+    asked.steps, found = _A_KIND, list[tuple[int, int, str, Text]]()
     for told, changed in forms:
         if asked(changed):
             claims = [name for name in _BEFORE[:3] if name != asked.claim and asked(law, name)]
             lost = [name for name in claims if not asked(changed, name)]
             more = f" (for this claim alone: {' and '.join(lost)} would be open)" if lost else ""
-            found.append((len(lost), len(told), told + more))
-    return [min(found)[2]] if found else []
+            found.append((len(lost), len(told), told + more, changed))
+    if not found:
+        return []
+    *_, told, changed = min(found, key=lambda each: each[:3])
+    asked.tried.helped[told] = changed
+    return [told]
 
 
 def _signs(law: Text, blocked: Blocked, choices: Choices) -> Iterator[tuple[str, Text]]:
     """Constraints that hold somewhere: of a law without parameters that satisfy it every claim would be shown, and nothing be said."""
-    for constant in (constant for constant in blocked.signs if constant.names()):
-        text = f"{in_text(constant, {})} {'>' if blocked.strict else '>='} 0"
-        changed = {**law, "constraints": [*law["constraints"], text]}
-        if any(_inhabits(choice, changed) for choice in choices(_choices(changed))):
-            yield f'add the constraint "{text}"', changed
+    own = sorted((c for c in blocked.signs if c.names()), key=Term.size)
+    sides = [tuple(own[:n]) for n in range(1, len(own) + 1)] if blocked.strict else [*((c,) for c in own), tuple(own)]
+    sides += [(c,) for c in blocked.beside[:_MOST_SIGNS]]
+    for constants, strict in product(dict.fromkeys(filter(None, sides)), (True,) if blocked.strict else (False, True)):
+        texts = [_compared(constant, strict) for constant in constants]
+        changed = {**law, "constraints": [*law["constraints"], *texts]}
+        if max(map(len, texts)) <= _LONGEST and any(_inhabits(choice, changed) for choice in choices(_choices(changed))):
+            quoted = " and ".join(f'"{text}"' for text in texts)
+            yield f"add the constraint{'s' if texts[1:] else ''} {quoted}", changed
+
+
+def _compared(constant: Term, strict: bool) -> str:
+    """That it is >= 0, or > 0, with what is taken away in it on the other side."""
+    texts = [in_text(a, {}) for a in (constant.args if constant.op == "+" else (constant,))]
+    less, more = [t[1:] for t in texts if t.startswith("-")], [t for t in texts if not t.startswith("-") and t != "0"]
+    return f"{' + '.join(less) or 0} {'<' if strict else '<='} {' + '.join(more) or 0}"
 
 
 def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
-    ranges = law.get("domain", {})
-    for force in sorted(blocked.part.names() & {*law["forces"]} - {*ranges}) if len(law["forces"]) <= _MOST_FORCES else ():
+    """Of forces of which the part may be meant for one sign: not of a sum, or of what is 0 at a tip."""
+    ranges, part = law.get("domain", {}), blocked.part
+    if len(law["forces"]) > _MOST_FORCES or part.op in ("+", "norm") or not isinstance(read := stated(law), StatedLaw):
+        return
+    if part.op in ("**", "log") and not over(read).facts(part.args[0]).sign & NEGATIVE:
+        return
+    for force in sorted(part.names() & {*read.forces} - {*ranges}):
         for end, side in (("min", ">="), ("max", "<=")):
             action = f"ask for {force} {side} 0 alone: {force} = {{ {end} = 0 }} in the section [domain]"
             yield action, {**law, "domain": {**ranges, force: {end: "0"}}}
 
 
 def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Text]]:
-    """g with a limit written out, and in a maximum with loads without which a part has no value."""
+    """g with a limit written out, and in a maximum with loads without which a part has no value; psi without a size."""
+    yield from _energies(law, blocked, names)
     if "g" not in law or blocked.part.op not in ("log", "**"):
         return
     if not isinstance(read := stated(law), StatedLaw) or not blocked.part.names() & {*read.forces}:
@@ -141,6 +208,18 @@ def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Tex
     yield f"write max(g, {said}) for g, so that g has a value wherever it may be <= 0", {**law, "g": f"max({in_text(g, {})}, {ends})"}
 
 
+def _energies(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Text]]:
+    """psi with x or -x for abs(x), where the ranges of the variables leave x one sign."""
+    part = blocked.part
+    if part.op != "abs" or not isinstance(read := stated(law), StatedLaw) or read.energy is None or part not in read.energy.parts():
+        return
+    (inner,), known = part.args, over(read).facts(part.args[0]).sign
+    if not (known & NEGATIVE and known & POSITIVE):
+        same = minus(inner) if known & NEGATIVE else inner
+        told = f"write {in_text(same, names)} for {in_text(part, names)} in psi, which is the same in the ranges of the variables"
+        yield told, {**law, "energy": in_text(read.energy.put({part: same}), {})}
+
+
 def _settling(
     law: Text, forms: Sequence[Form], part: frozenset[str], known: Sequence[Choice], choices: Choices, asked: _Asked
 ) -> list[str]:
@@ -149,7 +228,7 @@ def _settling(
     single = ({**choice, x: zero} for choice in known[:1] for x in choice if choice[x] and Bounds.read(law["parameters"][x]).holds(zero))
     for values in ({}, *known[:1], *islice(choices(single), _MOST_SINGLE), *known[1:_MOST_FIXED]):
         for told, g in bases if values else bases[1:2]:
-            if (verdict := asked.decided(law, g, values)) is Verdict.REFUTED:
+            if (verdict := asked.decided(_changed(law, g, values))) is Verdict.REFUTED:
                 return [_said(told, values, verdict)]
             if verdict is Verdict.PROVED:
                 return [_with_fewest(law, told, g, values, part, asked)]
@@ -158,16 +237,19 @@ def _settling(
 
 def _with_fewest(law: Text, told: str, g: str | None, fixed: Choice, part: frozenset[str], asked: _Asked) -> str:
     """What is proved with values fixed, with as few of them as may be, those of a ``part`` the longest, and one of these narrowed."""
-    asked.left, others = _MOST_FREED, [name for name in fixed if name not in part]
-    for freed in (others, *([name] for name in sorted(fixed, key=lambda name: name in part))):
+    others = [name for name in fixed if name not in part]  # an effect that is gone at 0 is the likeliest that matters
+    ways = ([name for name in others if fixed[name]], others, *([x] for x in sorted(fixed, key=lambda x: (not fixed[x], x in part))))
+    for freed in ways:
         fewer = {x: value for x, value in fixed.items() if x not in freed}
-        if fewer != fixed and (fewer or g is not None) and asked.decided(law, g, fewer) is Verdict.PROVED:
+        if fewer != fixed and (fewer or g is not None) and asked.decided(_changed(law, g, fewer)) is Verdict.PROVED:
             fixed = fewer
-    for name in fixed:
+    for name in fixed if "boundary" not in law else ():  # to read a curve takes long
         more = {x: value for x, value in fixed.items() if x != name}
-        if found := _narrowed(law if g is None else {**law, "g": g}, [name], [fixed], more, asked):
+        if found := _narrowed(_changed(law, g, {}), [name], [fixed], more, asked):
             return " and ".join(filter(None, (told, *found)))
-    return _said(told, fixed, Verdict.PROVED)
+    said = _said(told, fixed, Verdict.PROVED)
+    asked.tried.helped[said] = _changed(law, g, fixed)
+    return said
 
 
 def _said(told: str, values: Choice, verdict: Verdict) -> str:
@@ -185,7 +267,10 @@ def _narrowed(law: Text, names: Sequence[str], known: Sequence[Choice], others: 
     for name, domain, told in sorted(parts, key=lambda part: (" = " in part[2], law["parameters"][part[0]].get("max") is None)):
         holds, changed = Bounds.read(domain).holds, {**law, "parameters": {**law["parameters"], name: domain}}
         if any(holds(choice[name]) for choice in known) and asked(_with(changed, others)):
-            return [f"narrow {name} to {told}" + "".join(f" and --set {x}={value}" for x, value in others.items())]
+            told = f"narrow {name} to {told}" + "".join(f" and --set {x}={value}" for x, value in others.items())
+            if law.get("g") == asked.g:
+                asked.tried.helped[told] = _with(changed, others)
+            return [told]
     return []
 
 
@@ -206,8 +291,16 @@ def _inhabits(choice: Choice, law: Text) -> bool:
     with suppress(*UNREADABLE):
         read = stated(law)
         fixed = {name: x.low for name, x in read.parameters.items() if name not in choice and x.low is not None and x.single}
-        return inhabited(read.parameters, read.constraints, {**fixed, **choice})
+        if inhabited(read.parameters, read.constraints, {**fixed, **choice}):
+            return True
+        here = StatedLaw.read(_with(law, choice)) if all(read.parameters[name].holds(value) for name, value in choice.items()) else None
+        return isinstance(here, StatedLaw) and all(over(here._replace(constraints=())).decided(c) for c in here.constraints)
     return False
+
+
+def _changed(law: Text, g: str | None, fixed: Choice) -> Text:
+    """The law with another g, and fixed parameters."""
+    return _with(law if g is None else {**law, "g": g}, fixed)
 
 
 def _with(law: Text, fixed: Choice) -> Text:
