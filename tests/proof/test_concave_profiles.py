@@ -57,6 +57,7 @@ CONVEX = [
     (OF_SQUARES, {}, {}),
 ]  # fmt: skip
 OPEN = [
+    (CLOSED.replace("p > 0", "2*p - c > 0"), {}, {}),
     (CAP, {"n": Domain.between(-1, None)}, ABOVE),
     (CAP, {"n": AT_LEAST_0}, {}),
     (CAP.replace("- M", "- t**2 - M"), {"n": AT_LEAST_0}, ABOVE),
@@ -97,7 +98,6 @@ OPEN = [
     (CLOSED.replace(", -p)", ")"), {}, {}),
     (CLOSED.replace("M*p*", "M*"), {}, {}),
     (CLOSED.replace("p > 0", "p >= 0"), {}, {}),
-    (CLOSED.replace("p > 0", "p - c > 0"), {}, {}),
     (CLOSED.replace("M*p*log", "-M*p*log"), {}, {}),
     (CLOSED.replace("M*p*log(p/c)", "M*p*log(p/c)*exp(1/p)"), {}, {}),
     (SPREAD.replace("max(q, p)", "2*max(q, p)"), {"n": AT_LEAST_1}, {}),

@@ -80,12 +80,12 @@ def _signs_at(tip: Term, term: Term, domain: StatedDomain) -> tuple[Sign, Sign]:
 
 
 def _sign_without(term: Term, tip: Term, domain: StatedDomain) -> Sign:
-    """That of the term with the tip put to 0, and what is 0 with it, where that is a constant: so it is wherever the tip is 0."""
+    """That of the term with the tip put to 0, and what is 0 with it: so it is wherever the tip is 0."""
     put = term.put({tip: number(0)})
     if not domain.constant(put):
         put = put.put(dict.fromkeys(zero_with(tip, domain), number(0)))
     rest = domain.facts(put)
-    return rest.sign if rest.defined and domain.constant(put) else ANY
+    return rest.sign if rest.defined else ANY
 
 
 def _switch(term: Term, domain: StatedDomain) -> Switch:
