@@ -50,6 +50,7 @@ CONVEX = [
     ("-tanh(c - abs(q) - p**2)", {}, {}),
     (CLOSED, {}, {}),
     (CLOSED.replace("log(p/c)", "(2 + log(p/c))"), {}, {}),
+    (CLOSED.replace("p > 0", "p - c > 0"), {}, {}),  # its slope rises where it changes over
     (SPREAD, {"n": AT_LEAST_1}, {}),
     (SPREAD.replace("(max", "(abs(p) + max"), {"n": AT_LEAST_1}, {}),
     (UNIT, {"a": Domain.between(0, 1)}, {}),

@@ -16,11 +16,28 @@ from duhem.proof.kernel.claims import objection
 
 ABOVE, BELOW = {"p": Domain.between(0)}, {"p": Domain.between(None, 0)}
 KNOWN = {"M": POSITIVE, "c": POSITIVE, "d": POSITIVE, "b": Domain.between(0), "k": Domain(), "n": Domain.between(1)}
+CASSON = "(r**2/2 - 4*sqrt(c)*r**(3/2)/3 + c*r - c**2/6)/M"
 POTENTIALS = [  # functions of r, a size; they are C^1 but where the last word says so
+    (f"where(r > c, {CASSON}, 0)", "smooth"),
+    (f"where(r <= c, 0, {CASSON})", "smooth"),
+    ("where(r > c, (r - c)**2/M, 0)", "smooth"),
+    ("where(r > c, M*((r - c)/d)**((M + 1)/M), 0)", "smooth"),
+    ("where(r < c, r**2/2, c*r - c**2/2)", "smooth"),
+    ("where(r >= c, r**2/2 + b*(r - c), r**2/2)", "kink"),
+    ("where(r < c, b*r, r**2/2 + b*c - c**2/2 + b*(r - c))", "kink"),
+    ("where(r > c, r - c, 0)", "kink"),
     ("r**2/(1 + r/c)", "smooth"),
     ("log(cosh(r/c))", "smooth"),
 ]
 NOT_CONVEX = [
+    "where(r > c, (r - c)**2/M + 1, 0)",  # it jumps
+    "where(r > c, (r - c)**2/M, (r - c)/M)",  # its slope falls
+    "where(r > c, r**2/2 - c**2/2, b*(r - c))",
+    "where(r > c, (r - c)**2/M, c - r)",
+    f"where(r > d, {CASSON}, 0)",  # it changes over elsewhere
+    f"where(r > c, {CASSON.replace('4*', '5*')}, 0)",
+    f"where(r > c, -({CASSON}), 0)",
+    "where(r > c, log(r/c), 0)",
     "r**2/2 - 4*sqrt(c)*r**(3/2)/3 + c*r",
     "r/(1 + r/c)",
     "r**2/(1 - r/c)",

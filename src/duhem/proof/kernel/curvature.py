@@ -27,7 +27,7 @@ from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.forms import apart, degree_at_most, quadratic, sign_within
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.one_load import along_its_load, of_its_size
+from duhem.proof.kernel.one_load import along_its_load, joined, of_its_size
 from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled
 from duhem.proof.kernel.semidefinite import only_at_zero_force, semidefinite, sum_of_even_powers
 from duhem.proof.kernel.signs import sign_of_constant
@@ -185,6 +185,9 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             chosen = domain.decided(term.args[0])  # what is chosen; else it may jump
             if chosen is None and (closed := closed_at_its_end(term, domain)) is not None:
                 return closed
+            with suppress(NotWritten):
+                if chosen is None and not term.large and (found := joined(term, domain, by_composition)) is not None:
+                    return found[0]
             return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined, parts[1].sign | parts[2].sign)
     return Facts()
 

@@ -1,10 +1,13 @@
-"""Functions of one load t, or of one part r: convex, or concave, by their derivatives.
+"""Functions of one load t, or of one part r: convex, or concave, by their derivatives; and choices of two of them.
 
 Let f be made of t by sums, products, powers and words that are smooth, so that it is continuous wherever it has a value, and C^2 where
 f, f' and f'' have one.  A power u^e is read as exp(e log u) for this, unless e is a whole number.  If f'' >= 0 between the ends of t, then
 f is convex between these, and at them where it has a value.
 
 A function of t that is >= 0 at an end of t, and does not fall from there, is >= 0: so is 1 - sqrt(c/t) for t >= c > 0.
+
+Let f be one such function where t <= c, and another where t >= c, with one value at c.  It is convex where both are, if its slope does not
+fall at c; and C^1 if its slope is one there.
 
 Let r be convex.  Then f(r) is quasiconvex where f does not fall, and convex where f is convex too (Boyd, Vandenberghe 2004, 3.2.4, 3.4.4).
 A convex f that is least at t = 0 does not fall for t >= 0.  Of a concave r the same holds where f does not rise.
@@ -18,15 +21,15 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from duhem.proof.kernel.bounds import Facts
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import degree_at_most, of_load, pivot, share_and_rest
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.squares import plainly
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["along_its_load", "of_its_size"]
+__all__ = ["along_its_load", "joined", "of_its_size", "sized"]
 
 Rules = Callable[[Term, StatedDomain], Facts]
 _SMOOTH = ("+", "*", "**", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan")
@@ -101,7 +104,29 @@ def _sign_of_constant(term: Term, domain: StatedDomain) -> Sign:
     return known.sign if multiplied_through(domain.polynomial(term), domain) else ZERO
 
 
-def _sized(term: Term, domain: StatedDomain) -> Iterator[tuple[Term, Term, StatedDomain]]:
+def joined(term: Term, domain: StatedDomain, rules: Rules) -> tuple[Facts, Sign] | None:
+    """What is shown of a choice of two functions of one force, which has one value where it changes over, and the signs of the step that
+    its slope has there, in the way of the force; None for any other choice.
+    """
+    if term.args[0].op not in COMPARISONS or domain.constant(term.args[0]) or len(moving := term.names() & {*domain.law.forces}) != 1:
+        return None
+    (x,), y, known, steps = (Term("name", name=name) for name in moving), gap(term.args[0]), list[Facts](), [number(0), number(0)]
+    for piece, side in zip(term.args[1:], (y, minus(y)), strict=True):
+        inside = domain.where({side: False})
+        line = _line(sum_of(piece, product_of(number(0), x)), inside, rules)
+        end = None if line is None else next((end for end in line.ends if not domain.polynomial(y.put({x: end}))), None)
+        if line is None or end is None or not line.inside.facts(slope := gradient(line.f, (x.name,))[0]).defined:
+            return None
+        shape, one_way = inside.facts(piece), len({*line.ends.values()}) == 1  # else it may have no inside
+        known.append(replace(shape, sign=shape.sign & ~NEGATIVE if one_way and line.above(line.f) else shape.sign))
+        own = number(line.ends[end])  # the other way has the other sign, so that what it adds is taken away
+        steps = [sum_of(step, product_of(own, f.put({x: end}))) for step, f in zip(steps, (line.f, slope), strict=True)]
+    jump, kink = (_sign_of_constant(step, domain) for step in steps)
+    convex, concave = (all(f.convex for f in known) and not kink & NEGATIVE, all(f.concave for f in known) and not kink & POSITIVE)
+    return (Facts(all(f.defined for f in known), known[0].sign | known[1].sign, convex, concave, convex), kink) if jump == ZERO else None
+
+
+def sized(term: Term, domain: StatedDomain) -> Iterator[tuple[Term, Term, StatedDomain]]:
     """A part r that is convex, or concave, by which alone the forces enter, and the term with a force t for it, where t has its sign."""
     size, two = Term("name", name="the size"), number(2)  # no name of a law has blanks
     moving = term.names() & {*domain.law.forces}
@@ -115,7 +140,7 @@ def _sized(term: Term, domain: StatedDomain) -> Iterator[tuple[Term, Term, State
 
 def of_its_size(term: Term, known: Facts, domain: StatedDomain, rules: Rules) -> Facts:
     """What is ``known`` of a term, and what is shown of one that the forces enter by one part alone, which is convex, or concave."""
-    for part, f, inside in _sized(term, domain):
+    for part, f, inside in sized(term, domain):
         shape, own, size = inside.facts(f), domain.facts(part), Term("name", name=inside.law.forces[-1])
         with suppress(NotWritten):
             start = inside.facts(f.put({size: number(0)}))  # a convex function that is least there does not fall
