@@ -46,7 +46,6 @@ from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.definedness import rarely_zero
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
 from duhem.proof.kernel.forms import apart, at_end_of, inverse, multiple
-from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.polynomial import ONE, Polynomial, divided, in_powers, negated, replaced, slope, times, total, written
 from duhem.proof.kernel.regularity import smooth_but_where_zero
 from duhem.proof.kernel.signs import RAY, Line, nonnegative, nonnegative_on_the_line, on_the_line, parts, roots, sign_at, without_content
@@ -205,20 +204,9 @@ def convex_in_its_region(law: StatedLaw) -> bool:
     """Whether every part of g is quasiconvex, or of a convex set, where all of its loads allow it to be <= 0; g has a value there."""
     _, others, inside = law.once(where_loads_allow)
     return all(
-        _shown(part, inside).quasiconvex
-        or _convex_below_a_product(part, inside)
-        or convex_by_its_profile(part, [*inside.sides], inside)
-        or (inside.facts(part).defined and inside.facts(_without_divisors(part, inside)).quasiconvex)
+        _shown(part, inside).quasiconvex or _convex_below_a_product(part, inside) or convex_by_its_profile(part, [*inside.sides], inside)
         for part in others
     )
-
-
-def _without_divisors(part: Term, domain: StatedDomain) -> Term:
-    """A part times the forces and sums > 0 that it divides by: it has the same sign."""
-    poly = multiplied_through(domain.polynomial(part), domain, signed=True)
-    for x in sorted({x for m in poly for x, n in m if n < 0 and domain.facts(x).sign == POSITIVE}):
-        poly = divided(poly, ((x, min(dict(m).get(x, 0) for m in poly)),))
-    return written(poly)
 
 
 def where_loads_allow(law: StatedLaw) -> tuple[list[Term], list[Term], StatedDomain]:
