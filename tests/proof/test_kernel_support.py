@@ -249,7 +249,7 @@ def test_what_must_be_shown_over_the_whole_domain(g: str, potential: str, parame
 
 @pytest.mark.parametrize(("inside", "right"), [("m + k", True), ("k + m", True), ("m - k", False), ("2*m + k", False)])
 def test_constants_of_g_and_of_its_potential_may_stand_in_different_orders(inside: str, right: bool) -> None:
-    ranges = {"m": {"min": "1/10", "max": "3/5"}, "k": {"min": "0", "max": "1/2"}, "c": POSITIVE}
+    ranges: dict[str, Any] = {"m": {"min": "1/10", "max": "3/5"}, "k": {"min": "0", "max": "1/2"}, "c": POSITIVE}
     g, potential = (f"min(-s*tan({angle}), c - s)" for angle in ("m + k", inside))
     assert confirmed(f"norm(a, b) - {g}", f"{potential}*norm(x, y)", **ranges) is right
 

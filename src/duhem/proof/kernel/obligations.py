@@ -24,8 +24,7 @@ from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, sum_
 
 __all__ = [
     "constraints", "flow", "formula", "formula_and_flow", "formula_and_potential", "formula_at_zero", "formula_but_at_tips",
-    "formula_in_ranges", "formula_where_it_has_a_value", "formula_where_loads_allow", "limits", "nothing", "numbers",
-    "numbers_in_formula",
+    "formula_in_ranges", "formula_where_it_has_a_value", "formula_where_loads_allow", "limits", "nothing", "numbers", "numbers_in_formula",
 ]  # fmt: skip
 
 _KIND = {"**": "a power, root or quotient", "log": "a logarithm", "asin": "an asin", "acos": "an acos", "tan": "a tan", "atan2": "an angle"}
