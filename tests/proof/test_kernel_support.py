@@ -247,6 +247,13 @@ def test_what_must_be_shown_over_the_whole_domain(g: str, potential: str, parame
     assert confirmed(g, potential, **parameters) is right
 
 
+@pytest.mark.parametrize(("inside", "right"), [("m + k", True), ("k + m", True), ("m - k", False), ("2*m + k", False)])
+def test_constants_of_g_and_of_its_potential_may_stand_in_different_orders(inside: str, right: bool) -> None:
+    ranges: dict[str, Any] = {"m": {"min": "1/10", "max": "3/5"}, "k": {"min": "0", "max": "1/2"}, "c": POSITIVE}
+    g, potential = (f"min(-s*tan({angle}), c - s)" for angle in ("m + k", inside))
+    assert confirmed(f"norm(a, b) - {g}", f"{potential}*norm(x, y)", **ranges) is right
+
+
 def test_a_constant_inside_is_not_passed_over() -> None:
     for one in ("", " + 1", " - 1", " + m"):
         g, potential = f"norm(abs(a) + abs(b){one}, c) - 3", "3*norm(max(abs(x), abs(y)), z)"

@@ -25,19 +25,19 @@ from duhem.proof.kernel.bounds import Facts, of_sum, signs_of_product
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.forms import apart, degree_at_most, multiple, quadratic, sign_within
+from duhem.proof.kernel.forms import apart, degree_at_most, quadratic, sign_within
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled, shape_of_two
+from duhem.proof.kernel.one_load import along_its_load, joined, of_its_size
+from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled
 from duhem.proof.kernel.semidefinite import only_at_zero_force, semidefinite, sum_of_even_powers
 from duhem.proof.kernel.signs import sign_of_constant
-from duhem.proof.kernel.spans import RISING, below_right
+from duhem.proof.kernel.spans import below_right
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["over", "shown", "within_ranges"]
+__all__ = ["by_composition", "over", "shown", "within_ranges"]
 
 _HALF, _ONE = number(Fraction(1, 2)), number(1)
 _SIGN_KEPT = (  # words that rise, and have the sign of what they are of; a new word is a row here
@@ -63,6 +63,15 @@ def within_ranges(law: StatedLaw) -> StatedDomain:
 
 def shown(term: Term, domain: StatedDomain) -> Facts:
     """What the rules show of a term over a domain; ``StatedDomain.facts`` keeps it."""
+    known = by_composition(term, domain)
+    if known.convex or known.concave or term.large or domain.constant(term):
+        return known
+    known = along_its_load(term, known, domain, by_composition) if known.defined else known
+    return known if known.convex or known.concave else of_its_size(term, known, domain, by_composition)
+
+
+def by_composition(term: Term, domain: StatedDomain) -> Facts:
+    """What is shown without derivatives."""
     pay(_PRICE)
     known, plain = _by_its_word(term, domain), domain.plain(term)
     if plain is not term:  # its value is simpler; what must be defined is what was written
@@ -176,6 +185,9 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             chosen = domain.decided(term.args[0])  # what is chosen; else it may jump
             if chosen is None and (closed := closed_at_its_end(term, domain)) is not None:
                 return closed
+            with suppress(NotWritten):
+                if chosen is None and not term.large and (found := joined(term, domain, by_composition)) is not None:
+                    return found[0]
             return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined, parts[1].sign | parts[2].sign)
     return Facts()
 
@@ -205,30 +217,13 @@ def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
         if len(moving) != 2 or term.large:
             return Facts(defined, sign)
         f, g = (a for a in term.args if not domain.constant(a))
-        logarithmic = any(_size_by_its_logarithm(a, b, domain) for a, b in ((f, g), (g, f)))
-        way = POSITIVE if logarithmic else _square_over_load(f, g, domain) or _square_over_load(g, f, domain)
-        shape = (way == POSITIVE, way == NEGATIVE) if way else shape_of_two(f, g, domain)
-        convex, concave = scaled(shape, scale)
+        way = _square_over_load(f, g, domain) or _square_over_load(g, f, domain)
+        convex, concave = scaled((way == POSITIVE, way == NEGATIVE), scale)
         return Facts(defined, sign, convex, concave, convex)
     x = moving[0] if not scale & NEGATIVE else moving[0].negated()
     if scale & NEGATIVE and scale & POSITIVE:
         return Facts(defined, sign, x.affine, x.affine, x.affine)
-    ridge = bool(scale & NEGATIVE) and not term.large and _quasiconcave(next(a for a in term.args if not domain.constant(a)), domain)
-    return replace(x, defined=defined, sign=sign, quasiconvex=x.quasiconvex or ridge)
-
-
-def _quasiconcave(term: Term, domain: StatedDomain) -> bool:
-    """Whether -f is quasiconvex: f is concave, or a function that rises of what is quasiconcave."""
-    known = domain.facts(term)
-    if known.concave or term.op not in ("pos", "min", "**", "*", *RISING):
-        return known.concave
-    if term.op == "*":
-        scale, moving = apart(term, domain)
-        return len(moving) == 1 and not domain.facts(scale).sign & NEGATIVE and _quasiconcave(moving[0], domain)
-    if term.op == "**":
-        base, exponent = (domain.facts(a).sign for a in term.args)
-        return not base & NEGATIVE and domain.constant(term.args[1]) and exponent == POSITIVE and _quasiconcave(term.args[0], domain)
-    return all(_quasiconcave(a, domain) for a in term.args)
+    return replace(x, defined=defined, sign=sign)
 
 
 def _above_one(term: Term, domain: StatedDomain) -> Sign:
@@ -248,19 +243,11 @@ def _log_convex(term: Term, domain: StatedDomain) -> bool:
     if term not in known:
         if domain.constant(term):
             known[term] = domain.facts(term).nonnegative
-        elif term.op == "exp":
-            known[term] = domain.facts(term.args[0]).convex
+        elif term.op in ("exp", "cosh"):
+            known[term] = domain.facts(term.args[0]).convex if term.op == "exp" else domain.facts(term).convex
         else:
             known[term] = term.op in ("+", "*") and all(_log_convex(a, domain) for a in term.args)
     return known[term]
-
-
-def _size_by_its_logarithm(x: Term, logarithm: Term, domain: StatedDomain) -> bool:
-    """x log(c x) with x affine and > 0, c > 0."""
-    if logarithm.op != "log" or not (size := domain.facts(logarithm.args[0])).affine or size.sign != POSITIVE:
-        return False
-    share = multiple(domain.polynomial(x), domain.polynomial(logarithm.args[0]), domain)
-    return bool(share and not domain.facts(written(share)).sign & NEGATIVE)
 
 
 def _square_over_load(square: Term, under: Term, domain: StatedDomain) -> Sign:
@@ -313,7 +300,8 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
         below_one = not domain.facts(Term("+", (_ONE, minus(term.args[1])))).sign & NEGATIVE
         convex = _minkowski(term, domain) or _root_of_quadratic(term, domain)
         return Facts(defined, sign, convex, (base.concave and below_one) or mean, base.quasiconvex or convex)
-    return Facts(defined, sign)
+    convex = exponent.sign == NEGATIVE and base.sign == POSITIVE and base.concave
+    return Facts(defined, sign, convex, False, convex)
 
 
 def _geometric_mean(term: Term, domain: StatedDomain) -> bool:

@@ -20,7 +20,7 @@ from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import Row, affine, apart, at, degree_at_most, determinant, quadratic
 from duhem.proof.kernel.homogeneity import by_degree
-from duhem.proof.kernel.identity import multiplied_out, value, vanishes
+from duhem.proof.kernel.identity import in_order, multiplied_out, value, vanishes
 from duhem.proof.kernel.polyhedron import supports_polytope
 from duhem.proof.kernel.polynomial import Monomial, written
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -167,7 +167,8 @@ def _polar_of_one(gauge: Term, other: Term, radius: Term, force: str, slip: str,
         return False
     for way in (number(1), number(-1)):
         weight, width = at(gauge, [force], [way]), at(other, [slip], [way])
-        if domain.facts(weight).sign != POSITIVE or not vanishes(sum_of(product_of(weight, width), minus(radius)), domain):
+        gap = in_order(sum_of(product_of(weight, width), minus(radius)), domain)  # their constants may be written in different orders
+        if domain.facts(weight).sign != POSITIVE or not vanishes(gap, domain):
             return False
     return True
 
