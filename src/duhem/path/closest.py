@@ -23,6 +23,9 @@ from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Projection, Status
+from duhem.projection.row_by_row import widest
+from duhem.projection.scaled_formula import power_of_two
+from duhem.projection.scaled_yield_function import level_of
 
 __all__ = [
     "LOST",
@@ -168,7 +171,12 @@ def vouched(at: Closest) -> Closest:
 
 def outside(block: Share, method: str, stress: Array, knot: Knot, which: Which) -> NDArray[np.bool_]:
     """Which of the stresses (n, d) of a block's rows lie outside K by more than rounding."""
-    found = closest_by(block, method, shape_by(block, method))[0](stress, knot, which).stress
+    shape = shape_by(block, method)
+    if shape is None and len(block.members) == 1:  # the sign of g tells sooner than the closest point
+        value, hidden = level_of(block.members[0]).bounded(stress, block.paths.pressure_at(knot, which), power_of_two(widest(stress)))
+        if (value < -hidden).all():
+            return np.zeros(len(stress), dtype=np.bool_)
+    found = closest_by(block, method, shape)[0](stress, knot, which).stress
     size = np.maximum(np.abs(stress).max(axis=1), np.abs(found).max(axis=1))
     return np.asarray(~(np.abs(found - stress).max(axis=1) <= _TOLERANCE * size))
 

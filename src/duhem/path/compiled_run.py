@@ -384,7 +384,7 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """One path by the loop that is made for its law."""
     if isinstance(made := _loop(plan.increment, plan.projection), str):
         raise _missing(made)
-    both, paths, one = STEPS["implicit"].steps(plan), Share.alone(plan).paths, np.zeros(1, dtype=np.intp)
+    paths, one, both = Share.alone(plan).paths, np.zeros(1, dtype=np.intp), None
     values, m = plan.path.values, len(plan.path.values)
     anchor, ahead = ledger.anchor, _STEPS
     while ledger.done < m:
@@ -396,6 +396,7 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
             anchor = first + int(np.flatnonzero(slips)[-1]) if slips.any() else anchor
         ahead = min(2 * ahead, _STEPS)
         if not n:  # one step by the search, which ends the run if it finds nothing
+            both = both or STEPS["implicit"].steps(plan)
             anchor, ahead = first if stretch(plan, ledger, both, anchor, 1) else anchor, _FEW
         yield ledger.done
 

@@ -42,7 +42,6 @@ from duhem.projection.variational_samples import looks, points_seen, tangents
 __all__ = ["ACCURACY", "Projector"]
 
 _REFUSED, _MOVED = (Status.INACCURATE, Status.FAILED), (Status.SLIP, Status.STATIONARY)
-_WORTH_COMPILING = 4_096  # points; fewer are judged sooner than their loop is loaded
 
 
 @dataclass(frozen=True)
@@ -178,17 +177,16 @@ def _named(name: object) -> Method[Any]:
 
 
 def _told(question: Increment, solution: Solution, judge: Judge, given: Options) -> Told:
-    """What the judge's loop says of the points, compiled or one by one; of as many as are sooner judged by arrays, nothing."""
-    n = len(solution.multiplier)
-    if not set(question.law.forces) & set(question.law.domain):
-        if isinstance(given, Compiling) and given.compiled and n >= _WORTH_COMPILING:
-            from duhem.projection.compiled_judge import told
+    """What the judge's loop says of the points, one by one or compiled; nothing where arrays are to judge."""
+    n, ranged = len(solution.multiplier), set(question.law.forces) & set(question.law.domain)
+    if n <= FEW and not ranged:
+        from duhem.projection.compiled_judge import told_one_by_one
 
-            return told(question, solution, judge, given.threads)
-        if n <= FEW:
-            from duhem.projection.compiled_judge import told_one_by_one
+        return told_one_by_one(question, solution, judge)
+    if isinstance(given, Compiling) and given.compiled and not ranged:
+        from duhem.projection.compiled_judge import told
 
-            return told_one_by_one(question, solution, judge)
+        return told(question, solution, judge, given.threads)
     return Told.nothing(n)
 
 
