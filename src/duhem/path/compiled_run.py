@@ -220,7 +220,7 @@ def made() -> Loops:
             n, moved = state.shape[0], bool(np.any(centre != 0.0))
             multiplier, psi, dissipation, work, numerical, balance = sums
             wide = min(_ROW, n)
-            s, lengths, loads = np.empty((28, wide)), np.empty(wide), np.empty((1, wide))
+            s, lengths, loads = np.empty((28, _ROW)), np.empty(wide), np.empty((1, wide))
             trials, nears, slips = np.empty((wide, 2)), np.empty((wide, 2)), np.empty((wide, 2))
             for begin in range(0, n, wide):
                 size = min(wide, n - begin)
