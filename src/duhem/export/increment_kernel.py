@@ -56,7 +56,7 @@ def stated(q: Any, out: Any) -> None:
     raise NotImplementedError
 
 
-def reached(x: float, mx: float, y: float, my: float, e: float, seen: Any) -> None:
+def on_grid(x: float, mx: float, y: float, my: float, e: float, seen: Any) -> None:
     """Formulas of :mod:`duhem.projection.quarter_ellipse` into ``seen``: p_1, l_1, p_2, l_2 and F."""
     raise NotImplementedError
 
@@ -166,7 +166,7 @@ def on_quarters(
     i = 0 if ca <= cb else 1
     j = 1 - i
     mx, my, small, r = ma if i == 0 else mb, mb if i == 0 else ma, min(ca, cb), min(ca, cb) / max(ca, cb)
-    reached(abs(start[0, i]), mx, abs(start[0, j]), my, e, seen)
+    on_grid(abs(start[0, i]), mx, abs(start[0, j]), my, e, seen)
     px, py, ly, f = seen[0], seen[2], seen[3], seen[4]
     resized(data, 0, 1.0, q)
     for b in range(D):

@@ -133,15 +133,14 @@ def _quarters(law: Criterion) -> tuple[object, ...]:
     return *own * (4 // len(own)), shape.load
 
 
+_OF_ELLIPSE = {"on_grid": ("x", "mx", "y", "my", "e"), "direction": ("px", "py", "ly", "e", "r"), "multiplier": ("f", "wx", "wy", "e", "r")}
+
+
 @cache
-def _on_ellipse() -> tuple[str, ...]:
+def _on_ellipse() -> list[str]:
     """The formulas of :mod:`duhem.projection.quarter_ellipse` as functions of numbers, with the axis of the smaller mu^2/k first."""
-    of_ellipse = formulas(where=np.where, roots=(lambda x: x ** (1.0 / 3.0), np.sqrt))
-    reached = _lines("reached", of_ellipse.on_grid, ("x", "mx", "y", "my", "e"))
-    return reached, *(_lines(name, getattr(of_ellipse, name), given) for name, given in _OF_NUMBERS.items())
-
-
-_OF_NUMBERS = {"direction": ("px", "py", "ly", "e", "r"), "multiplier": ("f", "wx", "wy", "e", "r")}
+    known = formulas(where=np.where, roots=(lambda x: x ** (1.0 / 3.0), np.sqrt))
+    return [_lines(name, getattr(known, name), given) for name, given in _OF_ELLIPSE.items()]
 
 
 def _lines(name: str, formula: Callable[..., Any], given: Sequence[str]) -> str:

@@ -28,17 +28,8 @@ from duhem.projection.scaled_formula import power_of_two
 from duhem.projection.scaled_yield_function import level_of
 
 __all__ = [
-    "LOST",
-    "Closest",
-    "ClosestPoints",
-    "ShapeNumbers",
-    "closest_by",
-    "outside",
-    "shape_by",
-    "shape_name",
-    "shape_numbers",
-    "vouched",
-]
+    "LOST", "Closest", "ClosestPoints", "ShapeNumbers", "closest_by", "outside", "shape_by", "shape_name", "shape_numbers", "vouched",
+]  # fmt: skip
 
 LOST = (Status.INACCURATE, Status.FAILED)
 _TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
