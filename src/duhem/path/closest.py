@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.errors import DuhemError
@@ -162,12 +163,11 @@ def vouched(at: Closest) -> Closest:
 
 def outside(block: Share, method: str, stress: Array, knot: Knot, which: Which) -> NDArray[np.bool_]:
     """Which of the stresses (n, d) of a block's rows lie outside K by more than rounding."""
-    shape = shape_by(block, method)
-    if shape is None and len(block.members) == 1:  # the sign of g tells sooner than the closest point
+    if len(block.members) == 1 and block.members[0].g is not sp.nan:  # the sign of g tells sooner than the closest point
         value, hidden = level_of(block.members[0]).bounded(stress, block.paths.pressure_at(knot, which), power_of_two(widest(stress)))
         if (value < -hidden).all():
             return np.zeros(len(stress), dtype=np.bool_)
-    found = closest_by(block, method, shape)[0](stress, knot, which).stress
+    found = closest_by(block, method, shape_by(block, method))[0](stress, knot, which).stress
     size = np.maximum(np.abs(stress).max(axis=1), np.abs(found).max(axis=1))
     return np.asarray(~(np.abs(found - stress).max(axis=1) <= _TOLERANCE * size))
 

@@ -178,16 +178,13 @@ def _named(name: object) -> Method[Any]:
 
 def _told(question: Increment, solution: Solution, judge: Judge, given: Options) -> Told:
     """What the judge's loop says of the points, one by one or compiled; nothing where arrays are to judge."""
-    n, ranged = len(solution.multiplier), set(question.law.forces) & set(question.law.domain)
-    if n <= FEW and not ranged:
-        from duhem.projection.compiled_judge import told_one_by_one
+    n = len(solution.multiplier)
+    threads = given.threads if isinstance(given, Compiling) and given.compiled else 0
+    if set(question.law.forces) & set(question.law.domain) or (n > FEW and threads == 0):
+        return Told.nothing(n)
+    from duhem.projection.compiled_judge import told, told_one_by_one
 
-        return told_one_by_one(question, solution, judge)
-    if isinstance(given, Compiling) and given.compiled and not ranged:
-        from duhem.projection.compiled_judge import told
-
-        return told(question, solution, judge, given.threads)
-    return Told.nothing(n)
+    return told_one_by_one(question, solution, judge) if n <= FEW else told(question, solution, judge, threads)
 
 
 def _settle_plainly(question: Increment, told: Told, vouched: NDArray[np.bool_], solution: Solution, block: slice) -> None:
