@@ -141,9 +141,11 @@ class Projector:
             solution, found = put_right(question, solution, found, self._judged, seen)
             in_blocks(left.size, BLOCK, lambda part: settle(solution, found, left[part]), threads)
         judged = Judged(solution, found, told.dissipation, told.status)
+        if self.method.again is None:
+            return judged
         worth = vouched | (len(vouched) <= FEW_SEARCHED)  # of many, where a stationary point is the closest one
         refused = (told.status == Status.FAILED) | (told.status == Status.INACCURATE) & worth
-        if self.method.again is not None and (at := np.flatnonzero(refused)).size:  # another way, where that passes
+        if (at := np.flatnonzero(refused)).size:  # another way, where that passes
             another = self.method.again(given, len(vouched))
             others = replace(self, method=replace(self.method, solve=another, again=None))._answers(question.of(at), given)
             better = np.flatnonzero(~np.isin(others.status, _REFUSED))
