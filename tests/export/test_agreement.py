@@ -107,6 +107,7 @@ def quarters(mu: list[float], k: list[float], load: float) -> tuple[Array, Array
     return (stress + slip * k).reshape(-1, 2), stress.reshape(-1, 2), slip.reshape(-1, 2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [[0.4, 0.25, 0.3, 0.15], [1.0, 1.0, 1.0, 1.0], [1.0, 1e-3, 2e3, 1e4]])
 def test_quarter_ellipses_have_the_closed_form_and_fall_back_where_it_does_not_tell(mu: list[float]) -> None:
     """Beside the boundary, seams and evolute, at any size: answers from which the trials were made, and those of Newton's method."""
@@ -125,6 +126,7 @@ def test_quarter_ellipses_have_the_closed_form_and_fall_back_where_it_does_not_t
                 assert other is not None and np.nanmax(np.abs(np.asarray(found.tangent)[clear] - other)) <= 1e-9 * max(k)
 
 
+@pytest.mark.slow
 def test_a_closed_form_that_is_not_that_of_the_formula_is_not_believed() -> None:
     """An answer off the boundary of g <= 0 or its normal, and a trial that sticks outside of it, are left to Newton's method."""
     law = duhem.load("coulomb").fix({"mu": "1/2"})
@@ -135,6 +137,7 @@ def test_a_closed_form_that_is_not_that_of_the_formula_is_not_believed() -> None
         assert np.all(found.solved) and np.abs(found.stress - known.stress).max() <= 1e-14
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "closed"), [("antoni2007", True), ("coulomb", True), ("cohesive", True), ("shifted-ellipse", False), ("box", False)]
 )
