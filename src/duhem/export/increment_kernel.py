@@ -137,12 +137,8 @@ def increment(trial: Any, pressure: float, stiffness: Any, parameters: Any, stre
     dissipation[0] = work
     for i in range(D):
         for j in range(D):
-            tangent[i * D + j] = 0.0 if pointed else k[i, j]
-    if straight and state == SLIP:
-        for i in range(D):
-            for j in range(D):
-                tangent[i * D + j] = seen[i] * seen[j]
-    elif state == SLIP and not pointed:
+            tangent[i * D + j] = seen[i] * seen[j] if straight and state == SLIP else 0.0 if pointed else k[i, j]
+    if state == SLIP and not (straight or pointed):
         told = known(v, m, q, held, root) or apex(v, m, a, q, held, root, inverse) <= 0  # a tip on an axis of K seems smooth from there
         if not (told and slipping(v, m, a, root, mean, tangent)):
             state = UNKNOWN
