@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 
 import duhem
 from duhem import Criterion
+from duhem.export.routine import routine
+from duhem.law.shapes import Disk, Quadrants
 from duhem.projection.ball_newton import closest
 from duhem.projection.extended_precision import close_look
 from duhem.projection.increment import posed, setting
@@ -89,3 +92,54 @@ def test_pieces_that_half_spaces_touch_are_tried_where_they_meet(name: str, valu
     assert status == known.status[0] == 1 and np.linalg.matrix_rank(tangent, 1e-9) == 1
     assert stress == pytest.approx(known.stress[0], abs=1e-13) and slip == pytest.approx(known.slip[0], abs=1e-12)
     assert tangent == pytest.approx(known.tangent[0], abs=1e-11)
+
+
+def quarters(mu: list[float], k: list[float], load: float) -> tuple[Array, Array, Array]:
+    """Trials (n, 2) from next to the boundary of four quarter ellipses to far beyond it, on axes too; their stresses and slips.
+
+    Made from the answers: a stress on the boundary, and a slip along the normal there.
+    """
+    angle = np.concatenate([np.linspace(0.0, 2.0 * np.pi, 41), np.arange(4) * 0.5 * np.pi + 1e-7])
+    way = np.round(np.stack([np.cos(angle), np.sin(angle)], axis=1), 15)
+    own = np.stack([np.where(way[:, i] < 0.0, mu[2 * i + 1], mu[2 * i]) for i in (0, 1)], axis=1)
+    far = 10.0 ** np.array([-30.0, -12.0, -7.0, -3.0, 0.0, 2.0])[:, None, None] * load / np.max(np.divide(own, k) * k / own**2)
+    stress, slip = np.broadcast_arrays(own * load * way, far * way / own)
+    return (stress + slip * k).reshape(-1, 2), stress.reshape(-1, 2), slip.reshape(-1, 2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [[0.4, 0.25, 0.3, 0.15], [1.0, 1.0, 1.0, 1.0], [1.0, 1e-3, 2e3, 1e4]])
+def test_quarter_ellipses_have_the_closed_form_and_fall_back_where_it_does_not_tell(mu: list[float]) -> None:
+    """Beside the boundary, seams and evolute, at any size: answers from which the trials were made, and those of Newton's method."""
+    law = duhem.load("antoni2007")
+    run, values = compiled(law, options=OPTIMISED), dict(zip(law.parameters, mu, strict=True))
+    for k in ([1.0, 2.0], [3.0, 3.0], [1.0, 1e6]):
+        for load in (1.0, 1e-50, 1e50):
+            trial, stress, slip = quarters(mu, k, load)
+            found = run(trial, np.full(len(trial), -load), np.diag(k), **values)
+            size, clear = np.abs(trial).max(axis=1), np.abs(slip * k).max(axis=1) > 1e-5 * np.abs(stress).max(axis=1)
+            off = np.maximum(np.abs(found.stress - stress), np.abs((found.slip - slip) * k)).max(axis=1) / size
+            assert np.all(found.solved, where=clear) and off[clear].max() <= 1e-14
+            assert off[found.solved].max() <= 1e-13
+            if load == 1.0:
+                other = duhem.project(law, trial[clear], -load, k, values, method="newton", tangent=True).tangent
+                assert other is not None and np.nanmax(np.abs(np.asarray(found.tangent)[clear] - other)) <= 1e-9 * max(k)
+
+
+@pytest.mark.slow
+def test_a_closed_form_that_is_not_that_of_the_formula_is_not_believed() -> None:
+    """An answer off the boundary of g <= 0 or its normal, and a trial that sticks outside of it, are left to Newton's method."""
+    law = duhem.load("coulomb").fix({"mu": "1/2"})
+    trial = np.random.default_rng(1).normal(size=(200, 2))
+    known = duhem.project(law, trial, -1.0, 1.0)
+    for wrong in (Disk("1"), Disk("1/4"), Quadrants("1/2", "1/2", "1/2", "1"), Disk("1/2", load="2*abs(sigma_n)")):
+        found = compiled(replace(law, closed_form=wrong, name="wrong"))(trial, np.full(200, -1.0), np.eye(2))
+        assert np.all(found.solved) and np.abs(found.stress - known.stress).max() <= 1e-14
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "closed"), [("antoni2007", True), ("coulomb", True), ("cohesive", True), ("shifted-ellipse", False), ("box", False)]
+)
+def test_which_routines_have_the_closed_form(name: str, closed: bool) -> None:
+    assert ("on_quarters(" in routine(duhem.load(name)).text) is closed

@@ -40,6 +40,7 @@ from duhem.expression import (
     symbol,
 )
 from duhem.expression.fold import bound, recorded
+from duhem.expression.scalar_bounds import Name
 from tests.expression.by_hand import AT, ROWS, x, y
 from tests.expression.text_as_functions import as_functions, named
 
@@ -276,3 +277,17 @@ def test_a_recording_is_the_fold() -> None:
     assert heard == ["note"] * len(told.steps)
     with pytest.raises(InputError, match="no meaning is given to exp"):
         recorded(formula, (x, y, z), {k: row for k, row in bound(rows).items() if k is not sp.exp}, lambda node: lambda: node)
+
+
+def test_a_name_that_is_written_over_is_another_name() -> None:
+    """As a number is: what else has the old name keeps its value; an array to write into is refused."""
+    lines: list[str] = []
+    first = Name(lines, "x")
+    then = first
+    then += 1.0
+    then *= first
+    known: dict[str, float] = {"x": 2.0}
+    exec("\n".join(line.strip() for line in lines), known)
+    assert then is not first and known[then.name] == 6.0 and known[first.name] == 2.0
+    with pytest.raises(TypeError):
+        np.add(first, 1.0, out=then)

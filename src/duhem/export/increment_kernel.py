@@ -32,7 +32,9 @@ from duhem.projection.newton_step import (
     X,
     eliminated,
     length,
+    level,
     piece,
+    resized,
     whitened,
 )  # fmt: skip
 
@@ -40,6 +42,7 @@ __all__ = ["INVALID", "OUTSIDE", "UNKNOWN", "increment"]
 
 KINKS = DATA = PARAMETERS = CONSTANTS = NUMBERS = CONDITIONS = 0  # how many the law has, of each
 CLOSES = 0  # 1 where K is proved to be the point 0 at the pressure 0
+QUARTERS = SHAPE = 0  # 1 where K is four quarter ellipses, and the place of their coefficients and load behind what is stated
 DEGREE = 1.0  # of g in the forces
 
 
@@ -53,6 +56,21 @@ def stated(q: Any, out: Any) -> None:
     raise NotImplementedError
 
 
+def on_grid(x: float, mx: float, y: float, my: float, e: float, seen: Any) -> None:
+    """Formulas of :mod:`duhem.projection.quarter_ellipse` into ``seen``: p_1, l_1, p_2, l_2 and F."""
+    raise NotImplementedError
+
+
+def direction(px: float, py: float, ly: float, e: float, r: float, seen: Any) -> None:
+    """w_1 and w_2."""
+    raise NotImplementedError
+
+
+def multiplier(f: float, wx: float, wy: float, e: float, r: float, seen: Any) -> None:
+    """z = c_1 lambda."""
+    raise NotImplementedError
+
+
 def beyond(stress: Any, slack: float) -> bool:
     """Whether a stress lies outside a range that the law declares for it."""
     raise NotImplementedError
@@ -62,6 +80,7 @@ def beyond(stress: Any, slack: float) -> bool:
 
 INVALID, OUTSIDE, UNKNOWN = 3, 4, 5  # after STICK, SLIP and LEFT
 ALIKE, ROUNDING = 8.881784197001252e-16, 1e-12  # four roundings; of a stress, as an end of a range may be where K ends too
+WIDE, DIGITS = 2.0**200, 2.0**-20  # of ranges and of what plain doubles tell, as SAFE and NEAR are of the closed form
 ASIDE, ARC, CLEAR, SEAM = 1e-6, 1e-3, 1e-2, 1e-5  # of the size of K; of a radius; of a bend; normals this close are those of a seam
 
 
@@ -69,9 +88,9 @@ def increment(trial: Any, pressure: float, stiffness: Any, parameters: Any, stre
     """The stress of K nearest to the trial in the energy of the stiffness, with its derivative by the displacement."""
     v, m, a = np.empty((ROWS, D)), np.empty((MATRICES, D, D)), np.empty((2 * D, 2 * D + 1))
     root, inverse, k = np.empty((D, D)), np.empty((D, D)), np.empty((D, D))
-    q, w, out = np.empty(DATA + PARAMETERS + CONSTANTS + 1), np.empty(1 + PARAMETERS + NUMBERS), np.empty(DATA + CONDITIONS + 1)
+    q, w, out = np.empty(DATA + PARAMETERS + CONSTANTS + 1), np.empty(1 + PARAMETERS + NUMBERS), np.empty(SHAPE + 5)
     held, data = np.empty((D + 1, KINKS + 1), np.int8), np.empty((1, DATA + 1))
-    start, found, slips, multiplier = np.empty((1, D)), np.empty((1, D)), np.empty((1, D)), np.empty(1)
+    start, found, slips, multipliers, seen = np.empty((1, D)), np.empty((1, D)), np.empty((1, D)), np.empty(1), np.empty(5)
     sound = isfinite(pressure)
     w[0] = pressure
     for j in range(PARAMETERS):
@@ -94,10 +113,16 @@ def increment(trial: Any, pressure: float, stiffness: Any, parameters: Any, stre
     for j in range(DATA):
         data[0, j] = out[j]
     pointed = CLOSES == 1 and pressure == 0.0
-    if pointed:
+    state = LEFT
+    if QUARTERS == 1:
+        state = on_quarters(start, k, data, out, v, m, q, held, found, slips, seen)
+    straight = state != LEFT
+    if straight:
+        mean = 1.0
+    elif pointed:
         state = ended(start, inverse, found, slips)
     else:
-        state = solved(start, data, 0, DEGREE, v, m, a, q, held, root, inverse, found, slips, multiplier)
+        state = solved(start, data, 0, DEGREE, v, m, a, q, held, root, inverse, found, slips, multipliers)
     if state == LEFT:
         return LEFT
     work, most, far = 0.0, 0.0, 0.0
@@ -112,14 +137,55 @@ def increment(trial: Any, pressure: float, stiffness: Any, parameters: Any, stre
     dissipation[0] = work
     for i in range(D):
         for j in range(D):
-            tangent[i * D + j] = 0.0 if pointed else k[i, j]
-    if state == SLIP and not pointed:
+            tangent[i * D + j] = seen[i] * seen[j] if straight and state == SLIP else 0.0 if pointed else k[i, j]
+    if state == SLIP and not (straight or pointed):
         told = known(v, m, q, held, root) or apex(v, m, a, q, held, root, inverse) <= 0  # a tip on an axis of K seems smooth from there
         if not (told and slipping(v, m, a, root, mean, tangent)):
             state = UNKNOWN
             for i in range(D * D):
                 tangent[i] = nan
     return OUTSIDE if beyond(stress, ROUNDING * most + ALIKE * far) else state
+
+
+def on_quarters(
+    start: Any, k: Any, data: Any, out: Any, v: Any, m: Any, q: Any, held: Any, found: Any, slips: Any, seen: Any
+) -> int:  # fmt: skip
+    """The closest point of four quarter ellipses under a diagonal stiffness, with a vector whose square is d sigma/d u.
+
+    LEFT where that takes more digits, a number is out of range, or the answer is not on the boundary and along its normal.
+    """
+    ma, mb, e = out[SHAPE + (1 if start[0, 0] < 0.0 else 0)], out[SHAPE + (3 if start[0, 1] < 0.0 else 2)], out[SHAPE + 4]
+    ca, cb, far = ma * ma / k[0, 0], mb * mb / k[1, 1], abs(start[0, 0]) + abs(start[0, 1])
+    usual = k[0, 1] == 0.0 and k[1, 0] == 0.0 and min(min(ma, mb), min(ca, cb)) > 1.0 / WIDE and max(max(ma, mb), max(ca, cb)) < WIDE
+    if not (usual and 1.0 / WIDE < e < WIDE and far < WIDE):
+        return LEFT
+    i = 0 if ca <= cb else 1
+    j = 1 - i
+    mx, my, small, r = ma if i == 0 else mb, mb if i == 0 else ma, min(ca, cb), min(ca, cb) / max(ca, cb)
+    on_grid(abs(start[0, i]), mx, abs(start[0, j]), my, e, seen)
+    px, py, ly, f = seen[0], seen[2], seen[3], seen[4]
+    resized(data, 0, 1.0, q)
+    for b in range(D):
+        found[0, b], slips[0, b], v[X, b] = start[0, b], 0.0, start[0, b]
+    if not (abs(f) > DIGITS * e * e and abs(px - (1.0 - r) * e) > DIGITS * e):
+        return LEFT
+    if f < 0.0:
+        return STICK if level(v, X, q) < 0.0 else LEFT
+    direction(px, py, ly, e, r, seen)
+    wx, wy = seen[0], seen[1]
+    multiplier(f, wx, wy, e, r, seen)
+    away = seen[0] * small
+    wx, wy = wx if start[0, i] >= 0.0 else -wx, wy if start[0, j] >= 0.0 else -wy
+    found[0, i], found[0, j] = mx * e * wx, my * e * wy
+    slips[0, i], slips[0, j] = away * (wx / mx), away * (wy / my)
+    whole = sqrt(mx * wy * (mx * wy) / k[i, i] + my * wx * (my * wx) / k[j, j] + away / e)
+    seen[i], seen[j] = -mx * wy / whole, my * wx / whole
+    for b in range(D):
+        v[X, b] = found[0, b]
+    high = piece(v, X, q, NATURAL, held, D, RAW, m, RAWBEND)
+    steep, ab, ba = abs(v[RAW, 0] * v[X, 0]) + abs(v[RAW, 1] * v[X, 1]), v[RAW, 0] * slips[0, 1], v[RAW, 1] * slips[0, 0]
+    fine = abs(high) <= ROUNDING * steep and abs(ab - ba) <= ROUNDING * (abs(ab) + abs(ba))
+    return SLIP if fine and v[RAW, 0] * slips[0, 0] >= 0.0 and v[RAW, 1] * slips[0, 1] >= 0.0 else LEFT
 
 
 def ended(start: Any, inverse: Any, found: Any, slips: Any) -> int:

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
+from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from duhem.errors import InputError
 from duhem.export import increment_kernel
 from duhem.export.c_translation import Array, c_functions
 from duhem.expression import UNDEFINED
+from duhem.expression.scalar_bounds import Name
 from duhem.expression.scalar_jets import scalar_jets, scalar_values
 from duhem.law.formula_law import Criterion
+from duhem.law.shapes import Disk, Quadrants
 from duhem.law.state import check_stateless
+from duhem.projection.closed_form import centre, own_entries
 from duhem.projection.compiled_newton import KERNEL
 from duhem.projection.module_text import module_text
+from duhem.projection.quarter_ellipse import formulas
 from duhem.projection.scaled_formula import scaled
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -41,6 +47,7 @@ _ARRAYS: Mapping[str, Array] = {
     **dict.fromkeys(("start", "found", "slips"), Array("double", ("1", "D"))),
     "multiplier": Array("double", ("1",)),
     "dissipation": Array("double", ("1",)),
+    "seen": Array("double", ("1",)),
     "tangent": Array("double", ("D * D",)),
     "increment.trial": Array("double", ("D",), read_only=True),
     "increment.stiffness": Array("double", ("D * D",), read_only=True),
@@ -91,13 +98,15 @@ def routine(law: Criterion) -> Routine:
     formula = scaled(g, law.force_symbols(), pressure)
     jets = scalar_jets(formula.expr, law.force_symbols(), (*formula.data, *own))
     data, relations = [datum.expr for datum in formula.data.values()], conditions(law, settled, names)
-    stated, numbers = scalar_values("stated", [*data, *relations], (pressure or sp.Dummy("none"), *own))
+    shape = [sp.sympify(entry).xreplace(settled) for entry in _quarters(law)]
+    stated, numbers = scalar_values("stated", [*data, *relations, *shape], (pressure or sp.Dummy("none"), *own))
     counts = {
         "PARAMETERS": len(own),
         "CONSTANTS": len(jets.constants),
         "NUMBERS": len(numbers),
         "CONDITIONS": len(relations),
         "CLOSES": int(closes(law)),
+        "SHAPE": len(data) + len(relations),
         "DEGREE": formula.degree,
     }
     behind = [("q", len(data) + len(own), jets.constants), ("w", 1 + len(own), numbers)]
@@ -109,8 +118,37 @@ def routine(law: Criterion) -> Routine:
         function_text("placed(q, w)", [f"{array}[{start + k}] = {x!r}" for array, start, each in behind for k, x in enumerate(each)]),
         function_text("beyond(stress, slack: float) -> bool", [f"if {past}: return True" for past in _beyond(law)], "return False"),
     ]
-    text = module_text(formula, len(law.forces), jets, functions, (*KERNEL, increment_kernel), ("increment",))
+    text = module_text(
+        formula, len(law.forces), jets, [*functions, *_on_ellipse()], (*KERNEL, increment_kernel), ("increment",), QUARTERS=int(bool(shape))
+    )
     return Routine(c_functions(text, "increment", _ARRAYS, _PLAIN, {"below": _BELOW}), names)
+
+
+def _quarters(law: Criterion) -> tuple[object, ...]:
+    """The coefficients of four quarter ellipses about no stress and their load, where that is the shape of K; else nothing."""
+    shape = law.closed_form
+    if len(law.forces) != 2 or not isinstance(shape, Disk | Quadrants) or centre(shape):
+        return ()
+    own = own_entries(shape)
+    return *own * (4 // len(own)), shape.load
+
+
+_OF_ELLIPSE = {"on_grid": ("x", "mx", "y", "my", "e"), "direction": ("px", "py", "ly", "e", "r"), "multiplier": ("f", "wx", "wy", "e", "r")}
+
+
+@cache
+def _on_ellipse() -> list[str]:
+    """The formulas of :mod:`duhem.projection.quarter_ellipse` as functions of numbers, with the axis of the smaller mu^2/k first."""
+    known = formulas(where=np.where, roots=(lambda x: x ** (1.0 / 3.0), np.sqrt))
+    return [_lines(name, getattr(known, name), given) for name, given in _OF_ELLIPSE.items()]
+
+
+def _lines(name: str, formula: Callable[..., Any], given: Sequence[str]) -> str:
+    """A formula over numbers that fills ``seen`` with what it returns."""
+    lines: list[str] = []
+    found = formula(*(Name(lines, one) for one in given))
+    ends = [f"    seen[{k}] = {one.name}" for k, one in enumerate(found if isinstance(found, tuple) else (found,))]
+    return "\n".join([f"def {name}({', '.join(f'{one}: float' for one in given)}, seen):", *lines, *ends, "    return"])
 
 
 def conditions(law: Criterion, settled: Mapping[sp.Symbol, sp.Expr], names: Sequence[str]) -> list[sp.Basic]:

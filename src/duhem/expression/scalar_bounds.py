@@ -106,7 +106,8 @@ class Name(NDArrayOperatorsMixin):
         raise TypeError("no array")
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
-        if method != "__call__" or options or any(isinstance(x, np.ndarray) and x.ndim for x in inputs):
+        own, *_ = options.pop("out", inputs)  # a name that is written over is another name
+        if method != "__call__" or options or own is not inputs[0] or any(isinstance(x, np.ndarray) and x.ndim for x in inputs):
             return NotImplemented
         values = [x.known if isinstance(x, Name) else x for x in inputs]
         known = None if any(v is None for v in values) else ufunc(*values)

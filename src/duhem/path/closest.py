@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.errors import DuhemError
@@ -23,19 +24,13 @@ from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Projection, Status
+from duhem.projection.row_by_row import widest
+from duhem.projection.scaled_formula import power_of_two
+from duhem.projection.scaled_yield_function import level_of
 
 __all__ = [
-    "LOST",
-    "Closest",
-    "ClosestPoints",
-    "ShapeNumbers",
-    "closest_by",
-    "outside",
-    "shape_by",
-    "shape_name",
-    "shape_numbers",
-    "vouched",
-]
+    "LOST", "Closest", "ClosestPoints", "ShapeNumbers", "closest_by", "outside", "shape_by", "shape_name", "shape_numbers", "vouched",
+]  # fmt: skip
 
 LOST = (Status.INACCURATE, Status.FAILED)
 _TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
@@ -168,6 +163,10 @@ def vouched(at: Closest) -> Closest:
 
 def outside(block: Share, method: str, stress: Array, knot: Knot, which: Which) -> NDArray[np.bool_]:
     """Which of the stresses (n, d) of a block's rows lie outside K by more than rounding."""
+    if len(block.members) == 1 and block.members[0].g is not sp.nan:  # the sign of g tells sooner than the closest point
+        value, hidden = level_of(block.members[0]).bounded(stress, block.paths.pressure_at(knot, which), power_of_two(widest(stress)))
+        if (value < -hidden).all():
+            return np.zeros(len(stress), dtype=np.bool_)
     found = closest_by(block, method, shape_by(block, method))[0](stress, knot, which).stress
     size = np.maximum(np.abs(stress).max(axis=1), np.abs(found).max(axis=1))
     return np.asarray(~(np.abs(found - stress).max(axis=1) <= _TOLERANCE * size))

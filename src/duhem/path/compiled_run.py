@@ -7,8 +7,6 @@ depend on where a stretch begins.
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 import math
 import sys
 from collections.abc import Callable, Iterator
@@ -30,8 +28,7 @@ from duhem.path.rows import Ledger, States
 from duhem.path.run import Plan, Share, columns
 from duhem.path.step_formulas import FORMULAS, booked, written
 from duhem.projection import compiled, quadrants, quarter_ellipse
-from duhem.projection.code_cache import compiled_text
-from duhem.projection.compiled import kernels
+from duhem.projection.compiled import kept_function, kernels
 from duhem.projection.compiled_newton import Loop
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.increment import Convexity, Increment
@@ -70,28 +67,14 @@ class Loops:
     interval: Callable[..., None]
 
 
-_KEPT = """\
-# {stamp}
-from duhem.path.compiled_run import made
-
-inner = made().{name}
-
-
-def run({names}):
-    inner({names})
-"""
 _NAMES = "values, factor, load, share, centre, k, c, state, status, reached, shape, members, first, last, row, stress, slip, sums"
 
 
 @cache
 def loops() -> Loops:
-    """The compiled loops: compiled at their first use (tens of seconds), then kept on disk; MissingExtraError without numba.
-
-    What is kept belongs to the text of the modules that it was made of.
-    """
-    texts = map(inspect.getsource, (sys.modules[__name__], step_formulas, compiled, quadrants, quarter_ellipse))
-    stamp = hashlib.sha256("".join(texts).encode()).hexdigest()
-    return Loops(*(compiled_text(_KEPT.format(stamp=stamp, name=field.name, names=_NAMES), "run") for field in fields(Loops)))
+    """The compiled loops: compiled at their first use (tens of seconds), then kept on disk; MissingExtraError without numba."""
+    made_of = sys.modules[__name__], step_formulas, compiled, quadrants, quarter_ellipse
+    return Loops(*(kept_function(__name__, f"made().{field.name}", _NAMES, made_of) for field in fields(Loops)))
 
 
 @cache
@@ -125,14 +108,11 @@ def made() -> Loops:
     @jit
     def placed(array: Any, begin: int, size: int, knot: int, s: Any, row: int) -> None:
         """The numbers of a point of an array (n, m, d) likewise, for d = 1 a zero in the second row."""
-        column, two = knot if array.shape[1] > 1 else 0, array.shape[2] > 1
-        if array.shape[0] > 1:
-            for j in range(size):
-                s[row, j], s[row + 1, j] = array[begin + j, column, 0], array[begin + j, column, 1] if two else 0.0
+        taken(array[:, :, 0], begin, size, knot, s, row)
+        if array.shape[2] > 1:
+            taken(array[:, :, 1], begin, size, knot, s, row + 1)
         else:
-            a, b = array[0, column, 0], array[0, column, 1] if two else 0.0
-            for j in range(size):
-                s[row, j], s[row + 1, j] = a, b
+            s[row + 1, :size] = 0.0
 
     @jit
     def pulled(s: Any, k: Any, size: int, moved: bool, trial: Any) -> None:
@@ -219,8 +199,8 @@ def made() -> Loops:
         ) -> None:  # fmt: skip
             n, moved = state.shape[0], bool(np.any(centre != 0.0))
             multiplier, psi, dissipation, work, numerical, balance = sums
-            wide = min(_ROW, n)
-            s, lengths, loads = np.empty((28, wide)), np.empty(wide), np.empty((1, wide))
+            wide = min(_ROW, n)  # rows of s are apart by a number that the compiler knows: only so it takes them on vectors
+            s, lengths, loads = np.empty((28, _ROW)), np.empty(wide), np.empty((1, wide))
             trials, nears, slips = np.empty((wide, 2)), np.empty((wide, 2)), np.empty((wide, 2))
             for begin in range(0, n, wide):
                 size = min(wide, n - begin)
@@ -384,7 +364,7 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """One path by the loop that is made for its law."""
     if isinstance(made := _loop(plan.increment, plan.projection), str):
         raise _missing(made)
-    both, paths, one = STEPS["implicit"].steps(plan), Share.alone(plan).paths, np.zeros(1, dtype=np.intp)
+    paths, one, both = Share.alone(plan).paths, np.zeros(1, dtype=np.intp), None
     values, m = plan.path.values, len(plan.path.values)
     anchor, ahead = ledger.anchor, _STEPS
     while ledger.done < m:
@@ -396,6 +376,7 @@ def _by_loop(plan: Plan, ledger: Ledger) -> Iterator[int]:
             anchor = first + int(np.flatnonzero(slips)[-1]) if slips.any() else anchor
         ahead = min(2 * ahead, _STEPS)
         if not n:  # one step by the search, which ends the run if it finds nothing
+            both = both or STEPS["implicit"].steps(plan)
             anchor, ahead = first if stretch(plan, ledger, both, anchor, 1) else anchor, _FEW
         yield ledger.done
 

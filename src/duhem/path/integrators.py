@@ -132,10 +132,7 @@ class Stepping:
 
 
 STEPS: Mapping[str, Stepping] = MappingProxyType(
-    {
-        "implicit": Stepping(1, implicit),
-        "extrapolated": Stepping(2, extrapolated, ", extrapolated from whole and half steps"),
-    }
+    {"implicit": Stepping(1, implicit), "extrapolated": Stepping(2, extrapolated, ", extrapolated from whole and half steps")}
 )
 
 

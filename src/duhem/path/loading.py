@@ -21,21 +21,9 @@ from duhem.law.table_file import MOST_NUMBERS, read_table
 from duhem.projection.result import Array
 
 __all__ = [
-    "CONTROLS",
-    "Arc",
-    "Control",
-    "Knot",
-    "Path",
-    "Paths",
-    "Which",
-    "between",
-    "checked_count",
-    "displacements",
-    "given_numbers",
-    "in_rows",
-    "paths_from_csv",
-    "spread",
-]
+    "CONTROLS", "Arc", "Control", "Knot", "Path", "Paths", "Which", "between", "checked_count", "displacements", "given_numbers",
+    "in_rows", "paths_from_csv", "spread",
+]  # fmt: skip
 
 # -- one path -----------------------------------------------------------------------------------------------------------
 

@@ -98,11 +98,7 @@ def _three(
 
 @draw.register(StateHistory)
 def picture_of_state(
-    history: StateHistory,
-    file: figure.Target | None = None,
-    *,
-    axes: Iterable[Axes] | None = None,
-    units: tuple[str, str] = _UNITS,
+    history: StateHistory, file: figure.Target | None = None, *, axes: Iterable[Axes] | None = None, units: tuple[str, str] = _UNITS
 ) -> Axes | tuple[Axes, ...]:
     """The same three pictures, without K, which may change with the state; errors are those of :func:`picture`."""
     if history.many:

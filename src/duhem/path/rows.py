@@ -30,22 +30,9 @@ from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 
 __all__ = [
-    "ClosestPoint",
-    "Given",
-    "Ledger",
-    "Looked",
-    "ManyRows",
-    "OneRow",
-    "RowsFound",
-    "Sliding",
-    "States",
-    "Step",
-    "Stepped",
-    "Vector",
-    "Ways",
-    "by_arrays",
-    "closest_point",
-]
+    "ClosestPoint", "Given", "Ledger", "Looked", "ManyRows", "OneRow", "RowsFound", "Sliding", "States", "Step", "Stepped", "Vector",
+    "Ways", "by_arrays", "closest_point",
+]  # fmt: skip
 
 Vector = Any  # d components, each a number, or (n,) numbers of the rows
 

@@ -44,18 +44,9 @@ from duhem.show.place import (
 )
 
 __all__ = [
-    "GrowingTable",
-    "Needed",
-    "PointCounts",
-    "Scene",
-    "Stopped",
-    "check_outputs",
-    "history_of",
-    "keep",
-    "perform",
-    "perform_many",
+    "GrowingTable", "Needed", "PointCounts", "Scene", "Stopped", "check_outputs", "history_of", "keep", "perform", "perform_many",
     "recall",
-]
+]  # fmt: skip
 
 
 @dataclass(frozen=True)

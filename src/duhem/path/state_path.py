@@ -427,9 +427,7 @@ def _divided(asked: StateQuestion, base: Array, to: Drive, dt: float, n: int) ->
         at = parts[-1].end.chi
     ends = [part.end for part in parts]
     end = replace(
-        ends[-1],
-        failed=np.logical_or.reduce([each.failed for each in ends]),
-        worst=np.maximum.reduce([each.worst for each in ends]),
+        ends[-1], failed=np.logical_or.reduce([each.failed for each in ends]), worst=np.maximum.reduce([each.worst for each in ends])
     )
     added = tuple(np.sum(gains, axis=0) for gains in zip(*(part.added for part in parts), strict=True))
     patterns = [np.concatenate([(each.flow != 0.0).any(axis=1, keepdims=True), each.multiplier > 0.0, each.held], axis=1) for each in ends]

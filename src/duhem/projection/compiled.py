@@ -6,8 +6,9 @@ import hashlib
 import inspect
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
+from types import ModuleType
 from typing import Any, cast
 
 import numpy as np
@@ -18,7 +19,7 @@ from duhem.projection.quadrants import Quarters
 from duhem.projection.quarter_ellipse import CLOSE, SAFE, formulas
 from duhem.projection.result import Array
 
-__all__ = ["compiled_closest", "kernel", "kernels", "project"]
+__all__ = ["compiled_closest", "kept_function", "kernel", "kernels", "project"]
 
 _CHUNK = 504  # points looked at together: their numbers stay in the nearest cache, and rows of them apart in it
 
@@ -53,27 +54,23 @@ def _constants(q: Quarters) -> tuple[Array, ...]:
     return tuple(only_read(x) for x in (q.mu, q.axes, q.axes_low, q.ratio, q.compliance, q.power, q.first))
 
 
-_KEPT = """\
-# {stamp}
-from duhem.projection.compiled import kernels
-
-inner, _ = kernels()
-
-
-def run({names}):
-    inner({names})
-"""
 _NAMES = "trial, load, mu, axes, low, ratio, compliance, power, first, stress, slip, multiplier"
 
 
 @cache
 def kernel() -> CompiledText:
-    """The compiled function, for quarters of which none is flat; MissingExtraError without numba.
+    """The compiled function, for quarters of which none is flat; MissingExtraError without numba."""
+    return kept_function(__name__, "kernels()[0]", _NAMES, (sys.modules[__name__], quarter_ellipse))
+
+
+def kept_function(module: str, made: str, names: str, made_of: Sequence[ModuleType]) -> CompiledText:
+    """A function that a ``module`` makes anew in each process, as one of these arguments that is kept on disk.
 
     What is kept belongs to the text of the modules that it was made of.
     """
-    made_of = "".join(inspect.getsource(module) for module in (sys.modules[__name__], quarter_ellipse))
-    return compiled_text(_KEPT.format(stamp=hashlib.sha256(made_of.encode()).hexdigest(), names=_NAMES), "run")
+    stamp = hashlib.sha256("".join(map(inspect.getsource, made_of)).encode()).hexdigest()
+    head = f"# {stamp}\nfrom {module} import {made.partition('(')[0]}\n\ninner = {made}\n\n\n"
+    return compiled_text(f"{head}def run({names}):\n    inner({names})\n", "run")
 
 
 @cache

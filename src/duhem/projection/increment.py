@@ -26,17 +26,9 @@ from duhem.projection.metric import factors
 from duhem.projection.result import Array
 
 __all__ = [
-    "Convexity",
-    "Increment",
-    "at_doubles",
-    "check_associated",
-    "increment",
-    "posed",
-    "setting",
-    "stiffness_matrix",
-    "stiffness_of",
+    "Convexity", "Increment", "at_doubles", "check_associated", "increment", "posed", "setting", "stiffness_matrix", "stiffness_of",
     "trial_rows",
-]
+]  # fmt: skip
 
 
 @dataclass(frozen=True)

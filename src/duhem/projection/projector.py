@@ -42,7 +42,6 @@ from duhem.projection.variational_samples import looks, points_seen, tangents
 __all__ = ["ACCURACY", "Projector"]
 
 _REFUSED, _MOVED = (Status.INACCURATE, Status.FAILED), (Status.SLIP, Status.STATIONARY)
-_WORTH_COMPILING = 4_096  # points; fewer are judged sooner than their loop is loaded
 
 
 @dataclass(frozen=True)
@@ -142,9 +141,11 @@ class Projector:
             solution, found = put_right(question, solution, found, self._judged, seen)
             in_blocks(left.size, BLOCK, lambda part: settle(solution, found, left[part]), threads)
         judged = Judged(solution, found, told.dissipation, told.status)
+        if self.method.again is None:
+            return judged
         worth = vouched | (len(vouched) <= FEW_SEARCHED)  # of many, where a stationary point is the closest one
         refused = (told.status == Status.FAILED) | (told.status == Status.INACCURATE) & worth
-        if self.method.again is not None and (at := np.flatnonzero(refused)).size:  # another way, where that passes
+        if (at := np.flatnonzero(refused)).size:  # another way, where that passes
             another = self.method.again(given, len(vouched))
             others = replace(self, method=replace(self.method, solve=another, again=None))._answers(question.of(at), given)
             better = np.flatnonzero(~np.isin(others.status, _REFUSED))
@@ -178,18 +179,14 @@ def _named(name: object) -> Method[Any]:
 
 
 def _told(question: Increment, solution: Solution, judge: Judge, given: Options) -> Told:
-    """What the judge's loop says of the points, compiled or one by one; of as many as are sooner judged by arrays, nothing."""
+    """What the judge's loop says of the points, one by one or compiled; nothing where arrays are to judge."""
     n = len(solution.multiplier)
-    if not set(question.law.forces) & set(question.law.domain):
-        if isinstance(given, Compiling) and given.compiled and n >= _WORTH_COMPILING:
-            from duhem.projection.compiled_judge import told
+    threads = given.threads if isinstance(given, Compiling) and given.compiled else 0
+    if set(question.law.forces) & set(question.law.domain) or (n > FEW and threads == 0):
+        return Told.nothing(n)
+    from duhem.projection.compiled_judge import told, told_one_by_one
 
-            return told(question, solution, judge, given.threads)
-        if n <= FEW:
-            from duhem.projection.compiled_judge import told_one_by_one
-
-            return told_one_by_one(question, solution, judge)
-    return Told.nothing(n)
+    return told_one_by_one(question, solution, judge) if n <= FEW else told(question, solution, judge, threads)
 
 
 def _settle_plainly(question: Increment, told: Told, vouched: NDArray[np.bool_], solution: Solution, block: slice) -> None:

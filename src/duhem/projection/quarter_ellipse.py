@@ -84,12 +84,14 @@ def formulas(
     loose: Compiler | None = None,
     sqrt: Callable[[Any], Any] = np.sqrt,
     bits: tuple[Compiler, Compiler] = (_bits, _of_bits),
+    roots: tuple[Compiler, Compiler] | None = None,
 ) -> Formulas:
     """The formulas, each passed through ``compile``; ``where(condition, a, b)`` chooses for what they are applied to.
 
     ``exact``: the product where there is a shorter way to it.  ``loose``: compiles what no error-free sum depends on,
     where products and sums may be rounded together; ``compile`` if left out.  ``sqrt``: the root of what they are applied to;
-    ``bits``: its 64 bits as a whole number, and the number of such bits.
+    ``bits``: its 64 bits as a whole number, and the number of such bits; ``roots``: the cube root and the square root to start from,
+    where bits are not at hand.
     """
     loose = compile if loose is None else loose
     bits_of, of_bits = map(compile, bits)
@@ -199,6 +201,8 @@ def formulas(
     def square_root(x: Any) -> Any:
         """To 5 % likewise, of a number that is not negative."""
         return of_bits((bits_of(x) >> 1) + _HALF)
+
+    cube_root, square_root = roots or (cube_root, square_root)
 
     @loose
     def start(p1: Any, p2: Any, l2: Any, e: Any, r: Any) -> Any:
