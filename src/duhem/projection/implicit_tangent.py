@@ -221,7 +221,7 @@ def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> t
 
 
 def _is_tip(normals: Array, pressing: NDArray[np.intp], way: Array) -> bool:
-    """Whether the d ``pressing`` normals are independent at the point too: beside it the axes of equal eigenvalues turn, and normals with them.
+    """Whether the d ``pressing`` normals are independent at the point too, beside which the axes of equal eigenvalues turn.
 
     Normals of a tip may crowd at the push and yet be more: the push, turned a little to any side, is a sum of all of them.
     """
