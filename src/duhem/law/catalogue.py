@@ -19,7 +19,6 @@ from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any, overload
 
 from duhem.errors import InputError
-from duhem.expression.syntax import module_tree
 from duhem.law.atlas.entry import file_of, groups
 from duhem.law.registry import registered
 
@@ -142,7 +141,7 @@ def summary(name: str) -> str:
     if name in (modules := _built_in()):
         spec = find_spec(modules[name])
         source = spec.loader.get_source(modules[name]) if spec and spec.loader and hasattr(spec.loader, "get_source") else ""
-        return (ast.get_docstring(module_tree(source or "")) or "").split("\n", 1)[0]
+        return (ast.get_docstring(ast.parse(source or "")) or "").split("\n", 1)[0]
     point = _added().get(name)
     return f"from {point.dist.name}" if point and point.dist else ""
 
