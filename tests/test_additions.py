@@ -325,7 +325,7 @@ def test_a_check_is_run_of_every_routine_and_told(tmp_path: Path) -> None:
     tree = Tree.copied(tmp_path)
     tree.write("src/duhem/testing/checks/nearer_checks.py", CHECK)
     tree.insert(
-        "src/duhem/testing/checks/material_checks.py",
+        "src/duhem/testing/conformance.py",
         "from duhem.testing.checks import law_checks",
         "from duhem.testing.checks import nearer_checks  # noqa: F401 (it registers)",
     )

@@ -5,7 +5,8 @@
 Of each text it is asked
 - whether the parser of criterion files and that of the kernel both read it or both refuse it (half of the texts have something in
   them that should be refused); what the product refuses because a part has no value whatever its names are, the kernel may read if its
-  rules show of nothing in it that it has a value;
+  rules do not show that it has a value, nor that each value of a choice in it has one, read without the condition.  The product
+  also refuses 0 to a variable power that SymPy does not know to be > 0: the kernel, whose 0**0 is 1, reads it and knows more signs;
 - where they do, whether the formula's text (``expression.text.formula``) is read back as the same formula, its gradient too;
 - whether a law of that text has the same text again in what the kernel is given (``law_as_text``), and, made of the expression, one
   that is read as the same law;
@@ -126,10 +127,24 @@ def by_kernel(text: str) -> Term | None:
 
 
 def has_value(term: Term, signs: Mapping[str, int]) -> bool:
-    """Whether the kernel shows that the formula, or both sides of the comparison, have a value, for names of these signs (others: all)."""
+    """Whether the kernel shows that the formula, or both sides of the comparison, have a value, for names of these signs (others: all).
+
+    So it is asked of each value of a choice, the condition aside: one that is never read is refused by the product all the same.
+    Of 0 to a variable power it is not said.
+    """
+    if any(
+        part.op == "**" and part.args[1].names() - {"pi"} and not part.args[0].names() - {"pi"} and is_zero(part.args[0])
+        for part in term.parts()
+    ):
+        return False
     domains = {NEGATIVE | ZERO: Bounds(None, Fraction(0)), POSITIVE: Bounds(Fraction(0), None, True)}
     parameters = {x: domains.get(signs.get(x, 0), Bounds(None, None)) for x in NAMES if x not in ("a", "b")}
-    return not formula(StatedLaw(("a", "b"), None, term, None, parameters, ()))
+    values = [x for part in term.parts() if part.op == "where" for x in part.args[1:]]
+    return not any(formula(StatedLaw(("a", "b"), None, x, None, parameters, ())) for x in (term, *values))
+
+
+def is_zero(number: Term) -> bool:
+    return value(number, {}, mpmath_.digits(DIGITS)) == 0
 
 
 def about_a_law(text: str, expr: sp.Expr, known: Mapping[str, sp.Symbol], found: Texts) -> None:

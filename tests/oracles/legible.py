@@ -75,9 +75,14 @@ def _texts(sheet: Figure) -> Iterator[Text]:
     every: list[Text] = [*sheet.texts, *(text for legend in sheet.legends for text in legend.get_texts())]
     for axes in sheet.axes:
         every += [axes.title, *axes.texts, *(axes.get_legend().get_texts() if axes.get_legend() else [])]
-        for axis in (axes.xaxis, axes.yaxis):
+        for axis in _seen(axes).values():
             every += [axis.label, axis.offsetText, *_ticks(axis)]
     return (text for text in every if text.get_visible() and text.get_text().strip())
+
+
+def _seen(axes: Axes) -> dict[str, Axis]:
+    """The axes that are drawn: one force has no second."""
+    return {name: axis for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)) if axis.get_visible()}
 
 
 def _ticks(axis: Axis) -> list[Text]:
@@ -92,7 +97,7 @@ def _ticks(axis: Axis) -> list[Text]:
 def _silent(axes: Axes) -> list[str]:
     """The axes whose label names no quantity or neither a unit nor [–], unless their ticks are named in words."""
     found = []
-    for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
+    for name, axis in _seen(axes).items():
         label = axis.label.get_text()
         worded = any(re.match(r"[A-Za-z]", text.get_text()) for text in _ticks(axis))
         if not label or not (worded or re.search(r"\S[ \n]\[.+\]$", label)):

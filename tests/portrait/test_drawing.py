@@ -16,8 +16,8 @@ from duhem.portrait.pictures import plot
 from tests.long import mostly_long
 from tests.oracles.legible import faults
 
-VISCOUS = ("bingham", "garofalo", "norton-hoff", "perzyna", "rate-and-state")  # they have no K
-EVERY = [*catalogue.names(), *(name for group in groups().values() for name in group if name not in VISCOUS)]
+OF_RATES = ("bingham", "garofalo", "norton-hoff", "perzyna", "rate-and-state", "stribeck")  # they have no K
+EVERY = [*catalogue.names(), *(name for group in groups().values() for name in group if name not in OF_RATES)]
 
 
 @pytest.mark.slow

@@ -201,6 +201,12 @@ def test_the_window_of_one_force_is_that_of_all_its_pieces() -> None:
     assert -5 < found.window[0] < -3 and 2 < found.window[1] < 4 and len(found.lines) == 4
 
 
+@pytest.mark.parametrize("g", ["a - 4/5", "-a - 4/5", "a - 1/1000", "-a - 3000", "a"])
+def test_the_window_of_one_force_shows_zero_where_k_has_one_end(g: str) -> None:
+    low, high, *_ = section(given(law := duhem.Criterion(name="half", g=g, forces=("a",), pressure=None)), usual(law, None)[0]).window
+    assert low <= 0.0 <= high
+
+
 # ---- planes
 
 

@@ -43,9 +43,10 @@ def test_every_convex_law_from_near_and_far(law, values, kind):
     assert not got.failed.any()
     assert (got.multiplier >= 0).all() and (got.multiplier > 0).sum() > n / 2
     on = directions[np.isfinite(reach)] * reach[np.isfinite(reach), None]
-    assert shortfall(question, got, on) < 1e-11
-    excess = radii(question, got.stress) - 1  # the stress lies on the boundary: its own ray ends there
     far = np.abs(got.stress).max(axis=1)
+    turned = np.finfo(float).eps * far.max() / reach.min()  # rounding of a stress far along K turns the normal that the slip is made of
+    assert shortfall(question, got, on) < max(1e-11, turned)
+    excess = radii(question, got.stress) - 1  # the stress lies on the boundary: its own ray ends there
     small = (got.multiplier > 0) & (far < 10)
     assert np.abs(excess[small]).max() < 1e-11
 
@@ -146,7 +147,12 @@ def test_exponents_next_to_one_and_high_in_high_precision(exponent):
         p = mp.mpf(exponent)
         for trial, stress in zip(plane[got.status == 1], got.stress[got.status == 1], strict=True):
             exact = on_superellipse(trial, k, (mp.mpf(1) / 4, mp.mpf(1) / 8), p)
-            assert max(abs(x - y) for x, y in zip(stress, exact, strict=True)) < 2e-14
+            # At a tip of exponent 1.1 the corner that bounds K there is as near to the trial, to rounding, as the bend 1e-13 of K away.
+            assert max(abs(x - y) for x, y in zip(stress, exact, strict=True)) < (5e-14 if exponent == "1.1" else 2e-14)
+            one, other = (
+                mp.sqrt(sum((t - x) ** 2 / ki for t, x, ki in zip(map(mp.mpf, trial), s, k, strict=True))) for s in (stress, exact)
+            )
+            assert abs(one - other) < 2e-15 * max(1, other)
         for trial, stress in zip(space[there.status == 1], there.stress[there.status == 1], strict=True):
             exact = on_hosford(trial, mp.mpf(1) / 4, p)
             assert max(abs(x - y) for x, y in zip(stress, exact, strict=True)) < (2e-11 if p < 2 else 2e-13) * max(1.0, np.abs(trial).max())

@@ -64,7 +64,7 @@ def test_the_sign_of_what_is_added_to_zero() -> None:
 
 K, SIZE = "(1 + sqrt(2))", "sqrt(4 + 2*sqrt(2))"  # of the ray (-k, 1) and its size
 TANGENTS = f"where(-a <= {K}*abs(b), norm(a, b), ({K}/{SIZE} + E)*(-a) + ({SIZE} - {K}*({K}/{SIZE} + E) + F)*abs(b)) - 1"
-BARREL = "where(abs(a) <= abs(b), where(b > 0, (A*a**2 + B*b**2)/(2*b), (A*a**2 + B*b**2)/(-2*b)), abs(a)) - 1"
+BARREL = "where(abs(a) < abs(b), (A*a**2 + B*b**2)/(2*abs(b)), abs(a)) - 1"  # at zero force it divides by nothing
 
 
 def tangents(e: str, f: str) -> str:

@@ -1,4 +1,4 @@
-"""How much of the kernel a proof rests on: the campaign that counts it, and that it stays below 3,000 lines of code."""
+"""How much of the kernel a proof rests on: the campaign that counts it, and that it stays below 3,500 lines of code."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from duhem import load, verify
 from tests.campaigns.trusted import trusted
 
-MOST = 3_000
+MOST = 3_500
 
 
 @pytest.mark.slow

@@ -60,6 +60,16 @@ def test_a_set_that_is_one_point_has_none() -> None:
         assert not refused("coulomb", at({"mu": 0.3}, [1.0, 1.0], 0.0, [1.0, 1.0]), [0.0, 0.0], amount)
 
 
+@pytest.mark.parametrize("trial", [[2.0, 0.82], [2.0, 0.5], [0.5, 0.4]])
+@pytest.mark.parametrize("amount", [1.0, 1e9, 6.7e14])
+def test_the_node_of_a_curve_has_no_one_multiplier(trial: list[float], amount: float) -> None:
+    """One piece of g has no slope there; beside it, on a side of the node, the multiplier is the slip over the slope as elsewhere."""
+    assert not refused("teardrop", at({"P": 1.0}, trial, None, [1.0, 1.0]), [0.0, 0.0], amount)
+    law = Criterion("node", "max(a + b, -a*b)", forces=("a", "b"), pressure=None)
+    beside = at({}, [1.0, -2.0], None, [1.0, 1.0])
+    assert refused(law, beside, [0.0, -2.0], amount) and not refused(law, beside, [0.0, -2.0], 0.5)
+
+
 @pytest.mark.parametrize("below", [0.01, 0.03, 0.1])
 @pytest.mark.parametrize("force", [-1e-3, -1e-2])
 def test_a_normal_that_turns_within_the_error_in_stress_is_looked_for_there(below: float, force: float) -> None:

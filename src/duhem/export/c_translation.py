@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from duhem.expression.elementary import ELEMENTARY
+from duhem.expression.syntax import module_tree
 
 __all__ = ["Array", "NotTranslated", "c_functions"]
 
@@ -176,7 +177,7 @@ def c_functions(
     annotation: a name means one thing in all functions.  ``given``: C in the place of functions that look at the bits of a number.
     Every function is static.
     """
-    module = ast.parse(text)
+    module = module_tree(text)
     bodies = {node.name: node for node in module.body if isinstance(node, ast.FunctionDef)}
     wanted = _reached(entry, bodies)
     constants = dict(_constants(module))
@@ -231,7 +232,7 @@ def _pairs(target: ast.expr, value: ast.expr) -> list[tuple[ast.expr, ast.expr]]
 
 
 def _capitals(texts: Sequence[str]) -> set[str]:
-    return {node.id for text in texts for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
+    return {node.id for text in texts for node in ast.walk(module_tree(text)) if isinstance(node, ast.Name)}
 
 
 def _definitions(constants: Mapping[str, ast.expr], used: set[str]) -> str:

@@ -28,6 +28,7 @@ from typing import NamedTuple, NoReturn
 from duhem.errors import InputError
 from duhem.expression.number import DECIMAL
 from duhem.expression.spelling import spelled
+from duhem.expression.syntax import expression_tree
 from duhem.expression.vocabulary import nested
 
 __all__ = ["INVARIANTS", "KINDS", "NONE", "Abbreviations", "Indexed", "Stress", "WrittenOut", "WrittenOver", "component", "names_in"]
@@ -352,7 +353,7 @@ def _degree(text: str, tensors: set[str]) -> int | None:
         return None if any(isinstance(x, ast.Name) and spelled(x.id) in tensors for x in ast.walk(node)) else 0
 
     try:
-        return degree(ast.parse(f"({text})", mode="eval").body)
+        return degree(expression_tree(f"({text})"))
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None  # who reads the formula says what is wrong with it
 
@@ -418,7 +419,7 @@ def _read(text: str) -> tuple[ast.expr, bytes]:
     if max(accumulate((mark in "([") - (mark in ")]") for mark in text), default=0) > _MOST_DEPTH:
         raise InputError("the formula is nested too deeply", remedy=f"at most {_MOST_DEPTH} brackets deep")
     try:
-        return ast.parse(f"({text})", mode="eval").body, f"({text})".encode()
+        return expression_tree(f"({text})"), f"({text})".encode()
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise InputError("the formula with its indices cannot be read", remedy="check its brackets and operators") from None
 

@@ -26,6 +26,7 @@ from duhem.expression.build import AS_WRITTEN, EVALUATED, IN_RANGE, UNMADE, Buil
 from duhem.expression.fold import Graph, Shared, fold
 from duhem.expression.number import DECIMAL, exact_number
 from duhem.expression.spelling import spelled
+from duhem.expression.syntax import expression_tree
 from duhem.expression.vocabulary import MOST_ARGUMENTS, NODES, WORDS, symbol
 
 __all__ = [
@@ -294,7 +295,7 @@ class _Reader:
         """The syntax tree of a text whose tokens are all known; brackets around it let it run over several lines."""
         self.check_tokens()
         try:
-            return ast.parse(f"({self.text}\n)", mode="eval").body
+            return expression_tree(f"({self.text}\n)")
         except SyntaxError as fault:  # the tokens are in order, so only Python's own limits are left
             raise self.place.error(f"the formula cannot be read: {fault.msg}", remedy="split it into smaller parts") from None
         except (RecursionError, MemoryError, ValueError):

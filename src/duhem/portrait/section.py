@@ -210,8 +210,9 @@ def _on_line(level: Level, scale: float) -> Framed:
     turns = np.flatnonzero(held[1:] != held[:-1])
     ends = np.array([*x[turns], *x[turns + 1]]) if len(turns) else np.array([-scale, scale])
     a, b = float(ends.min()), float(ends.max())
-    endless = held[0] or held[-1]
-    free = (1.0 if endless else 0.35) * ((b - a) or abs(a) or scale)
+    endless, step = held[0] or held[-1], b - a
+    long = step if len(turns) != 1 else max(-a, b)  # of one end alone: as far as from 0
+    free = (1.0 if endless else 0.35) * (long if long > step or len(turns) != 1 else scale)
     a, b = a - free, b + free
     return Framed((a, b, -0.3 * (b - a), 0.3 * (b - a)), not endless, known)
 

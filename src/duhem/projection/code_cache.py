@@ -34,6 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import MissingExtraError
+from duhem.expression.syntax import module_tree
 from duhem.projection import file_cache, llvm_calls, llvm_loops, llvm_values
 from duhem.projection.llvm_calls import called
 from duhem.projection.llvm_values import NotLowered
@@ -155,7 +156,7 @@ class CompiledText:
 
 def _returning_several(text: str) -> set[str]:
     """The functions of a text that return a tuple."""
-    functions = [node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
+    functions = [node for node in module_tree(text).body if isinstance(node, ast.FunctionDef)]
     ends = [(node.name, part.value) for node in functions for part in ast.walk(node) if isinstance(part, ast.Return)]
     return {name for name, value in ends if isinstance(value, ast.Tuple)}
 

@@ -212,7 +212,7 @@ def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> t
     tip = around.of(np.isfinite(around.normal).all(axis=1))
     for normals, few in ((meeting, True), (tip, False)):
         found = _pressing(normals.normal, push / length)
-        if found is not None and (few or _spans(normals.normal[found[0]])):
+        if found is not None and (few or (len(found[0]) == d and _is_tip(normals.normal, found[0], push / length))):
             press = normals.of(found[0])
             bend, turn = press.weighted(found[1] * length) if few else (np.zeros((1, d, d)), np.zeros((1, d)))
             inner, load = _rates(press.normal[None], press.rise[None], bend.sum(axis=0)[None], turn.sum(axis=0)[None])
@@ -220,9 +220,14 @@ def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> t
     return None
 
 
-def _spans(normals: Array) -> bool:
-    """Whether there are d of them, independent at the point too: beside it the axes of equal eigenvalues turn, and normals with them."""
-    return len(normals) == normals.shape[1] and bool(np.linalg.svd(normals)[1][-1] > _APART)
+def _is_tip(normals: Array, pressing: NDArray[np.intp], way: Array) -> bool:
+    """Whether the d ``pressing`` normals are independent at the point too, beside which the axes of equal eigenvalues turn.
+
+    Normals of a tip may crowd at the push and yet be more: the push, turned a little to any side, is a sum of all of them.
+    """
+    if np.linalg.svd(normals[pressing])[1][-1] > _APART:
+        return True
+    return all(_is_sum(way + side, normals) for side in _LITTLE * np.vstack([np.eye(len(way)), -np.eye(len(way))]))
 
 
 def _followed(normals: _Normals, load: Array, told: bool) -> bool:

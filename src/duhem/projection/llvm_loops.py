@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from duhem.expression.syntax import module_tree
 from duhem.projection.llvm_values import Dense, NotLowered, Number, Value, constant, kinds_of, listed, made_of, returned, type_of
 
 __all__ = ["lowered"]
@@ -49,7 +50,7 @@ class _Module:
     """What is written of a text: functions of it for the kinds of arguments that they are called with, and names of others."""
 
     def __init__(self, text: str, space: Mapping[str, Any]) -> None:
-        self.functions = {node.name: node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
+        self.functions = {node.name: node for node in module_tree(text).body if isinstance(node, ast.FunctionDef)}
         self.space, self.parts, self.others = space, list[str](), dict[str, str]()
         self._made: dict[tuple[str, tuple[Any, ...]], tuple[str, Any]] = {}
         self._open: list[str] = []

@@ -15,6 +15,7 @@ import sympy as sp
 from duhem.expression import principal_axes, scalar_bounds, scalar_jets
 from duhem.expression.elementary import imports
 from duhem.expression.scalar_jets import ScalarJets
+from duhem.expression.syntax import module_tree
 from duhem.projection.scaled_formula import ScaledFormula
 
 __all__ = ["module_text", "over_unit"]
@@ -76,7 +77,7 @@ class _Part:
 @lru_cache(maxsize=256)
 def _parts(text: str, constants: tuple[tuple[str, int], ...]) -> list[_Part]:
     """What is left of a text; most of ours is the same for many laws."""
-    return list(map(_Part, _Taken(dict(constants)).visit(ast.parse(text)).body))
+    return list(map(_Part, _Taken(dict(constants)).visit(module_tree(text)).body))
 
 
 class _Taken(ast.NodeTransformer):

@@ -20,6 +20,7 @@ from typing import Any, cast
 import numpy as np
 
 from duhem.expression.elementary import ELEMENTARY, array_function
+from duhem.expression.syntax import module_tree
 
 __all__ = ["FAULTS", "interpreted", "zeros"]
 
@@ -46,7 +47,7 @@ def interpreted(text: str, entry: str, goes_on: bool = False, **constants: int) 
     functions, others = list[str](), list[str]()
     for part in re.split(r"\n(?=\S)", text):  # as ``ast.unparse`` writes it, a statement begins where a line does
         (functions if part.startswith("def ") else others).append(part)
-    tree, space = ast.parse("\n".join(others)), dict[str, Any]()
+    tree, space = module_tree("\n".join(others)), dict[str, Any]()
     for node in tree.body:
         exec(compile(ast.Module([node], []), "<generated>", "exec"), space)
         space |= constants  # what follows from them, too
@@ -64,7 +65,7 @@ def interpreted(text: str, entry: str, goes_on: bool = False, **constants: int) 
 def _written_out(text: str, known: tuple[tuple[str, Any, str], ...], goes_on: bool) -> CodeType:
     """One function, as it runs where the constants are ``known``: those of ours are the same for many laws."""
     instead: dict[type, str] = {ast.Pow: "real_power"} | ({ast.Div: "quotient"} if goes_on else {})
-    tree = _WrittenOut({name: value for name, value, _ in known}, instead).visit(ast.parse(text))
+    tree = _WrittenOut({name: value for name, value, _ in known}, instead).visit(module_tree(text))
     return compile(tree, "<generated>", "exec")
 
 

@@ -97,14 +97,21 @@ def _lacking(q: Query, found: Reply, amount: Array) -> Array:
 
 
 def _slopes(q: Query, stress: Array, way: Array, near: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return the least and greatest slope (N,) of g along ``way`` at and ``near`` the stress, and where its formula changes its piece."""
+    """Return the least and greatest slope (N,) of g along ``way`` at and ``near`` the stress, and where its formula changes its piece.
+
+    At such a kink the pieces around are asked at the stress too: at the node of a curve one has no slope, and near it a little of one.
+    """
     n, d = stress.shape
     beside = np.concatenate([np.zeros((1, n, d)), *(s * np.broadcast_to(x, (1, n, d)) for x in (way, *q.axes) for s in (1.0, -1.0))])
-    points = (stress + near[:, None] * beside).reshape(-1, d)
-    gradient, pieces = q.region.slope(points, np.tile(q.pressure, len(beside)))
+    points, pressure = (stress + near[:, None] * beside).reshape(-1, d), np.tile(q.pressure, len(beside))
+    gradient, pieces = q.region.slope(points, pressure)
     slopes = np.einsum("snd,nd->sn", gradient.reshape(-1, n, d), way)
     around = pieces.reshape(len(beside), n, -1)
-    return slopes.min(axis=0), slopes.max(axis=0), np.asarray((around != around[0]).any(axis=(0, 2)))
+    least, most, kink = slopes.min(axis=0), slopes.max(axis=0), np.asarray((around != around[0]).any(axis=(0, 2)))
+    if kink.any():
+        there = q.region.slope(np.tile(stress, (len(beside), 1)), pressure, pieces)[0].reshape(-1, n, d)
+        least = np.where(kink, np.fmin(least, np.fmin.reduce(np.einsum("snd,nd->sn", there, way), axis=0)), least)
+    return least, most, kink
 
 
 @register(

@@ -26,6 +26,7 @@ from hypothesis import find, settings
 from hypothesis.errors import Flaky, NoSuchExample
 from hypothesis.strategies import SearchStrategy
 
+from duhem.expression.syntax import module_tree
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 from duhem.show.place import write
@@ -299,7 +300,7 @@ def _from(place: Path | None, folder: str) -> str:
 def _moving(place: Path | None, text: str) -> str:
     """Return Python in which files that are named by their whole path are named from ``place``."""
     lines = text.encode().splitlines(keepends=True)  # ast counts bytes
-    named = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+    named = [node for node in ast.walk(module_tree(text)) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
     for node in sorted(named, key=lambda node: (node.lineno, node.col_offset), reverse=True):
         path = str(node.value)
         if os.path.isabs(path) and Path(path).is_file() and node.lineno == node.end_lineno and (beside := _from(place, path)):
