@@ -141,6 +141,17 @@ def test_pieces_that_jump_or_whose_slope_falls_are_not_convex(potential: str) ->
     assert not proved("convexity", law(g, {}, []))
 
 
+@pytest.mark.parametrize("rest", ["abs(q)", "q**2"])
+@pytest.mark.parametrize("low", [-1, -2])
+@pytest.mark.parametrize("condition", ["p**2 > {}", "p**2 >= {}", "p**2*(p + {}) > {}**2*(p + {})"])
+def test_pieces_that_meet_at_an_end_of_the_range_may_jump_inside_it(condition: str, low: int, rest: str) -> None:
+    """At p = low both functions are 0, with the slopes 1 and -1; the choice changes over at p = -low too, and jumps there."""
+    condition = condition.format(low**2, low**2, low**2) if "+" not in condition else condition.replace("{}", str(-low))
+    g, ranges = f"where({condition}, p - ({low}), {low} - p) + {rest} - {-3 * low}", {"p": Domain.between(low)}
+    assert not proved("convexity", law(g, ranges, [])) and not proved("smoothness", law(g, ranges, []))
+    assert leaves(law(g, ranges, []), ranges) or "+" in condition
+
+
 INSIDE = [
     ("norm(q, t) - M*p/(1 + p/d) - c", ABOVE, True),
     ("norm(q, t) - M*p/(1 + p/d)", ABOVE, False),  # a tip at p = 0

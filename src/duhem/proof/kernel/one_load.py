@@ -111,6 +111,7 @@ def joined(term: Term, domain: StatedDomain, rules: Rules) -> tuple[Facts, Sign]
     if term.args[0].op not in COMPARISONS or domain.constant(term.args[0]) or len(moving := term.names() & {*domain.law.forces}) != 1:
         return None
     (x,), y, known, steps = (Term("name", name=name) for name in moving), gap(term.args[0]), list[Facts](), [number(0), number(0)]
+    ways = list[int]()
     for piece, side in zip(term.args[1:], (y, minus(y)), strict=True):
         inside = domain.where({side: False})
         line = _line(sum_of(piece, product_of(number(0), x)), inside, rules)
@@ -119,8 +120,10 @@ def joined(term: Term, domain: StatedDomain, rules: Rules) -> tuple[Facts, Sign]
             return None
         shape, one_way = inside.facts(piece), len({*line.ends.values()}) == 1  # else it may have no inside
         known.append(replace(shape, sign=shape.sign & ~NEGATIVE if one_way and line.above(line.f) else shape.sign))
-        own = number(line.ends[end])  # the other way has the other sign, so that what it adds is taken away
-        steps = [sum_of(step, product_of(own, f.put({x: end}))) for step, f in zip(steps, (line.f, slope), strict=True)]
+        ways.append(line.ends[end])  # the other way has the other sign, so that what it adds is taken away
+        steps = [sum_of(step, product_of(number(ways[-1]), f.put({x: end}))) for step, f in zip(steps, (line.f, slope), strict=True)]
+    if sum(ways):
+        return None  # both functions begin at an end of the range: the choice changes over elsewhere
     jump, kink = (_sign_of_constant(step, domain) for step in steps)
     convex, concave = (all(f.convex for f in known) and not kink & NEGATIVE, all(f.concave for f in known) and not kink & POSITIVE)
     return (Facts(all(f.defined for f in known), known[0].sign | known[1].sign, convex, concave, convex), kink) if jump == ZERO else None
