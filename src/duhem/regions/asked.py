@@ -25,6 +25,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse
 from duhem.proof.verdict import Trust
+from duhem.regions.chords import Family
 from duhem.regions.seen import Holding, looked_at, of_one_sign
 from duhem.regions.suggested import Suggestion, suggestions
 
@@ -64,6 +65,7 @@ class AsksTheKernel:
     values: dict[str, str] = field(init=False)
     usual: dict[str, tuple[str, bool]] = field(default_factory=dict)  # the rule that first proved a claim on a cell, asked alone then
     learning: bool = True
+    chords: tuple[Family, ...] = ()  # the family that refuted the claim on the cell before, of one parameter
 
     def __post_init__(self) -> None:
         try:
@@ -179,13 +181,16 @@ class AsksTheKernel:
 
         ``away`` are formulas that are >= 0 over these, ``ends`` the numbers at which those of one parameter end.
         """
-        found = list[Suggestion]()
         with self.paid():
             whole, here = settled(law, self.names), at_values(law, self.values, self.names)
-            for one in islice(suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends), _FEW_TRIED):
+            known = self.chords if len(self.names) == 1 else ()
+            found = suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends, known)
+            for one in islice(found, _FEW_TRIED):
                 free = {name: text for name, text in self.values.items() if name != one.evidence.get("scale")}
-                found.append(Suggestion(one.rule, {**one.evidence, "values": free}))
-        return next((dict(one._asdict()) for one in found if self.refutes(law, one)), None)
+                if self.refutes(law, told := one._replace(evidence={**one.evidence, "values": free})):
+                    self.chords = (one.family,) if one.family is not None else ()
+                    return {"rule": told.rule, "evidence": told.evidence}
+        return None
 
     def refutes(self, law: StatedLaw, one: Suggestion) -> bool:
         """Whether the kernel confirms a family of witnesses for a law over some values."""

@@ -1,16 +1,19 @@
 """Chords that leave K, found in floating point: their ends are affine in the parameters.  Nothing here is trusted.
 
-In a plane of forces they join two points where lines from points of an axis leave K, or the ranges of the forces.
+In a plane of forces they join two points where lines from points of an axis leave K, or the ranges of the forces.  Where K turns convex
+at an end of a cell of one parameter, chords are the shorter, or leave K by the less, the nearer the parameter is to that end.  So there
+an end of a chord begins where a line leaves K at that very value, or at a tip of K on the axis, and moves with the distance from it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from itertools import combinations, permutations
 from math import cos, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,7 +21,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.regions.seen import Array, count, in_ranges, value_of
 
-__all__ = ["chords"]
+__all__ = ["Chord", "Family", "along", "chords"]
 
 _STARTS, _TURNS = 193, 16  # of lines both ways from an axis, and around its origin
 _STEPS, _FEW = (1, 2, 3, 5), 12  # between the starts of two lines; of others every so many
@@ -27,26 +30,80 @@ _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
 _PARTS, _FINER = np.linspace(0.0, 1.0, 33), 8  # of what is between a radius inside and one outside, and how often
 _ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
 _FEW_PLACES = 3  # at which lines are looked for
+_SHORT, _SAME = 10_000, 1e-11  # the denominator of a number that is taken to be exact, and how near to it
 _TURNED = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :]  # principal values in every order
 _ALONG = (Fraction(0), Fraction(-1, 2))  # the meridian axis, where deviatoric planes lie
 
 Vector = tuple[Fraction, ...]
-_Line = tuple[Vector, Vector]  # from a point, one way
 _MERIDIAN: Vector = (Fraction(1),) * 3
 _DEVIATORIC: tuple[Vector, ...] = (Fraction(1), Fraction(-1), Fraction(0)), (Fraction(1), Fraction(1), Fraction(-2))
 
 
-def chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[dict[str, dict[str, str]]]:
-    """The ends ``p`` and ``q`` of chords that leave K at all of some values of the parameters; with the same ends for all, if these do."""
+class _Line(NamedTuple):
+    """From a point, one way; the point drifts with the distance of the parameter from an end of its cell."""
+
+    start: Vector
+    way: Vector
+    drift: Vector
+
+
+class Family(NamedTuple):
+    """Lines, and how the ends of chords move along them: not, with the parameters, or with the distance from an end of a cell."""
+
+    lines: Sequence[_Line]
+    moving: bool = False
+    end: Fraction | None = None
+
+
+class Chord(NamedTuple):
+    """The ends of a chord, and the family of the two lines on which they lie."""
+
+    ends: dict[str, dict[str, str]]
+    family: Family
+
+
+def along(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction], families: Sequence[Family]) -> Iterator[Chord]:
+    """The chords between lines of which others left K at values of the parameters near these."""
+    for family in families:
+        if family.end is None or family.end in ends:
+            yield from _Lines.of(law, places, family).told()
+
+
+def chords(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction] = ()) -> Iterator[Chord]:
+    """Chords that leave K at all of some values of the parameters; with the same ends for all, if these do.
+
+    ``ends`` are those of a cell of one parameter.
+    """
     at = [*dict.fromkeys(np.linspace(0, count(places) - 1, _FEW_PLACES).round().astype(int).tolist())]
     few = {name: x[at] for name, x in places.items()}
-    for origin, along, across in _planes(law, few):
-        for far in _FAR:
+    for plane in _planes(law, few):
+        for family in _families(law, few, plane, ends):
             pay(_PRICE)
-            lines = _Lines.of(law, few, _lines(origin, along, across, far))
-            for moving in (False, True) if places else (False,):
-                if (best := lines.deepest(moving)) is not None:
-                    yield from _Lines.of(law, places, [lines.lines[k] for k in best]).told(moving)
+            if (best := _Lines.of(law, few, family).deepest()) is not None:
+                yield from _Lines.of(law, places, family._replace(lines=[family.lines[k] for k in best])).told()
+
+
+def _families(law: StatedLaw, places: Mapping[str, Array], plane: tuple[Vector, Vector, Vector], ends: Sequence[Fraction]) -> Iterator[Family]:
+    origin, along, across = plane
+    for far in _FAR:
+        lines = _lines(origin, along, across, far)
+        yield Family(lines)
+        yield from [Family(lines, True)] if places else []
+        yield from (Family(lines, True, end) for end in ends)
+    nothing = (Fraction(0),) * len(origin)
+    for end in ends:
+        axis = Family([_Line(origin, tuple(way * x for x in along), nothing) for way in (1, -1)])
+        there = dict.fromkeys(places, np.array([float(end)]))
+        for line, reach in zip(axis.lines, _Lines.of(law, there, axis).reach[:, 0].tolist(), strict=True):
+            if (share := _exact(reach)) is not None:
+                tip = tuple(o + share * w for o, w in zip(origin, line.way, strict=True))
+                yield Family([_Line(tip, own.way, own.start) for own in _lines(nothing, along, across, 1)], True, end)
+
+
+def _exact(x: float) -> Fraction | None:
+    """The short fraction that floating point cannot tell from x."""
+    near = Fraction(x).limit_denominator(_SHORT) if np.isfinite(x) else None
+    return near if near is not None and abs(float(near) - x) < _SAME else None
 
 
 def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[tuple[Vector, Vector, Vector]]:
@@ -71,11 +128,11 @@ def _middle(low: Fraction | None, high: Fraction | None) -> tuple[Fraction, Frac
 
 def _lines(origin: Vector, along: Vector, across: Vector, far: int) -> list[_Line]:
     """Both ways from points of the axis, and all around from its origin."""
-    shares = [Fraction(far * (2 * k - _STARTS + 1), _STARTS - 1) for k in range(_STARTS)]
+    shares, nothing = [Fraction(far * (2 * k - _STARTS + 1), _STARTS - 1) for k in range(_STARTS)], (Fraction(0),) * len(origin)
     starts = [tuple(o + share * a for o, a in zip(origin, along, strict=True)) for share in shares]
     turns = [[Fraction(word(2 * pi * k / _TURNS)).limit_denominator(8) for word in (cos, sin)] for k in range(_TURNS)]
-    around = [(origin, tuple(one * a + two * b for a, b in zip(along, across, strict=True))) for one, two in turns]
-    return [*((start, tuple(way * x for x in across)) for start in starts for way in (1, -1)), *around]
+    around = [_Line(origin, tuple(one * a + two * b for a, b in zip(along, across, strict=True)), nothing) for one, two in turns]
+    return [*(_Line(start, tuple(way * x for x in across), nothing) for start in starts for way in (1, -1)), *around]
 
 
 @cache
@@ -89,19 +146,30 @@ def _pairs() -> Array:
 
 @dataclass(frozen=True)
 class _Lines:
-    """Lines, and how far along each leaves K, at each of the ``places``; not a number where it does not start in K."""
+    """Lines, and how far along each leaves K, at each of the ``places``; not a number where it does not start in K.
+
+    ``begun`` is how far it does where the parameter is at the end of its cell, if ends of chords move from there.
+    """
 
     law: StatedLaw
     places: Mapping[str, Array]
-    lines: list[_Line]
+    family: Family
     starts: Array
     ways: Array
     reach: Array
+    begun: Sequence[Fraction | None]
 
     @classmethod
-    def of(cls, law: StatedLaw, places: Mapping[str, Array], lines: list[_Line]) -> _Lines:
-        starts, ways = (np.array([[float(x) for x in line[i]] for line in lines])[:, None, :] for i in (0, 1))
-        shape = (len(lines), count(places))
+    def of(cls, law: StatedLaw, places: Mapping[str, Array], family: Family) -> _Lines:
+        starts, ways, drifts = (np.array([[float(x) for x in line[i]] for line in family.lines])[:, None, :] for i in range(3))
+        begun: Sequence[Fraction | None] = ()
+        if family.end is not None:
+            begun = [Fraction(0)] * len(family.lines)  # at a tip
+            if not drifts.any():
+                there = dict.fromkeys(places, np.array([float(family.end)]))
+                begun = [*map(_exact, cls.of(law, there, Family(family.lines)).reach[:, 0].tolist())]
+            starts = starts + drifts * _distance(places, family.end)[:, None]
+        shape = (len(starts), count(places))
         low, high = np.zeros(shape), np.full(shape, np.nan)
         for shares in (_RADII, *[_PARTS] * _FINER):
             radii = low[:, :, None] + shares * (1.0 if shares is _RADII else (high - low)[:, :, None])
@@ -111,53 +179,68 @@ class _Lines:
             low = np.take_along_axis(radii, np.maximum(first - 1, 0), axis=2)[:, :, 0]
             high = np.take_along_axis(radii, np.minimum(first, len(shares) - 1), axis=2)[:, :, 0]
             low[first[:, :, 0] == 0] = np.nan  # it does not start in K
-        return cls(law, places, lines, starts, ways, low)
+        return cls(law, places, family, starts, ways, low, begun)
 
-    def powers(self, moving: bool) -> Array:
-        """What ends are made of: 1, and each parameter if they move."""
-        return np.array([np.ones(count(self.places)), *(self.places.values() if moving else ())])
+    @property
+    def powers(self) -> dict[str, Array]:
+        """What ends are made of, as text: 1, and what they move with."""
+        found, end = {"": np.ones(count(self.places))}, self.family.end
+        if end is None:
+            return found | ({f"*{name}": x for name, x in self.places.items()} if self.family.moving else {})
+        ((name, x),) = self.places.items()
+        return found | {f"*({name} - ({end}))" if x[0] > end else f"*({end} - {name})": _distance(self.places, end)}
 
-    def fitted(self, powers: Array) -> Array:
+    def fitted(self) -> Array:
         """How far along each line an end lies, by powers of the parameters: less far than it leaves K at any place."""
+        powers = np.array([*self.powers.values()])
+        if self.family.end is not None:
+            begun = np.array([np.nan if x is None else float(x) for x in self.begun])
+            return np.column_stack([begun, ((self.reach - begun[:, None]) / powers[1]).min(axis=1)])
         found = self.reach @ np.linalg.pinv(powers)
         found[:, 0] += (self.reach - found @ powers).min(axis=1)
         return np.asarray(found)
 
-    def levels(self, fitted: Array, powers: Array, pairs: Array) -> Array:
+    def levels(self, fitted: Array, pairs: Array) -> Array:
         """g at midpoints, the least of all places."""
-        ends = self.starts + (fitted @ powers)[:, :, None] * self.ways
+        ends = self.starts + (fitted @ np.array([*self.powers.values()]))[:, :, None] * self.ways
         level = _level(self.law, self.places, (ends[pairs[0]] + ends[pairs[1]]) / 2).min(axis=1)
         return np.asarray(np.where(np.isfinite(level), level, -np.inf))
 
-    def deepest(self, moving: bool) -> Array | None:
+    def deepest(self) -> Array | None:
         """The two lines of which the midpoint is farthest outside; None where none is."""
-        powers = self.powers(moving)
-        fitted = self.fitted(powers)
-        pairs = _pairs()[:, np.isfinite(fitted[:, 0])[_pairs()].all(axis=0)]
-        level = self.levels(fitted, powers, pairs)
+        fitted = self.fitted()
+        pairs = _pairs()[:, np.isfinite(fitted).all(axis=1)[_pairs()].all(axis=0)]
+        level = self.levels(fitted, pairs)
         return pairs[:, level.argmax()] if level.size and level.max() > _ROUNDING else None
 
-    def told(self, moving: bool) -> Iterator[dict[str, dict[str, str]]]:
+    def told(self) -> Iterator[Chord]:
         """The chord of the only two lines with ends in short numbers, which lie as far inside as the midpoint allows."""
-        powers = self.powers(moving)
-        own, both = self.fitted(powers), np.array([[0], [1]])
-        inward = np.eye(1, own.shape[1]) * max(1.0, float(np.abs(own).max()))
+        own, both, begins = self.fitted(), np.array([[0], [1]]), self.family.end is not None
+        inward = np.eye(own.shape[1])[int(begins)] * max(1.0, float(np.abs(own).max()))
         for bits in range(3, 42, 3):
-            if self.levels(own - 2.0**-bits * inward, powers, both)[0] > _ROUNDING:
-                fine = int(2.0 ** (bits + 4) * max(1.0, float(np.abs(powers).max())))
+            if self.levels(own - 2.0**-bits * inward, both)[0] > _ROUNDING:
+                fine = int(2.0 ** (bits + 4) * max(1.0, *(float(np.abs(x).max()) for x in self.powers.values())))
                 exact = [[Fraction(x).limit_denominator(fine) for x in line] for line in (own - 2.0 ** -(bits + 1) * inward).tolist()]
-                p, q = (self._written(line, parts) for line, parts in zip(self.lines, exact, strict=True))
-                yield {"p": p, "q": q}
+                if begins:
+                    exact = [[first or Fraction(0), *rest] for first, (_, *rest) in zip(self.begun, exact, strict=True)]
+                p, q = (self._written(line, parts) for line, parts in zip(self.family.lines, exact, strict=True))
+                yield Chord({"p": p, "q": q}, self.family)
                 return
 
     def _written(self, line: _Line, parts: list[Fraction]) -> dict[str, str]:
         """A point by its components that are not 0."""
         found = dict[str, str]()
-        for force, x, d in zip(self.law.forces, *line, strict=True):
-            terms = [(x + d * parts[0], ""), *((d * c, f"*{name}") for c, name in zip(parts[1:], self.places, strict=False))]
-            if said := [f"({c}){what}" if what else f"{c}" for c, what in terms if c]:
+        for force, x, d, drift in zip(self.law.forces, *line, strict=True):
+            told = [x + d * parts[0], *(drift + d * c for c in parts[1:])]
+            if said := [f"({c}){what}" if what else f"{c}" for c, what in zip(told, self.powers, strict=True) if c]:
                 found[force] = " + ".join(said)
         return found
+
+
+def _distance(places: Mapping[str, Array], end: Fraction) -> Array:
+    """How far the one parameter is from an end of its cell."""
+    (x,) = places.values()
+    return np.abs(x - float(end))
 
 
 def _level(law: StatedLaw, places: Mapping[str, Array], points: Array) -> Array:

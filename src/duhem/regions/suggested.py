@@ -19,7 +19,7 @@ from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, factors, number, parse
-from duhem.regions.chords import chords
+from duhem.regions.chords import Family, along, chords
 from duhem.regions.numbers import closest_fractions, narrowed
 from duhem.regions.seen import RAYS, Array, Flags, count, looked_at, polynomial_at, value_of
 
@@ -39,20 +39,28 @@ class Suggestion(NamedTuple):
 
     rule: str
     evidence: Mapping[str, Any]
+    family: Family | None = None  # of chords
 
 
 def suggestions(
-    law: StatedLaw, whole: StatedLaw, claim: str, names: Sequence[str], away: Sequence[str] = (), ends: Sequence[RealRoot] = ()
-) -> Iterator[Suggestion]:
+    law: StatedLaw, whole: StatedLaw, claim: str, names: Sequence[str], away: Sequence[str] = (), ends: Sequence[RealRoot] = (),
+    first: Sequence[Family] = (),
+) -> Iterator[Suggestion]:  # fmt: skip
     """Families for a law over a cell, its other parameters fixed as they are not in the ``whole``; the most promising first.
 
-    ``away`` are formulas of the parameters ``names`` that are >= 0 on the cell, ``ends`` the numbers at which a cell of one ends.
+    ``away`` are formulas of the parameters ``names`` that are >= 0 on the cell, ``ends`` the numbers at which a cell of one ends, and
+    ``first`` the families of chords with which the search begins.
     """
     if claim == "origin":
         yield Suggestion("evaluation", {})
     places = looked_at(law)
     if not count(places):
         return
+    more = {} if law.pressure is None else {"pressure": "-1"}
+    numbers = [end.low for end in ends if end.exact]
+    if first:
+        with suppress(*UNREADABLE):
+            yield from (Suggestion("chord", {**own.ends, **more}, own.family) for own in along(law, places, numbers, first))
     if claim == "dissipation" and law.flow is not None and {*names} <= {*whole.parameters}:
         with suppress(*UNREADABLE):
             yield from _of_points(whole, names, away)
@@ -65,10 +73,10 @@ def suggestions(
                 yield from _of_dents(dents(law, family), places, ends)
     if claim == "convexity":
         with suppress(*UNREADABLE):
-            more = {} if law.pressure is None else {"pressure": "-1"}
+            yield from (Suggestion("chord", {**grid, **more}) for grid in islice(_of_grids(law, places), _FEW_CHORDS))
             # a plane of parameters has many cells, and chords would take the steps by which they are divided
-            for found in (_of_grids(law, places), chords(law, places) if len(names) == 1 else ()):
-                yield from (Suggestion("chord", {**ends, **more}) for ends in islice(found, _FEW_CHORDS))
+            for own in islice(chords(law, places, numbers), _FEW_CHORDS) if len(names) == 1 else ():
+                yield Suggestion("chord", {**own.ends, **more}, own.family)
 
 
 def _of_points(law: StatedLaw, names: Sequence[str], away: Sequence[str]) -> Iterator[Suggestion]:

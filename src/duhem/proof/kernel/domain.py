@@ -288,6 +288,9 @@ class StatedDomain:
         sign, holds = self.sign(gap(comparison)), POSITIVE | (ZERO if len(comparison.op) == 2 else 0)
         return True if not sign & ~holds else False if not sign & holds else None
 
+    def _no_less(self, x: Term, y: Term) -> bool:
+        return not self.sign(sum_of(x, minus(y))) & NEGATIVE
+
     def polynomial(self, term: Term) -> Polynomial:
         """Sums, products and whole powers multiplied out, sizes of known sign undone; anything else is a variable of its own."""
         if not term.args:
@@ -339,8 +342,10 @@ class StatedDomain:
         """
         if term.op == "where" and (holds := self.decided(term.args[0])) is not None:
             return self.plain(term.args[1 if holds else 2])
-        if term.op not in ("norm", "abs", "pos", "neg", "**", *_AT_ZERO) or not self.constant(term):
+        if term.op not in ("norm", "abs", "pos", "neg", "**", "max", "min", *_AT_ZERO) or not self.constant(term):
             return term
+        if term.op in ("max", "min"):
+            return next((x for x in term.args if all(x is y or self._no_less(*((x, y) if term.op == "max" else (y, x))) for y in term.args)), term)
         if term.op == "**":
             return self._root_of_square(*term.args) or term
         if term.op in _AT_ZERO:
