@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import partial
 from itertools import islice
 from typing import Any, cast
@@ -176,15 +177,18 @@ class AsksTheKernel:
         """Whether what proves a claim of one such law is asked alone of all: a single value may have a proof of its own."""
         return {*self.names} <= {*law.parameters}
 
-    def refutation(self, law: StatedLaw, away: Sequence[str], ends: Sequence[RealRoot] = ()) -> dict[str, Any] | None:
+    def refutation(
+        self, law: StatedLaw, away: Sequence[str], ends: Sequence[RealRoot] = (), turning: Sequence[Fraction] = ()
+    ) -> dict[str, Any] | None:
         """The first family of those that floating point suggests which refutes the claim of a law over some values; None where none does.
 
-        ``away`` are formulas that are >= 0 over these, ``ends`` the numbers at which those of one parameter end.
+        ``away`` are formulas that are >= 0 over these, ``ends`` the numbers at which those of one parameter end, ``turning``
+        those of them that are left out and at which the claim holds.
         """
         with self.paid():
             whole, here = settled(law, self.names), at_values(law, self.values, self.names)
             known = self.chords if len(self.names) == 1 else ()
-            found = suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends, known)
+            found = suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends, turning, known)
             for one in islice(found, _FEW_TRIED):
                 free = {name: text for name, text in self.values.items() if name != one.evidence.get("scale")}
                 if self.refutes(law, told := one._replace(evidence={**one.evidence, "values": free})):

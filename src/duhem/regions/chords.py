@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from itertools import combinations, permutations
+from itertools import chain, combinations, permutations
 from math import cos, pi, sin
 from typing import NamedTuple
 
@@ -35,6 +35,7 @@ _TURNED = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :]  # principal v
 _ALONG = (Fraction(0), Fraction(-1, 2))  # the meridian axis, where deviatoric planes lie
 
 Vector = tuple[Fraction, ...]
+_Plane = tuple[Vector, Vector, Vector]  # a point, an axis through it, and the way of the lines
 _MERIDIAN: Vector = (Fraction(1),) * 3
 _DEVIATORIC: tuple[Vector, ...] = (Fraction(1), Fraction(-1), Fraction(0)), (Fraction(1), Fraction(1), Fraction(-2))
 
@@ -72,32 +73,30 @@ def along(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction],
 def chords(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction] = ()) -> Iterator[Chord]:
     """Chords that leave K at all of some values of the parameters; with the same ends for all, if these do.
 
-    ``ends`` are those of a cell of one parameter.
+    First come those that move with the distance from one of the ``ends`` of a cell of one parameter, where K turns convex.
     """
     at = [*dict.fromkeys(np.linspace(0, count(places) - 1, _FEW_PLACES).round().astype(int).tolist())]
     few = {name: x[at] for name, x in places.items()}
-    for plane in _planes(law, few):
-        for family in _families(law, few, plane, ends):
-            pay(_PRICE)
-            if (best := _Lines.of(law, few, family).deepest()) is not None:
-                yield from _Lines.of(law, places, family._replace(lines=[family.lines[k] for k in best])).told()
+    planes = [*_planes(law, few)]
+    near = (family for plane in planes for end in ends for family in _near(law, few, plane, end))
+    others = (Family(_lines(*plane, far), moving) for plane in planes for far in _FAR for moving in ((False, True) if places else (False,)))
+    for family in chain(near, others):
+        pay(_PRICE)
+        if (best := _Lines.of(law, few, family).deepest()) is not None:
+            yield from _Lines.of(law, places, family._replace(lines=[family.lines[k] for k in best])).told()
 
 
-def _families(law: StatedLaw, places: Mapping[str, Array], plane: tuple[Vector, Vector, Vector], ends: Sequence[Fraction]) -> Iterator[Family]:
-    origin, along, across = plane
+def _near(law: StatedLaw, places: Mapping[str, Array], plane: _Plane, end: Fraction) -> Iterator[Family]:
+    """Lines that leave K, at an end of a cell, where short fractions say; and those that begin the nearer to a tip the nearer it is."""
+    (origin, along, across), there = plane, dict.fromkeys(places, np.array([float(end)]))
     for far in _FAR:
-        lines = _lines(origin, along, across, far)
-        yield Family(lines)
-        yield from [Family(lines, True)] if places else []
-        yield from (Family(lines, True, end) for end in ends)
+        yield Family(_lines(origin, along, across, far), True, end)
     nothing = (Fraction(0),) * len(origin)
-    for end in ends:
-        axis = Family([_Line(origin, tuple(way * x for x in along), nothing) for way in (1, -1)])
-        there = dict.fromkeys(places, np.array([float(end)]))
-        for line, reach in zip(axis.lines, _Lines.of(law, there, axis).reach[:, 0].tolist(), strict=True):
-            if (share := _exact(reach)) is not None:
-                tip = tuple(o + share * w for o, w in zip(origin, line.way, strict=True))
-                yield Family([_Line(tip, own.way, own.start) for own in _lines(nothing, along, across, 1)], True, end)
+    axis = Family([_Line(origin, tuple(way * x for x in along), nothing) for way in (1, -1)])
+    for line, reach in zip(axis.lines, _Lines.of(law, there, axis).reach[:, 0].tolist(), strict=True):
+        if (share := _exact(reach)) is not None:
+            tip = tuple(o + share * w for o, w in zip(origin, line.way, strict=True))
+            yield Family([_Line(tip, own.way, own.start) for own in _lines(nothing, along, across, 1)], True, end)
 
 
 def _exact(x: float) -> Fraction | None:
@@ -106,8 +105,8 @@ def _exact(x: float) -> Fraction | None:
     return near if near is not None and abs(float(near) - x) < _SAME else None
 
 
-def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[tuple[Vector, Vector, Vector]]:
-    """A point, an axis through it, and the way of the lines: of principal values in meridian and deviatoric planes, else along forces."""
+def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[_Plane]:
+    """Of principal values meridian and deviatoric planes, else those along forces."""
     ends, n = dict(law.ranges), len(law.forces)
     if n == len(_MERIDIAN) and not ends and np.ptp(_level(law, {name: x[:1] for name, x in places.items()}, _TURNED)) < _ALIKE:
         yield from (((Fraction(0),) * n, _MERIDIAN, way) for way in _DEVIATORIC)
@@ -162,24 +161,18 @@ class _Lines:
     @classmethod
     def of(cls, law: StatedLaw, places: Mapping[str, Array], family: Family) -> _Lines:
         starts, ways, drifts = (np.array([[float(x) for x in line[i]] for line in family.lines])[:, None, :] for i in range(3))
-        begun: Sequence[Fraction | None] = ()
+        begun = list[Fraction | None]()
         if family.end is not None:
             begun = [Fraction(0)] * len(family.lines)  # at a tip
             if not drifts.any():
                 there = dict.fromkeys(places, np.array([float(family.end)]))
                 begun = [*map(_exact, cls.of(law, there, Family(family.lines)).reach[:, 0].tolist())]
             starts = starts + drifts * _distance(places, family.end)[:, None]
-        shape = (len(starts), count(places))
-        low, high = np.zeros(shape), np.full(shape, np.nan)
-        for shares in (_RADII, *[_PARTS] * _FINER):
-            radii = low[:, :, None] + shares * (1.0 if shares is _RADII else (high - low)[:, :, None])
-            points = starts[:, :, None] + radii[..., None] * ways[:, :, None]
-            inside = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2])) <= 0
-            first = np.logical_and.accumulate(inside.reshape(shape[0], -1, shape[1]), axis=1).sum(axis=1)[:, :, None]  # outside
-            low = np.take_along_axis(radii, np.maximum(first - 1, 0), axis=2)[:, :, 0]
-            high = np.take_along_axis(radii, np.minimum(first, len(shares) - 1), axis=2)[:, :, 0]
-            low[first[:, :, 0] == 0] = np.nan  # it does not start in K
-        return cls(law, places, family, starts, ways, low, begun)
+        reach = np.full((len(starts), count(places)), np.nan)
+        rows = np.flatnonzero([x is not None for x in begun]) if family.end is not None else np.arange(len(starts))
+        if rows.size:
+            reach[rows] = _reach(law, places, starts[rows], ways[rows])
+        return cls(law, places, family, starts, ways, reach, begun)
 
     @property
     def powers(self) -> dict[str, Array]:
@@ -235,6 +228,21 @@ class _Lines:
             if said := [f"({c}){what}" if what else f"{c}" for c, what in zip(told, self.powers, strict=True) if c]:
                 found[force] = " + ".join(said)
         return found
+
+
+def _reach(law: StatedLaw, places: Mapping[str, Array], starts: Array, ways: Array) -> Array:
+    """How far along lines each leaves K first, at each of the places."""
+    shape = (len(starts), count(places))
+    low, high = np.zeros(shape), np.full(shape, np.nan)
+    for shares in (_RADII, *[_PARTS] * _FINER):
+        radii = low[:, :, None] + shares * (1.0 if shares is _RADII else (high - low)[:, :, None])
+        points = starts[:, :, None] + radii[..., None] * ways[:, :, None]
+        inside = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2])) <= 0
+        first = np.logical_and.accumulate(inside.reshape(shape[0], -1, shape[1]), axis=1).sum(axis=1)[:, :, None]  # outside
+        low = np.take_along_axis(radii, np.maximum(first - 1, 0), axis=2)[:, :, 0]
+        high = np.take_along_axis(radii, np.minimum(first, len(shares) - 1), axis=2)[:, :, 0]
+        low[first[:, :, 0] == 0] = np.nan  # it does not start in K
+    return low
 
 
 def _distance(places: Mapping[str, Array], end: Fraction) -> Array:

@@ -20,7 +20,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, factors, number, parse
 from duhem.regions.chords import Family, along, chords
-from duhem.regions.numbers import closest_fractions, narrowed
+from duhem.regions.places import closest_fractions, narrowed
 from duhem.regions.seen import RAYS, Array, Flags, count, looked_at, polynomial_at, value_of
 
 __all__ = ["Suggestion", "suggestions"]
@@ -44,12 +44,12 @@ class Suggestion(NamedTuple):
 
 def suggestions(
     law: StatedLaw, whole: StatedLaw, claim: str, names: Sequence[str], away: Sequence[str] = (), ends: Sequence[RealRoot] = (),
-    first: Sequence[Family] = (),
+    turning: Sequence[Fraction] = (), first: Sequence[Family] = (),
 ) -> Iterator[Suggestion]:  # fmt: skip
     """Families for a law over a cell, its other parameters fixed as they are not in the ``whole``; the most promising first.
 
-    ``away`` are formulas of the parameters ``names`` that are >= 0 on the cell, ``ends`` the numbers at which a cell of one ends, and
-    ``first`` the families of chords with which the search begins.
+    ``away`` are formulas of the parameters ``names`` that are >= 0 on the cell, ``ends`` the numbers at which a cell of one ends,
+    ``turning`` those at which the claim holds, and ``first`` the families of chords with which the search begins.
     """
     if claim == "origin":
         yield Suggestion("evaluation", {})
@@ -57,10 +57,9 @@ def suggestions(
     if not count(places):
         return
     more = {} if law.pressure is None else {"pressure": "-1"}
-    numbers = [end.low for end in ends if end.exact]
     if first:
         with suppress(*UNREADABLE):
-            yield from (Suggestion("chord", {**own.ends, **more}, own.family) for own in along(law, places, numbers, first))
+            yield from (Suggestion("chord", {**own.ends, **more}, own.family) for own in along(law, places, turning, first))
     if claim == "dissipation" and law.flow is not None and {*names} <= {*whole.parameters}:
         with suppress(*UNREADABLE):
             yield from _of_points(whole, names, away)
@@ -75,7 +74,7 @@ def suggestions(
         with suppress(*UNREADABLE):
             yield from (Suggestion("chord", {**grid, **more}) for grid in islice(_of_grids(law, places), _FEW_CHORDS))
             # a plane of parameters has many cells, and chords would take the steps by which they are divided
-            for own in islice(chords(law, places, numbers), _FEW_CHORDS) if len(names) == 1 else ():
+            for own in islice(chords(law, places, turning), _FEW_CHORDS) if len(names) == 1 else ():
                 yield Suggestion("chord", {**own.ends, **more}, own.family)
 
 

@@ -79,7 +79,10 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain) -> Sign:
 
 
 def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
-    """The sign of a sum that is < 0, or <= 0, although |x|, a norm or a root is one of its terms, perhaps times what is > 0."""
+    """The sign of a sum that is < 0, or <= 0, although |x|, a norm or a root is one of its terms, perhaps times what is > 0.
+
+    Of one from which a root is taken away, the sign too that is > 0 in spite of it.
+    """
     for i, part in enumerate(term.args if term.op == "+" else ()):
         part = product_of(*(g for f in factors(part) for g in factors(domain.plain(f))))
         sizes = [f for f in factors(part) if f.op in ("abs", "norm") or (f.op == "**" and f.args[1] == number(Fraction(1, 2)))]
@@ -106,14 +109,10 @@ def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
 
 
 def _of_less_a_root(y: Term, scale: Term, under: Term, domain: StatedDomain) -> Sign:
-    """The sign of y - c sqrt(x), c > 0, or of y - c sqrt(pos(x)), by that of c^2 x - y^2: a number x < 0 is no more than y^2 too."""
+    """The sign, if it is one, of y - c sqrt(x) or y - c sqrt(pos(x)), c > 0, by that of c^2 x - y^2: an x < 0 is less than y^2 too."""
     x = under.args[0] if under.op == "pos" else under
-    gap, own = (domain.facts(z).sign for z in (sum_of(product_of(scale, scale, x), minus(product_of(y, y))), y))
-    if not gap & NEGATIVE:
-        return NEGATIVE if gap == POSITIVE else NEGATIVE | ZERO
-    if not gap & POSITIVE and not own & NEGATIVE:
-        return POSITIVE if gap == NEGATIVE and own == POSITIVE else POSITIVE | ZERO
-    return ANY
+    gap = domain.facts(sum_of(product_of(scale, scale, x), minus(product_of(y, y)))).sign
+    return NEGATIVE if gap == POSITIVE else POSITIVE if gap == NEGATIVE and domain.facts(y).sign == POSITIVE else ANY
 
 
 def _above_zero(constant: Term, domain: StatedDomain, strict: bool = False) -> bool:
