@@ -26,9 +26,9 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse
 from duhem.proof.verdict import Trust
-from duhem.regions.chords import Family
+from duhem.regions.chords import Family, Suggestion
 from duhem.regions.seen import Holding, looked_at, of_one_sign
-from duhem.regions.suggested import Suggestion, suggestions
+from duhem.regions.suggested import suggestions
 
 __all__ = ["MOST_STEPS", "UNBOUNDED", "AsksTheKernel", "constraints_on"]
 

@@ -1,8 +1,9 @@
 """Chords that leave K, found in floating point: their ends are affine in the parameters.  Nothing here is trusted.
 
-In a plane of forces they join two points where lines from points of an axis leave K, or the ranges of the forces.  Where K turns convex
-at an end of a cell of one parameter, chords are the shorter, or leave K by the less, the nearer the parameter is to that end.  So there
-an end of a chord begins where a line leaves K at that very value, or at a tip of K on the axis, and moves with the distance from it.
+They join two points of a grid; or, in a plane of forces, two where lines from points of an axis leave K, or the ranges of the forces.
+Where K turns convex at an end of a cell of one parameter, chords are the shorter, or leave K by the less, the nearer the parameter is to
+that end.  So there an end of a chord begins where a line leaves K at that very value, or at a tip of K on the axis, and moves with the
+distance from it.
 """
 
 from __future__ import annotations
@@ -11,17 +12,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from itertools import chain, combinations, permutations
+from itertools import chain, combinations, islice, permutations, product
 from math import cos, pi, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.regions.seen import Array, count, in_ranges, value_of
+from duhem.regions.seen import Array, Flags, count, in_ranges, value_of
 
-__all__ = ["Chord", "Family", "along", "chords"]
+__all__ = ["Family", "Suggestion", "along", "chords"]
 
 _STARTS, _TURNS = 193, 16  # of lines both ways from an axis, and around its origin
 _STEPS, _FEW = (1, 2, 3, 5), 12  # between the starts of two lines; of others every so many
@@ -29,7 +30,9 @@ _FAR = (1, 64)  # along an axis, in halves of the range of a force that has one
 _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
 _PARTS, _FINER = np.linspace(0.0, 1.0, 33), 8  # of what is between a radius inside and one outside, and how often
 _ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
-_FEW_PLACES = 3  # at which lines are looked for
+_FEW_CHORDS, _FEW_PLACES = 4, 3  # of grids, and of lines; at which lines are looked for
+_SQUARES, _ABOUT = 32, (Fraction(2), Fraction(32), Fraction(512))  # of a range, of a grid; where a force that has no end ends
+_PRICE_OF_A_GRID = 2500
 _SHORT, _SAME = 10_000, 1e-11  # the denominator of a number that is taken to be exact, and how near to it
 _TURNED = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :]  # principal values in every order
 _ALONG = (Fraction(0), Fraction(-1, 2))  # the meridian axis, where deviatoric planes lie
@@ -56,30 +59,38 @@ class Family(NamedTuple):
     end: Fraction | None = None
 
 
-class Chord(NamedTuple):
-    """The ends of a chord, and the family of the two lines on which they lie."""
+class Suggestion(NamedTuple):
+    """A rule that refutes, with its evidence; of a chord the family of the two lines on which its ends lie."""
 
-    ends: dict[str, dict[str, str]]
-    family: Family
+    rule: str
+    evidence: Mapping[str, Any]
+    family: Family | None = None
 
 
-def along(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction], families: Sequence[Family]) -> Iterator[Chord]:
+def along(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction], families: Sequence[Family]) -> Iterator[Suggestion]:
     """The chords between lines of which others left K at values of the parameters near these."""
     for family in families:
         if family.end is None or family.end in ends:
             yield from _Lines.of(law, places, family).told()
 
 
-def chords(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction] = ()) -> Iterator[Chord]:
+def chords(law: StatedLaw, places: Mapping[str, Array], names: Sequence[str], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
     """Chords that leave K at all of some values of the parameters; with the same ends for all, if these do.
 
-    First come those that move with the distance from one of the ``ends`` of a cell of one parameter, where K turns convex.
+    First come those of grids, then those that move with the distance from an end of a cell of one parameter at which K is ``turning``
+    convex.  A plane of parameters has many cells, and chords between lines would take the steps by which they are divided.
     """
+    yield from islice(_of_grids(law, places), _FEW_CHORDS)
+    if len(names) == 1:
+        yield from islice(_of_lines(law, places, turning), _FEW_CHORDS)
+
+
+def _of_lines(law: StatedLaw, places: Mapping[str, Array], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
     at = [*dict.fromkeys(np.linspace(0, count(places) - 1, _FEW_PLACES).round().astype(int).tolist())]
     few = {name: x[at] for name, x in places.items()}
-    planes = [*_planes(law, few)]
-    near = (family for plane in planes for end in ends for family in _near(law, few, plane, end))
-    others = (Family(_lines(*plane, far), moving) for plane in planes for far in _FAR for moving in ((False, True) if places else (False,)))
+    planes, moves = [*_planes(law, few)], (False, True) if places else (False,)
+    near = (family for plane in planes for end in turning for family in _near(law, few, plane, end))
+    others = (Family(_lines(*plane, far), moving) for plane in planes for far in _FAR for moving in moves)
     for family in chain(near, others):
         pay(_PRICE)
         if (best := _Lines.of(law, few, family).deepest()) is not None:
@@ -103,6 +114,48 @@ def _exact(x: float) -> Fraction | None:
     """The short fraction that floating point cannot tell from x."""
     near = Fraction(x).limit_denominator(_SHORT) if np.isfinite(x) else None
     return near if near is not None and abs(float(near) - x) < _SAME else None
+
+
+def _of_grids(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
+    """Chords of grids over the ranges of two forces or of one: their ends lie in K at all of the values, their midpoints at none.
+
+    A force without ends has several ranges about 0; others are 0.
+    """
+    ends, n, size = dict[str, tuple[Any, ...]](law.ranges), len(law.forces), count(places)
+    pairs: list[tuple[int, ...]] = [*combinations(range(n), 2)] or [(0,)]
+    boxes = ((pair, tuple(_about_zero(ends.get(law.forces[k]), far) for k in pair)) for pair in pairs for far in _ABOUT)
+    for pair, box in dict.fromkeys(boxes):
+        pay(_PRICE_OF_A_GRID)
+        grid = [[low + (high - low) * k / _SQUARES for k in range(_SQUARES + 1)] for low, high in box]
+        points = np.zeros(((_SQUARES + 1) ** len(pair), size, n))
+        points[:, :, pair] = np.array(list(product(*grid)), dtype=float)[:, None]
+        values = _level(law, places, points).reshape(*map(len, grid), size)
+        inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
+        for middle, step in _midpoints(inside, outside):
+            yield _chord(
+                law, *({law.forces[f]: str(x[m + way * k]) for f, x, m, k in zip(pair, grid, middle, step, strict=True)} for way in (-1, 1))
+            )
+
+
+def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
+    """The range of a force; of one without ends one that ends ``far`` away."""
+    low, high = (None, None) if own is None else own[:2]
+    first = low if low is not None else -far if high is None else high - far
+    return first, high if high is not None else far if low is None else low + far
+
+
+def _midpoints(inside: Flags, outside: Flags) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
+    """Points of a grid outside, and the steps of the grid that lead from each to points inside both ways, the longest first."""
+    size, half = len(inside), len(inside) // 2
+    for step in sorted(product(range(-half, half + 1), repeat=inside.ndim), key=lambda step: -sum(map(abs, step))):
+        if step > tuple(-k for k in step):
+            one, middle, two = (tuple(slice(abs(k) + way * k, size - abs(k) + way * k) for k in step) for way in (-1, 0, 1))
+            for at in np.argwhere(inside[one] & outside[middle] & inside[two]):
+                yield tuple(int(i) + abs(k) for i, k in zip(at, step, strict=True)), step
+
+
+def _chord(law: StatedLaw, p: dict[str, str], q: dict[str, str], family: Family | None = None) -> Suggestion:
+    return Suggestion("chord", {"p": p, "q": q, **({} if law.pressure is None else {"pressure": "-1"})}, family)
 
 
 def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[_Plane]:
@@ -206,7 +259,7 @@ class _Lines:
         level = self.levels(fitted, pairs)
         return pairs[:, level.argmax()] if level.size and level.max() > _ROUNDING else None
 
-    def told(self) -> Iterator[Chord]:
+    def told(self) -> Iterator[Suggestion]:
         """The chord of the only two lines with ends in short numbers, which lie as far inside as the midpoint allows."""
         own, both, begins = self.fitted(), np.array([[0], [1]]), self.family.end is not None
         inward = np.eye(own.shape[1])[int(begins)] * max(1.0, float(np.abs(own).max()))
@@ -217,7 +270,7 @@ class _Lines:
                 if begins:
                     exact = [[first or Fraction(0), *rest] for first, (_, *rest) in zip(self.begun, exact, strict=True)]
                 p, q = (self._written(line, parts) for line, parts in zip(self.family.lines, exact, strict=True))
-                yield Chord({"p": p, "q": q}, self.family)
+                yield _chord(self.law, p, q, self.family)
                 return
 
     def _written(self, line: _Line, parts: list[Fraction]) -> dict[str, str]:
