@@ -28,8 +28,8 @@ _STARTS, _TURNS = 193, 16  # of lines both ways from an axis, and around its ori
 _STEPS, _FEW = (1, 2, 3, 5), 12  # between the starts of two lines; of others every so many
 _FAR = (1, 64)  # along an axis, in halves of the range of a force that has one
 _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
-_PARTS, _FINER = np.linspace(0.0, 1.0, 33), 8  # of what is between a radius inside and one outside, and how often
-_ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
+_HALVINGS = 42  # of what is between a radius inside and one outside
+_ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 40_000
 _FEW_CHORDS, _FEW_PLACES = 4, 3  # of grids, and of lines; at which lines are looked for
 _SQUARES, _ABOUT = 32, (Fraction(2), Fraction(32), Fraction(512))  # of a range, of a grid; where a force that has no end ends
 _PRICE_OF_A_GRID = 2500
@@ -285,17 +285,20 @@ class _Lines:
 
 def _reach(law: StatedLaw, places: Mapping[str, Array], starts: Array, ways: Array) -> Array:
     """How far along lines each leaves K first, at each of the places."""
-    shape = (len(starts), count(places))
-    low, high = np.zeros(shape), np.full(shape, np.nan)
-    for shares in (_RADII, *[_PARTS] * _FINER):
-        radii = low[:, :, None] + shares * (1.0 if shares is _RADII else (high - low)[:, :, None])
+
+    def inside(radii: Array) -> Flags:
         points = starts[:, :, None] + radii[..., None] * ways[:, :, None]
-        inside = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2])) <= 0
-        first = np.logical_and.accumulate(inside.reshape(shape[0], -1, shape[1]), axis=1).sum(axis=1)[:, :, None]  # outside
-        low = np.take_along_axis(radii, np.maximum(first - 1, 0), axis=2)[:, :, 0]
-        high = np.take_along_axis(radii, np.minimum(first, len(shares) - 1), axis=2)[:, :, 0]
-        low[first[:, :, 0] == 0] = np.nan  # it does not start in K
-    return low
+        held = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2])) <= 0
+        return held.reshape(len(points), -1, points.shape[1]).transpose(0, 2, 1)
+
+    shape = (len(starts), count(places))
+    first = np.logical_and.accumulate(inside(np.broadcast_to(_RADII, (*shape, len(_RADII)))), axis=2).sum(axis=2)  # outside
+    low, high = _RADII[np.maximum(first - 1, 0)], _RADII[np.minimum(first, len(_RADII) - 1)]
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        held = inside(middle[:, :, None])[:, :, 0]
+        low, high = np.where(held, middle, low), np.where(held, high, middle)
+    return np.where(first == 0, np.nan, low)  # it does not start in K
 
 
 def _distance(places: Mapping[str, Array], end: Fraction) -> Array:

@@ -91,7 +91,7 @@ def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
             continue
         (size,), rest = sizes, sum_of(*term.args[:i], *term.args[i + 1 :])
         if way == NEGATIVE:
-            if size.op == "**" and (sign := _of_less_a_root(rest, scale, size.args[0], domain)) != ANY:
+            if size.op == "**" and len(term.names()) == 1 and (sign := _of_less_a_root(rest, scale, size.args[0], domain)) != ANY:
                 return sign
             continue
         if size.op == "abs":  # c |x| + y < 0 where c x + y < 0 and -c x + y < 0
@@ -111,8 +111,10 @@ def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
 def _of_less_a_root(y: Term, scale: Term, under: Term, domain: StatedDomain) -> Sign:
     """The sign, if it is one, of y - c sqrt(x) or y - c sqrt(pos(x)), c > 0, by that of c^2 x - y^2: an x < 0 is less than y^2 too."""
     x = under.args[0] if under.op == "pos" else under
-    gap = domain.facts(sum_of(product_of(scale, scale, x), minus(product_of(y, y)))).sign
-    return NEGATIVE if gap == POSITIVE else POSITIVE if gap == NEGATIVE and domain.facts(y).sign == POSITIVE else ANY
+    with suppress(NotWritten):  # there may be too much of it
+        gap = domain.facts(sum_of(product_of(scale, scale, x), minus(product_of(y, y)))).sign
+        return NEGATIVE if gap == POSITIVE else POSITIVE if gap == NEGATIVE and domain.facts(y).sign == POSITIVE else ANY
+    return ANY
 
 
 def _above_zero(constant: Term, domain: StatedDomain, strict: bool = False) -> bool:
