@@ -184,8 +184,9 @@ def exactly(text: str, **names: Any) -> Any:
     return eval(re.sub(r"\d+", r"mpf(\g<0>)", text), {"mpf": mpmath.mpf, **names})
 
 
-def level(name: str, x: Any, y: Any, of: Any) -> Any:
+def level(name: str, at: list[Any], of: Any) -> Any:
     """g, written again."""
+    x, y = at
     if "kink" in name:
         return abs(y) + max(x, 0) - (of if "below" in name else 2 - of) * max(-x, 0) - 1
     return max(abs(y) - mpmath.sqrt(max((x - x**2) * (2 * (1 - of) * x + of), 0)), -x, x - 1)
@@ -203,7 +204,7 @@ def test_one_chord_refutes_as_near_to_an_end_as_one_likes(name: str) -> None:
             of = start + share * (end - start)
             p, q = ([exactly(evidence[key].get(f, "0"), **{parameter: of}) for f in ("x", "y")] for key in ("p", "q"))
             middle = [(u + v) / 2 for u, v in zip(p, q, strict=True)]
-            assert level(name, *p, of) <= 0 and level(name, *q, of) <= 0 < level(name, *middle, of), of
+            assert level(name, p, of) <= 0 and level(name, q, of) <= 0 < level(name, middle, of), of
 
 
 @pytest.mark.parametrize("name", NEAR)

@@ -132,9 +132,9 @@ def _of_grids(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestio
         values = _level(law, places, points).reshape(*map(len, grid), size)
         inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
         for middle, step in _midpoints(inside, outside):
-            yield _chord(
-                law, *({law.forces[f]: str(x[m + way * k]) for f, x, m, k in zip(pair, grid, middle, step, strict=True)} for way in (-1, 1))
-            )
+            steps = [*zip(pair, grid, middle, step, strict=True)]
+            p, q = ({law.forces[f]: str(x[m + way * k]) for f, x, m, k in steps} for way in (-1, 1))
+            yield _chord(law, p, q)
 
 
 def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
@@ -255,7 +255,8 @@ class _Lines:
     def deepest(self) -> Array | None:
         """The two lines of which the midpoint is farthest outside; None where none is."""
         fitted = self.fitted()
-        pairs = _pairs()[:, np.isfinite(fitted).all(axis=1)[_pairs()].all(axis=0)]
+        known = np.asarray(np.isfinite(fitted).all(axis=1))
+        pairs = _pairs()[:, known[_pairs()].all(axis=0)]
         level = self.levels(fitted, pairs)
         return pairs[:, level.argmax()] if level.size and level.max() > _ROUNDING else None
 
