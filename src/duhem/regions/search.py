@@ -146,7 +146,8 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
         return asked.proved(gap) or asked.proved(ParameterCell(one, one))
     if not fresh:
         return asked.proved(gap)
-    grown = (_grown(asked, seed, gap) for seed in _seeds(gap.bounds) if not asked.spent)
+    seeds = islice(_seeds(gap.bounds), None if gap == asked.whole else _FEW_SEEDS)  # a gap is halved where nothing grows
+    grown = (_grown(asked, seed, gap) for seed in seeds if not asked.spent)
     if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
         grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
         found = next(filter(None, grown), None)
