@@ -40,6 +40,10 @@ def said(known: Facts) -> str:
 
 
 CONSTANTS = [
+    ("m - sqrt(m**2 + m)", "< affine"), ("2*m - sqrt(m**2 + m)", "? affine"), ("m - 2*sqrt(m**2 + m**3)", "< affine"),
+    ("m - sqrt(pos(m**2/2 - m**3))", "> affine"), ("e - sqrt(pos(-e**2))", ">= affine"), ("max(m, -m, k) - m", "= affine"),
+    ("m - max(k, m)", "= affine"), ("m - max(k, m, q)", "? affine"), ("min(m, 2*m, 3*m) - m", "= affine"), ("min(k, -m) + m", "? affine"),
+    ("min(m, k) - k", "= affine"), ("max(p, q) - p", "= affine"), ("max(e, q) - e", "? affine"), ("max(q, p)*m - p*m", "= affine"),
     ("0", "= affine"), ("1", "> affine"), ("-1", "< affine"), ("pi", "> affine"), ("s", "< affine"), ("q", "? affine"),
     ("abs(q - q)", "= affine"), ("where(m > 0, a, log(k))", "? affine"), ("where(m > 0, a, b**2)", "? affine"),
     ("where(m <= 0, a, b**2)", ">= convex"), ("where(m <= 0, a, log(k))", "< affine undefined"),

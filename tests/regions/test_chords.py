@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import random
+import re
+from collections.abc import Iterator
+from fractions import Fraction
 from functools import cache
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -13,7 +17,12 @@ import duhem
 from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.dents import dents
+from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.regions import chords
+from duhem.regions.chords import Suggestion
+from duhem.regions.places import Decided, ParameterCell
+from duhem.regions.search import Asked
 from tests.regions.test_planes import tampered
 
 BETWEEN = duhem.Domain.between
@@ -137,3 +146,88 @@ def test_lines_leave_what_is_no_polynomial_of_the_forces(name: str) -> None:
     fixed = {"a": 1, "b": 1} if c == "c" else {"A": 1, "B": 1}
     done = duhem.region(law.fix(fixed), over={c: (-1, 1)})
     assert done.exact and done.short == f"{c} <= 0" and duhem.recheck(done.certificate()).ok
+
+
+# -- near an end of a cell ---------------------------------------------------------------------------------------------
+
+WEDGE = "abs(y) + pos(x) - k*neg(x) - 1"  # its edges at x = 0 meet inward for k > 1
+LENS = "max(abs(y) - sqrt(pos((x - x**2)*(2*(1 - a)*x + a))), -x, x - 1)"  # a needle at x = 0 for a < 0, at x = 1 for a > 2
+BOX = {"x": BETWEEN(-1, 1)}
+NEAR: dict[str, tuple[str, str, dict[str, Any], tuple[str, str], str]] = {
+    "a kink, from below": (WEDGE, "k", BOX, ("1", "3"), "(k - (1))"),
+    "a kink, from above": (WEDGE.replace("- k*", "- (2 - k)*"), "k", BOX, ("1", "-1"), "(1 - k)"),
+    "a tip": (LENS, "a", {}, ("0", "-1/2"), "(0 - a)"),
+    "the other tip": (LENS, "a", {}, ("2", "5/2"), "(a - (2))"),
+}
+
+
+def asked_near(name: str) -> tuple[Asked, ParameterCell]:
+    """The question over a cell without the end at which K turns convex, where the claim is known to hold."""
+    g, parameter, ranges, (turning, far), _ = NEAR[name]
+    low, high = sorted(map(Fraction, (turning, far)))
+    law = duhem.Criterion("near", g, {parameter: BETWEEN(str(low), str(high))}, ("x", "y"), None, domain=ranges)
+    asked, at = Asked(law, "convexity", (parameter,)), RealRoot.of(Fraction(turning))
+    asked._known[ParameterCell(at, at)] = Decided(ParameterCell(at, at), "proved")
+    return asked, ParameterCell(RealRoot.of(low), RealRoot.of(high), at.low == low, at.low == high)
+
+
+@cache
+def near(name: str) -> dict[str, Any]:
+    asked, cell = asked_near(name)
+    found = asked.refuted(cell)
+    assert found is not None and found.row is not None and found.row["rule"] == "chord"
+    return dict(found.row["evidence"])
+
+
+def exactly(text: str, **names: Any) -> Any:
+    """A formula in as many digits as mpmath works with."""
+    return eval(re.sub(r"\d+", r"mpf(\g<0>)", text), {"mpf": mpmath.mpf, **names})
+
+
+def level(name: str, at: list[Any], of: Any) -> Any:
+    """g, written again."""
+    x, y = at
+    if "kink" in name:
+        return abs(y) + max(x, 0) - (of if "below" in name else 2 - of) * max(-x, 0) - 1
+    return max(abs(y) - mpmath.sqrt(max((x - x**2) * (2 * (1 - of) * x + of), 0)), -x, x - 1)
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_one_chord_refutes_as_near_to_an_end_as_one_likes(name: str) -> None:
+    """In forty digits, down to 1e-12 beside the end: both ends of the chord lie in K, and the midpoint does not."""
+    _, parameter, _, (turning, far), distance = NEAR[name]
+    evidence = near(name)
+    assert distance in str(evidence)
+    with mpmath.workdps(40):
+        start, end = exactly(turning), exactly(far)
+        for share in (mpmath.mpf(10) ** -12, mpmath.mpf(10) ** -6, *(mpmath.mpf(k) / 500 for k in range(1, 501))):
+            of = start + share * (end - start)
+            p, q = ([exactly(evidence[key].get(f, "0"), **{parameter: of}) for f in ("x", "y")] for key in ("p", "q"))
+            middle = [(u + v) / 2 for u, v in zip(p, q, strict=True)]
+            assert level(name, p, of) <= 0 and level(name, q, of) <= 0 < level(name, middle, of), of
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_what_refutes_up_to_an_end_refutes_nothing_at_it_or_beyond(name: str) -> None:
+    asked, cell = asked_near(name)
+    g, parameter, ranges, (turning, far), _ = NEAR[name]
+    told, at = Suggestion("chord", near(name)), Fraction(turning)
+    assert asked.refutes(asked.over(cell), told)
+    assert not asked.refutes(asked.over(cell._replace(open=False, open_high=False)), told)
+    wide = Asked(duhem.Criterion("near", g, {parameter: BETWEEN(-3, 5)}, ("x", "y"), None, domain=ranges), "convexity", (parameter,))
+    for k in range(9):
+        x = RealRoot.of(at + Fraction(k, 16) * (at - Fraction(far)))
+        assert not wide.refutes(wide.over(ParameterCell(x, x)), told)
+
+
+def test_the_search_begins_with_the_lines_that_refuted_the_cell_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = Asked(cap("1/8", 1), "convexity", ("c",))
+    quarter, half, one = (RealRoot.of(Fraction(x)) for x in ("1/4", "1/2", "1"))
+    monkeypatch.setattr(chords, "_of_grids", lambda *_: iter(()))
+    assert asked.refuted(ParameterCell(half, one)) is not None and asked.chords
+
+    def again(*_: Any) -> Iterator[Any]:
+        raise AssertionError("all lines are looked at again")
+
+    monkeypatch.setattr(chords, "_of_lines", again)
+    assert asked.refuted(ParameterCell(quarter, half, False, True)) is not None

@@ -21,10 +21,8 @@ from duhem.law.formula_law import Criterion
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import verdict_within
 from duhem.regions.mending import entry
-from duhem.regions.mending.by_coefficients import _monomials, by_coefficients
-from duhem.regions.mending.by_harmonics import by_harmonics
-from duhem.regions.mending.by_hull import by_hull, polygon
-from duhem.regions.mending.by_sections import by_sections
+from duhem.regions.mending.by_hull import by_hull, by_sections, polygon
+from duhem.regions.mending.by_least_squares import _monomials, by_coefficients, by_harmonics
 from duhem.regions.mending.formulas import decimal, linear
 from duhem.regions.mending.limit_load import distance, limit_loads, plain_values, scale_of, ways_of
 from duhem.show.printing import text

@@ -25,8 +25,7 @@ from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.recheck import RecheckedRegion
 from duhem.regions import entry
-from duhem.regions.line import Decided, ParameterCell
-from duhem.regions.numbers import square_root_near
+from duhem.regions.places import Decided, ParameterCell, square_root_near
 from duhem.show.printing import text
 from tests.long import mostly_long
 from tests.regions.test_planes import tampered

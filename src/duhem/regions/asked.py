@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from functools import partial
 from itertools import islice
 from typing import Any, cast
@@ -25,8 +26,9 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse
 from duhem.proof.verdict import Trust
+from duhem.regions.chords import Family, Suggestion
 from duhem.regions.seen import Holding, looked_at, of_one_sign
-from duhem.regions.suggested import Suggestion, suggestions
+from duhem.regions.suggested import suggestions
 
 __all__ = ["MOST_STEPS", "UNBOUNDED", "AsksTheKernel", "constraints_on"]
 
@@ -64,6 +66,7 @@ class AsksTheKernel:
     values: dict[str, str] = field(init=False)
     usual: dict[str, tuple[str, bool]] = field(default_factory=dict)  # the rule that first proved a claim on a cell, asked alone then
     learning: bool = True
+    chords: tuple[Family, ...] = ()  # the family that refuted the claim on the cell before, of one parameter
 
     def __post_init__(self) -> None:
         try:
@@ -174,18 +177,24 @@ class AsksTheKernel:
         """Whether what proves a claim of one such law is asked alone of all: a single value may have a proof of its own."""
         return {*self.names} <= {*law.parameters}
 
-    def refutation(self, law: StatedLaw, away: Sequence[str], ends: Sequence[RealRoot] = ()) -> dict[str, Any] | None:
+    def refutation(
+        self, law: StatedLaw, away: Sequence[str], ends: Sequence[RealRoot] = (), turning: Sequence[Fraction] = ()
+    ) -> dict[str, Any] | None:
         """The first family of those that floating point suggests which refutes the claim of a law over some values; None where none does.
 
-        ``away`` are formulas that are >= 0 over these, ``ends`` the numbers at which those of one parameter end.
+        ``away`` are formulas that are >= 0 over these, ``ends`` the numbers at which those of one parameter end, ``turning``
+        those of them that are left out and at which the claim holds.
         """
-        found = list[Suggestion]()
         with self.paid():
             whole, here = settled(law, self.names), at_values(law, self.values, self.names)
-            for one in islice(suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends), _FEW_TRIED):
+            known = self.chords if len(self.names) == 1 else ()
+            found = suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends, turning, known)
+            for one in islice(found, _FEW_TRIED):
                 free = {name: text for name, text in self.values.items() if name != one.evidence.get("scale")}
-                found.append(Suggestion(one.rule, {**one.evidence, "values": free}))
-        return next((dict(one._asdict()) for one in found if self.refutes(law, one)), None)
+                if self.refutes(law, told := one._replace(evidence={**one.evidence, "values": free})):
+                    self.chords = (one.family,) if one.family is not None else ()
+                    return {"rule": told.rule, "evidence": told.evidence}
+        return None
 
     def refutes(self, law: StatedLaw, one: Suggestion) -> bool:
         """Whether the kernel confirms a family of witnesses for a law over some values."""

@@ -1,56 +1,165 @@
 """Chords that leave K, found in floating point: their ends are affine in the parameters.  Nothing here is trusted.
 
-In a plane of forces they join two points where lines from points of an axis leave K, or the ranges of the forces.
+They join two points of a grid; or, in a plane of forces, two where lines from points of an axis leave K, or the ranges of the forces.
+Where K turns convex at an end of a cell of one parameter, chords are the shorter, or leave K by the less, the nearer the parameter is to
+that end.  So there an end of a chord begins where a line leaves K at that very value, or at a tip of K on the axis, and moves with the
+distance from it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from itertools import combinations, permutations
+from itertools import chain, combinations, islice, permutations, product
 from math import cos, pi, sin
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.regions.seen import Array, count, in_ranges, value_of
+from duhem.regions.seen import Array, Flags, count, in_ranges, value_of
 
-__all__ = ["chords"]
+__all__ = ["Family", "Suggestion", "along", "chords"]
 
 _STARTS, _TURNS = 193, 16  # of lines both ways from an axis, and around its origin
 _STEPS, _FEW = (1, 2, 3, 5), 12  # between the starts of two lines; of others every so many
 _FAR = (1, 64)  # along an axis, in halves of the range of a force that has one
 _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
-_PARTS, _FINER = np.linspace(0.0, 1.0, 33), 8  # of what is between a radius inside and one outside, and how often
+_HALVINGS = 42  # of what is between a radius inside and one outside
 _ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
-_FEW_PLACES = 3  # at which lines are looked for
+_FEW_CHORDS, _FEW_PLACES = 4, 3  # of grids, and of lines; at which lines are looked for
+_SQUARES, _ABOUT = 32, (Fraction(2), Fraction(32), Fraction(512))  # of a range, of a grid; where a force that has no end ends
+_PRICE_OF_A_GRID = 2500
+_SHORT, _SAME = 10_000, 1e-11  # the denominator of a number that is taken to be exact, and how near to it
 _TURNED = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :]  # principal values in every order
 _ALONG = (Fraction(0), Fraction(-1, 2))  # the meridian axis, where deviatoric planes lie
 
 Vector = tuple[Fraction, ...]
-_Line = tuple[Vector, Vector]  # from a point, one way
+_Plane = tuple[Vector, Vector, Vector]  # a point, an axis through it, and the way of the lines
 _MERIDIAN: Vector = (Fraction(1),) * 3
 _DEVIATORIC: tuple[Vector, ...] = (Fraction(1), Fraction(-1), Fraction(0)), (Fraction(1), Fraction(1), Fraction(-2))
 
 
-def chords(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[dict[str, dict[str, str]]]:
-    """The ends ``p`` and ``q`` of chords that leave K at all of some values of the parameters; with the same ends for all, if these do."""
+class _Line(NamedTuple):
+    """From a point, one way; the point drifts with the distance of the parameter from an end of its cell."""
+
+    start: Vector
+    way: Vector
+    drift: Vector
+
+
+class Family(NamedTuple):
+    """Lines, and how the ends of chords move along them: not, with the parameters, or with the distance from an end of a cell."""
+
+    lines: Sequence[_Line]
+    moving: bool = False
+    end: Fraction | None = None
+
+
+class Suggestion(NamedTuple):
+    """A rule that refutes, with its evidence; of a chord the family of the two lines on which its ends lie."""
+
+    rule: str
+    evidence: Mapping[str, Any]
+    family: Family | None = None
+
+
+def along(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction], families: Sequence[Family]) -> Iterator[Suggestion]:
+    """The chords between lines of which others left K at values of the parameters near these."""
+    for family in families:
+        if family.end is None or family.end in ends:
+            yield from _Lines.of(law, places, family).told()
+
+
+def chords(law: StatedLaw, places: Mapping[str, Array], names: Sequence[str], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
+    """Chords that leave K at all of some values of the parameters; with the same ends for all, if these do.
+
+    First come those of grids, then those that move with the distance from an end of a cell of one parameter at which K is ``turning``
+    convex.  A plane of parameters has many cells, and chords between lines would take the steps by which they are divided.
+    """
+    yield from islice(_of_grids(law, places), _FEW_CHORDS)
+    if len(names) == 1:
+        yield from islice(_of_lines(law, places, turning), _FEW_CHORDS)
+
+
+def _of_lines(law: StatedLaw, places: Mapping[str, Array], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
     at = [*dict.fromkeys(np.linspace(0, count(places) - 1, _FEW_PLACES).round().astype(int).tolist())]
     few = {name: x[at] for name, x in places.items()}
-    for origin, along, across in _planes(law, few):
-        for far in _FAR:
-            pay(_PRICE)
-            lines = _Lines.of(law, few, _lines(origin, along, across, far))
-            for moving in (False, True) if places else (False,):
-                if (best := lines.deepest(moving)) is not None:
-                    yield from _Lines.of(law, places, [lines.lines[k] for k in best]).told(moving)
+    planes, moves = [*_planes(law, few)], (False, True) if places else (False,)
+    near = (family for plane in planes for end in turning for family in _near(law, few, plane, end))
+    others = (Family(_lines(*plane, far), moving) for plane in planes for far in _FAR for moving in moves)
+    for family in chain(near, others):
+        pay(_PRICE)
+        if (best := _Lines.of(law, few, family).deepest()) is not None:
+            yield from _Lines.of(law, places, family._replace(lines=[family.lines[k] for k in best])).told()
 
 
-def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[tuple[Vector, Vector, Vector]]:
-    """A point, an axis through it, and the way of the lines: of principal values in meridian and deviatoric planes, else along forces."""
+def _near(law: StatedLaw, places: Mapping[str, Array], plane: _Plane, end: Fraction) -> Iterator[Family]:
+    """Lines that leave K, at an end of a cell, where short fractions say; and those that begin the nearer to a tip the nearer it is."""
+    (origin, along, across), there = plane, dict.fromkeys(places, np.array([float(end)]))
+    for far in _FAR:
+        yield Family(_lines(origin, along, across, far), True, end)
+    nothing = (Fraction(0),) * len(origin)
+    axis = Family([_Line(origin, tuple(way * x for x in along), nothing) for way in (1, -1)])
+    for line, reach in zip(axis.lines, _Lines.of(law, there, axis).reach[:, 0].tolist(), strict=True):
+        if (share := _exact(reach)) is not None:
+            tip = tuple(o + share * w for o, w in zip(origin, line.way, strict=True))
+            yield Family([_Line(tip, own.way, own.start) for own in _lines(nothing, along, across, 1)], True, end)
+
+
+def _exact(x: float) -> Fraction | None:
+    """The short fraction that floating point cannot tell from x."""
+    near = Fraction(x).limit_denominator(_SHORT) if np.isfinite(x) else None
+    return near if near is not None and abs(float(near) - x) < _SAME else None
+
+
+def _of_grids(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
+    """Chords of grids over the ranges of two forces or of one: their ends lie in K at all of the values, their midpoints at none.
+
+    A force without ends has several ranges about 0; others are 0.
+    """
+    ends, n, size = dict[str, tuple[Any, ...]](law.ranges), len(law.forces), count(places)
+    pairs: list[tuple[int, ...]] = [*combinations(range(n), 2)] or [(0,)]
+    boxes = ((pair, tuple(_about_zero(ends.get(law.forces[k]), far) for k in pair)) for pair in pairs for far in _ABOUT)
+    for pair, box in dict.fromkeys(boxes):
+        pay(_PRICE_OF_A_GRID)
+        grid = [[low + (high - low) * k / _SQUARES for k in range(_SQUARES + 1)] for low, high in box]
+        points = np.zeros(((_SQUARES + 1) ** len(pair), size, n))
+        points[:, :, pair] = np.array(list(product(*grid)), dtype=float)[:, None]
+        values = _level(law, places, points).reshape(*map(len, grid), size)
+        inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
+        for middle, step in _midpoints(inside, outside):
+            steps = [*zip(pair, grid, middle, step, strict=True)]
+            p, q = ({law.forces[f]: str(x[m + way * k]) for f, x, m, k in steps} for way in (-1, 1))
+            yield _chord(law, p, q)
+
+
+def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
+    """The range of a force; of one without ends one that ends ``far`` away."""
+    low, high = (None, None) if own is None else own[:2]
+    first = low if low is not None else -far if high is None else high - far
+    return first, high if high is not None else far if low is None else low + far
+
+
+def _midpoints(inside: Flags, outside: Flags) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
+    """Points of a grid outside, and the steps of the grid that lead from each to points inside both ways, the longest first."""
+    size, half = len(inside), len(inside) // 2
+    for step in sorted(product(range(-half, half + 1), repeat=inside.ndim), key=lambda step: -sum(map(abs, step))):
+        if step > tuple(-k for k in step):
+            one, middle, two = (tuple(slice(abs(k) + way * k, size - abs(k) + way * k) for k in step) for way in (-1, 0, 1))
+            for at in np.argwhere(inside[one] & outside[middle] & inside[two]):
+                yield tuple(int(i) + abs(k) for i, k in zip(at, step, strict=True)), step
+
+
+def _chord(law: StatedLaw, p: dict[str, str], q: dict[str, str], family: Family | None = None) -> Suggestion:
+    return Suggestion("chord", {"p": p, "q": q, **({} if law.pressure is None else {"pressure": "-1"})}, family)
+
+
+def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[_Plane]:
+    """Of principal values meridian and deviatoric planes, else those along forces."""
     ends, n = dict(law.ranges), len(law.forces)
     if n == len(_MERIDIAN) and not ends and np.ptp(_level(law, {name: x[:1] for name, x in places.items()}, _TURNED)) < _ALIKE:
         yield from (((Fraction(0),) * n, _MERIDIAN, way) for way in _DEVIATORIC)
@@ -71,11 +180,11 @@ def _middle(low: Fraction | None, high: Fraction | None) -> tuple[Fraction, Frac
 
 def _lines(origin: Vector, along: Vector, across: Vector, far: int) -> list[_Line]:
     """Both ways from points of the axis, and all around from its origin."""
-    shares = [Fraction(far * (2 * k - _STARTS + 1), _STARTS - 1) for k in range(_STARTS)]
+    shares, nothing = [Fraction(far * (2 * k - _STARTS + 1), _STARTS - 1) for k in range(_STARTS)], (Fraction(0),) * len(origin)
     starts = [tuple(o + share * a for o, a in zip(origin, along, strict=True)) for share in shares]
     turns = [[Fraction(word(2 * pi * k / _TURNS)).limit_denominator(8) for word in (cos, sin)] for k in range(_TURNS)]
-    around = [(origin, tuple(one * a + two * b for a, b in zip(along, across, strict=True))) for one, two in turns]
-    return [*((start, tuple(way * x for x in across)) for start in starts for way in (1, -1)), *around]
+    around = [_Line(origin, tuple(one * a + two * b for a, b in zip(along, across, strict=True)), nothing) for one, two in turns]
+    return [*(_Line(start, tuple(way * x for x in across), nothing) for start in starts for way in (1, -1)), *around]
 
 
 @cache
@@ -89,75 +198,114 @@ def _pairs() -> Array:
 
 @dataclass(frozen=True)
 class _Lines:
-    """Lines, and how far along each leaves K, at each of the ``places``; not a number where it does not start in K."""
+    """Lines, and how far along each leaves K, at each of the ``places``; not a number where it does not start in K.
+
+    ``begun`` is how far it does where the parameter is at the end of its cell, if ends of chords move from there.
+    """
 
     law: StatedLaw
     places: Mapping[str, Array]
-    lines: list[_Line]
+    family: Family
     starts: Array
     ways: Array
     reach: Array
+    begun: Sequence[Fraction | None]
 
     @classmethod
-    def of(cls, law: StatedLaw, places: Mapping[str, Array], lines: list[_Line]) -> _Lines:
-        starts, ways = (np.array([[float(x) for x in line[i]] for line in lines])[:, None, :] for i in (0, 1))
-        shape = (len(lines), count(places))
-        low, high = np.zeros(shape), np.full(shape, np.nan)
-        for shares in (_RADII, *[_PARTS] * _FINER):
-            radii = low[:, :, None] + shares * (1.0 if shares is _RADII else (high - low)[:, :, None])
-            points = starts[:, :, None] + radii[..., None] * ways[:, :, None]
-            inside = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2])) <= 0
-            first = np.logical_and.accumulate(inside.reshape(shape[0], -1, shape[1]), axis=1).sum(axis=1)[:, :, None]  # outside
-            low = np.take_along_axis(radii, np.maximum(first - 1, 0), axis=2)[:, :, 0]
-            high = np.take_along_axis(radii, np.minimum(first, len(shares) - 1), axis=2)[:, :, 0]
-            low[first[:, :, 0] == 0] = np.nan  # it does not start in K
-        return cls(law, places, lines, starts, ways, low)
+    def of(cls, law: StatedLaw, places: Mapping[str, Array], family: Family) -> _Lines:
+        starts, ways, drifts = (np.array([[float(x) for x in line[i]] for line in family.lines])[:, None, :] for i in range(3))
+        begun = list[Fraction | None]()
+        if family.end is not None:
+            begun = [Fraction(0)] * len(family.lines)  # at a tip
+            if not drifts.any():
+                there = dict.fromkeys(places, np.array([float(family.end)]))
+                begun = [*map(_exact, cls.of(law, there, Family(family.lines)).reach[:, 0].tolist())]
+            starts = starts + drifts * _distance(places, family.end)[:, None]
+        reach = np.full((len(starts), count(places)), np.nan)
+        rows = np.flatnonzero([x is not None for x in begun]) if family.end is not None else np.arange(len(starts))
+        if rows.size:
+            reach[rows] = _reach(law, places, starts[rows], ways[rows])
+        return cls(law, places, family, starts, ways, reach, begun)
 
-    def powers(self, moving: bool) -> Array:
-        """What ends are made of: 1, and each parameter if they move."""
-        return np.array([np.ones(count(self.places)), *(self.places.values() if moving else ())])
+    @property
+    def powers(self) -> dict[str, Array]:
+        """What ends are made of, as text: 1, and what they move with."""
+        found, end = {"": np.ones(count(self.places))}, self.family.end
+        if end is None:
+            return found | ({f"*{name}": x for name, x in self.places.items()} if self.family.moving else {})
+        ((name, x),) = self.places.items()
+        return found | {f"*({name} - ({end}))" if x[0] > end else f"*({end} - {name})": _distance(self.places, end)}
 
-    def fitted(self, powers: Array) -> Array:
+    def fitted(self) -> Array:
         """How far along each line an end lies, by powers of the parameters: less far than it leaves K at any place."""
+        powers = np.array([*self.powers.values()])
+        if self.family.end is not None:
+            begun = np.array([np.nan if x is None else float(x) for x in self.begun])
+            return np.column_stack([begun, ((self.reach - begun[:, None]) / powers[1]).min(axis=1)])
         found = self.reach @ np.linalg.pinv(powers)
         found[:, 0] += (self.reach - found @ powers).min(axis=1)
         return np.asarray(found)
 
-    def levels(self, fitted: Array, powers: Array, pairs: Array) -> Array:
+    def levels(self, fitted: Array, pairs: Array) -> Array:
         """g at midpoints, the least of all places."""
-        ends = self.starts + (fitted @ powers)[:, :, None] * self.ways
+        ends = self.starts + (fitted @ np.array([*self.powers.values()]))[:, :, None] * self.ways
         level = _level(self.law, self.places, (ends[pairs[0]] + ends[pairs[1]]) / 2).min(axis=1)
         return np.asarray(np.where(np.isfinite(level), level, -np.inf))
 
-    def deepest(self, moving: bool) -> Array | None:
+    def deepest(self) -> Array | None:
         """The two lines of which the midpoint is farthest outside; None where none is."""
-        powers = self.powers(moving)
-        fitted = self.fitted(powers)
-        pairs = _pairs()[:, np.isfinite(fitted[:, 0])[_pairs()].all(axis=0)]
-        level = self.levels(fitted, powers, pairs)
+        fitted = self.fitted()
+        known = np.asarray(np.isfinite(fitted).all(axis=1))
+        pairs = _pairs()[:, known[_pairs()].all(axis=0)]
+        level = self.levels(fitted, pairs)
         return pairs[:, level.argmax()] if level.size and level.max() > _ROUNDING else None
 
-    def told(self, moving: bool) -> Iterator[dict[str, dict[str, str]]]:
+    def told(self) -> Iterator[Suggestion]:
         """The chord of the only two lines with ends in short numbers, which lie as far inside as the midpoint allows."""
-        powers = self.powers(moving)
-        own, both = self.fitted(powers), np.array([[0], [1]])
-        inward = np.eye(1, own.shape[1]) * max(1.0, float(np.abs(own).max()))
+        own, both, begins = self.fitted(), np.array([[0], [1]]), self.family.end is not None
+        inward = np.eye(own.shape[1])[int(begins)] * max(1.0, float(np.abs(own).max()))
         for bits in range(3, 42, 3):
-            if self.levels(own - 2.0**-bits * inward, powers, both)[0] > _ROUNDING:
-                fine = int(2.0 ** (bits + 4) * max(1.0, float(np.abs(powers).max())))
+            if self.levels(own - 2.0**-bits * inward, both)[0] > _ROUNDING:
+                fine = int(2.0 ** (bits + 4) * max(1.0, *(float(np.abs(x).max()) for x in self.powers.values())))
                 exact = [[Fraction(x).limit_denominator(fine) for x in line] for line in (own - 2.0 ** -(bits + 1) * inward).tolist()]
-                p, q = (self._written(line, parts) for line, parts in zip(self.lines, exact, strict=True))
-                yield {"p": p, "q": q}
+                if begins:
+                    exact = [[first or Fraction(0), *rest] for first, (_, *rest) in zip(self.begun, exact, strict=True)]
+                p, q = (self._written(line, parts) for line, parts in zip(self.family.lines, exact, strict=True))
+                yield _chord(self.law, p, q, self.family)
                 return
 
     def _written(self, line: _Line, parts: list[Fraction]) -> dict[str, str]:
         """A point by its components that are not 0."""
         found = dict[str, str]()
-        for force, x, d in zip(self.law.forces, *line, strict=True):
-            terms = [(x + d * parts[0], ""), *((d * c, f"*{name}") for c, name in zip(parts[1:], self.places, strict=False))]
-            if said := [f"({c}){what}" if what else f"{c}" for c, what in terms if c]:
+        for force, x, d, drift in zip(self.law.forces, *line, strict=True):
+            told = [x + d * parts[0], *(drift + d * c for c in parts[1:])]
+            if said := [f"({c}){what}" if what else f"{c}" for c, what in zip(told, self.powers, strict=True) if c]:
                 found[force] = " + ".join(said)
         return found
+
+
+def _reach(law: StatedLaw, places: Mapping[str, Array], starts: Array, ways: Array) -> Array:
+    """How far along lines each leaves K first, at each of the places."""
+
+    def inside(radii: Array) -> Flags:
+        points = starts[:, :, None] + radii[..., None] * ways[:, :, None]
+        held = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2])) <= 0
+        return held.reshape(len(points), -1, points.shape[1]).transpose(0, 2, 1)
+
+    shape = (len(starts), count(places))
+    first = np.logical_and.accumulate(inside(np.broadcast_to(_RADII, (*shape, len(_RADII)))), axis=2).sum(axis=2)  # outside
+    low, high = _RADII[np.maximum(first - 1, 0)], _RADII[np.minimum(first, len(_RADII) - 1)]
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        held = inside(middle[:, :, None])[:, :, 0]
+        low, high = np.where(held, middle, low), np.where(held, high, middle)
+    return np.where(first == 0, np.nan, low)  # it does not start in K
+
+
+def _distance(places: Mapping[str, Array], end: Fraction) -> Array:
+    """How far the one parameter is from an end of its cell."""
+    (x,) = places.values()
+    return np.abs(x - float(end))
 
 
 def _level(law: StatedLaw, places: Mapping[str, Array], points: Array) -> Array:

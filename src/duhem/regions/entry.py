@@ -22,12 +22,9 @@ from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.recheck import document_of
 from duhem.proof.statement import state
 from duhem.regions.asked import MOST_STEPS, constraints_on
-from duhem.regions.boundaries import deciding_parameters
-from duhem.regions.decided import Asked
-from duhem.regions.paved import PavedRegion
-from duhem.regions.paving import Paving
-from duhem.regions.result import FoundRegion, ParameterRegion
-from duhem.regions.search import cells_of
+from duhem.regions.paving import Paving, deciding_parameters
+from duhem.regions.result import FoundRegion, ParameterRegion, PavedRegion
+from duhem.regions.search import Asked, cells_of
 from duhem.show.place import AnyPath
 
 __all__ = ["region", "shape_parameters", "told"]

@@ -14,8 +14,7 @@ from duhem.errors import InputError
 from duhem.expression.parse import parse_relation
 from duhem.law.atlas.entry import entry
 from duhem.law.catalogue import load_formula
-from duhem.regions.paved import PavedRegion
-from duhem.regions.result import FoundRegion
+from duhem.regions.result import FoundRegion, PavedRegion
 from duhem.show import figure
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import Sheet, draw, latex, latex_name, plain, sheet, text

@@ -6,18 +6,87 @@ among roots of short polynomials.  Only what the kernel confirms over a whole ce
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice
 
 from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.parameter_cells import own_domain
 from duhem.proof.kernel.real_root import RealRoot
-from duhem.regions.decided import Asked
-from duhem.regions.line import Decided, ParameterCell, order
-from duhem.regions.numbers import simplest, square_root_near
-from duhem.regions.places import between, middle
+from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.regions.asked import AsksTheKernel
+from duhem.regions.places import Decided, ParameterCell, between, law_at, middle, order, simplest, square_root_near
+from duhem.regions.seen import changes
 
-__all__ = ["cells_of"]
+__all__ = ["Asked", "cells_of"]
+
+_IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
+_MOST_ASKED, _MOST_NEAR = 30, 3  # of these, for proofs; cells beside an end on which chords near it are looked for
+
+
+@dataclass
+class Asked(AsksTheKernel):
+    """A claim of a law, asked for the values of one of its parameters."""
+
+    name: str = field(init=False)
+    by_all: bool = False
+    verifications: int = 0
+    whole: ParameterCell = field(init=False)
+    _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
+    _refuted: dict[ParameterCell, Decided | None] = field(default_factory=dict)
+    near: Counter[RealRoot] = field(default_factory=Counter)  # how often chords that move with the distance from an end were looked for
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        (self.name,) = self.names
+        low, high, *left_out = own_domain(self.stated, self.name)
+        self.whole = ParameterCell(*(None if end is None else RealRoot.of(end) for end in (low, high)), *left_out)  # type: ignore[arg-type]
+
+    def over(self, cell: ParameterCell) -> StatedLaw:
+        """The law over a cell."""
+        return law_at(self.stated, cell.where(self.name, self.whole), self.names)
+
+    # -- proved ----------------------------------------------------------------------------------------------------
+
+    def proved(self, cell: ParameterCell) -> Decided | None:
+        """The proof over a cell; None where no rule confirms it."""
+        if cell not in self._known:
+            row = None if self.spent else self.proof(self.over(cell))
+            if row is None and self.by_all and not self.spent and self.verifications < _MOST_ASKED:
+                self.verifications += 1
+                row = self.proof_by_all(self.over(cell), cell.where(self.name, self.whole))
+            self._known[cell] = None if row is None else Decided(cell, "proved", row)
+        return self._known[cell]
+
+    def ask_all(self) -> bool:
+        """From now on everything that makes proofs is asked too; False where it is already, or the steps are too few."""
+        if self.by_all or self.spent or self.most < _IN_DEPTH:
+            return False
+        self.by_all = True
+        self._known.clear()
+        return True
+
+    def seen(self) -> list[tuple[float, float, bool]] | None:
+        """Stretches of the parameter where the claim seems to hold, and to fail, in floating point; None where that tells nothing."""
+        return None if (holding := self.holding(self.over(self.whole))) is None else changes(holding, self.name, self.whole.bounds)
+
+    # -- refuted ---------------------------------------------------------------------------------------------------
+
+    def refuted(self, cell: ParameterCell) -> Decided | None:
+        """A family of witnesses over a cell; None where none is confirmed."""
+        if cell not in self._refuted:
+            ends = [end for end in (cell.high, cell.low) if end is not None and end.exact]
+            away = [f"({self.name} - ({end.low}))" if end is cell.low else f"({end.low} - {self.name})" for end in ends]
+            held = {end for known in self._known.values() if known is not None for end in known.cell[:2]}
+            left_out = [end for end, out in zip(cell[:2], cell[2:], strict=True) if out and end in ends and end in held]
+            turning = [end.low for end in left_out if end is not None and self.near[end] < _MOST_NEAR]
+            self.near.update(end for end in left_out if end is not None)
+            row = None if self.spent else self.refutation(self.over(cell), away, ends[::-1], turning)
+            self._refuted[cell] = None if row is None else Decided(cell, "refuted", row)
+        return self._refuted[cell]
+
 
 _NARROW = Fraction(1, 2**30)
 _ROUNDING, _SHORT, _BESIDE = 3e-8, 1000, (1e-6, 1e-4)
@@ -77,7 +146,8 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
         return asked.proved(gap) or asked.proved(ParameterCell(one, one))
     if not fresh:
         return asked.proved(gap)
-    grown = (_grown(asked, seed, gap) for seed in _seeds(gap.bounds) if not asked.spent)
+    seeds = islice(_seeds(gap.bounds), None if gap == asked.whole else _FEW_SEEDS)  # a gap is halved where nothing grows
+    grown = (_grown(asked, seed, gap) for seed in seeds if not asked.spent)
     if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
         grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
         found = next(filter(None, grown), None)

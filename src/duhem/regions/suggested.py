@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
-from itertools import combinations, islice, product
-from typing import Any, NamedTuple
+from itertools import islice, product
 
 import numpy as np
 import sympy as sp
@@ -17,42 +16,35 @@ from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, factors, number, parse
-from duhem.regions.chords import chords
-from duhem.regions.numbers import closest_fractions, narrowed
-from duhem.regions.seen import RAYS, Array, Flags, count, looked_at, polynomial_at, value_of
+from duhem.regions.chords import Family, Suggestion, along, chords
+from duhem.regions.places import closest_fractions, narrowed
+from duhem.regions.seen import RAYS, Array, count, looked_at, polynomial_at, value_of
 
-__all__ = ["Suggestion", "suggestions"]
+__all__ = ["suggestions"]
 
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
 _PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "2")))  # components of the points that are tried
-_PARTS = 32  # of a range, of a grid
-_FAR = (Fraction(2), Fraction(32), Fraction(512))  # where a force that has no end ends
-_ROUNDING, _PRICE_OF_A_GRID = 1e-13, 2500
-_FEW_LINES, _FEW_CHORDS, _VERY_FAR = 4, 4, 2.0**30
+_FEW_LINES, _VERY_FAR = 4, 2.0**30
 _STEPS = tuple(tuple(Fraction(k, n) for k in range(-n, n + 1)) for n in (8, 2))  # of components of two and of three forces
 
 
-class Suggestion(NamedTuple):
-    """A rule that refutes, with its evidence."""
-
-    rule: str
-    evidence: Mapping[str, Any]
-
-
 def suggestions(
-    law: StatedLaw, whole: StatedLaw, claim: str, names: Sequence[str], away: Sequence[str] = (), ends: Sequence[RealRoot] = ()
-) -> Iterator[Suggestion]:
+    law: StatedLaw, whole: StatedLaw, claim: str, names: Sequence[str], away: Sequence[str] = (), ends: Sequence[RealRoot] = (),
+    turning: Sequence[Fraction] = (), first: Sequence[Family] = (),
+) -> Iterator[Suggestion]:  # fmt: skip
     """Families for a law over a cell, its other parameters fixed as they are not in the ``whole``; the most promising first.
 
-    ``away`` are formulas of the parameters ``names`` that are >= 0 on the cell, ``ends`` the numbers at which a cell of one ends.
+    ``away`` are formulas of the parameters ``names`` that are >= 0 on the cell, ``ends`` the numbers at which a cell of one ends,
+    ``turning`` those at which the claim holds, and ``first`` the families of chords with which the search begins.
     """
     if claim == "origin":
         yield Suggestion("evaluation", {})
     places = looked_at(law)
     if not count(places):
         return
+    with suppress(*UNREADABLE):
+        yield from along(law, places, turning, first)
     if claim == "dissipation" and law.flow is not None and {*names} <= {*whole.parameters}:
         with suppress(*UNREADABLE):
             yield from _of_points(whole, names, away)
@@ -65,10 +57,7 @@ def suggestions(
                 yield from _of_dents(dents(law, family), places, ends)
     if claim == "convexity":
         with suppress(*UNREADABLE):
-            more = {} if law.pressure is None else {"pressure": "-1"}
-            # a plane of parameters has many cells, and chords would take the steps by which they are divided
-            for found in (_of_grids(law, places), chords(law, places) if len(names) == 1 else ()):
-                yield from (Suggestion("chord", {**ends, **more}) for ends in islice(found, _FEW_CHORDS))
+            yield from chords(law, places, names, turning)
 
 
 def _of_points(law: StatedLaw, names: Sequence[str], away: Sequence[str]) -> Iterator[Suggestion]:
@@ -117,45 +106,6 @@ def _of_lines(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestio
         through = {f: str(found[1] * x) for f, x in found[0].items()}
         both = (way for way in ways if all(np.all(along(way, far) < 0) for far in (_VERY_FAR, -_VERY_FAR)))
         yield from (Suggestion("line", {"through": through, "along": {f: str(x) for f, x in way.items()}}) for way in both)
-
-
-def _of_grids(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[dict[str, dict[str, str]]]:
-    """Chords of grids over the ranges of two forces or of one: their ends lie in K at all of the values, their midpoints at none.
-
-    A force without ends has several ranges about 0; others are 0.
-    """
-    ends = dict[str, tuple[Any, ...]](law.ranges)
-    pairs: list[tuple[str, ...]] = [*combinations(law.forces, 2)] or [law.forces]
-    boxes = ((names, tuple(_about_zero(ends.get(f), far) for f in names)) for names in pairs for far in _FAR)
-    for names, box in dict.fromkeys(boxes):
-        pay(_PRICE_OF_A_GRID)
-        grid = [[low + (high - low) * k / _PARTS for k in range(_PARTS + 1)] for low, high in box]
-        points = np.array(list(product(*grid)), dtype=float).T
-        at = {name: np.tile(x, points.shape[1]) for name, x in places.items()}
-        at |= dict.fromkeys(law.forces, np.zeros(count(places) * points.shape[1]))
-        at |= {f: np.repeat(x, count(places)) for f, x in zip(names, points, strict=True)}
-        values = value_of(law.g, at).reshape(*map(len, grid), count(places))
-        inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
-        for middle, step in _midpoints(inside, outside):
-            p, q = ({f: str(x[m + way * k]) for f, x, m, k in zip(names, grid, middle, step, strict=True)} for way in (-1, 1))
-            yield {"p": p, "q": q}
-
-
-def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
-    """The range of a force; of one without ends one that ends ``far`` away."""
-    low, high = (None, None) if own is None else own[:2]
-    first = low if low is not None else -far if high is None else high - far
-    return first, high if high is not None else far if low is None else low + far
-
-
-def _midpoints(inside: Flags, outside: Flags) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
-    """Points of a grid outside, and the steps of the grid that lead from each to points inside both ways, the longest first."""
-    size, half = len(inside), len(inside) // 2
-    for step in sorted(product(range(-half, half + 1), repeat=inside.ndim), key=lambda step: -sum(map(abs, step))):
-        if step > tuple(-k for k in step):
-            one, middle, two = (tuple(slice(abs(k) + way * k, size - abs(k) + way * k) for k in step) for way in (-1, 0, 1))
-            for at in np.argwhere(inside[one] & outside[middle] & inside[two]):
-                yield tuple(int(i) + abs(k) for i, k in zip(at, step, strict=True)), step
 
 
 def _plain_ways(forces: Sequence[str]) -> Iterator[dict[str, Fraction]]:

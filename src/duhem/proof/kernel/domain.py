@@ -340,12 +340,15 @@ class StatedDomain:
         """A ramp or size of a constant of known sign is it, its negative or 0; a norm of one that need not be 0, or the root of a square,
         is a size.
 
-        A choice that is decided is what is chosen; what a word is at 0 is a number.
+        A choice that is decided is what is chosen, also of the greatest or least of several; what a word is at 0 is a number.
         """
         if term.op == "where" and (holds := self.decided(term.args[0])) is not None:
             return self.plain(term.args[1 if holds else 2])
-        if term.op not in ("norm", "abs", "pos", "neg", "**", *_AT_ZERO) or not self.constant(term):
+        if term.op not in ("norm", "abs", "pos", "neg", "**", "max", "min", *_AT_ZERO) or not self.constant(term):
             return term
+        if term.op in ("max", "min"):
+            wrong = NEGATIVE if term.op == "max" else POSITIVE
+            return next((x for x in term.args if not any(self.sign(sum_of(x, minus(y))) & wrong for y in term.args if y != x)), term)
         if term.op == "**":
             return self._root_of_square(*term.args) or term
         if term.op in _AT_ZERO:

@@ -79,14 +79,21 @@ def sign_of_constant(term: Term, known: Sign, domain: StatedDomain) -> Sign:
 
 
 def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
-    """The sign of a sum that is < 0, or <= 0, although |x|, a norm or a root is one of its terms, perhaps times what is > 0."""
+    """The sign of a sum that is < 0, or <= 0, although |x|, a norm or a root is one of its terms, perhaps times what is > 0.
+
+    Of one from which a root is taken away, the sign too that is > 0 in spite of it.
+    """
     for i, part in enumerate(term.args if term.op == "+" else ()):
         part = product_of(*(g for f in factors(part) for g in factors(domain.plain(f))))
         sizes = [f for f in factors(part) if f.op in ("abs", "norm") or (f.op == "**" and f.args[1] == number(Fraction(1, 2)))]
         scale = product_of(*(f for f in factors(part) if f not in sizes))
-        if len(sizes) != 1 or domain.facts(scale).sign != POSITIVE:
+        if len(sizes) != 1 or (way := domain.facts(scale).sign) not in (POSITIVE, NEGATIVE):
             continue
         (size,), rest = sizes, sum_of(*term.args[:i], *term.args[i + 1 :])
+        if way == NEGATIVE:
+            if size.op == "**" and len(term.names() - {"pi"}) == 1 and (sign := _of_less_a_root(rest, scale, size.args[0], domain)) != ANY:
+                return sign
+            continue
         if size.op == "abs":  # c |x| + y < 0 where c x + y < 0 and -c x + y < 0
             x = product_of(scale, size.args[0])
             signs = [domain.facts(Term("+", (*term.args[:i], side, *term.args[i + 1 :]))).sign for side in (x, minus(x))]
@@ -98,6 +105,15 @@ def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
         gap = Term("+", (Term("*", (rest, rest)), *(minus(product_of(scale, scale, square)) for square in squares)))
         if not domain.facts(rest).sign & POSITIVE and domain.nonnegative(gap):
             return NEGATIVE if domain.nonnegative(gap, strict=True) else NEGATIVE | ZERO
+    return ANY
+
+
+def _of_less_a_root(y: Term, scale: Term, under: Term, domain: StatedDomain) -> Sign:
+    """The sign, if it is one, of y - c sqrt(x) or y - c sqrt(pos(x)), c > 0, by that of c^2 x - y^2: an x < 0 is less than y^2 too."""
+    x = under.args[0] if under.op == "pos" else under
+    with suppress(NotWritten):  # there may be too much of it
+        gap = domain.facts(sum_of(product_of(scale, scale, x), minus(product_of(y, y)))).sign
+        return NEGATIVE if gap == POSITIVE else POSITIVE if gap == NEGATIVE and domain.facts(y).sign == POSITIVE else ANY
     return ANY
 
 

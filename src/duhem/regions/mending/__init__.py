@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from duhem.regions.mending.entry import mend
-from duhem.regions.mending.result import Mended, Tried
+from duhem.regions.mending.entry import Mended, Tried, mend
 
 __all__ = ["Mended", "Tried", "mend"]

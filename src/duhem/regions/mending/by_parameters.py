@@ -13,8 +13,8 @@ from duhem.errors import InputError
 from duhem.law.domain import POSITIVE, Domain
 from duhem.law.formula_law import Criterion
 from duhem.regions.entry import region, shape_parameters
-from duhem.regions.line import ParameterCell
 from duhem.regions.mending.limit_load import ScaledLaw
+from duhem.regions.places import ParameterCell
 from duhem.regions.result import ParameterRegion
 
 __all__ = ["by_parameters", "within_region"]

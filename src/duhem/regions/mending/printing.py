@@ -9,8 +9,8 @@ import numpy as np
 
 from duhem.errors import InputError
 from duhem.expression.text import formula
+from duhem.regions.mending.entry import Mended, Tried
 from duhem.regions.mending.limit_load import around, limit_loads, plain_values
-from duhem.regions.mending.result import Mended, Tried
 from duhem.show import figure
 from duhem.show.printing import Sheet, draw, latex_name, sheet
 
