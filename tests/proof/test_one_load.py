@@ -106,6 +106,8 @@ OPEN = [
     ("abs(q) - sqrt(max(M*p, d*(c - p)))", {}, []),
     ("norm(q, t) - c*min(p, M*(d - p))**2", {}, []),
     ("c/2 - abs(q)/(1 + abs(q)/c)", {}, []),
+    ("abs(q) - c + log(cosh(log(3 + p)))", ABOVE, []),  # cosh(log t) is convex, and its logarithm is not
+    ("abs(q) - c + log(cosh(sqrt(1 + p)))", ABOVE, []),
     ("abs(q) - 1 + ((p - 1)**2)**(1/4)", {}, []),  # at p = 1 it has no slope, and f'' >= 0 nowhere
     ("abs(q) - 1 - ((p - 1)**2)**(3/4)", {}, []),
     ("M*q**2 + 2*k*q*p + c*p**2 + b*q - 1", {}, ["abs(k) < 2*sqrt(M*c)"]),

@@ -234,7 +234,7 @@ def _above_one(term: Term, domain: StatedDomain) -> Sign:
 
 
 def _log_convex(term: Term, domain: StatedDomain) -> bool:
-    """Whether log x is convex, or -inf: of exponentials of convex parts, their sums and products with constants >= 0.
+    """Whether log x is convex, or -inf: of exponentials and cosh of convex parts, their sums and products with constants >= 0.
 
     Boyd, Vandenberghe (2004), 3.5.2: sums and products of log-convex functions are log-convex, so that softplus and log-sum-exp of
     convex parts are convex.
@@ -243,8 +243,8 @@ def _log_convex(term: Term, domain: StatedDomain) -> bool:
     if term not in known:
         if domain.constant(term):
             known[term] = domain.facts(term).nonnegative
-        elif term.op in ("exp", "cosh"):
-            known[term] = domain.facts(term.args[0]).convex if term.op == "exp" else domain.facts(term).convex
+        elif term.op in ("exp", "cosh"):  # log cosh x is convex, and rises in |x|; that cosh x is convex does not say so
+            known[term] = domain.facts(term.args[0]).convex if term.op == "exp" else domain.facts(term.args[0]).convex_in_size
         else:
             known[term] = term.op in ("+", "*") and all(_log_convex(a, domain) for a in term.args)
     return known[term]
