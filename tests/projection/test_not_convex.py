@@ -47,7 +47,7 @@ def test_no_stationary_point_passes_for_the_closest(family: str) -> None:
         assert (beyond[said] > 0.0).all()  # no alarm without a point of K behind it
         farther += int((said & (length > nearest + GRID)).sum())
         passed += int(slips.sum())
-    assert passed > 0 and (farther > 0 or family == "lemniscates")  # stationary points that are not closest occur, but of two alike lobes
+    assert passed > 0 and (farther > 0 or family == "lemniscates")  # none of two equal lobes is farther than the closest
 
 
 KNOWN: list[tuple[str, tuple[float, float], float]] = [  # of which the last is the distance of the closest point

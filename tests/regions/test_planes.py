@@ -433,6 +433,10 @@ def test_parameters_may_be_left_out() -> None:
     assert duhem.region(coupled).sentence == "convexity holds exactly for f >= -2 and f <= 2"
     assert told(coupled, "convexity", "coupled.toml") == duhem.region(coupled).sentence
     assert told(coupled, "smoothness", "coupled.toml") == ""  # five parameters
+    third = {"A": BETWEEN(-2, 2), "B": BETWEEN(-2, 2), "C": BETWEEN(-1, 2)}
+    form = duhem.Criterion(name="form", pressure=None, forces=("x", "y"), g="A*x**2 + 2*B*x*y + C*y**2 - 1", parameters=third)
+    assert told(form, "convexity", "form.toml") == "for which A, B and C convexity holds: duhem region form.toml A B C"
+    assert told(form, "origin", "form.toml") == ""
     assert duhem.region("orthotropic").sentence == "convexity holds for all values of the domain"
     many = duhem.Criterion(name="many", pressure=None, forces=("x", "y"), g="x**2 + a*x*y + (1 + b + c + d)*y**2 - 1",
                            parameters=dict.fromkeys("abcd", BETWEEN(0, 1)))  # fmt: skip

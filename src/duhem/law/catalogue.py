@@ -147,8 +147,12 @@ def summary(name: str) -> str:
 
 
 def description(name: str) -> str:
-    """Return what the file of a built-in law says in words: formula, units, verdicts and source.  The file is not run."""
-    file = _built_in()[name]
+    """Return what the file of a built-in law says in words: formula, units, verdicts and source.  The file is not run.
+
+    Raise InputError for a name that is not built in.
+    """
+    if (file := _built_in().get(name)) is None:
+        raise _unknown(name)
     text = file.read_text("utf-8")
     if file.suffix == ".py":
         return ast.get_docstring(ast.parse(text)) or ""

@@ -223,7 +223,7 @@ def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> t
 def _is_tip(normals: Array, pressing: NDArray[np.intp], way: Array) -> bool:
     """Whether the d ``pressing`` normals are independent at the point too, beside which the axes of equal eigenvalues turn.
 
-    Normals of a tip may crowd at the push and yet be more: the push, turned a little to any side, is a sum of all of them.
+    A tip has more normals than these d if the push, turned a little to any side, is still a sum of all normals.
     """
     if np.linalg.svd(normals[pressing])[1][-1] > _APART:
         return True

@@ -223,7 +223,7 @@ class Judge:
         sure = (missing + cone <= certain * least) & (out.stationarity[at] <= ACCURACY)
         passes = (missing + cone <= certain * room) & (cone <= certain * least) & (out.stationarity[at] <= ACCURACY) & (reach > 0.0)
         short = ~sure & passes & ((distance * (certain / ACCURACY) > _BLIND * room) | (not self.pieces))
-        short[suspect] = False  # at a corner the end of a slip that is too long lies on a side of K: g says nothing of it
+        short[suspect] = False  # at a corner the end of a slip that is too long lies on a side of K, where g does not show the error
         if (some := np.flatnonzero(short)).size:  # what is left of a difference of stresses: more digits tell where the slip leads
             ends = pushed_back(trial[some], slip[some], self.stiffness, units[some])
             value, bound = close_look(self.increment).level(ends, pressure[some], units[some])

@@ -183,7 +183,7 @@ class AsksTheKernel:
         """The first family of those that floating point suggests which refutes the claim of a law over some values; None where none does.
 
         ``away`` are formulas that are >= 0 over these, ``ends`` the numbers at which those of one parameter end, ``turning``
-        those of them that are left out and at which the claim holds.
+        those of them that are left out and are ends of a cell on which the claim is proved.
         """
         with self.paid():
             whole, here = settled(law, self.names), at_values(law, self.values, self.names)

@@ -31,7 +31,11 @@ _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
 _HALVINGS = 42  # of what is between a radius inside and one outside
 _ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
 _FEW_CHORDS, _FEW_PLACES = 4, 3  # of grids, and of lines; at which lines are looked for
-_SQUARES, _ABOUT = 32, (Fraction(2), Fraction(32), Fraction(512))  # of a range, of a grid; where a force that has no end ends
+_SQUARES = 32  # of the grid along a range
+_ABOUT = (Fraction(2), Fraction(32), Fraction(512))  # half-widths of the range that a force without ends is given
+    32,
+    (Fraction(2), Fraction(32), Fraction(512)),
+)  # of the grid along a range; half-widths of the range that a force without ends is given
 _PRICE_OF_A_GRID = 2500
 _SHORT, _SAME = 10_000, 1e-11  # the denominator of a number that is taken to be exact, and how near to it
 _TURNED = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :]  # principal values in every order
@@ -68,7 +72,7 @@ class Suggestion(NamedTuple):
 
 
 def along(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction], families: Sequence[Family]) -> Iterator[Suggestion]:
-    """The chords between lines of which others left K at values of the parameters near these."""
+    """Yield chords between lines that refuted another cell."""
     for family in families:
         if family.end is None or family.end in ends:
             yield from _Lines.of(law, places, family).told()
@@ -98,7 +102,10 @@ def _of_lines(law: StatedLaw, places: Mapping[str, Array], turning: Sequence[Fra
 
 
 def _near(law: StatedLaw, places: Mapping[str, Array], plane: _Plane, end: Fraction) -> Iterator[Family]:
-    """Lines that leave K, at an end of a cell, where short fractions say; and those that begin the nearer to a tip the nearer it is."""
+    """Yield lines that leave K at the end of the cell at distances that are short fractions; and lines from a tip of K.
+
+    The start of a line of the second kind moves away from the tip in proportion to the distance of the parameter from that end.
+    """
     (origin, along, across), there = plane, dict.fromkeys(places, np.array([float(end)]))
     for far in _FAR:
         yield Family(_lines(origin, along, across, far), True, end)
@@ -200,7 +207,7 @@ def _pairs() -> Array:
 class _Lines:
     """Lines, and how far along each leaves K, at each of the ``places``; not a number where it does not start in K.
 
-    ``begun`` is how far it does where the parameter is at the end of its cell, if ends of chords move from there.
+    ``begun`` is the same distance where the parameter is at the end of its cell; it is empty if no chord moves from there.
     """
 
     law: StatedLaw

@@ -46,8 +46,8 @@ def region(
 ) -> FoundRegion:
     """For which values of one or several parameters a claim holds of a law, exactly where all of its cells are decided.
 
-    ``parameters`` names them; they may be left out where at most three are free and no mere scales, or the convexity of a quadratic law
-    depends on at most three.  ``over`` maps parameters
+    ``parameters`` names them; they may be left out where at most three are free and no mere scales, or where convexity is asked of a g with
+    a quadratic form, itself or under its only root, the signs of whose minors depend on at most three.  ``over`` maps parameters
     to ranges that take the place of those of the law: ``"0:1"``, ``(0, 1)`` with None for no end, or a Domain; ``"0<:1"`` leaves out 0.
     An end at which the law has no value is left out.  The other parameters are all that they may be: the claim holds if it holds for all
     of them.  ``steps`` bounds the work; what is left then is open, as it is where a region of several parameters is interrupted.  From the
@@ -189,7 +189,7 @@ def told(law: Law, claim: str, asked: str) -> str:
     try:
         if not isinstance(law, Criterion) or claim not in _ASKED or len(names := shape_parameters(law, claim)) > _MOST_UNNAMED:
             return ""
-        if len(names) > 2 and names != _of_minors(law):
+        if len(names) > 2 and (claim != "convexity" or names != _of_minors(law)):
             return ""
         if {*names} <= {*_absorbed(law)}:
             return ""
@@ -199,7 +199,8 @@ def told(law: Law, claim: str, asked: str) -> str:
         return ""
     if found.exact and found.short not in ("true", "false"):
         return found.sentence
-    which, more = f"for which {' and '.join(names)} {claim} holds", "" if claim == "convexity" else f" --claim {claim}"
-    if not found.exact and found.open_share == 1:
+    more, every = "" if claim == "convexity" else f" --claim {claim}", [", ".join(names[:-1]), names[-1]][-len(names) :]
+    which = f"for which {' and '.join(every)} {claim} holds"
+    if not found.exact and found.open_share == 1 and len(names) == 1:
         return f"{which} is open: {steps:,} steps decide no range of values; first find one value, or a form of g, for which it is decided"
     return "" if found.exact else f"{which}: duhem region {asked} {' '.join(names)}{more}"

@@ -59,7 +59,7 @@ def boundaries(law: StatedLaw, names: Sequence[str], dents: Iterable[Dent]) -> l
 
 
 def deciding_parameters(law: StatedLaw) -> tuple[str, ...]:
-    """Those in the factors of the minors of a quadratic g that may have either sign; none for another g."""
+    """Return the parameters in those factors of the minors of a quadratic form, in g or under its root, whose sign is open."""
     domain, names = over(law), set[str]()
     for minor in _minors(law):
         for factor, _ in sp.factor_list(minor)[1]:
@@ -95,7 +95,7 @@ _RAY = "ray of the dent"
 
 
 def _expression(poly: Polynomial, domain: StatedDomain) -> sp.Expr:
-    """As SymPy's; NotWritten where something else is in it than whole powers of names and even ones of roots."""
+    """Return the polynomial as SymPy's; raise NotWritten unless it has whole powers of names, and even ones of roots."""
     parts = list[sp.Expr]()
     for m, c in poly.items():
         powers = [sp.Symbol(_RAY if x == RAY else x.name) ** n for x, n in m if x.op == "name"]

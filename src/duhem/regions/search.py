@@ -23,7 +23,7 @@ from duhem.regions.seen import changes
 __all__ = ["Asked", "cells_of"]
 
 _IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
-_MOST_ASKED, _MOST_NEAR = 30, 3  # of these, for proofs; cells beside an end on which chords near it are looked for
+_MOST_ASKED, _MOST_NEAR = 30, 3  # the most whole verifications; the most cells beside an end on which moving chords are looked for
 
 
 @dataclass

@@ -167,7 +167,7 @@ def verify(
 
 
 def _say_for_which(found: Verification, law: str) -> None:
-    """For each claim that is refuted: for which values of the one parameter of shape it holds, or the command that finds it."""
+    """Say of each refuted claim for which values of the few parameters of shape it holds, or by which command one finds them."""
     asked = [r.claim for r in found if r.claim in ("origin", "convexity") and r.verdict == "refuted"]
     if found.interrupted or not asked:
         return

@@ -80,7 +80,7 @@ def _energy(law: StatedLaw) -> Blocked | None:
 
 
 def _least_at_zero(law: StatedLaw) -> Blocked:
-    """Of a potential of rates, which is 0 at zero force and no less elsewhere."""
+    """Name the part of a potential of rates that keeps it from being 0 at zero force and >= 0 elsewhere."""
     domain, zero = over(law), {Term("name", name=f): number(0) for f in law.forces}
     if (undefined := _undefined((law.g,), domain)) is not None:
         return undefined
@@ -138,7 +138,7 @@ def _negative(term: Term, domain: StatedDomain) -> Term:
 
 
 def _open_signs(term: Term, domain: StatedDomain) -> tuple[Term, ...]:
-    """Constants that a formula multiplies with or adds, but for lone parameters, whose sign is not known, and their opposites."""
+    """Return constants of unknown sign that are factors or summands of a formula, without lone parameters, each with its opposite."""
     found, pressure = dict[Term, None](), {domain.law.pressure}
 
     def look(part: Term) -> None:
@@ -167,7 +167,7 @@ def required(needed: Sequence[Term], law: StatedLaw) -> Blocked | None:
 
 
 def _normality(law: StatedLaw) -> Blocked | None:
-    """Of a flow of the law's own; of an associated law it is convexity; forces that are functions of the rates should increase."""
+    """Name what keeps the flow from being normal: its own flow, the convexity of an associated law, or forces that fall with the rates."""
     if law.of_rates:
         return _resistance(law)
     if law.flow is None:

@@ -106,7 +106,7 @@ class _Asked(NamedTuple):
 class OpenClaims:
     """What is said of the claims of one law that stay open; what was tried for one of them is known for the next.
 
-    ``decide`` is asked of laws with changes.
+    ``decide`` gives the verdict on a changed law.
     """
 
     def __init__(self, law: Law, decide: Decide | None = None) -> None:
@@ -114,7 +114,7 @@ class OpenClaims:
         self._forms: dict[Subject, list[Form]] = {}
 
     def unsettled(self, claim: str, subject: Subject, settled: Mapping[str, Evidence]) -> Unsettled | None:
-        """Of a claim whose evidence settles nothing; None of any other."""
+        """Say what is open of a claim that is neither proved nor refuted; None for any other claim."""
         evidence, law = settled[claim], self._law
         if evidence.verdict not in _OPEN or evidence.method == CONTRADICTION:
             return None

@@ -32,7 +32,7 @@ Choice = Mapping[str, Fraction]
 Choices = Callable[[Iterable[Choice]], Iterable[Choice]]  # those of some at which K is not empty, and more
 Form = tuple[str, str]  # what to write, and g then
 Decide = Callable[[str, Text, Budget], Verdict | None]  # the verdict on a claim of a changed law; None where it is open
-_IN_ALL, _SHARE = 4_000_000, 2  # steps for all claims of a law; of what is left one claim may have such a part
+_IN_ALL, _SHARE = 4_000_000, 2  # steps for all claims of a law; one claim may use 1/_SHARE of what is left
 _A_TRIAL, _A_KIND, _A_DECISION, _READING = 200_000, 400_000, 500_000, 5_000  # steps; for reading a law
 _BEFORE = ("origin", "convexity", "smoothness", "normality", "dissipation", "state_laws", "homogeneity")
 _TOLD = _BEFORE[:5]  # those of which it is said that they are proved too
@@ -177,7 +177,7 @@ def _compared(constant: Term, strict: bool) -> str:
 
 
 def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
-    """Of forces of which the part may be meant for one sign: not of a sum, or of what is 0 at a tip."""
+    """Yield ranges of one sign for forces of the part, unless it is a sum, or 0 at a tip."""
     ranges, part = law.get("domain", {}), blocked.part
     if len(law["forces"]) > _MOST_FORCES or part.op in ("+", "norm") or not isinstance(read := stated(law), StatedLaw):
         return
@@ -190,7 +190,7 @@ def _ranges(law: Text, blocked: Blocked) -> Iterator[tuple[str, Text]]:
 
 
 def _forms(law: Text, blocked: Blocked, names: Names) -> Iterator[tuple[str, Text]]:
-    """g with a limit written out, and in a maximum with loads without which a part has no value; psi without a size."""
+    """Yield g with a limit written out, g in a maximum with loads without which a part has no value, and psi with x for abs(x)."""
     yield from _energies(law, blocked, names)
     if "g" not in law or blocked.part.op not in ("log", "**"):
         return

@@ -99,7 +99,7 @@ def _lacking(q: Query, found: Reply, amount: Array) -> Array:
 def _slopes(q: Query, stress: Array, way: Array, near: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Return the least and greatest slope (N,) of g along ``way`` at and ``near`` the stress, and where its formula changes its piece.
 
-    At such a kink the pieces around are asked at the stress too: at the node of a curve one has no slope, and near it a little of one.
+    At such a kink the pieces around are asked at the stress too: at the node of a curve one has no slope, and near it a small one.
     """
     n, d = stress.shape
     beside = np.concatenate([np.zeros((1, n, d)), *(s * np.broadcast_to(x, (1, n, d)) for x in (way, *q.axes) for s in (1.0, -1.0))])
