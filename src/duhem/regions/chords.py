@@ -33,9 +33,6 @@ _ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
 _FEW_CHORDS, _FEW_PLACES = 4, 3  # of grids, and of lines; at which lines are looked for
 _SQUARES = 32  # of the grid along a range
 _ABOUT = (Fraction(2), Fraction(32), Fraction(512))  # half-widths of the range that a force without ends is given
-    32,
-    (Fraction(2), Fraction(32), Fraction(512)),
-)  # of the grid along a range; half-widths of the range that a force without ends is given
 _PRICE_OF_A_GRID = 2500
 _SHORT, _SAME = 10_000, 1e-11  # the denominator of a number that is taken to be exact, and how near to it
 _TURNED = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :]  # principal values in every order
