@@ -143,3 +143,27 @@ def test_a_closed_form_that_is_not_that_of_the_formula_is_not_believed() -> None
 )
 def test_which_routines_have_the_closed_form(name: str, closed: bool) -> None:
     assert ("on_quarters(" in routine(duhem.load(name)).text) is closed
+
+
+@pytest.mark.slow
+def test_answers_do_not_depend_on_what_the_memory_held_before() -> None:
+    """Rows of pieces that nothing was written to were once read: the slip was then wrong for stiffnesses that couple the components.
+
+    A compiler that fills all variables with zeros, and with a pattern, must give the same answers; and the dissipation must be the
+    greatest power of the slip over K.
+    """
+    law, draw = duhem.load("antoni2007"), np.random.default_rng(5)
+    runs = [compiled(law, options=(*OPTIMISED, f"-ftrivial-auto-var-init={fill}")) for fill in ("zero", "pattern")]
+    slips = 0
+    for _ in range(3_000):
+        mu, trial = 10.0 ** draw.uniform(-1.0, 1.0, 4), draw.normal(size=2) * 10.0 ** draw.uniform(-1.0, 2.0)
+        far = 10.0 ** draw.uniform(-1.0, 1.0)
+        coupled = draw.uniform(-0.9, 0.9) * np.sqrt(far)
+        one, two = (run.one(trial, -1.0, np.array([[1.0, coupled], [coupled, far]]), list(mu)) for run in runs)
+        assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(one, two, strict=True))
+        status, _, slip, power, _ = one
+        if status == 1:
+            slips += 1
+            most = np.hypot(*(np.where(slip >= 0.0, mu[[0, 2]], mu[[1, 3]]) * slip))
+            assert power == pytest.approx(most, rel=1e-9)
+    assert slips > 1_500

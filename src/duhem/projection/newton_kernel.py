@@ -252,7 +252,13 @@ def exchanged(v: Any, m: Any, a: Any, held: Any) -> bool:
 
 
 def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, inverse: Any) -> bool:
-    """Whether the stress satisfies the optimality conditions of a convex K; notes the piece that holds there."""
+    """Whether the stress satisfies the optimality conditions of a convex K; notes the piece that holds there, also where it does not."""
+    balanced = balances(v, m, q, count, root, inverse)
+    return (KINKS == 0 or followed(v, m, q, held, count, root, DEPTH * (1.0 + length(v, U)))) and balanced
+
+
+def balances(v: Any, m: Any, q: Any, count: int, root: Any, inverse: Any) -> bool:
+    """Whether the pieces that press meet at the stress, and their normals add up to the way that is left."""
     reach, away, deep = 1.0 + length(v, U), length(v, REST), 0.0
     for j in range(count):
         deep = max(deep, abs(v[LEVELS, j]))
@@ -268,9 +274,7 @@ def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, inverse: A
     turned = turn(v, m, count) / (1.0 + away)
     if not (turned <= min(max(1e-15 * reach * bending(m), ANGLE), LOOSE) and deep <= DEPTH * reach):
         return False
-    if pinched(v, m) and overtopped(v, q, root, inverse):
-        return False
-    return KINKS == 0 or followed(v, m, q, held, count, root, DEPTH * reach)
+    return not (pinched(v, m) and overtopped(v, q, root, inverse))
 
 
 def pinched(v: Any, m: Any) -> bool:

@@ -184,7 +184,8 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
     f(v) < 0, a line through v has two points where f is 0 on either side of v, where g has no value.  Close to zero force K has such two.
     """
     domain, (g, forces) = over(law), (law.g, law.forces)
-    g = _under_a_root(g, domain) or g
+    rooted, pointed = _under_a_root(g, domain)
+    g = rooted if rooted is not None and pointed else g
     forms = dict[int, dict[Monomial, Polynomial]]()
     with suppress(NotWritten):
         forms = homogeneous_parts(domain.polynomial(g), domain)
@@ -210,20 +211,21 @@ def _of_the_form(law: StatedLaw) -> Iterator[Dent]:
 def form_of(law: StatedLaw) -> Matrix:
     """The matrix of the quadratic form in g, or under its root; NotWritten for a g that is not quadratic."""
     domain = over(law)
-    return quadratic(_under_a_root(law.g, domain) or law.g, law.forces, domain)[0]
+    return quadratic(_under_a_root(law.g, domain)[0] or law.g, law.forces, domain)[0]
 
 
-def _under_a_root(g: Term, domain: StatedDomain) -> Term | None:
-    """f, if g is a multiple of the root of a quadratic form f and an affine part, < 0 at zero force, or a constant <= 0; else None."""
+def _under_a_root(g: Term, domain: StatedDomain) -> tuple[Term | None, bool]:
+    """f, if g is a multiple of the root of a quadratic form f and an affine part; whether this is < 0 at zero force, or a constant <= 0."""
     with suppress(NotWritten):
         parts = by_forces(domain.polynomial(g), domain)
         roots = [x for m in parts for x, _ in m if x.op == "**" and domain.polynomial(x.args[1]) == {(): _HALF}]
         at_zero, affine = domain.facts(written(parts.get((), {}))).sign, all(m == () or (len(m) == 1 and m[0][1] == 1) for m in parts)
         if len(roots) == 1 and affine and all(x in roots or x.op == "name" for m in parts for x, _ in m):
-            small = at_zero == NEGATIVE or (not at_zero & POSITIVE and len(parts) <= 2 and set(parts) <= {(), ((roots[0], 1),)})
+            small = at_zero == NEGATIVE or (not at_zero & POSITIVE and set(parts) <= {(), ((roots[0], 1),)})
             known, base = Reader(domain).undecided(g.put({roots[0]: number(0)})) is None, roots[0].args[0]
-            return base if small and known and set(homogeneous_parts(domain.polynomial(base), domain)) == {2} else None
-    return None
+            if set(homogeneous_parts(domain.polynomial(base), domain)) == {2}:
+                return base, small and known
+    return None, False
 
 
 def _is_plain(part: Term, domain: StatedDomain) -> bool:

@@ -11,6 +11,7 @@ from operator import and_
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, divided, grouped, negated, quotient, times, total, written
+from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of
 
 __all__ = [
@@ -210,14 +211,21 @@ def _is_load(poly: Polynomial, domain: StatedDomain) -> bool:
 
 def of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
     """Whether the forces enter a term through multiples of a load and constants alone."""
-    if domain.constant(term):
-        return True
-    if term.op in ("+", "*", "name") and share_and_rest(domain.polynomial(term), load, domain) is not None:
-        return True
-    others = [a for a in term.args if not of_load(a, load, domain)]
-    if term.op == "+" and 0 < len(others) < len(term.args):  # the load may stand in it force by force
-        return of_load(Term("+", tuple(others)), load, domain)
-    return term.op != "name" and not others
+    return _of_load(term, load, domain, {})
+
+
+def _of_load(term: Term, load: Polynomial, domain: StatedDomain, known: dict[Term, bool]) -> bool:
+    """The same; what is ``known`` of parts is not asked again, since a sum asks its own again and sums stand in sums."""
+    if term not in known:
+        pay(1)
+        known[term] = domain.constant(term) or (
+            term.op in ("+", "*", "name") and share_and_rest(domain.polynomial(term), load, domain) is not None
+        )
+        if not known[term] and term.op != "name":
+            others = [a for a in term.args if not _of_load(a, load, domain, known)]
+            summed = term.op == "+" and 0 < len(others) < len(term.args)  # the load may stand in it force by force
+            known[term] = _of_load(Term("+", tuple(others)), load, domain, known) if summed else not others
+    return known[term]
 
 
 def _zero(load: Polynomial, domain: StatedDomain) -> dict[Term, Term]:

@@ -33,6 +33,7 @@ __all__ = ["along_its_load", "joined", "of_its_size", "sized"]
 
 Rules = Callable[[Term, StatedDomain], Facts]
 _SMOOTH = ("+", "*", "**", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan")
+_MOST_PARTS = 300  # of a function whose second derivative is multiplied out; three times as many of what is asked at an end
 _MOST_TURNS = 3  # derivatives of which the value at an end is asked
 
 
@@ -61,7 +62,8 @@ class _Line(NamedTuple):
         cleared = written(multiplied_through(self.inside.polynomial(f), self.inside, signed=True))
         if any(not self.inside.facts(form).sign & NEGATIVE for form in (f, cleared)):
             return True
-        starts = [way for end, way in self.ends.items() if turns and not _sign_of_constant(f.put({self.x: end}), self.inside) & NEGATIVE]
+        ends = self.ends.items() if turns and f.size() <= 3 * _MOST_PARTS else ()
+        starts = [way for end, way in ends if not _sign_of_constant(f.put({self.x: end}), self.inside) & NEGATIVE]
         return any(self.above(product_of(number(way), self.rate(f)), turns - 1) for way in starts)
 
 
@@ -78,7 +80,7 @@ def along_its_load(term: Term, known: Facts, domain: StatedDomain, rules: Rules)
 def _line(term: Term, domain: StatedDomain, rules: Rules) -> _Line | None:
     moving = term.names() & {*domain.law.forces}
     term = term.put({p: p.args[0] for p in term.parts() if p.op in ("abs", "pos") and domain.facts(p.args[0]).nonnegative})
-    if any(part.args and part.op not in _SMOOTH and not domain.constant(part) for part in term.parts()):
+    if term.size() > _MOST_PARTS or any(p.args and p.op not in _SMOOTH and not domain.constant(p) for p in term.parts()):
         return None
     load = next((domain.polynomial(p) for p in term.parts() if p.names() >= moving and degree_at_most(p, domain) == 1), {})
     if (one := pivot(load, domain)) is None or not of_load(term, load, domain):
