@@ -118,3 +118,9 @@ def test_an_observable_may_have_a_force_that_drives_nothing_but_no_name_in_use()
     for taken in ("E", "D"):
         with pytest.raises(InputError, match="another name too"):
             Criterion("bar", "Y - Y_0", variables=variables | {"eps": Variable(taken, observable=True)}, **head)
+
+
+@pytest.mark.parametrize(("section", "message"), [("", "says nothing"), ('potental = "a**2"', "did you mean 'potential'")])
+def test_a_wrong_dissipation_is_named_where_g_is_missing_too(section: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        reads(f'[criterion]\nname = "rates"\nforces = ["a", "b"]\n[dissipation]\n{section}\n')

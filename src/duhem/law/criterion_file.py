@@ -194,6 +194,10 @@ class _CriterionReader(SectionReader):
         known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
         known |= {p: domain.symbol(p) for p, domain in domains.items()}
         dissipation = self.table("dissipation", required=False)
+        self.keys("dissipation", dissipation, ("potential", "rates", "forces_of_rates"))
+        if "dissipation" in self.document and not dissipation:
+            remedy = "write potential, rates or forces_of_rates in it, or remove the section"
+            raise self.error("[dissipation] says nothing", "dissipation", remedy=remedy)
         if of_rates := "forces_of_rates" in dissipation:
             known |= {rate: symbol(rate) for rate in variables.rates(forces).values()}
         if "boundary" in self.document:
@@ -319,10 +323,6 @@ class _CriterionReader(SectionReader):
         """The energy, and the rates of internal variables that have no force or need no multiplier."""
         self.keys("energy", self.table("energy", required=False), ("psi",))
         given = self.table("dissipation", required=False)
-        self.keys("dissipation", given, ("potential", "rates", "forces_of_rates"))
-        if "dissipation" in self.document and not given:
-            remedy = "write potential, rates or forces_of_rates in it, or remove the section"
-            raise self.error("[dissipation] says nothing", "dissipation", remedy=remedy)
         functions = {"rates": "alpha", "forces_of_rates": "sigma"}
         for key, name in functions.items():
             if not isinstance(given.get(key, {}), dict):
