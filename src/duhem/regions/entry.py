@@ -202,5 +202,6 @@ def told(law: Law, claim: str, asked: str) -> str:
     more, every = "" if claim == "convexity" else f" --claim {claim}", [", ".join(names[:-1]), names[-1]][-len(names) :]
     which = f"for which {' and '.join(every)} {claim} holds"
     if not found.exact and found.open_share == 1 and len(names) == 1:
-        return f"{which} is open: {steps:,} steps decide no range of values; first find one value, or another form of the formula, for which it is decided"
+        remedy = "first find one value, or another form of the formula, for which it is decided"
+        return f"{which} is open: {steps:,} steps decide no range of values; {remedy}"
     return "" if found.exact else f"{which}: duhem region {asked} {' '.join(names)}{more}"

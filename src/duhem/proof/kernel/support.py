@@ -167,8 +167,8 @@ def _polar_of_one(gauge: Term, other: Term, radius: Term, force: str, slip: str,
         return False
     for way in (number(1), number(-1)):
         weight, width = at(gauge, [force], [way]), at(other, [slip], [way])
-        gap = in_order(sum_of(product_of(weight, width), minus(radius)), domain)  # their constants may be written in different orders
-        if domain.facts(weight).sign != POSITIVE or not vanishes(gap, domain):
+        gap = sum_of(product_of(weight, width), minus(radius))  # their constants may be written in different orders
+        if domain.facts(weight).sign != POSITIVE or not (vanishes(gap, domain) or vanishes(in_order(gap, domain), domain)):
             return False
     return True
 
