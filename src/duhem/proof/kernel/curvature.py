@@ -27,7 +27,7 @@ from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.forms import apart, degree_at_most, quadratic, sign_within
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.one_load import along_its_load, joined, of_its_size
+from duhem.proof.kernel.one_load import MOST_PARTS, along_its_load, joined, of_its_size
 from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled
 from duhem.proof.kernel.semidefinite import only_at_zero_force, semidefinite, sum_of_even_powers
 from duhem.proof.kernel.signs import sign_of_constant
@@ -64,7 +64,7 @@ def within_ranges(law: StatedLaw) -> StatedDomain:
 def shown(term: Term, domain: StatedDomain) -> Facts:
     """What the rules show of a term over a domain; ``StatedDomain.facts`` keeps it."""
     known = by_composition(term, domain)
-    if known.convex or known.concave or term.large or domain.constant(term):
+    if known.convex or known.concave or domain.law.g.large or term.size() > MOST_PARTS or domain.constant(term):
         return known
     known = along_its_load(term, known, domain, by_composition) if known.defined else known
     return known if known.convex or known.concave else of_its_size(term, known, domain, by_composition)
@@ -186,7 +186,7 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             if chosen is None and (closed := closed_at_its_end(term, domain)) is not None:
                 return closed
             with suppress(NotWritten):
-                if chosen is None and not term.large and (found := joined(term, domain, by_composition)) is not None:
+                if chosen is None and term.size() <= MOST_PARTS and (found := joined(term, domain, by_composition)) is not None:
                     return found[0]
             return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined, parts[1].sign | parts[2].sign)
     return Facts()

@@ -29,11 +29,11 @@ from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.squares import plainly
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["along_its_load", "joined", "of_its_size", "sized"]
+__all__ = ["MOST_PARTS", "along_its_load", "joined", "of_its_size", "sized"]
 
 Rules = Callable[[Term, StatedDomain], Facts]
 _SMOOTH = ("+", "*", "**", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "atan")
-_MOST_PARTS = 300  # of a function whose second derivative is multiplied out; three times as many of what is asked at an end
+MOST_PARTS, _MOST_AT_AN_END = 100, 900  # of a function that is derived twice, and of what is asked at an end
 _MOST_TURNS = 3  # derivatives of which the value at an end is asked
 
 
@@ -62,7 +62,7 @@ class _Line(NamedTuple):
         cleared = written(multiplied_through(self.inside.polynomial(f), self.inside, signed=True))
         if any(not self.inside.facts(form).sign & NEGATIVE for form in (f, cleared)):
             return True
-        ends = self.ends.items() if turns and f.size() <= 3 * _MOST_PARTS else ()
+        ends = self.ends.items() if turns and f.size() <= _MOST_AT_AN_END else ()
         starts = [way for end, way in ends if not _sign_of_constant(f.put({self.x: end}), self.inside) & NEGATIVE]
         return any(self.above(product_of(number(way), self.rate(f)), turns - 1) for way in starts)
 
@@ -80,7 +80,7 @@ def along_its_load(term: Term, known: Facts, domain: StatedDomain, rules: Rules)
 def _line(term: Term, domain: StatedDomain, rules: Rules) -> _Line | None:
     moving = term.names() & {*domain.law.forces}
     term = term.put({p: p.args[0] for p in term.parts() if p.op in ("abs", "pos") and domain.facts(p.args[0]).nonnegative})
-    if term.size() > _MOST_PARTS or any(p.args and p.op not in _SMOOTH and not domain.constant(p) for p in term.parts()):
+    if term.size() > MOST_PARTS or any(p.args and p.op not in _SMOOTH and not domain.constant(p) for p in term.parts()):
         return None
     load = next((domain.polynomial(p) for p in term.parts() if p.names() >= moving and degree_at_most(p, domain) == 1), {})
     if (one := pivot(load, domain)) is None or not of_load(term, load, domain):
