@@ -15,7 +15,7 @@ degree is convex where its matrix is (:mod:`semidefinite`).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
@@ -34,12 +34,13 @@ from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spans import below_right
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.steps import pay
+from duhem.proof.kernel.steps import TooDearError, pay, within
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["by_composition", "over", "shown", "within_ranges"]
 
 _HALF, _ONE = number(Fraction(1, 2)), number(1)
+_MOST_OF_LOADS = 600_000  # steps for the derivatives of all terms over a domain
 _SIGN_KEPT = (  # words that rise, and have the sign of what they are of; a new word is a row here
     "tanh", "atan",
 )  # fmt: skip
@@ -66,8 +67,21 @@ def shown(term: Term, domain: StatedDomain) -> Facts:
     known = by_composition(term, domain)
     if known.convex or known.concave or domain.law.g.large or term.size() > MOST_PARTS or domain.constant(term):
         return known
-    known = along_its_load(term, known, domain, by_composition) if known.defined else known
-    return known if known.convex or known.concave else of_its_size(term, known, domain, by_composition)
+    found = known
+    with _bounded(domain):
+        found = along_its_load(term, known, domain, by_composition) if known.defined else known
+        found = found if found.convex or found.concave else of_its_size(term, found, domain, by_composition)
+    return found
+
+
+@contextmanager
+def _bounded(domain: StatedDomain) -> Iterator[None]:
+    """Inside it derivatives are taken, for no more steps than all of a domain may take; what would take more is not shown."""
+    left: list[int] = domain.kept.setdefault("steps for derivatives", [_MOST_OF_LOADS])
+    with within(left[0]) as purse, suppress(NotWritten, TooDearError):
+        yield
+    left[0] = max(left[0] - purse.spent, 0)
+    pay(purse.spent)
 
 
 def by_composition(term: Term, domain: StatedDomain) -> Facts:
@@ -185,7 +199,7 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             chosen = domain.decided(term.args[0])  # what is chosen; else it may jump
             if chosen is None and (closed := closed_at_its_end(term, domain)) is not None:
                 return closed
-            with suppress(NotWritten):
+            with _bounded(domain):
                 if chosen is None and term.size() <= MOST_PARTS and (found := joined(term, domain, by_composition)) is not None:
                     return found[0]
             return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined, parts[1].sign | parts[2].sign)
