@@ -50,7 +50,6 @@ CONVEX = [
     ("-tanh(c - abs(q) - p**2)", {}, {}),
     (CLOSED, {}, {}),
     (CLOSED.replace("log(p/c)", "(2 + log(p/c))"), {}, {}),
-    (CLOSED.replace("p > 0", "p - c > 0"), {}, {}),  # its slope rises where it changes over
     (SPREAD, {"n": AT_LEAST_1}, {}),
     (SPREAD.replace("(max", "(abs(p) + max"), {"n": AT_LEAST_1}, {}),
     (UNIT, {"a": Domain.between(0, 1)}, {}),
@@ -58,7 +57,6 @@ CONVEX = [
     (OF_SQUARES, {}, {}),
 ]  # fmt: skip
 OPEN = [
-    (CLOSED.replace("p > 0", "2*p - c > 0"), {}, {}),
     (CAP, {"n": Domain.between(-1, None)}, ABOVE),
     (CAP, {"n": AT_LEAST_0}, {}),
     (CAP.replace("- M", "- t**2 - M"), {"n": AT_LEAST_0}, ABOVE),
@@ -99,6 +97,7 @@ OPEN = [
     (CLOSED.replace(", -p)", ")"), {}, {}),
     (CLOSED.replace("M*p*", "M*"), {}, {}),
     (CLOSED.replace("p > 0", "p >= 0"), {}, {}),
+    (CLOSED.replace("p > 0", "p - c > 0"), {}, {}),
     (CLOSED.replace("M*p*log", "-M*p*log"), {}, {}),
     (CLOSED.replace("M*p*log(p/c)", "M*p*log(p/c)*exp(1/p)"), {}, {}),
     (SPREAD.replace("max(q, p)", "2*max(q, p)"), {"n": AT_LEAST_1}, {}),

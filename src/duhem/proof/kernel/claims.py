@@ -258,12 +258,10 @@ def without_boundary(law: StatedLaw, _: Evidence) -> bool:
 
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
-    inside, ranges = _inside(law, evidence), within_ranges(law)
-    if not (inside or (not law.g.large and (boundary.falls_from_zero(law) or boundary.is_a_graph(law)))):
+    shape = _shape(law, evidence)
+    if not (_inside(law, evidence) or (not law.g.large and (boundary.falls_from_zero(law) or boundary.is_a_graph(law)))):
         return False
-    here = inside and all(at_point(law._replace(g=side), evidence.get("inside", {})).nonnegative for side in ranges.sides)
-    convex = any(shape.defined and shape.convex for shape in (_shape(law, evidence), *([ranges.facts(law.g)] if here else [])))
-    smooth = convex and smooth_near_the_boundary(law.g, ranges)
+    smooth = shape.defined and shape.convex and smooth_near_the_boundary(law.g, within_ranges(law))
     return smooth or (not law.g.large and round_at_its_ends(law))
 
 

@@ -15,7 +15,7 @@ degree is convex where its matrix is (:mod:`semidefinite`).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
@@ -25,22 +25,21 @@ from duhem.proof.kernel.bounds import Facts, of_sum, signs_of_product
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.forms import apart, degree_at_most, quadratic, sign_within
+from duhem.proof.kernel.forms import apart, degree_at_most, multiple, quadratic, sign_within
 from duhem.proof.kernel.normal_form import normal
-from duhem.proof.kernel.one_load import MOST_PARTS, along_its_load, joined, of_its_size
-from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled
+from duhem.proof.kernel.polynomial import written
+from duhem.proof.kernel.profiles import closed_at_its_end, convex_with_exponential_ramps, scaled, shape_of_two
 from duhem.proof.kernel.semidefinite import only_at_zero_force, semidefinite, sum_of_even_powers
 from duhem.proof.kernel.signs import sign_of_constant
-from duhem.proof.kernel.spans import below_right
+from duhem.proof.kernel.spans import RISING, below_right
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.steps import TooDearError, pay, within
+from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["by_composition", "over", "shown", "within_ranges"]
+__all__ = ["over", "shown", "within_ranges"]
 
 _HALF, _ONE = number(Fraction(1, 2)), number(1)
-_MOST_OF_LOADS = 600_000  # steps for the derivatives of all terms over a domain
 _SIGN_KEPT = (  # words that rise, and have the sign of what they are of; a new word is a row here
     "tanh", "atan",
 )  # fmt: skip
@@ -64,28 +63,6 @@ def within_ranges(law: StatedLaw) -> StatedDomain:
 
 def shown(term: Term, domain: StatedDomain) -> Facts:
     """What the rules show of a term over a domain; ``StatedDomain.facts`` keeps it."""
-    known = by_composition(term, domain)
-    if known.convex or known.concave or domain.law.g.large or term.size() > MOST_PARTS or domain.constant(term):
-        return known
-    found = known
-    with _bounded(domain):
-        found = along_its_load(term, known, domain, by_composition) if known.defined else known
-        found = found if found.convex or found.concave else of_its_size(term, found, domain, by_composition)
-    return found
-
-
-@contextmanager
-def _bounded(domain: StatedDomain) -> Iterator[None]:
-    """Inside it derivatives are taken, for no more steps than all of a domain may take; what would take more is not shown."""
-    left: list[int] = domain.kept.setdefault("steps for derivatives", [_MOST_OF_LOADS])
-    with within(left[0]) as purse, suppress(NotWritten, TooDearError):
-        yield
-    left[0] = max(left[0] - purse.spent, 0)
-    pay(purse.spent)
-
-
-def by_composition(term: Term, domain: StatedDomain) -> Facts:
-    """What is shown without derivatives."""
     pay(_PRICE)
     known, plain = _by_its_word(term, domain), domain.plain(term)
     if plain is not term:  # its value is simpler; what must be defined is what was written
@@ -199,9 +176,6 @@ def _by_its_word(term: Term, domain: StatedDomain) -> Facts:
             chosen = domain.decided(term.args[0])  # what is chosen; else it may jump
             if chosen is None and (closed := closed_at_its_end(term, domain)) is not None:
                 return closed
-            with _bounded(domain):
-                if chosen is None and term.size() <= MOST_PARTS and (found := joined(term, domain, by_composition)) is not None:
-                    return found[0]
             return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined, parts[1].sign | parts[2].sign)
     return Facts()
 
@@ -231,13 +205,30 @@ def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
         if len(moving) != 2 or term.large:
             return Facts(defined, sign)
         f, g = (a for a in term.args if not domain.constant(a))
-        way = _square_over_load(f, g, domain) or _square_over_load(g, f, domain)
-        convex, concave = scaled((way == POSITIVE, way == NEGATIVE), scale)
+        logarithmic = any(_size_by_its_logarithm(a, b, domain) for a, b in ((f, g), (g, f)))
+        way = POSITIVE if logarithmic else _square_over_load(f, g, domain) or _square_over_load(g, f, domain)
+        shape = (way == POSITIVE, way == NEGATIVE) if way else shape_of_two(f, g, domain)
+        convex, concave = scaled(shape, scale)
         return Facts(defined, sign, convex, concave, convex)
     x = moving[0] if not scale & NEGATIVE else moving[0].negated()
     if scale & NEGATIVE and scale & POSITIVE:
         return Facts(defined, sign, x.affine, x.affine, x.affine)
-    return replace(x, defined=defined, sign=sign)
+    ridge = bool(scale & NEGATIVE) and not term.large and _quasiconcave(next(a for a in term.args if not domain.constant(a)), domain)
+    return replace(x, defined=defined, sign=sign, quasiconvex=x.quasiconvex or ridge)
+
+
+def _quasiconcave(term: Term, domain: StatedDomain) -> bool:
+    """Whether -f is quasiconvex: f is concave, or a function that rises of what is quasiconcave."""
+    known = domain.facts(term)
+    if known.concave or term.op not in ("pos", "min", "**", "*", *RISING):
+        return known.concave
+    if term.op == "*":
+        scale, moving = apart(term, domain)
+        return len(moving) == 1 and not domain.facts(scale).sign & NEGATIVE and _quasiconcave(moving[0], domain)
+    if term.op == "**":
+        base, exponent = (domain.facts(a).sign for a in term.args)
+        return not base & NEGATIVE and domain.constant(term.args[1]) and exponent == POSITIVE and _quasiconcave(term.args[0], domain)
+    return all(_quasiconcave(a, domain) for a in term.args)
 
 
 def _above_one(term: Term, domain: StatedDomain) -> Sign:
@@ -248,7 +239,7 @@ def _above_one(term: Term, domain: StatedDomain) -> Sign:
 
 
 def _log_convex(term: Term, domain: StatedDomain) -> bool:
-    """Whether log x is convex, or -inf: of exponentials and cosh of convex parts, their sums and products with constants >= 0.
+    """Whether log x is convex, or -inf: of exponentials of convex parts, their sums and products with constants >= 0.
 
     Boyd, Vandenberghe (2004), 3.5.2: sums and products of log-convex functions are log-convex, so that softplus and log-sum-exp of
     convex parts are convex.
@@ -257,11 +248,19 @@ def _log_convex(term: Term, domain: StatedDomain) -> bool:
     if term not in known:
         if domain.constant(term):
             known[term] = domain.facts(term).nonnegative
-        elif term.op in ("exp", "cosh"):  # log cosh x is convex, and rises in |x|; that cosh x is convex does not say so
-            known[term] = domain.facts(term.args[0]).convex if term.op == "exp" else domain.facts(term.args[0]).convex_in_size
+        elif term.op == "exp":
+            known[term] = domain.facts(term.args[0]).convex
         else:
             known[term] = term.op in ("+", "*") and all(_log_convex(a, domain) for a in term.args)
     return known[term]
+
+
+def _size_by_its_logarithm(x: Term, logarithm: Term, domain: StatedDomain) -> bool:
+    """x log(c x) with x affine and > 0, c > 0."""
+    if logarithm.op != "log" or not (size := domain.facts(logarithm.args[0])).affine or size.sign != POSITIVE:
+        return False
+    share = multiple(domain.polynomial(x), domain.polynomial(logarithm.args[0]), domain)
+    return bool(share and not domain.facts(written(share)).sign & NEGATIVE)
 
 
 def _square_over_load(square: Term, under: Term, domain: StatedDomain) -> Sign:
@@ -314,8 +313,7 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
         below_one = not domain.facts(Term("+", (_ONE, minus(term.args[1])))).sign & NEGATIVE
         convex = _minkowski(term, domain) or _root_of_quadratic(term, domain)
         return Facts(defined, sign, convex, (base.concave and below_one) or mean, base.quasiconvex or convex)
-    convex = exponent.sign == NEGATIVE and base.sign == POSITIVE and base.concave
-    return Facts(defined, sign, convex, False, convex)
+    return Facts(defined, sign)
 
 
 def _geometric_mean(term: Term, domain: StatedDomain) -> bool:

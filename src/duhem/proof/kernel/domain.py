@@ -22,7 +22,6 @@ from duhem.proof.kernel.polynomial import (
     divided,
     in_powers,
     joined,
-    negated,
     number_in,
     quotient,
     replaced,
@@ -107,11 +106,7 @@ class StatedDomain:
             both = (m for m, c in one.items() if (sum(n for _, n in m) == 1 if one is two else c * two.get(m, 0) < 0))
             free = any(all(x.op == "name" for x, _ in m) and self._of_term(m, Fraction(1)) == ANY for m in both)
             if free and len(one) * len(two) <= _MOST_OF_PRODUCT:
-                found = times(one, two)
-                for root in sorted({x for m in found for x, n in m if n == 2 and x.op == "**" and x.args[1] == _HALF}):
-                    own = {m: c for m, c in found.items() if dict(m).get(root) == 2}
-                    found = total(found, negated(own), times(divided(own, ((root, 2),)), self.polynomial(root.args[0])))
-                yield found, sharp and sharp_too
+                yield times(one, two), sharp and sharp_too
 
     def over(self, law: StatedLaw) -> StatedDomain:
         """The domain of another law, by the same rules."""

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from functools import reduce
 from itertools import combinations
-from operator import and_
 
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, divided, grouped, negated, quotient, times, total, written
-from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of
 
 __all__ = [
     "Matrix", "Row", "affine", "apart", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "inverse", "leading_minors",
-    "multiple", "of_load", "pivot", "principal_minors", "quadratic", "share_and_rest", "sign_within",
+    "multiple", "of_load", "principal_minors", "quadratic", "share_and_rest", "sign_within",
 ]  # fmt: skip
 
 Row = Sequence[Term]
@@ -127,7 +124,7 @@ def multiple(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomia
     return found if found is not None and all(domain.constant(y) for m in found for y, _ in m) else None
 
 
-def pivot(x: Polynomial, domain: StatedDomain) -> tuple[Monomial, Polynomial] | None:
+def _pivot(x: Polynomial, domain: StatedDomain) -> tuple[Monomial, Polynomial] | None:
     """A part of x that the forces enter, and the inverse of its coefficient, which is a number or a product of constants that are not 0."""
     for moving, c in by_forces(x, domain).items():
         if moving and len(c) == 1 and all(not domain.of(y) & ZERO for m in c for y, _ in m):
@@ -149,7 +146,7 @@ def sign_within(term: Term, known: Facts, domain: StatedDomain) -> Sign:
         found = _of_multiple(term, domain)
         below = found & known.sign & NEGATIVE and known.concave
         ends = ((x, y) for x in domain.sides for y in domain.sides) if below else ()
-        return reduce(and_, (_above_at_both_ends(term, *both, domain) for both in ends), found)
+        return found & ~NEGATIVE if any(_above_at_both_ends(term, *both, domain) for both in ends) else found
     except NotWritten:
         return ANY
 
@@ -169,7 +166,7 @@ def _of_multiple(term: Term, domain: StatedDomain) -> Sign:
 
 def share_and_rest(poly: Polynomial, load: Polynomial, domain: StatedDomain) -> tuple[Polynomial, Polynomial] | None:
     """(c, d) with poly = c load + d, both constant and c not plainly 0."""
-    if (one := pivot(load, domain)) is None or not (share := times(by_forces(poly, domain).get(one[0], {}), one[1])):
+    if (pivot := _pivot(load, domain)) is None or not (share := times(by_forces(poly, domain).get(pivot[0], {}), pivot[1])):
         return None
     rest = total(poly, negated(times(share, load)))
     return None if any(not domain.constant(x) for m in rest for x, _ in m) else (share, rest)
@@ -183,24 +180,20 @@ def at_end_of(load: Term, term: Term, domain: StatedDomain) -> Term:
     return term.put(_zero(known, domain))
 
 
-def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomain) -> Sign:
-    """The signs of a term that depends on the load ``side`` alone, >= 0 where that is 0, and at its other end, where ``other`` is.
+def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomain) -> bool:
+    """Whether a term that depends on the load ``side`` alone is >= 0 where that is 0, and at its other end, where ``other`` is.
 
-    It is concave where all loads are >= 0 and perhaps nowhere else: so they are asked for at both ends, and hold between them.  There it is
-    > 0 if it is so at an end.
+    It is concave where all loads are >= 0 and perhaps nowhere else: so they are asked for at both ends, and hold between them.
     """
     if not all(_is_load(domain.polynomial(x), domain) for x in domain.sides):
-        return ANY
+        return False
     load, end = domain.polynomial(side), domain.polynomial(other)
     split = share_and_rest(end, load, domain)
     if split is None or domain.facts(written(split[0])).sign != NEGATIVE or not of_load(term, load, domain):
-        return ANY
+        return False
     ends = [_zero(x, domain) for x in (load, end)]
     values = [domain.facts(part.put(place)) for part in (*domain.sides, term) for place in ends]
-    if not all(here.defined and here.nonnegative for here in values):
-        return ANY
-    between = domain.sides[side] and domain.sides[other] and POSITIVE in (values[-1].sign, values[-2].sign)
-    return POSITIVE if between else ZERO | POSITIVE
+    return all(here.defined and here.nonnegative for here in values)
 
 
 def _is_load(poly: Polynomial, domain: StatedDomain) -> bool:
@@ -211,26 +204,19 @@ def _is_load(poly: Polynomial, domain: StatedDomain) -> bool:
 
 def of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
     """Whether the forces enter a term through multiples of a load and constants alone."""
-    return _of_load(term, load, domain, {})
-
-
-def _of_load(term: Term, load: Polynomial, domain: StatedDomain, known: dict[Term, bool]) -> bool:
-    """The same; what is ``known`` of parts is not asked again, since a sum asks its own again and sums stand in sums."""
-    if term not in known:
-        pay(1)
-        known[term] = domain.constant(term) or (
-            term.op in ("+", "*", "name") and share_and_rest(domain.polynomial(term), load, domain) is not None
-        )
-        if not known[term] and term.op != "name":
-            others = [a for a in term.args if not _of_load(a, load, domain, known)]
-            summed = term.op == "+" and 0 < len(others) < len(term.args)  # the load may stand in it force by force
-            known[term] = _of_load(Term("+", tuple(others)), load, domain, known) if summed else not others
-    return known[term]
+    if domain.constant(term):
+        return True
+    if term.op in ("+", "*", "name") and share_and_rest(domain.polynomial(term), load, domain) is not None:
+        return True
+    others = [a for a in term.args if not of_load(a, load, domain)]
+    if term.op == "+" and 0 < len(others) < len(term.args):  # the load may stand in it force by force
+        return of_load(Term("+", tuple(others)), load, domain)
+    return term.op != "name" and not others
 
 
 def _zero(load: Polynomial, domain: StatedDomain) -> dict[Term, Term]:
     """Forces at which a load is 0: all but one of them 0."""
-    if not _is_load(load, domain) or (one := pivot(load, domain)) is None:
+    if not _is_load(load, domain) or (pivot := _pivot(load, domain)) is None:
         raise NotWritten("what is >= 0 is no load, or has no force with a coefficient that is not 0")
-    place = negated(times(one[1], by_forces(load, domain).get((), {})))
-    return {**{Term("name", name=f): number(0) for f in domain.law.forces}, one[0][0][0]: written(place)}
+    place = negated(times(pivot[1], by_forces(load, domain).get((), {})))
+    return {**{Term("name", name=f): number(0) for f in domain.law.forces}, pivot[0][0][0]: written(place)}

@@ -47,6 +47,7 @@ from duhem.proof.kernel.definedness import rarely_zero
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
 from duhem.proof.kernel.forms import apart, at_end_of, inverse, multiple
 from duhem.proof.kernel.polynomial import ONE, Polynomial, divided, in_powers, negated, replaced, slope, times, total, written
+from duhem.proof.kernel.profiles import times_load
 from duhem.proof.kernel.regularity import smooth_but_where_zero
 from duhem.proof.kernel.signs import RAY, Line, nonnegative, nonnegative_on_the_line, on_the_line, parts, roots, sign_at, without_content
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -312,7 +313,7 @@ def _under_words(part: Term, domain: StatedDomain) -> Iterator[tuple[Term, bool]
             c, moving = apart(inverse(x.args[0], domain) or x.args[0], domain)
             yield product_of(*moving) if domain.facts(c).sign == POSITIVE else x.args[0], True
         elif x.op == "**" and domain.facts(x.args[1]).sign == POSITIVE == domain.facts(sum_of(number(1), minus(x.args[1]))).sign:
-            yield from ((y, False) for y in (x.args[0].args if x.args[0].op == "min" else x.args[:1]))
+            yield x.args[0], False
 
 
 def _convex_below_a_product(part: Term, domain: StatedDomain) -> bool:
@@ -376,7 +377,7 @@ def _below_a_load(rest: Term, product: Term, domain: StatedDomain) -> bool:
             found.append((above[0], under[0], minus(rest)))
 
     def convex(size: Term, load: Term, w: Term) -> bool:
-        u, x, whole = (_shown(term, domain) for term in (size, load, product_of(load, w)))
+        u, x, whole = (_shown(term, domain) for term in (size, load, times_load(load, w, domain)))
         return u.convex and u.nonnegative and x.affine and x.nonnegative and domain.facts(w).defined and whole.concave
 
     return any(convex(*way) for way in found)

@@ -17,11 +17,8 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
-from duhem.proof.kernel.curvature import by_composition
 from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.gradient import gradient
-from duhem.proof.kernel.one_load import joined, sized
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.semidefinite import zero_with
 from duhem.proof.kernel.spectrum import freed_of_eigenvalues, freed_of_roots
@@ -83,12 +80,12 @@ def _signs_at(tip: Term, term: Term, domain: StatedDomain) -> tuple[Sign, Sign]:
 
 
 def _sign_without(term: Term, tip: Term, domain: StatedDomain) -> Sign:
-    """That of the term with the tip put to 0, and what is 0 with it: so it is wherever the tip is 0."""
+    """That of the term with the tip put to 0, and what is 0 with it, where that is a constant: so it is wherever the tip is 0."""
     put = term.put({tip: number(0)})
     if not domain.constant(put):
         put = put.put(dict.fromkeys(zero_with(tip, domain), number(0)))
     rest = domain.facts(put)
-    return rest.sign if rest.defined else ANY
+    return rest.sign if rest.defined and domain.constant(put) else ANY
 
 
 def _switch(term: Term, domain: StatedDomain) -> Switch:
@@ -132,8 +129,6 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
         return Kinks()
     if term.op == "name":
         return Kinks(zeros=frozenset({_switch(term, domain)}))
-    if term.op == "where":
-        return Kinks() if _joins_smoothly(term, domain) else None
     parts = [regularity(a, domain) for a in term.args]
     known = [p for p in parts if p is not None]
     if len(known) < len(parts):
@@ -164,20 +159,6 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
         bent = frozenset() if steep and base.kinks <= base.zeros else base.kinks
         return Kinks(bent, zeros, tips if whole or steep else tips | _zeros_of(term.args[0], domain))
     return None
-
-
-def _joins_smoothly(choice: Term, domain: StatedDomain) -> bool:
-    """Whether a choice by one force is C^1; or one by one size, where that is C^1, and where it is 0, as the slope there is 0."""
-    with suppress(NotWritten):
-        if (found := joined(choice, domain, by_composition)) is not None:
-            return found[1] == ZERO
-        for part, f, inside in sized(choice, domain):
-            found, size = joined(f, inside, by_composition), Term("name", name=inside.law.forces[-1])
-            if not inside.sides or found is None or found[1] != ZERO or (first := inside.decided(f.args[0].put({size: number(0)}))) is None:
-                continue
-            start = inside.facts(gradient(f.args[1 if first else 2], (size.name,))[0].put({size: number(0)}))
-            return start.defined and start.sign == ZERO and smooth_but_where_zero(part, domain)
-    return False
 
 
 def _zeros_of(tip: Term, domain: StatedDomain) -> frozenset[Term]:
