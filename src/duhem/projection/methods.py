@@ -29,4 +29,10 @@ def _cvxpy() -> Method[Any]:
     return CVXPY
 
 
-METHODS: Mapping[str, Callable[[], Method[Any]]] = MappingProxyType({"closed-form": _closed_form, "newton": _newton, "cvxpy": _cvxpy})
+METHODS: Mapping[str, Callable[[], Method[Any]]] = MappingProxyType(
+    {
+        "closed-form": _closed_form,
+        "newton": _newton,
+        "cvxpy": _cvxpy,
+    }
+)

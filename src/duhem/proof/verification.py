@@ -229,7 +229,7 @@ def verdict_within(law: Criterion, claim: str, steps: int | Budget) -> Verdict:
     nothing: of most laws that is all.  What finds proofs comes before what refutes.  InputError where the domain is empty.
     """
     check_domain(law)
-    kernel, asked = Confirmations(law, steps if isinstance(steps, Budget) else Budget(steps)), CLAIMS[claim]
+    kernel, asked = Confirmations(law, Budget(steps) if isinstance(steps, int) else steps), CLAIMS[claim]
     with _alone():
         if kernel.proof(claim, CHEAP.steps, CHEAP.as_written) is None:
             for name in sorted(kernel.needs(claim)):
