@@ -12,8 +12,10 @@ import pytest
 
 import duhem
 from duhem import Criterion, Domain, InputError
+from duhem.export import increment_kernel
 from duhem.export.routine import routine
 from duhem.export.source_files import c_file, fortran_file, identifier
+from duhem.projection import quarter_ellipse
 from duhem.testing import checks_for, conformance, pressures
 from duhem.testing.foreign import shared_library, umat
 from tests.campaigns.increments import at_simplest
@@ -404,3 +406,8 @@ def test_a_tangent_that_is_not_known_is_the_stiffness() -> None:
         text = fortran_file(duhem.verify(name, claims=["convexity"]))
         assert "if (status > 1 .and. status /= 5) then" in text and "if (status == 5) dd" in text
         assert max(map(len, text.splitlines())) <= 132  # what a line of Fortran may have
+
+
+def test_ranges_of_the_exported_closed_form_are_those_of_the_closed_form() -> None:
+    """The C text cannot import them: it has the numbers under names of its own."""
+    assert (increment_kernel.WIDE, increment_kernel.DIGITS) == (quarter_ellipse.SAFE, quarter_ellipse.NEAR)

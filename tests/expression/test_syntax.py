@@ -57,6 +57,6 @@ def test_threads_make_trees_at_once(text: str) -> None:
 
 
 def test_nobody_else_asks_python_for_a_tree() -> None:
-    """But the catalogue, for the first line of a law's module: it imports nothing of SymPy."""
+    """Only the catalogue does so too, because it must not import SymPy: it reads the first line of a law's module."""
     source = Path(duhem.__file__).parent
     assert {file.name for file in source.rglob("*.py") if "ast.parse(" in file.read_text("utf-8")} == {"syntax.py", "catalogue.py"}

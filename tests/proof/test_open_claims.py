@@ -105,7 +105,8 @@ def changed(criterion: Criterion, action: str) -> Criterion:
         positive = end is None or (end == "max" and own.positive)
         more["parameters"] = {**criterion.parameters, name: replace(Domain.between(None if positive else low, high), positive=positive)}
     if action.startswith("add the constraint"):
-        more["constraints"] = tuple(re.findall(r'"([^"]*)"', action))
+        more["constraints"] = (*criterion.written_constraints, *re.findall(r'"([^"]*)"', action))
+        more["written_constraints"] = ()
     if found := re.match(r"ask for .* alone: (\w+) = \{ (min|max) = 0 \}", action):
         more["domain"] = {found[1]: Domain.between(0) if found[2] == "min" else Domain.between(None, 0)}
     if found := re.match(r"write (?:(?P<limit>where.*) for (?P<part>.*), and )?max\((?:g|\.\.\.), (?P<ends>.*)\) for g", action):

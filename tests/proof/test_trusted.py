@@ -1,4 +1,4 @@
-"""How much of the kernel a proof rests on: the campaign that counts it, and that it stays below 3,500 lines of code."""
+"""How much of the kernel a proof rests on: the campaign that counts it, and that it stays below 3,000 lines of code, but for one law."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from duhem import load, verify
 from tests.campaigns.trusted import trusted
 
-MOST = 3_500
+MOST = {"antoni2007": 3_000, "willam-warnke-tensor": 3_400}  # its convexity rests on 3,374: rules of the deviator and of the plane, too
 
 
 @pytest.mark.slow
@@ -15,5 +15,5 @@ MOST = 3_500
 def test_a_proof_rests_on_a_part_of_the_kernel(name: str) -> None:
     found = {proof.claim: proof for proof in trusted(name, verify(load(name)).certificate())}
     assert {"origin", "convexity", "dissipation", "state_laws"} <= set(found)
-    assert all(100 < proof.lines <= MOST for proof in found.values())
+    assert all(100 < proof.lines <= MOST[name] for proof in found.values())
     assert found["state_laws"].lines < min(found["origin"].lines, found["convexity"].lines)  # which read the formula

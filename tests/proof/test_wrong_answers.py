@@ -278,7 +278,7 @@ PIECES: dict[str, tuple[bool | None, bool]] = {  # without a gauge to read off; 
 @pytest.mark.parametrize(("g", "truth"), long_but([2, 4, 8], PIECES.items()))
 def test_seams_between_curved_pieces(g: str, truth: tuple[bool | None, bool]) -> None:
     found = verify(_law(g, pressure=None), claims=["convexity", "smoothness"])
-    if truth[0] is None:  # convex, which no rule and no decider shows of the whole; either side of the second such maximum is proved alone
+    if truth[0] is None:  # K is convex, and no rule and no decider shows it; of the maximum each side is proved alone
         assert found["convexity"].verdict is Verdict.TESTED
     else:
         assert found["convexity"].verdict is PROVED if truth[0] else _refuted(found, "convexity")

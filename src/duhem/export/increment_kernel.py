@@ -42,7 +42,7 @@ __all__ = ["INVALID", "OUTSIDE", "UNKNOWN", "increment"]
 
 KINKS = DATA = PARAMETERS = CONSTANTS = NUMBERS = CONDITIONS = 0  # how many the law has, of each
 CLOSES = 0  # 1 where K is proved to be the point 0 at the pressure 0
-QUARTERS = SHAPE = 0  # 1 where K is four quarter ellipses, and the place of their coefficients and load behind what is stated
+QUARTERS = SHAPE = 0  # 1 if K is four quarter ellipses; where their coefficients and their load begin in what is stated
 DEGREE = 1.0  # of g in the forces
 
 
@@ -150,7 +150,7 @@ def increment(trial: Any, pressure: float, stiffness: Any, parameters: Any, stre
 def on_quarters(
     start: Any, k: Any, data: Any, out: Any, v: Any, m: Any, q: Any, held: Any, found: Any, slips: Any, seen: Any
 ) -> int:  # fmt: skip
-    """The closest point of four quarter ellipses under a diagonal stiffness, with a vector whose square is d sigma/d u.
+    """Find the closest point of four quarter ellipses under a diagonal stiffness; v v^T is d sigma/d u if ``seen`` has the vector v.
 
     LEFT where that takes more digits, a number is out of range, or the answer is not on the boundary and along its normal.
     """

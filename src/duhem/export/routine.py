@@ -147,8 +147,8 @@ def _lines(name: str, formula: Callable[..., Any], given: Sequence[str]) -> str:
     """A formula over numbers that fills ``seen`` with what it returns."""
     lines: list[str] = []
     found = formula(*(Name(lines, one) for one in given))
-    ends = [f"    seen[{k}] = {one.name}" for k, one in enumerate(found if isinstance(found, tuple) else (found,))]
-    return "\n".join([f"def {name}({', '.join(f'{one}: float' for one in given)}, seen):", *lines, *ends, "    return"])
+    ends = [f"seen[{k}] = {one.name}" for k, one in enumerate(found if isinstance(found, tuple) else (found,))]
+    return function_text(f"{name}({', '.join(f'{one}: float' for one in given)}, seen)", [*map(str.strip, lines), *ends])
 
 
 def conditions(law: Criterion, settled: Mapping[sp.Symbol, sp.Expr], names: Sequence[str]) -> list[sp.Basic]:

@@ -199,7 +199,7 @@ def made() -> Loops:
         ) -> None:  # fmt: skip
             n, moved = state.shape[0], bool(np.any(centre != 0.0))
             multiplier, psi, dissipation, work, numerical, balance = sums
-            wide = min(_ROW, n)  # rows of s are apart by a number that the compiler knows: only so it takes them on vectors
+            wide = min(_ROW, n)  # the length of a row of s is a constant, so that the compiler uses vector instructions
             s, lengths, loads = np.empty((28, _ROW)), np.empty(wide), np.empty((1, wide))
             trials, nears, slips = np.empty((wide, 2)), np.empty((wide, 2)), np.empty((wide, 2))
             for begin in range(0, n, wide):

@@ -64,9 +64,10 @@ def kernel() -> CompiledText:
 
 
 def kept_function(module: str, made: str, names: str, made_of: Sequence[ModuleType]) -> CompiledText:
-    """A function that a ``module`` makes anew in each process, as one of these arguments that is kept on disk.
+    """Return a compiled function of the arguments ``names`` that is kept on disk.
 
-    What is kept belongs to the text of the modules that it was made of.
+    Each process makes its inner loop by the expression ``made`` of ``module``.  What is kept is used again only while the text of the
+    modules ``made_of`` is the same.
     """
     stamp = hashlib.sha256("".join(map(inspect.getsource, made_of)).encode()).hexdigest()
     head = f"# {stamp}\nfrom {module} import {made.partition('(')[0]}\n\ninner = {made}\n\n\n"

@@ -30,8 +30,8 @@ class Compiling(Options):
     disk.  ``threads`` left out: all there are where it is compiled, else one; NumPy's passes are so short that two threads mostly wait
     for each other.  What is returned does not depend on their number.  Residuals and statuses of more than 4 points are compiled
     with it, unless the law has ranges of its forces.  The first increment of a law waits for the compiler, some 3 to 15 seconds, and a
-    warning of the logger ``duhem`` says so; then the code is kept on disk (DUHEM_CACHE_DIR, else the user's
-    folder for such things), and the next process loads it.  A missing numba raises MissingExtraError.
+    warning of the logger ``duhem`` says so; then the code is kept on disk (DUHEM_CACHE_DIR, else the user's folder for such things), and
+    the next process loads it.  A missing numba raises MissingExtraError.
     """
 
     compiled: bool | None = None

@@ -318,7 +318,7 @@ class _NoMemory(BaseException):
 
 @dataclass(frozen=True)
 class RoutineChecks:
-    """This asks whether one routine conforms to the law of each row: ``duhem.campaign(..., ask=RoutineChecks(update))``.
+    """Ask of each row whether one routine conforms to its law: ``duhem.campaign(..., ask=RoutineChecks(update))``.
 
     ``routine`` is what :func:`duhem.testing.conformance` takes, in a module that another process can import, or its name
     ``module:callable``, which goes to those processes in its place.  A value that the row fixes goes to it too, by name, where it has an

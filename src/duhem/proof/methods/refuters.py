@@ -481,14 +481,14 @@ def _tested(what: str, found: Sequence[int]) -> Evidence | None:
 
 # -- a law kept as a graph ---------------------------------------------------------------------------------------------
 
-_CHOICES = 3
+_CHOICES_OF_A_GRAPH = 3  # of parameters
 _WORD = re.compile(r"\w\s*\(|\*\*")
 _NEGATIVE_WEIGHT = re.compile(rf"-\s*(?P<number>{DECIMAL})\)?\s*\*\s*(?P<of>[^\W\d]\w*)(?!\s*\()")
 
 
 def origin_of_graph(subject: GraphSubject) -> Evidence | None:
     """Refute by parameters at which g(0) > 0."""
-    found = (origin_outside(subject, parameters) for parameters in subject.choices(_CHOICES))
+    found = (origin_outside(subject, parameters) for parameters in subject.choices(_CHOICES_OF_A_GRAPH))
     return Evidence.refuted_by(found, "witness-point", "zero force is outside K")
 
 
@@ -496,7 +496,7 @@ def convexity_of_graph(subject: GraphSubject) -> Evidence | None:
     """Refute by a chord that leaves K."""
     from duhem.proof.search.graph_chords import graph_chords
 
-    found = (chord(subject, values, *ends) for values in subject.choices(_CHOICES) for ends in graph_chords(subject, values))
+    found = (chord(subject, values, *ends) for values in subject.choices(_CHOICES_OF_A_GRAPH) for ends in graph_chords(subject, values))
     return Evidence.refuted_by(found, "witness-chord", "a chord between two points of K leaves K")
 
 

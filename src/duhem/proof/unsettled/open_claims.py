@@ -69,7 +69,7 @@ _OF_A_POTENTIAL = {
 _OF_G = ("origin", "convexity", "smoothness", "duality")  # claims about g alone
 _OF_ANY_K = ("origin", "state_laws", "thermal")  # of an empty K they are not proved, or they are about something else
 _STEPS = 3_000_000
-Decide = Callable[[Criterion, str, Budget], Verdict]
+DecideLaw = Callable[[Criterion, str, Budget], Verdict]  # the verdict on a claim of a law
 _CHOICES = 6  # of parameters
 _LONGEST = 240  # letters of a part that is told
 _DIGITS = 6
@@ -93,7 +93,7 @@ parameters) and asked again.  It suggests a change only if the claim was settled
 claim that is refuted with fixed parameters is false for the law.  If nothing helped, the form of the part is likely to blame."""
 
 
-class _Asked(NamedTuple):
+class _OpenClaim(NamedTuple):
     """An open claim, with what was found of the others, and the law as the kernel reads it."""
 
     claim: str
@@ -109,7 +109,7 @@ class OpenClaims:
     ``decide`` gives the verdict on a changed law.
     """
 
-    def __init__(self, law: Law, decide: Decide | None = None) -> None:
+    def __init__(self, law: Law, decide: DecideLaw | None = None) -> None:
         self._law, self._decide, self._tried = law, decide, Attempts()
         self._forms: dict[Subject, list[Form]] = {}
 
@@ -122,11 +122,11 @@ class OpenClaims:
         if isinstance(subject, GraphSubject):  # its detail names what is open
             return Unsettled(inequality)
         try:
-            return self._explained(inequality, _Asked(claim, law, law_as_text(law), subject, settled))
+            return self._explained(inequality, _OpenClaim(claim, law, law_as_text(law), subject, settled))
         except Exception:  # the verdicts stand, whatever goes wrong in what is said beside them
             return Unsettled(inequality)
 
-    def _explained(self, inequality: str, asked: _Asked) -> Unsettled:
+    def _explained(self, inequality: str, asked: _OpenClaim) -> Unsettled:
         claim, law, subject, settled = asked.claim, asked.law, asked.subject, asked.settled
         exhausted = subject.budget.left * 8 < subject.budget.left + subject.budget.spent
         subject.allow(_STEPS)
@@ -154,7 +154,7 @@ class OpenClaims:
         part, why = (None, None) if found is None else _quoted(asked, found, names)
         return Unsettled(inequality, part, why, place, measure, margin, tuple(actions))
 
-    def _same(self, asked: _Asked, names: Names) -> list[Form]:
+    def _same(self, asked: _OpenClaim, names: Names) -> list[Form]:
         """Forms of g with which K seems to be as it was, each made once."""
         if asked.subject not in self._forms:
             self._forms[asked.subject] = [] if asked.claim == "duality" else [*_with_values(asked, names)]
@@ -169,7 +169,7 @@ def _inequality(claim: str, law: Law) -> str:
     return {**_INEQUALITIES, **own}.get(claim, EVERY[claim].statement)
 
 
-def _quoted(asked: _Asked, found: Blocked, names: Names) -> tuple[str, str]:
+def _quoted(asked: _OpenClaim, found: Blocked, names: Names) -> tuple[str, str]:
     """The part that no rule reads as the law has it, and what is lacking."""
     text, why = in_text(found.part, names), found.why
     if len(text) > _LONGEST:
@@ -179,7 +179,7 @@ def _quoted(asked: _Asked, found: Blocked, names: Names) -> tuple[str, str]:
     return text, why
 
 
-def _with_values(asked: _Asked, names: Names) -> Iterator[Form]:
+def _with_values(asked: _OpenClaim, names: Names) -> Iterator[Form]:
     """Forms of g in which parts that have no value at a tip have one, and with which K seems to be as it was."""
     with suppress(*UNREADABLE, TooDearError), within(_STEPS):
         if "g" in asked.text and isinstance(asked.subject, FormulaSubject) and isinstance(read := StatedLaw.read(asked.text), StatedLaw):
@@ -187,7 +187,7 @@ def _with_values(asked: _Asked, names: Names) -> Iterator[Form]:
             yield from (form for form in texts if keeps_k(asked.subject, form[1]))
 
 
-def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:
+def _choices(asked: _OpenClaim) -> Iterator[dict[str, Fraction]]:
     """Values of the law's free parameters, as its subject chooses them."""
     subject, free = asked.subject, _free(asked.law)
     for values in subject.choices(_CHOICES):
@@ -197,12 +197,12 @@ def _choices(asked: _Asked) -> Iterator[dict[str, Fraction]]:
             yield {name: named[name] for name in free}
 
 
-def _with_k(asked: _Asked, plain: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
+def _with_k(asked: _OpenClaim, plain: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
     """Of plain values, and then of the subject's, those with which K is not empty."""
     return (values for values in chain(plain, _choices(asked)) if _has_k(asked, values))
 
 
-def _has_k(asked: _Asked, values: Mapping[str, Any]) -> bool:
+def _has_k(asked: _OpenClaim, values: Mapping[str, Any]) -> bool:
     """Whether K has a boundary in floats with these values, or zero force is shown to lie in it: of an empty K much is proved."""
     law, origin = asked.law, asked.settled.get("origin")
     known = asked.claim in _OF_ANY_K or (origin is not None and origin.verdict is Verdict.PROVED)
@@ -213,7 +213,7 @@ def _has_k(asked: _Asked, values: Mapping[str, Any]) -> bool:
     return False
 
 
-def _everything(asked: _Asked, decide: Decide | None) -> Callable[[str, Mapping[str, Any], Budget], Verdict | None] | None:
+def _everything(asked: _OpenClaim, decide: DecideLaw | None) -> Callable[[str, Mapping[str, Any], Budget], Verdict | None] | None:
     """What decides a claim about K of the law with changes; None of a law that has more than K."""
     law, own = asked.law, asked.claim
     if decide is None or not isinstance(law, Criterion) or law.forces_of_rates or law.viscous:
@@ -257,14 +257,14 @@ def _free(law: Law) -> list[str]:
     return [name for name, domain in law.parameters.items() if domain.value is None]
 
 
-def _rests_on(asked: _Asked) -> Iterator[str]:
+def _rests_on(asked: _OpenClaim) -> Iterator[str]:
     """What the claim of an associated law follows from."""
     if isinstance(asked.subject, FormulaSubject) and asked.subject.problem.associated and not isinstance(asked.subject, RateSubject):
         wanted = {"normality": ("convexity",), "dissipation": ("convexity", "origin")}.get(asked.claim, ())
         yield from (name for name in wanted if name in asked.settled)
 
 
-def _closest(asked: _Asked) -> tuple[Mapping[str, str], str | None, float | None]:
+def _closest(asked: _OpenClaim) -> tuple[Mapping[str, str], str | None, float | None]:
     """Parameters, forces and pressure of the least margin, what is measured, and the margin."""
     subject = asked.subject
     of_k = isinstance(subject, FormulaSubject) and not isinstance(subject, RateSubject) and not subject.of.viscous
