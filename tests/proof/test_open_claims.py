@@ -209,7 +209,7 @@ def test_a_place_at_which_the_claim_seems_to_fail_is_suggested() -> None:
 def test_no_values_are_suggested_at_which_k_is_empty() -> None:
     # a disk of radius c - 1, whose centre is not 0
     disk = law("(a - 9)**2 + b**2 - (c - 1)*abs(c - 1)", {"c": Domain.between(0, 5)})
-    asked = open_claims._Asked("smoothness", disk, law_as_text(disk), FormulaSubject(disk), {})
+    asked = open_claims._OpenClaim("smoothness", disk, law_as_text(disk), FormulaSubject(disk), {})
     choices = [{"c": Fraction(value)} for value in ("0", "1/2", "3")]
     assert next(iter(open_claims._with_k(asked, choices))) == {"c": 3}
     root = TOLD[8][0]
