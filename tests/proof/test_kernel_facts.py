@@ -14,6 +14,7 @@ from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.steps import within
 from duhem.proof.kernel.term import parse
 from tests.long import long_but, mostly_slow
 from tests.oracles import drawn_formulas
@@ -223,6 +224,18 @@ def test_a_tangent_beyond_a_right_angle(text: str) -> None:
     wrong = {"tan(-2 - e)": 1, "-where(tan(2) > 0, 1, -1)": 1}.get(text, 4)
     assert known.defined and known.sign & ~(wrong | 2)
     assert not known.convex or "a" not in text.replace("tan", "")
+
+
+@pytest.mark.parametrize("low", ["(sqrt(10741) - 91)/20", "(sqrt(61) - 7)/2", "(1 + sqrt(3))/4"])
+def test_signs_of_powers_between_ends_with_roots_cost_little(low: str) -> None:
+    """Of x^-4 less a number, where x lies between a number with a root and a fraction: the square of such a sum has the root again."""
+    x, parameters = f"({low}*(1 - t) + 3943/3812*t)", {"t": {"positive": True, "max": "1"}}
+    between = over(StatedLaw.read({"forces": ("a",), "pressure": None, "parameters": parameters, "constraints": [], "g": "a", "flow": None}))
+    most, least = (mpmath.mpf(eval(x, {"sqrt": mpmath.sqrt, "t": t})) ** -4 for t in (0, 1))
+    for c in ("1/1000000", "2", "100"):
+        with within(500_000):
+            shown = said(between.facts(parse(f"1/{x}**4 - {c}")))
+        assert shown[0] == (">" if least > eval(c) else "<" if most < eval(c) else "?")
 
 
 REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [

@@ -91,7 +91,9 @@ def _of_sum_with_a_size(term: Term, domain: StatedDomain) -> Sign:
             continue
         (size,), rest = sizes, sum_of(*term.args[:i], *term.args[i + 1 :])
         if way == NEGATIVE:
-            if size.op == "**" and len(term.names() - {"pi"}) == 1 and (sign := _of_less_a_root(rest, scale, size.args[0], domain)) != ANY:
+            # of the root of a plain number squares leave a sum with the root again
+            one_name = len(size.names() - {"pi"}) == len(term.names() - {"pi"}) == 1
+            if size.op == "**" and one_name and (sign := _of_less_a_root(rest, scale, size.args[0], domain)) != ANY:
                 return sign
             continue
         if size.op == "abs":  # c |x| + y < 0 where c x + y < 0 and -c x + y < 0
