@@ -230,7 +230,9 @@ def test_a_tangent_beyond_a_right_angle(text: str) -> None:
 def test_signs_of_powers_between_ends_with_roots_cost_little(low: str) -> None:
     """Of x^-4 less a number, where x lies between a number with a root and a fraction: the square of such a sum has the root again."""
     x, parameters = f"({low}*(1 - t) + 3943/3812*t)", {"t": {"positive": True, "max": "1"}}
-    between = over(StatedLaw.read({"forces": ("a",), "pressure": None, "parameters": parameters, "constraints": [], "g": "a", "flow": None}))
+    between = over(
+        StatedLaw.read({"forces": ("a",), "pressure": None, "parameters": parameters, "constraints": [], "g": "a", "flow": None})
+    )
     most, least = (mpmath.mpf(eval(x, {"sqrt": mpmath.sqrt, "t": t})) ** -4 for t in (0, 1))
     for c in ("1/1000000", "2", "100"):
         with within(500_000):

@@ -231,3 +231,68 @@ def test_the_search_begins_with_the_lines_that_refuted_the_cell_before(monkeypat
 
     monkeypatch.setattr(chords, "_of_lines", again)
     assert asked.refuted(ParameterCell(quarter, half, False, True)) is not None
+
+
+# -- of angles ---------------------------------------------------------------------------------------------------------
+
+RADIAL = {  # g without a value at zero force, and where a ray leaves K
+    "norm(x, y) + a*x*y/norm(x, y) - 1": lambda a, c, s: 1 / (1 + a * c * s),
+    "norm(x, y)*(2 + a*x**3/norm(x, y)**3) - 1": lambda a, c, s: 1 / (2 + a * c**3),
+    "x**2 + y**2 + a*x**2*y**2/(x**2 + y**2) - 1": lambda a, c, s: (1 + a * c**2 * s**2) ** -0.5,
+    "1 + a*x*y/norm(x, y)": lambda a, c, s: np.nan,  # it is outside at once
+}
+
+
+@pytest.mark.parametrize("g", RADIAL)
+def test_rays_start_where_an_angle_has_no_value(g: str) -> None:
+    law = stated(law_as_text(duhem.Criterion("radial", g, {"a": BETWEEN("1/4", 1)}, ("x", "y"), None)))
+    assert isinstance(law, StatedLaw)
+    values, turns = np.array([0.25, 0.5, 0.75]), np.linspace(0.1, 6.2, 40)
+    ways = np.array([np.cos(turns), np.sin(turns)]).T[:, None]
+    expected = [[RADIAL[g](a, *way[0]) for a in values] for way in ways]
+    assert np.allclose(chords._reach(law, {"a": values}, np.zeros_like(ways), ways), expected, rtol=1e-9, equal_nan=True)
+
+
+GAMMA, SHARES = mpmath.mpf(9) / 10, (0, 1e-9, *np.linspace(0.02, 0.98, 25).tolist(), 1)
+
+
+def of_bigoni(beta: Any, *s: Any) -> Any:
+    """g of Bigoni and Piccolroaz with the numbers of the atlas, written again, within its meridian."""
+    p = -mpmath.fsum(s) / 3
+    d = [x + p for x in s]
+    second, third, f = mpmath.fsum(x * x for x in d) / 2, mpmath.fprod(d), (p + mpmath.mpf("0.1")) / mpmath.mpf("1.1")
+    assert 0 < f < 1
+    angle = mpmath.acos(GAMMA * 3 * mpmath.sqrt(3) / 2 * third / second**1.5) / 3
+    meridian = mpmath.mpf("1.1") * mpmath.sqrt((f - f * f) * (2 * mpmath.mpf("0.7") * f + mpmath.mpf("0.3")))
+    return mpmath.sqrt(3 * second) * mpmath.cos(beta * mpmath.pi / 6 - angle) - meridian
+
+
+def of_beta() -> Asked:
+    return Asked(duhem.load("bigoni-piccolroaz").within({"beta": BETWEEN(-1, 3)}), "convexity", ("beta",))
+
+
+@pytest.mark.parametrize("near", [("-1/7", "-1/10"), ("-1/19", "-1/26"), ("53/26", "39/19"), ("-1/26", "-1/30")])
+def test_chords_between_rays_refute_where_the_lode_angle_enters(near: tuple[str, str]) -> None:
+    """The ends of the chords lie in K at many values of the cell, and the midpoint does not: in thirty digits."""
+    low, high = (RealRoot.of(Fraction(x)) for x in near)
+    found = of_beta().refuted(ParameterCell(low, high))
+    assert found is not None and found.row is not None and found.row["rule"] == "chord"
+    evidence = found.row["evidence"]
+    with mpmath.workdps(30):
+        for share in SHARES:
+            beta = exactly(near[0]) * (1 - share) + exactly(near[1]) * share
+            p, q = ([exactly(evidence[key].get(f"sigma_{i}", "0"), beta=beta) for i in (1, 2, 3)] for key in ("p", "q"))
+            levels = [of_bigoni(beta, *s) for s in (p, q, [(x + y) / 2 for x, y in zip(p, q, strict=True)])]
+            assert levels[0] <= 0 and levels[1] <= 0 < levels[2], beta
+
+
+def test_beside_a_convex_end_no_chord_is_looked_for_that_would_leave_k_there_too() -> None:
+    """K is still convex a little below beta = 0 (the curvature of 1/r shows it), so nothing refutes up to there; it is cheap to see."""
+    least = 6 / mpmath.pi * (mpmath.acos(GAMMA) / 3 - mpmath.atan(mpmath.sqrt(1 - GAMMA**2) / (3 * GAMMA)))
+    zero, asked = RealRoot.of(Fraction(0)), of_beta()
+    asked._known[ParameterCell(zero, zero)] = Decided(ParameterCell(zero, zero), "proved")
+    for n in (5, 26, 47):
+        assert -mpmath.mpf(1) / n < least < -mpmath.mpf(1) / 54
+        before = asked.steps
+        assert asked.refuted(ParameterCell(RealRoot.of(Fraction(-1, n)), zero, True, True)) is None
+        assert asked.steps - before < 400_000

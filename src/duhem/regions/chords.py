@@ -3,7 +3,7 @@
 They join two points of a grid; or, in a plane of forces, two where lines from points of an axis leave K, or the ranges of the forces.
 Where K turns convex at an end of a cell of one parameter, chords are the shorter, or leave K by the less, the nearer the parameter is to
 that end.  So there an end of a chord begins where a line leaves K at that very value, or at a tip of K on the axis, and moves with the
-distance from it.
+distance from it.  A chord of another kind would leave a convex K at that value too, or touch its boundary there.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from itertools import chain, combinations, islice, permutations, product
+from itertools import combinations, islice, permutations, product
 from math import cos, pi, sin
 from typing import Any, NamedTuple
 
@@ -24,7 +24,7 @@ from duhem.regions.seen import Array, Flags, count, in_ranges, value_of
 
 __all__ = ["Family", "Suggestion", "along", "chords"]
 
-_STARTS, _TURNS = 193, 16  # of lines both ways from an axis, and around its origin
+_STARTS, _TURNS = 193, 64  # of lines both ways from an axis, and around its origin
 _STEPS, _FEW = (1, 2, 3, 5), 12  # between the starts of two lines; of others every so many
 _FAR = (1, 64)  # along an axis, in halves of the range of a force that has one
 _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
@@ -78,8 +78,9 @@ def along(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction],
 def chords(law: StatedLaw, places: Mapping[str, Array], names: Sequence[str], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
     """Chords that leave K at all of some values of the parameters; with the same ends for all, if these do.
 
-    First come those of grids, then those that move with the distance from an end of a cell of one parameter at which K is ``turning``
-    convex.  A plane of parameters has many cells, and chords between lines would take the steps by which they are divided.
+    First come those of grids.  Of one parameter there are more, between lines; beside an end of a cell at which K is ``turning`` convex
+    these are those that move with the distance from it.  A plane of parameters has many cells, and chords between lines would take the
+    steps by which they are divided.
     """
     yield from islice(_of_grids(law, places), _FEW_CHORDS)
     if len(names) == 1:
@@ -92,7 +93,7 @@ def _of_lines(law: StatedLaw, places: Mapping[str, Array], turning: Sequence[Fra
     planes, moves = [*_planes(law, few)], (False, True) if places else (False,)
     near = (family for plane in planes for end in turning for family in _near(law, few, plane, end))
     others = (Family(_lines(*plane, far), moving) for plane in planes for far in _FAR for moving in moves)
-    for family in chain(near, others):
+    for family in near if turning else others:
         pay(_PRICE)
         if (best := _Lines.of(law, few, family).deepest()) is not None:
             yield from _Lines.of(law, places, family._replace(lines=[family.lines[k] for k in best])).told()
@@ -186,7 +187,7 @@ def _lines(origin: Vector, along: Vector, across: Vector, far: int) -> list[_Lin
     """Both ways from points of the axis, and all around from its origin."""
     shares, nothing = [Fraction(far * (2 * k - _STARTS + 1), _STARTS - 1) for k in range(_STARTS)], (Fraction(0),) * len(origin)
     starts = [tuple(o + share * a for o, a in zip(origin, along, strict=True)) for share in shares]
-    turns = [[Fraction(word(2 * pi * k / _TURNS)).limit_denominator(8) for word in (cos, sin)] for k in range(_TURNS)]
+    turns = [[Fraction(word(2 * pi * k / _TURNS)).limit_denominator(16) for word in (cos, sin)] for k in range(_TURNS)]
     around = [_Line(origin, tuple(one * a + two * b for a, b in zip(along, across, strict=True)), nothing) for one, two in turns]
     return [*(_Line(start, tuple(way * x for x in across), nothing) for start in starts for way in (1, -1)), *around]
 
@@ -268,7 +269,7 @@ class _Lines:
         """The chord of the only two lines with ends in short numbers, which lie as far inside as the midpoint allows."""
         own, both, begins = self.fitted(), np.array([[0], [1]]), self.family.end is not None
         inward = np.eye(own.shape[1])[int(begins)] * max(1.0, float(np.abs(own).max()))
-        for bits in range(3, 42, 3):
+        for bits in np.arange(3, 42, 0.25).tolist():
             if self.levels(own - 2.0**-bits * inward, both)[0] > _ROUNDING:
                 fine = int(2.0 ** (bits + 4) * max(1.0, *(float(np.abs(x).max()) for x in self.powers.values())))
                 exact = [[Fraction(x).limit_denominator(fine) for x in line] for line in (own - 2.0 ** -(bits + 1) * inward).tolist()]
@@ -291,18 +292,21 @@ class _Lines:
 def _reach(law: StatedLaw, places: Mapping[str, Array], starts: Array, ways: Array) -> Array:
     """How far along lines each leaves K first, at each of the places."""
 
-    def inside(radii: Array) -> Flags:
+    def level(radii: Array) -> Array:
         points = starts[:, :, None] + radii[..., None] * ways[:, :, None]
-        held = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2])) <= 0
-        return held.reshape(len(points), -1, points.shape[1]).transpose(0, 2, 1)
+        found = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2]))
+        return found.reshape(len(points), -1, points.shape[1]).transpose(0, 2, 1)
 
     shape = (len(starts), count(places))
-    first = np.logical_and.accumulate(inside(np.broadcast_to(_RADII, (*shape, len(_RADII)))), axis=2).sum(axis=2)  # outside
+    found = level(np.broadcast_to(_RADII, (*shape, len(_RADII))))
+    held = found <= 0
+    held[..., 0] |= np.isnan(found[..., 0]) & held[..., 1]  # an angle has no value on the axis from which a line starts
+    first = np.logical_and.accumulate(held, axis=2).sum(axis=2)  # outside
     low, high = _RADII[np.maximum(first - 1, 0)], _RADII[np.minimum(first, len(_RADII) - 1)]
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        held = inside(middle[:, :, None])[:, :, 0]
-        low, high = np.where(held, middle, low), np.where(held, high, middle)
+        inside = level(middle[:, :, None])[:, :, 0] <= 0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
     return np.where(first == 0, np.nan, low)  # it does not start in K
 
 

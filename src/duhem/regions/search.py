@@ -6,7 +6,6 @@ among roots of short polynomials.  Only what the kernel confirms over a whole ce
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -23,7 +22,7 @@ from duhem.regions.seen import changes
 __all__ = ["Asked", "cells_of"]
 
 _IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
-_MOST_ASKED, _MOST_NEAR = 30, 3  # the most whole verifications; the most cells beside an end on which moving chords are looked for
+_MOST_ASKED = 30  # the most whole verifications
 
 
 @dataclass
@@ -36,7 +35,6 @@ class Asked(AsksTheKernel):
     whole: ParameterCell = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
     _refuted: dict[ParameterCell, Decided | None] = field(default_factory=dict)
-    near: Counter[RealRoot] = field(default_factory=Counter)  # how often chords that move with the distance from an end were looked for
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -80,9 +78,8 @@ class Asked(AsksTheKernel):
             ends = [end for end in (cell.high, cell.low) if end is not None and end.exact]
             away = [f"({self.name} - ({end.low}))" if end is cell.low else f"({end.low} - {self.name})" for end in ends]
             held = {end for known in self._known.values() if known is not None for end in known.cell[:2]}
-            left_out = [end for end, out in zip(cell[:2], cell[2:], strict=True) if out and end in ends and end in held]
-            turning = [end.low for end in left_out if end is not None and self.near[end] < _MOST_NEAR]
-            self.near.update(end for end in left_out if end is not None)
+            left_out = (end for end, out in zip(cell[:2], cell[2:], strict=True) if out and end in ends and end in held)
+            turning = [end.low for end in left_out if end is not None]
             row = None if self.spent else self.refutation(self.over(cell), away, ends[::-1], turning)
             self._refuted[cell] = None if row is None else Decided(cell, "refuted", row)
         return self._refuted[cell]
