@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -235,7 +235,7 @@ def test_the_search_begins_with_the_lines_that_refuted_the_cell_before(monkeypat
 
 # -- of angles ---------------------------------------------------------------------------------------------------------
 
-RADIAL = {  # g without a value at zero force, and where a ray leaves K
+RADIAL: dict[str, Callable[[float, float, float], float]] = {  # g without a value at zero force, and where a ray leaves K
     "norm(x, y) + a*x*y/norm(x, y) - 1": lambda a, c, s: 1 / (1 + a * c * s),
     "norm(x, y)*(2 + a*x**3/norm(x, y)**3) - 1": lambda a, c, s: 1 / (2 + a * c**3),
     "x**2 + y**2 + a*x**2*y**2/(x**2 + y**2) - 1": lambda a, c, s: (1 + a * c**2 * s**2) ** -0.5,
