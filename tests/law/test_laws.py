@@ -270,3 +270,13 @@ def test_a_positive_parameter_has_no_other_least_value() -> None:
     assert Domain(positive=True) == POSITIVE and -1 not in Domain(positive=True)
     with pytest.raises(InputError, match="a positive parameter has the least value 1"):
         Domain(low=sp.Integer(1), high=sp.Integer(2), positive=True)
+
+
+def test_ends_of_a_domain_are_read_exactly_however_it_is_made() -> None:
+    assert Domain("1/10", 0.5) == Domain.between(sp.Rational(1, 10), "1/2") and Domain(high="0.3", positive=True).high == sp.Rational(3, 10)
+    assert 9.5 in Domain("9", "10") and 0.3 not in Domain("9", "10")
+    with pytest.raises(InputError, match="a positive parameter has the least value 1/10"):
+        Domain("0.1", positive=True)
+    for wrong in ("x", True, "1/0"):
+        with pytest.raises(InputError):
+            Domain(wrong)

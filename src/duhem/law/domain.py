@@ -21,7 +21,7 @@ __all__ = ["POSITIVE", "REAL", "Domain", "Domains", "by_name", "cover", "range_f
 
 @dataclass(frozen=True)
 class Domain:
-    """Where a parameter may lie: an interval with rational ends; ``None`` means no end.
+    """Where a parameter may lie: an interval with rational ends, numbers or texts that are read exactly; ``None`` means no end.
 
     ``positive`` makes the lower end 0 an open one; every other end is closed.  Equal ends fix the value.
     """
@@ -31,6 +31,9 @@ class Domain:
     positive: bool = False
 
     def __post_init__(self) -> None:
+        for side in ("low", "high"):
+            if (end := getattr(self, side)) is not None:
+                object.__setattr__(self, side, exact_number(end))
         if self.positive and self.low not in (None, 0):
             raise InputError(f"a positive parameter has the least value {self.low}", remedy="remove positive or the least value")
         if self.positive:
@@ -43,14 +46,12 @@ class Domain:
     @classmethod
     def between(cls, low: Any = None, high: Any = None) -> Domain:
         """Closed interval; you may omit either end.  Numbers are read exactly, decimals as rationals."""
-        low, high = (None if end is None else exact_number(end) for end in (low, high))
         return cls(low, high)
 
     @classmethod
     def fixed(cls, value: Any) -> Domain:
         """One value."""
-        exact = exact_number(value)
-        return cls(exact, exact)
+        return cls(value, value)
 
     @property
     def value(self) -> sp.Rational | None:
