@@ -6,16 +6,16 @@ And exact parameter values to look at: inside the ranges that single relations g
 from __future__ import annotations
 
 import random
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property, wraps
-from itertools import combinations, product
+from itertools import combinations, islice, product
 from math import prod
 from typing import Any, TypeVar
 
 import sympy as sp
 
+from duhem.expression import holds_at
 from duhem.expression.number import rational
 from duhem.expression.parse import parse_as_written
 from duhem.law.curve_law import Law
@@ -27,12 +27,13 @@ __all__ = ["Point", "Subject", "Values", "fact", "middle_of", "plain_choices", "
 _SCALES = (Fraction(1), Fraction(1, 2), Fraction(2), Fraction(1, 10), Fraction(10), Fraction(1, 100), Fraction(100))
 _SHARES = (Fraction(0), Fraction(1), *(Fraction(k, 100) for k in (50, 1, 99, 25, 75, 90)))
 _MOST_TOGETHER, _DRAWN = 4096, 400
+_MOST_CHOICES = 200
 
 Values = Mapping[sp.Symbol, Fraction]
 Point = tuple[Fraction, ...]  # in the force space of the simple problem
 
 
-class Subject(ABC):
+class Subject:
     """What the methods of proof are asked about; a law given by a formula and one given by a boundary curve differ in the rest."""
 
     law: Law
@@ -119,9 +120,14 @@ class Subject(ABC):
         """Whether a violation of the claim at exact points, by name, lies where the claim is asked."""
         return True
 
-    @abstractmethod
     def choices(self, most: int) -> Iterator[Values]:
         """Exact values of the free parameters inside the domain, the plainest first."""
+        yield from islice(filter(self.admits, islice(plain_choices(self.free, self.given), _MOST_CHOICES)), most)
+
+    def admits(self, values: Values) -> bool:
+        """Whether the values satisfy every relation of the law's domain, in exact arithmetic."""
+        exact = rationals(values)
+        return all(holds_at(relation, exact) for relation in self.given)
 
 
 S = TypeVar("S", bound=Subject)
