@@ -81,22 +81,17 @@ def branches(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...]:
 
     wheres = expr.has(Where)  # then what holds only where a switch is 0 must be kept
 
-    def join(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
-        return _capped((b for parts in _joint(values, wheres) for b in _rebuilt(node, parts, wheres)), most)
-
-    def kink(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
-        return _capped((b for parts in _joint(values, wheres) for b in _split(node, parts, wheres)), most)
-
-    table: dict[type, Callable[..., tuple[Branch, ...]]] = dict.fromkeys(KINKS, kink)
+    def row(made: Callable[..., Iterable[Branch | None]]) -> Callable[..., tuple[Branch, ...]]:
+        return lambda node, *values: _capped((b for parts in _joint(values, wheres) for b in made(node, parts, wheres)), most)
 
     class _Table(dict[type, Callable[..., tuple[Branch, ...]]]):
         def get(self, key: Any, default: Any = None) -> Any:
             if key is EigMax:
                 raise TooManyBranchesError("the branches of an eigenvalue are not told apart")
             # every other node is smooth: rebuild it branch by branch
-            return super().get(key, join)
+            return super().get(key, row(_rebuilt))
 
-    return fold(expr, _Table(table), lambda leaf: (Branch({}, leaf),))
+    return fold(expr, _Table(dict.fromkeys(KINKS, row(_split))), lambda leaf: (Branch({}, leaf),))
 
 
 def almost_everywhere(expr: Any, place: Mapping[sp.Symbol, sp.Expr] = MappingProxyType({})) -> Any:
