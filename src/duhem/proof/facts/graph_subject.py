@@ -6,7 +6,7 @@ The kernel alone proves what is said of such a law.  A refutation is a value enc
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
@@ -14,7 +14,7 @@ from functools import cached_property
 import sympy as sp
 
 from duhem.expression.fold import Graph
-from duhem.expression.number import fraction, rational
+from duhem.expression.number import fraction
 from duhem.expression.vocabulary import KINKS
 from duhem.law.domain import REAL
 from duhem.law.formula_law import Criterion
@@ -52,11 +52,6 @@ class GraphSubject(Subject):
     def may_prove(self, claim: str) -> bool:
         """The kernel alone proves."""
         return False
-
-    def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
-        """Whether all of them lie in the ranges of the law."""
-        spans = self.law.domain.items()
-        return all(name in point and rational(Fraction(point[name])) in span for point in points for name, span in spans)
 
     @property
     def stated(self) -> sp.Basic:

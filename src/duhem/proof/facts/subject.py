@@ -19,6 +19,7 @@ from duhem.expression import holds_at
 from duhem.expression.number import rational
 from duhem.expression.parse import parse_as_written
 from duhem.law.curve_law import Law
+from duhem.law.formula_law import Criterion
 from duhem.proof.decide import ANY_STEPS, Answer, Budget, Question, decide
 from duhem.proof.decide.question import Obligation, bounds, obligations
 
@@ -28,6 +29,7 @@ _SCALES = (Fraction(1), Fraction(1, 2), Fraction(2), Fraction(1, 10), Fraction(1
 _SHARES = (Fraction(0), Fraction(1), *(Fraction(k, 100) for k in (50, 1, 99, 25, 75, 90)))
 _MOST_TOGETHER, _DRAWN = 4096, 400
 _MOST_CHOICES = 200
+_MARGIN = Fraction(1, 2**20)  # larger than the boxes in which corners are held
 
 Values = Mapping[sp.Symbol, Fraction]
 Point = tuple[Fraction, ...]  # in the force space of the simple problem
@@ -117,8 +119,14 @@ class Subject:
         return need.met(lambda expr, sense, there: self.decided(Question(expr, sense, (*given, *there))).holds is True)
 
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
-        """Whether a violation of the claim at exact points, by name, lies where the claim is asked."""
-        return True
+        """Whether a violation of the claim at exact points, by name, lies in the ranges of the law, a corner with its sides."""
+        ranges = self.law.domain if isinstance(self.law, Criterion) else {}
+        beside = {name: _MARGIN if claim == "smoothness" and name in self.law.forces else Fraction(0) for name in ranges}
+        return all(
+            name in point and all(rational(Fraction(point[name]) + step) in span for step in {-beside[name], beside[name]})
+            for point in points
+            for name, span in ranges.items()
+        )
 
     def choices(self, most: int) -> Iterator[Values]:
         """Exact values of the free parameters inside the domain, the plainest first."""
