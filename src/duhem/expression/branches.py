@@ -198,12 +198,10 @@ def _split(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Br
     if where is None:
         return
     values = [p.expr for p in parts]
-    if isinstance(node, sp.Abs):
-        yield _with(where, [(values[0], 1)], values[0])
-        yield _with(where, [(values[0], -1)], -values[0])
-    elif isinstance(node, Pos | Neg):
-        yield _with(where, [(values[0], node.slope)], node.slope * values[0])
-        yield _with(where, [(values[0], -node.slope)], sp.S.Zero)
+    if isinstance(node, sp.Abs | Pos | Neg):
+        slope, below = (1, -values[0]) if isinstance(node, sp.Abs) else (node.slope, sp.S.Zero)
+        yield _with(where, [(values[0], slope)], slope * values[0])
+        yield _with(where, [(values[0], -slope)], below)
     elif isinstance(node, sp.Max | sp.Min):
         sense = 1 if isinstance(node, sp.Max) else -1
         for i, value in enumerate(values):
