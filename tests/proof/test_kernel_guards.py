@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import reduce
 from typing import Any
 
 import pytest
@@ -16,6 +17,7 @@ from duhem.proof.kernel.forms import at_end_of
 from duhem.proof.kernel.pieces import CHOICES, pieces
 from duhem.proof.kernel.plane_function import plain
 from duhem.proof.kernel.plane_gauge import arcs
+from duhem.proof.kernel.polynomial import times, total
 from duhem.proof.kernel.signs import _quotient
 from duhem.proof.kernel.spectrum import freed_of_roots, quasiconvex_with_parts_freed
 from duhem.proof.kernel.term import NotWritten, Term, parse
@@ -107,11 +109,12 @@ def test_angles_all_around() -> None:
             enclosed(parse(text), box)
 
 
-def test_invariants_that_depend_on_each_other_say_nothing() -> None:
-    a = parse("a")
+def test_invariants_that_depend_on_each_other_tell_a_polynomial_by_some_of_them() -> None:
+    a, second = parse("a"), poly("a**2")
     for third in ({}, poly("a**3")):
-        with pytest.raises(NotWritten, match="not independent"):
-            Invariants((a,), poly("a**2"), third).of(poly("a**6"))
+        k, shares = Invariants((a,), second, third).of(poly("a**6"))
+        told = (reduce(times, [second] * ((6 - 3 * j) // 2) + [third] * j, share) for j, share in shares.items())
+        assert k == 6 and total(*told) == poly("a**6")
 
 
 @pytest.mark.parametrize(("p", "q"), [((1, 0, 1), (1, 1)), ((1, 0, 3), (0, 2)), ((0, 1), (1, 1)), ((1, 1), (2, 3))])

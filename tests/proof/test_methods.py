@@ -66,9 +66,9 @@ def test_a_method_is_asked_about_the_laws_it_takes_alone() -> None:
     )
     assert claim.examine(FormulaSubject(load("coulomb")), {}) is PROVED and asked == ["any law", "formula"]
     assert claim.examine(CurveSubject(DISK), {}) is PROVED and asked[2:] == ["curve"]
-    told: list[str] = []
-    claim.examine(FormulaSubject(load("coulomb")), {}, on_method=told.append)
-    assert told == ["test methods any law", "test methods formula"]
+    told: list[tuple[str, str]] = []
+    claim.examine(FormulaSubject(load("coulomb")), {}, on_method=lambda name, method, budget: told.append((name, method)))
+    assert told == [("made up", "test methods any law"), ("made up", "test methods formula")]
     assert Claim("none", "", "", ()).examine(FormulaSubject(load("coulomb")), {}).verdict is Verdict.UNDECIDED
 
 

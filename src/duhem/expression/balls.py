@@ -33,11 +33,7 @@ def ball(low: Fraction, high: Fraction | None = None) -> Any:
     if high is None or high == low:
         return flint.arb(flint.fmpq(low.numerator, low.denominator))
     middle, radius = (low + high) / 2, (high - low) / 2
-    return flint.arb(_exact(middle)) + flint.arb(0, _exact(radius))
-
-
-def _exact(number: Fraction) -> Any:
-    return flint.arb(flint.fmpq(number.numerator, number.denominator))
+    return ball(middle) + flint.arb(0, ball(radius))
 
 
 def certain_sign(value: Any) -> int | None:
@@ -80,12 +76,8 @@ def _leaf(node: Any, values: Mapping[sp.Symbol, Any]) -> Any:
     return flint.arb("nan") if known is None else known
 
 
-def _square(x: Any) -> Any:
-    """x^2 without the loss of x * x on balls around zero."""
-    return _integer_power(x, 2)
-
-
 def _integer_power(base: Any, n: int) -> Any:
+    """x^n, even powers without the loss of x * x on balls around zero."""
     if n < 0:
         return 1 / _integer_power(base, -n)
     if n == 1 or not base.is_finite():
@@ -110,7 +102,7 @@ def _pow(node: Any, base: Any, exponent: Any) -> Any:
 
 
 def _norm(node: sp.Basic, *args: Any) -> Any:
-    total = reduce(add, map(_square, args))
+    total = reduce(add, (_integer_power(x, 2) for x in args))
     low, high = total.lower(), total.upper()
     return (low.sqrt() if low > 0 else flint.arb(0)).union(high.sqrt()).nonnegative_part()
 
@@ -121,7 +113,7 @@ def _eigmax(node: sp.Basic, *entries: Any) -> Any:
         return flint.arb("nan")
     mean, second, third = deviator(*(x.mid() for x in entries))
     radii = [x.rad() for x in entries]
-    spread = reduce(add, map(_square, (*radii, *radii[3:]))).upper().sqrt().upper()
+    spread = reduce(add, (_integer_power(x, 2) for x in (*radii, *radii[3:]))).upper().sqrt().upper()
     far = 2 * (second / 3).nonnegative_part().upper().sqrt()
     near = far / 2
     if second > 0:

@@ -81,22 +81,17 @@ def branches(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...]:
 
     wheres = expr.has(Where)  # then what holds only where a switch is 0 must be kept
 
-    def join(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
-        return _capped((b for parts in _joint(values, wheres) for b in _rebuilt(node, parts, wheres)), most)
-
-    def kink(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
-        return _capped((b for parts in _joint(values, wheres) for b in _split(node, parts, wheres)), most)
-
-    table: dict[type, Callable[..., tuple[Branch, ...]]] = dict.fromkeys(KINKS, kink)
+    def row(made: Callable[..., Iterable[Branch | None]]) -> Callable[..., tuple[Branch, ...]]:
+        return lambda node, *values: _capped((b for parts in _joint(values, wheres) for b in made(node, parts, wheres)), most)
 
     class _Table(dict[type, Callable[..., tuple[Branch, ...]]]):
         def get(self, key: Any, default: Any = None) -> Any:
             if key is EigMax:
                 raise TooManyBranchesError("the branches of an eigenvalue are not told apart")
             # every other node is smooth: rebuild it branch by branch
-            return super().get(key, join)
+            return super().get(key, row(_rebuilt))
 
-    return fold(expr, _Table(table), lambda leaf: (Branch({}, leaf),))
+    return fold(expr, _Table(dict.fromkeys(KINKS, row(_split))), lambda leaf: (Branch({}, leaf),))
 
 
 def almost_everywhere(expr: Any, place: Mapping[sp.Symbol, sp.Expr] = MappingProxyType({})) -> Any:
@@ -203,12 +198,10 @@ def _split(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Br
     if where is None:
         return
     values = [p.expr for p in parts]
-    if isinstance(node, sp.Abs):
-        yield _with(where, [(values[0], 1)], values[0])
-        yield _with(where, [(values[0], -1)], -values[0])
-    elif isinstance(node, Pos | Neg):
-        yield _with(where, [(values[0], node.slope)], node.slope * values[0])
-        yield _with(where, [(values[0], -node.slope)], sp.S.Zero)
+    if isinstance(node, sp.Abs | Pos | Neg):
+        slope, below = (1, -values[0]) if isinstance(node, sp.Abs) else (node.slope, sp.S.Zero)
+        yield _with(where, [(values[0], slope)], slope * values[0])
+        yield _with(where, [(values[0], -slope)], below)
     elif isinstance(node, sp.Max | sp.Min):
         sense = 1 if isinstance(node, sp.Max) else -1
         for i, value in enumerate(values):

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 from sympy.polys.matrices import DomainMatrix
 
-from duhem.expression.vocabulary import EigMax
+from duhem.expression.vocabulary import EigMax, rows
 
 __all__ = ["invariant_directions", "shears_of_isotropic"]
 
@@ -19,14 +19,11 @@ def invariant_directions(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[
 
     Either every affine part of the tree is unchanged along v, or g is a polynomial and every coefficient of v . grad g vanishes.
     """
-    if g.is_polynomial(*forces) and not any(part.has(sp.Add) for part in sp.Add.make_args(g)):  # multiplied out: the second says all
-        return [tuple(v / sp.gcd(tuple(v))) for v in _flat(g, forces)]
-    parts = _affine_parts(g, forces)
-    matrix = sp.Matrix([[sp.diff(p, x) for x in forces] for p in parts])
-    found = [tuple(v / sp.gcd(tuple(v))) for v in matrix.nullspace() if all(c.is_Rational for c in v)]
-    if found or not g.is_polynomial(*forces):
-        return found
-    return [tuple(v / sp.gcd(tuple(v))) for v in _flat(g, forces)]
+    polynomial, found = g.is_polynomial(*forces), list[sp.Matrix]()
+    if not polynomial or any(part.has(sp.Add) for part in sp.Add.make_args(g)):  # multiplied out the second says all
+        matrix = sp.Matrix([[sp.diff(p, x) for x in forces] for p in _affine_parts(g, forces)])
+        found = [v for v in matrix.nullspace() if all(c.is_Rational for c in v)]
+    return [tuple(v / sp.gcd(tuple(v))) for v in found or (_flat(g, forces) if polynomial else ())]
 
 
 def _flat(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Matrix]:
@@ -78,18 +75,13 @@ def shears_of_isotropic(g: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Sym
     return None
 
 
-def _matrix(entries: Sequence[sp.Expr]) -> sp.Matrix:
-    xx, yy, zz, yz, xz, xy = entries
-    return sp.Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-
-
 def _turns() -> tuple[sp.Matrix, ...]:
     """About z and about x."""
     return sp.Matrix([[0, -1, 0], [1, 0, 0], [0, 0, 0]]), sp.Matrix([[0, 0, 0], [0, 0, -1], [0, 1, 0]])
 
 
 def _rate(poly: sp.Expr, stress: Sequence[sp.Symbol], turn: sp.Matrix) -> sp.Expr:
-    sigma = _matrix(stress)
+    sigma = sp.Matrix(rows(*stress))
     moved = turn * sigma - sigma * turn
     rates = (moved[0, 0], moved[1, 1], moved[2, 2], moved[1, 2], moved[0, 2], moved[0, 1])
     return sp.expand(sp.Add(*(sp.diff(poly, x) * r for x, r in zip(stress, rates, strict=True))))
@@ -99,7 +91,7 @@ def _invariant(node: sp.Basic, stress: Sequence[sp.Symbol]) -> bool:
     if not node.free_symbols & set(stress):
         return True
     if isinstance(node, EigMax):
-        return all(a.is_polynomial(*stress) for a in node.args) and _covariant(_matrix(node.args), stress)
+        return all(a.is_polynomial(*stress) for a in node.args) and _covariant(sp.Matrix(rows(*node.args)), stress)
     if isinstance(node, sp.Expr) and node.is_polynomial(*stress):
         return all(_rate(node, stress, turn) == 0 for turn in _turns())
     if not (node.is_Add or node.is_Mul):

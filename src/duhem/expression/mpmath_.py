@@ -132,11 +132,8 @@ def table(context: Any) -> Table[Any]:
     def total(_: Any, *x: Any) -> Any:
         return reduce(operator.add, x)
 
-    def greatest(_: Any, *x: Any) -> Any:
-        return nan if any(map(context.isnan, x)) else max(x)
-
-    def least(_: Any, *x: Any) -> Any:
-        return nan if any(map(context.isnan, x)) else min(x)
+    def extreme(pick: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda _, *x: nan if any(map(context.isnan, x)) else pick(x)
 
     def comparison(compare: Callable[[Any, Any], bool]) -> Callable[..., Any]:
         return lambda _, a, b: nan if context.isnan(a) or context.isnan(b) else context.mpf(compare(a, b))
@@ -157,10 +154,10 @@ def table(context: Any) -> Table[Any]:
         sp.Abs: lambda _, x: abs(x),
         **{word.node: elementary(word) for word in ELEMENTARY.values()},
         Atan2: lambda _, y, x: context.atan2(y, x) if x or y else nan,
-        sp.Min: least,
-        sp.Max: greatest,
-        Pos: lambda _, x: greatest(_, x, zero),
-        Neg: lambda _, x: greatest(_, -x, zero),
+        sp.Min: extreme(min),
+        sp.Max: extreme(max),
+        Pos: lambda _, x: extreme(max)(_, x, zero),
+        Neg: lambda _, x: extreme(max)(_, -x, zero),
         Norm: lambda _, *x: context.sqrt(total(_, *(v * v for v in x))),
         Where: where,
         **{kind: comparison(holds) for kind, holds in COMPARISONS.items()},

@@ -108,9 +108,8 @@ def _quotient(number: Any) -> float:
         return int(number.p) / int(number.q)  # correctly rounded
     except OverflowError:
         power = round(0.30103 * (int(number.p).bit_length() - int(number.q).bit_length()))
-        raise InputError(
-            f"a number of about 10**{power} is too large for double precision", remedy="rescale the formula or its parameters"
-        ) from None
+        what = f"a number of about 10**{power} is too large for double precision"
+        raise InputError(what, remedy="rescale the formula or its parameters") from None
 
 
 def _power(node: Any, base: Any, exponent: Any) -> Any:

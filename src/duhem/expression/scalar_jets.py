@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial, reduce
 from itertools import combinations
 from typing import Any
@@ -265,20 +265,13 @@ class _Writer:
         jet = self.weighted([(self.let(f"{x} * {k}"), a) for x, k, a in zip(signed, steep, parts, strict=True)])
         bends = dict(jet.bends)
         for i, j in combinations(range(len(parts)), 2):
-            turn = self.turned(signed[i], parts[i], signed[j], parts[j])
+            turn = self.weighted([(signed[j], parts[i]), (f"-{signed[i]}", parts[j])]).slopes  # how their ratio turns
             if not turn:
                 continue
             weight = self.let(f"{_number(p - 1)} * {steep[i]} * {steep[j]} * {one} if {value} > 0.0 else 0.0")
             for a, b in self.pairs(turn):
                 bends[a, b] = _plus(bends.get((a, b)), f"{weight} * {turn[a]} * {turn[b]}")
         return self.named(value, jet.slopes, bends)
-
-    def turned(self, x: str, a: _Jet, y: str, b: _Jet) -> Slopes:
-        """|y| da - |x| db, with the signs of the arguments: how their ratio turns."""
-        slopes = {i: f"{y} * {text}" for i, text in a.slopes.items()}
-        for i, text in b.slopes.items():
-            slopes[i] = _plus(slopes.get(i), f"-{x} * {text}")
-        return {i: self.let(text) for i, text in slopes.items()}
 
     def pairs(self, keys: Iterable[int]) -> list[tuple[int, int]]:
         """Places of second derivatives: those of the forces, and of each shift its own."""
@@ -361,11 +354,7 @@ class _Writer:
         return self.let(f"choices[c, {k}]")
 
     def times(self, factor: str, x: _Jet) -> _Jet:
-        return self.named(
-            self.let(f"{factor} * {x.value}"),
-            {i: f"{factor} * {a}" for i, a in x.slopes.items()},
-            {ij: f"{factor} * {a}" for ij, a in x.bends.items()},
-        )
+        return replace(self.weighted([(factor, x)]), value=self.let(f"{factor} * {x.value}"))
 
     def absolute(self, _: Any, x: _Jet) -> _Jet:
         side = self.chosen(f"-1 if {x.value} < 0.0 else 1")

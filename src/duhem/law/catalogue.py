@@ -98,9 +98,8 @@ def load_named(name: str) -> Law:
     if (known := _of_name(name)) is not None:
         return known
     if ":" in name:
-        raise InputError(
-            f"{name[:60]!r} would import code, which a file cannot do", remedy="write the name of a law, or a criterion file's"
-        )
+        remedy = "write the name of a law, or a criterion file's"
+        raise InputError(f"{name[:60]!r} would import code, which a file cannot do", remedy=remedy)
     raise _unknown(name)
 
 

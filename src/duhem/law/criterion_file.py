@@ -95,12 +95,12 @@ class SectionReader:
             raise self.error(f"{key} is not a printable line of at most 500 characters", section, key, remedy="shorten it")
         return given
 
-    def alone(self, header: str, inside: str, *others: str) -> None:
-        """No ``others`` beside a section that stands for them."""
-        for key in others:
-            if key in (self.document[inside] if inside else self.document):
-                what = f"{header} and {key if inside else f'[{key}]'} are both given"
-                raise self.error(what, inside, key, remedy="remove one of them")
+    def alone(self, header: str, *others: str, inside: str = "criterion") -> None:
+        """No ``others`` beside what stands for them: sections in brackets, and keys of the section ``inside``."""
+        for other in others:
+            section, key = ("", other[1:-1]) if other[0] == "[" else (inside, other)
+            if key in (self.document[section] if section else self.document):
+                raise self.error(f"{header} and {other} are both given", section, key, remedy="remove one of them")
 
     def stated(self, *path: Key, known: Mapping[str, sp.Symbol], short: Abbreviations) -> tuple[sp.Expr, str]:
         """The formula at a place over the symbols ``known``, and its text with all that stands for others written out."""
@@ -201,15 +201,15 @@ class _CriterionReader(SectionReader):
         if of_rates := "forces_of_rates" in dissipation:
             known |= {rate: symbol(rate) for rate in variables.rates(forces).values()}
         if "boundary" in self.document:
-            self.alone("[boundary]", "criterion", "g", "potential", "stress")
-            self.alone("[boundary]", "", "flow", "surface", "domain", "energy", "variables", "heat")
+            other = ("g", "potential", "stress", "[flow]", "[surface]", "[domain]", "[energy]", "[variables]", "[heat]")
+            self.alone("[boundary]", *other)
             return self.curve(forces, pressure, domains, declared)
         define = self.definitions(known, stress)
         axes, read = [known[f] for f in forces], partial(self.stated, known=known, short=define.short)
         viscous = "potential" in dissipation
         if viscous or of_rates:
-            self.alone(f"the {'potential' if viscous else 'forces_of_rates'} of [dissipation]", "criterion", "g", "potential")
-            self.alone(f"the {'potential' if viscous else 'forces_of_rates'} of [dissipation]", "", "flow", "surface")
+            own = f"the {'potential' if viscous else 'forces_of_rates'} of [dissipation]"
+            self.alone(own, "g", "potential", "[flow]", "[surface]")
         slots = variables.slots(forces)
         surfaces = self.surfaces(axes, read, slots)
         bounded = self.rate_potential if viscous else partial(self.whole, slots=slots)
@@ -273,12 +273,8 @@ class _CriterionReader(SectionReader):
         if (given := head.get("stress")) is None:
             return None
         if "forces" in head:
-            raise self.error(
-                "forces and stress are both declared",
-                "criterion",
-                "stress",
-                remedy="remove forces: the components of the stress are the forces",
-            )
+            remedy = "remove forces: the components of the stress are the forces"
+            raise self.error("forces and stress are both declared", "criterion", "stress", remedy=remedy)
         if not (isinstance(given, dict) and {*given} == {"name", "kind"} and all(isinstance(x, str) for x in given.values())):
             raise self.error("stress is not a table of name and kind", "criterion", "stress", remedy=example)
         with faults_at(partial(self.place, "criterion", "stress")):
@@ -474,8 +470,7 @@ class _CriterionReader(SectionReader):
         if not (isinstance(given, list) and all(isinstance(entry, dict) for entry in given)):
             raise self.error("surface is no list of tables", "surface", remedy="write [[surface]] above each of them")
         if given:
-            self.alone("[[surface]]", "criterion", "g", "potential")
-            self.alone("[[surface]]", "", "flow")
+            self.alone("[[surface]]", "g", "potential", "[flow]")
         for i, entry in enumerate(given):
             self.keys("surface", entry, ("g", "flow", "potential"), at=("surface", i))
         flows = [("surface", i, "flow") if "flow" in entry else () for i, entry in enumerate(given)]

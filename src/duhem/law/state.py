@@ -137,9 +137,8 @@ def check_state(law: Any) -> None:
     for name, own in variables.items():
         if own.internal and own.force is None and law.symbols()[name] in stored:
             what = f"the energy depends on {name}, which has no force"
-            raise InputError(
-                what, where=f"energy of {law.name}", remedy=f'give it one, such as {name} = {{ force = "Y" }}, and declare that'
-            )
+            remedy = f'give it one, such as {name} = {{ force = "Y" }}, and declare that'
+            raise InputError(what, where=f"energy of {law.name}", remedy=remedy)
     known = {law.symbols()[name] for name in law.parameters}
     if law.energy is not None and (stray := law.energy.free_symbols - known):
         remedy = "an energy is a formula in variables and parameters"

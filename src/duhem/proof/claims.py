@@ -16,6 +16,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from duhem.errors import InputError
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
+from duhem.proof.decide import Budget
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject, RateSubject
 from duhem.proof.facts.graph_subject import GraphSubject
@@ -118,12 +119,12 @@ class Claim:
     steps: int = 16_000_000
 
     def examine(
-        self, subject: Subject, settled: Settled, kernel: Kernel | None = None, on_method: Callable[[str], None] = lambda _: None
+        self, subject: Subject, settled: Settled, kernel: Kernel | None = None, on_method: Callable[[str, str, Budget], None] | None = None
     ) -> Evidence:
         """The first answer, or ``undecided`` when every method passed.
 
         Of a law that may be undefined somewhere only a proof that the ``kernel`` confirms counts: it asks itself what its rule needs.
-        ``on_method`` is told of each method for this kind of law before it tries.
+        ``on_method`` is told of each method for this kind of law before it tries, and of the steps that it may take.
         """
         subject.allow(self.steps)
         confirms: Confirms = (lambda _: False) if kernel is None else partial(kernel.confirms, self.name)
@@ -131,7 +132,8 @@ class Claim:
         for method in self.methods:
             if not isinstance(subject, method.takes):
                 continue
-            on_method(words(method, self.name))
+            if on_method is not None:
+                on_method(self.name, words(method, self.name), subject.budget)
             found = None
             try:
                 match method:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -23,8 +23,6 @@ _MOST_BYTES = 10_000_000
 _REMEDY = "make a new one with: duhem verify LAW --certificate FILE"
 _MOST_DEFINITIONS = 3  # that are shown
 _MOST_CELLS = 40
-_HEAD_OF_CELLS = ("cell", "verdict", "kernel", "why not")
-_HEAD = ("claim", "verdict", "trust", "kernel", "why not")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -35,6 +33,7 @@ class Recheck(Shown):
     """
 
     printed_by: ClassVar[str] = __name__
+    head: ClassVar[tuple[str, ...]] = ("claim", "verdict", "trust", "kernel", "why not")
 
     law: Mapping[str, Any]
     claims: tuple[Rechecked, ...]
@@ -85,6 +84,7 @@ class RecheckedRegion(Shown):
     a cell."""
 
     printed_by: ClassVar[str] = __name__
+    head: ClassVar[tuple[str, ...]] = ("cell", "verdict", "kernel", "why not")
 
     law: Mapping[str, Any]
     claim: str
@@ -185,15 +185,24 @@ def _with_each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 @text.register(Recheck)
-def as_text(done: Recheck, page: Page = PAGE) -> str:
-    """The law as the certificate states it, a row a claim, and below them the count."""
-    return _as_text(done, _law(done.law), [_HEAD, *_rows(done)], page)
+@text.register(RecheckedRegion)
+def as_text(done: Recheck | RecheckedRegion, page: Page = PAGE) -> str:
+    """The law as the certificate states it, a row a claim or a cell, of many cells one for each that failed, and below them the count."""
+    fields, rows = _fields(done), _rows(done)
+    if isinstance(done, RecheckedRegion) and len(done.cells) > _MOST_CELLS:
+        rows = tuple(row for row, cell in zip(rows, done.cells, strict=True) if cell.reason)
+    size = max(len(title) for title, _ in fields)
+    law = [line for title, said in fields for line in page.field(title, said, size)]
+    table = page.table([done.head, *rows], "l" * len(done.head), "", rule=True)
+    return page.report([[*page.hanging(_name(done.law)), *law], table, [done.counted()]])
 
 
 @sheet.register(Recheck)
-def as_sheet(done: Recheck) -> Sheet:
-    """The same as a sheet."""
-    return Sheet(f"Certificate of {_name(done.law)}: {done.counted()}", fields=tuple(_law(done.law)), head=_HEAD, rows=_rows(done))
+@sheet.register(RecheckedRegion)
+def as_sheet(done: Recheck | RecheckedRegion) -> Sheet:
+    """The same as a sheet, with every row."""
+    kind = "Certificate" if isinstance(done, Recheck) else "Region"
+    return Sheet(f"{kind} of {_name(done.law)}: {done.counted()}", fields=_fields(done), head=done.head, rows=_rows(done))
 
 
 @plain.register(Recheck)
@@ -201,28 +210,6 @@ def as_dict(done: Recheck) -> dict[str, Any]:
     """Every row, the law as the certificate states it, whether all that it calls proved is confirmed, and which claims are not."""
     lists = {"failed": list(done.failed), "without_rule": list(done.without_rule)}
     return {"ok": done.ok, **lists, "law": dict(done.law), "claims": [row._asdict() for row in done.claims]}
-
-
-@text.register(RecheckedRegion)
-def region_as_text(done: RecheckedRegion, page: Page = PAGE) -> str:
-    """The law as the certificate states it, a row a cell, of many one for each that failed, and below them the count."""
-    fields = (*_law(done.law), ("claim", f"{done.claim}, by {done.parameter}"))
-    rows = [row for row, cell in zip(_cells(done), done.cells, strict=True) if cell.reason or len(done.cells) <= _MOST_CELLS]
-    return _as_text(done, fields, [_HEAD_OF_CELLS, *rows], page)
-
-
-def _as_text(done: Recheck | RecheckedRegion, fields: Iterable[tuple[str, str]], rows: Sequence[tuple[str, ...]], page: Page) -> str:
-    fields = list(fields)
-    size = max(len(title) for title, _ in fields)
-    law = [line for title, said in fields for line in page.field(title, said, size)]
-    table = page.table(rows, "l" * len(rows[0]), "", rule=True)
-    return page.report([[*page.hanging(_name(done.law)), *law], table, [done.counted()]])
-
-
-@sheet.register(RecheckedRegion)
-def region_as_sheet(done: RecheckedRegion) -> Sheet:
-    """The same as a sheet."""
-    return Sheet(f"Region of {_name(done.law)}: {done.counted()}", fields=tuple(_law(done.law)), head=_HEAD_OF_CELLS, rows=_cells(done))
 
 
 @plain.register(RecheckedRegion)
@@ -233,12 +220,14 @@ def region_as_dict(done: RecheckedRegion) -> dict[str, Any]:
     return {"ok": done.ok, "failed": list(done.failed), "law": dict(done.law), **told, "cells": cells}
 
 
-def _cells(done: RecheckedRegion) -> tuple[tuple[str, ...], ...]:
-    outcomes = ("failed" if c.reason else "-" if c.verdict == "open" else "confirmed" for c in done.cells)
-    return tuple((c.said, c.verdict, outcome, c.reason) for c, outcome in zip(done.cells, outcomes, strict=True))
+def _fields(done: Recheck | RecheckedRegion) -> tuple[tuple[str, str], ...]:
+    return (*_law(done.law), *([("claim", f"{done.claim}, by {done.parameter}")] if isinstance(done, RecheckedRegion) else []))
 
 
-def _rows(done: Recheck) -> tuple[tuple[str, ...], ...]:
+def _rows(done: Recheck | RecheckedRegion) -> tuple[tuple[str, ...], ...]:
+    if isinstance(done, RecheckedRegion):
+        outcomes = ("failed" if c.reason else "-" if c.verdict == "open" else "confirmed" for c in done.cells)
+        return tuple((c.said, c.verdict, outcome, c.reason) for c, outcome in zip(done.cells, outcomes, strict=True))
     words = {"confirmed": "confirmed", "no proof": "-"}
     return tuple((r.claim, r.verdict.replace("_", " "), r.trust or "-", words.get(r.outcome, r.outcome), r.reason) for r in done.claims)
 

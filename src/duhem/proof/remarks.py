@@ -261,7 +261,7 @@ def _cause(subject: FormulaSubject) -> str:
 def _unbounded(subject: FormulaSubject, here: sp.Expr, signs: _Signs) -> Extent | None:
     """Along forces that the simple problem has set to 0, or all the way in one of the directions."""
     if (d := flat_directions(subject)) and subject.nonnegative(-here):
-        count = f"{'' if most_flat_directions(subject) == d else 'at least '}{d} direction{'s' * (d > 1)}"
+        count = f"{'' if all_directions_found(subject) else 'at least '}{d} direction{'s' * (d > 1)}"
         return Extent(f"K is unbounded: g does not change along {count} of the forces", True)
     for way in [way for way in signs.ways if signs.at(_FAR, way) in (-1, 0)][:_MOST_RAYS]:
         if _inside_along(subject, way):
@@ -289,40 +289,26 @@ def flat_directions(subject: FormulaSubject) -> int:
     return {0: 0, 1: 1, 2: 5}[found] if len(problem.forces) < len(subject.problem.forces) else found
 
 
-def most_flat_directions(subject: FormulaSubject) -> int:
-    """How many directions there are at most in which g does not change, at one choice of the parameters.
-
-    The gradients of g at some points span a space of some rank r; along such a direction each of them is 0, so that of n forces
-    at most n - r directions are left.
-    """
-    forces, values = subject.problem.forces, next(subject.choices(1), None)
+def all_directions_found(subject: FormulaSubject) -> bool:
+    """Whether the gradients of the simple problem's g span its forces, at one choice of the parameters: then no direction is flat in it."""
+    forces, values = subject.simple.forces, next(subject.choices(1), None)
     if values is None:
-        return len(forces)
+        return False
     known = {x: ball(v) for x, v in subject.values_at(values, subject.nowhere).items()}
     names = [*forces, *(x for x in known if x not in forces)]
-    run, rng, rows = compiled([subject.problem.g], names), Random(5), list[Row]()
+    run, rng, rows = compiled([subject.simple.g], names), Random(5), list[Row]()
     for scale in _SCALES:
         for _ in range(_POINTS * len(forces)):
             point = [scale * Fraction(rng.randint(-999, 999), 500) for _ in forces]
             rows.append([_slope(run, [ball(v) for v in point], i, [known[x] for x in names[len(forces) :]]) for i in range(len(forces))])
-    return len(forces) - _rank([row for row in rows if all(x.is_finite() for x in row)])
+    slopes = flint.arb_mat([row for row in rows if all(x.is_finite() for x in row)])
+    return certain_sign((slopes.transpose() * slopes).det()) == 1
 
 
 def _slope(run: Any, point: Row, i: int, others: Row) -> Any:
     """The derivative of g by one of the forces."""
     moved = [flint.arb_series([x, 1], prec=2) if k == i else x for k, x in enumerate(point)]
     return derivatives(run(*moved, *others)[0], 1)[1]
-
-
-def _rank(rows: list[Row]) -> int:
-    """The rank that rows of balls certainly have, by elimination with pivots that are certainly not 0."""
-    rank = 0
-    while pivots := [(abs(x).lower(), j, row) for row in rows for j, x in enumerate(row) if certain_sign(x) in (1, -1)]:
-        _, j, pivot = max(pivots, key=lambda found: float(found[0]))
-        rank += 1
-        rows = [[x - y * row[j] / pivot[j] for x, y in zip(row, pivot, strict=True)] for row in rows if row is not pivot]
-        rows = [[x for k, x in enumerate(row) if k != j] for row in rows]
-    return rank
 
 
 def zeros_are_thin(expr: sp.Expr, subject: FormulaSubject) -> bool:

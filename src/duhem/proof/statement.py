@@ -41,10 +41,6 @@ class Face(NamedTuple):
     flow: tuple[sp.Expr, ...] | None
     others: tuple[sp.Expr, ...] = ()
 
-    def put(self, values: Mapping[sp.Symbol, Any]) -> Face:
-        """The same with symbols replaced."""
-        return self.each(partial(_put, values=values))
-
     def each(self, change: Callable[[sp.Expr], sp.Expr]) -> Face:
         """The same with a change of every formula."""
         flow = None if self.flow is None else tuple(map(change, self.flow))
@@ -126,7 +122,7 @@ class Problem:
 
 def _replaced(problem: Problem, values: Mapping[sp.Symbol, Any]) -> Problem:
     given = tuple(r for r in (c.subs(values) for c in problem.given) if r is not sp.true)
-    faces = tuple(face.put(values) for face in problem.faces)
+    faces = tuple(face.each(partial(_put, values=values)) for face in problem.faces)
     return replace(
         problem,
         g=faces[0].g if len(faces) == 1 else problem.g.subs(values),  # a maximum takes long to put values in
@@ -151,7 +147,7 @@ def state(law: Criterion) -> Problem:
     if magnitude is not None and (span := law.domain.get(law.pressure or "")) is not None:
         given += _compressed(span).relations(magnitude)
     values = {name: swap.get(x, x) for name, x in table.items()}
-    parts = tuple(face.put(swap).each(algebraic_angles) for face in faces(law))
+    parts = tuple(face.each(partial(_put, values=swap)).each(algebraic_angles) for face in faces(law))
     return Problem(
         law=law,
         stated=_trees(law, law, values)[0],

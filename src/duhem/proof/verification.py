@@ -10,13 +10,11 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from fractions import Fraction
-from functools import partial
 from threading import RLock
 from typing import Any, ClassVar, NamedTuple
 
-from duhem.errors import InputError
+from duhem.errors import InputError, meant
 from duhem.expression.balls import precision
 from duhem.law.catalogue import load
 from duhem.law.curve_law import Law
@@ -116,8 +114,7 @@ class Verification(Shown):
         asked = ", ".join(result.claim for result in self.results) or "none"
         if isinstance(claim, str) and claim in EVERY:
             raise InputError(f"the claim {claim!r} was not selected", remedy=f"name it in claims; the selected claims are: {asked}")
-        near = get_close_matches(str(claim), CLAIMS, n=1)
-        raise InputError(f"unknown claim {claim!r}", remedy=f"did you mean {near[0]!r}?" if near else f"the selected claims are: {asked}")
+        raise InputError(f"unknown claim {claim!r}", remedy=meant(claim, CLAIMS, f"the selected claims are: {asked}"))
 
     @property
     def generalized_standard(self) -> bool | None:
@@ -200,7 +197,7 @@ def verify(
     fractions.  The cost of a claim is counted in steps and not in seconds; ``effort`` is ``quick``, ``normal`` or ``thorough``, and
     multiplies the budget of steps by 1/8, 1 or 8. ``coupled`` asks two claims more, about forces and pressure together: whether unilateral
     contact with this friction has a bipotential (:class:`Coupled`). ``on_claim`` is called with each result.  ``on_method`` is called
-    before a method tries a claim, with the method, the claim and the budget of steps: ``spent`` and ``left``. Raises InputError for an
+    before a method tries a claim, with the claim, the method and the budget of steps: ``spent`` and ``left``. Raises InputError for an
     unknown law, parameter, claim or effort, and for values outside the domain.
     """
     criterion: Law = load(law).fix(parameters)
@@ -274,8 +271,7 @@ def _examined(
         subject = about[name]
         start, before = time.perf_counter(), subject.spent + confirmations.spent
         with _alone():
-            told = partial(_tell, on_method, subject, name)
-            settled[name] = evidence = EVERY[name].examine(subject, settled, confirmations, told)
+            settled[name] = evidence = EVERY[name].examine(subject, settled, confirmations, on_method)
             standing = confirmations.of(name, evidence, EVERY[name].needs)
             doubted = standing.trust not in (None, Trust.CHECKED)
             if doubted and (against := EVERY[name].contradiction(subject, settled)) is not None:
@@ -337,11 +333,6 @@ def _of_the_whole(name: str, evidence: Evidence, best: Trust | None, whole: Law,
     return found if better else None
 
 
-def _tell(on_method: Callable[[str, str, Budget], None] | None, subject: Subject, claim: str, method: str) -> None:
-    if on_method is not None:
-        on_method(claim, method, subject.budget)
-
-
 @contextmanager
 def _alone() -> Iterator[None]:
     """SymPy's assumptions and Arb's precision belong to the process: a thread has them to itself, as they are at the start."""
@@ -357,8 +348,7 @@ def wanted_claims(claims: Iterable[str] | None, law: Law | None = None, where: s
     names = asked_of(law) if claims is None else (claims,) if isinstance(claims, str) else tuple(claims)
     for name in names:
         if not isinstance(name, str) or name not in EVERY:
-            near = get_close_matches(str(name), CLAIMS, n=1)
-            raise InputError(f"unknown claim {name!r}", where=where, remedy=f"did you mean {near[0]!r}? {every}" if near else every)
+            raise InputError(f"unknown claim {name!r}", where=where, remedy=meant(name, CLAIMS, every, both=True))
     return names
 
 
@@ -455,8 +445,7 @@ class Confirmations:
         """The rules without evidence whose needs are met; first those that rest on nothing but what was checked."""
         offers = [] if self._stated is None else [Proof(rule) for rule in rules_of(claim, self._stated)]
         checked = self._checked()
-        yield from (offer for offer in offers if self._needed(claim, offer) <= checked)
-        yield from (offer for offer in offers if not self._needed(claim, offer) <= checked)
+        yield from sorted(offers, key=lambda offer: not self._needed(claim, offer) <= checked)
 
     def _accepted(self, claim: str, offered: Proof | None) -> Proof | None:
         """The proof that the kernel accepts: the one that is offered, or by a rule that needs no evidence."""

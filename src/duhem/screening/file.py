@@ -373,7 +373,7 @@ class _CampaignReader(SectionReader):
                 "give either n and seed, or a table", "increments", remedy='write n = 1000 and seed = 1, or table = "trials.csv"'
             )
         if "table" in given:
-            self.alone("table", "increments", "seed", "pressure")
+            self.alone("table", "seed", "pressure", inside="increments")
         method, convex = given.get("method", "auto"), given.get("convex", "ask")
         if method not in ("auto", *METHODS):
             raise self.error(f"unknown method {str(method)[:40]!r}", "increments", "method", remedy=meant(f"{method}", ("auto", *METHODS)))

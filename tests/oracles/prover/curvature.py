@@ -18,7 +18,7 @@ from duhem.expression import Atan2, EigMax, Neg, Norm, Pos, Where, fold
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.proof.facts.formula_subject import FormulaSubject
 from tests.oracles.prover.bends import bends
-from tests.oracles.prover.deviator import meaning
+from tests.oracles.prover.deviator import asked, meaning
 from tests.oracles.prover.even_roots import even, freed, outermost_roots
 from tests.oracles.prover.loads import above_within, concave_above_within, loads_of
 from tests.oracles.prover.one_side import left_on_one_side
@@ -207,7 +207,7 @@ class _CurvatureRules:
                     moving.append(self.of(part))
             rule = "a function of the ordered principal values is convex where it is so in its sector and no wall of it turns inward"
             for degree, p in groups.items():
-                quasi, above = Ordered(degree, p).shape(self.subject.asked, self._opened)
+                quasi, above = Ordered(degree, p).shape(asked(self.subject), self._opened)
                 moving.append(Curvature(convex=quasi and not (degree - 1).is_negative, quasiconvex=quasi, nonnegative=above, rules=(rule,)))
             found = total(moving)
             if groups and found.quasiconvex:
@@ -266,7 +266,7 @@ class _CurvatureRules:
         rule = "a function of J2 and J3 is convex where its section is"
         for degree, f in groups.items():
             section = Section(degree, f)
-            quasi, above = section.convex(self.subject.asked), section.nonnegative(self.subject.asked)
+            quasi, above = section.convex(asked(self.subject)), section.nonnegative(asked(self.subject))
             moving.append(Curvature(convex=quasi and not (degree - 1).is_negative, quasiconvex=quasi, nonnegative=above, rules=(rule,)))
         return total(moving)
 

@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import sympy as sp
 
 from duhem.expression import defined_at
+from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
 from tests.oracles.prover.section import Meaning, meaning_of
 
-__all__ = ["limit_at_origin", "meaning", "on_axis", "positive_off_axis"]
+__all__ = ["asked", "limit_at_origin", "meaning", "on_axis", "positive_off_axis"]
 
 
 @fact
 def _meaning(subject: FormulaSubject) -> tuple[Meaning | None]:
     return (meaning_of(subject.simple.g, subject.law.force_symbols(), subject.simple.forces),)
+
+
+def asked(subject: FormulaSubject) -> Callable[..., bool]:
+    """Who says whether an expression is >= 0, or > 0, where relations hold; False also when it is undecided."""
+
+    def holds(expr: sp.Expr, *given: sp.Basic, strict: bool = False) -> bool:
+        return subject.ask(expr, Sense.POSITIVE if strict else Sense.NONNEGATIVE, *given).holds is True
+
+    return holds
 
 
 def meaning(subject: FormulaSubject) -> Meaning | None:
@@ -34,7 +46,7 @@ def positive_off_axis(subject: FormulaSubject, expr: sp.Expr) -> bool:
     """Whether an expression is a function of J2 and J3 that is > 0 where J2 is."""
     tensor = meaning(subject)
     section = None if tensor is None else tensor.read(expr)
-    return section is not None and section.positive(subject.asked)
+    return section is not None and section.positive(asked(subject))
 
 
 def on_axis(subject: FormulaSubject, expr: sp.Expr, tip: sp.Expr) -> sp.Expr | None:

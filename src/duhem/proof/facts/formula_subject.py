@@ -35,7 +35,6 @@ from duhem.proof.statement import Face, Problem, state
 __all__ = ["FormulaSubject", "RateSubject", "admitted_values"]
 
 _QUESTION_STEPS = 8_000_000
-_MARGIN = Fraction(1, 2**20)  # larger than the boxes in which corners are held
 _OF_THE_FLOW = ("normality", "dissipation")  # the claims that speak of it
 _REMEDY = "fix other values"
 _MOST_POINTS = 64
@@ -117,19 +116,11 @@ class FormulaSubject(Subject):
         return self.law.energy is None if self.state is None else self.state.onto
 
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
-        """Whether all of them lie in the ranges of the law; a corner well within, where both of its sides do."""
+        """Whether all of them lie in the ranges of the law, and are those of a state."""
         points = list(points)
         if claim == "dissipation" and not (self.onto or all(self.of.variables.keys() <= point.keys() for point in points)):
             return False  # no state may have these forces
-        margin = _MARGIN if claim == "smoothness" else Fraction(0)
-        for point in points:
-            for name, span in self.law.domain.items():
-                if name not in point:
-                    return False
-                at, beside = Fraction(point[name]), margin * (name in self.law.forces)
-                if not all(rational(at + step) in span for step in {-beside, beside}):
-                    return False
-        return True
+        return super().may_refute(claim, points)
 
     # -- whether it means something ------------------------------------------------------------------------------
 
@@ -308,17 +299,13 @@ class FormulaSubject(Subject):
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""
         return self.decided(Question(sp.sympify(expr), sense, (*self.simple.given, *given), circle))
 
-    def asked(self, expr: sp.Expr, *given: sp.Basic, strict: bool = False) -> bool:
-        """Whether an expression is >= 0, or > 0, where the relations hold (False also when undecided)."""
-        return self.ask(expr, Sense.POSITIVE if strict else Sense.NONNEGATIVE, *given).holds is True
-
     def nonnegative(self, constant: sp.Expr) -> bool:
         """Whether an expression in the parameters is >= 0 on the whole domain (False also when undecided)."""
-        return bool(constant >= 0) if constant.is_Rational else self.asked(constant)
+        return self.ask(constant, Sense.NONNEGATIVE).holds is True
 
     def positive(self, constant: sp.Expr) -> bool:
         """Whether an expression in the parameters is > 0 on the whole domain (False also when undecided)."""
-        return bool(constant > 0) if constant.is_Rational else self.asked(constant, strict=True)
+        return self.ask(constant, Sense.POSITIVE).holds is True
 
 
 class RateSubject(FormulaSubject):

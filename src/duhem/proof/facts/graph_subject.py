@@ -6,28 +6,25 @@ The kernel alone proves what is said of such a law.  A refutation is a value enc
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
-from itertools import islice
 
 import sympy as sp
 
-from duhem.expression import holds_at
 from duhem.expression.fold import Graph
-from duhem.expression.number import fraction, rational
+from duhem.expression.number import fraction
 from duhem.expression.vocabulary import KINKS
 from duhem.law.domain import REAL
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.subject import Point, Subject, Values, plain_choices, rationals
+from duhem.proof.facts.subject import Point, Subject, Values
 
 __all__ = ["GraphSubject"]
 
 _QUESTION_STEPS = 8_000_000
-_MOST_CHOICES = 200
 _LONGEST, _WRITTEN_OUT_STEPS = 20_000, 400_000_000
 _WORD = re.compile(r"\w+")
 
@@ -55,20 +52,6 @@ class GraphSubject(Subject):
     def may_prove(self, claim: str) -> bool:
         """The kernel alone proves."""
         return False
-
-    def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
-        """Whether all of them lie in the ranges of the law."""
-        spans = self.law.domain.items()
-        return all(name in point and rational(Fraction(point[name])) in span for point in points for name, span in spans)
-
-    def choices(self, most: int) -> Iterator[Values]:
-        """Exact values of the free parameters inside the domain, the plainest first."""
-        yield from islice(filter(self.admits, islice(plain_choices(self.free, self.given), _MOST_CHOICES)), most)
-
-    def admits(self, values: Values) -> bool:
-        """Whether the parameter values satisfy every relation of the law's domain."""
-        exact = rationals(values)
-        return all(holds_at(relation, exact) for relation in self.given)
 
     @property
     def stated(self) -> sp.Basic:

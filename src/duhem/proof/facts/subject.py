@@ -6,19 +6,20 @@ And exact parameter values to look at: inside the ranges that single relations g
 from __future__ import annotations
 
 import random
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property, wraps
-from itertools import combinations, product
+from itertools import combinations, islice, product
 from math import prod
 from typing import Any, TypeVar
 
 import sympy as sp
 
+from duhem.expression import holds_at
 from duhem.expression.number import rational
 from duhem.expression.parse import parse_as_written
 from duhem.law.curve_law import Law
+from duhem.law.formula_law import Criterion
 from duhem.proof.decide import ANY_STEPS, Answer, Budget, Question, decide
 from duhem.proof.decide.question import Obligation, bounds, obligations
 
@@ -27,12 +28,14 @@ __all__ = ["Point", "Subject", "Values", "fact", "middle_of", "plain_choices", "
 _SCALES = (Fraction(1), Fraction(1, 2), Fraction(2), Fraction(1, 10), Fraction(10), Fraction(1, 100), Fraction(100))
 _SHARES = (Fraction(0), Fraction(1), *(Fraction(k, 100) for k in (50, 1, 99, 25, 75, 90)))
 _MOST_TOGETHER, _DRAWN = 4096, 400
+_MOST_CHOICES = 200
+_MARGIN = Fraction(1, 2**20)  # larger than the boxes in which corners are held
 
 Values = Mapping[sp.Symbol, Fraction]
 Point = tuple[Fraction, ...]  # in the force space of the simple problem
 
 
-class Subject(ABC):
+class Subject:
     """What the methods of proof are asked about; a law given by a formula and one given by a boundary curve differ in the rest."""
 
     law: Law
@@ -116,12 +119,23 @@ class Subject(ABC):
         return need.met(lambda expr, sense, there: self.decided(Question(expr, sense, (*given, *there))).holds is True)
 
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
-        """Whether a violation of the claim at exact points, by name, lies where the claim is asked."""
-        return True
+        """Whether a violation of the claim at exact points, by name, lies in the ranges of the law, a corner with its sides."""
+        ranges = self.law.domain if isinstance(self.law, Criterion) else {}
+        beside = {name: _MARGIN if claim == "smoothness" and name in self.law.forces else Fraction(0) for name in ranges}
+        return all(
+            name in point and all(rational(Fraction(point[name]) + step) in span for step in {-beside[name], beside[name]})
+            for point in points
+            for name, span in ranges.items()
+        )
 
-    @abstractmethod
     def choices(self, most: int) -> Iterator[Values]:
         """Exact values of the free parameters inside the domain, the plainest first."""
+        yield from islice(filter(self.admits, islice(plain_choices(self.free, self.given), _MOST_CHOICES)), most)
+
+    def admits(self, values: Values) -> bool:
+        """Whether the values satisfy every relation of the law's domain, in exact arithmetic."""
+        exact = rationals(values)
+        return all(holds_at(relation, exact) for relation in self.given)
 
 
 S = TypeVar("S", bound=Subject)

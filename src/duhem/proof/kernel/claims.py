@@ -14,6 +14,7 @@ from duhem.proof.kernel.curvature import over, within_ranges
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, divides_by_zero_force, undecided_beside
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
+from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.identity import in_order, vanishes
@@ -27,7 +28,7 @@ from duhem.proof.kernel.regularity import smooth_everywhere, smooth_near_the_bou
 from duhem.proof.kernel.simpler_laws import about_its_centre, cases, in_principal_stresses, normal_forms, without_outer_map
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.support import is_support_function
-from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, parse, sum_of
+from duhem.proof.kernel.term import UNREADABLE, Term, in_words, minus, parse, sum_of
 
 __all__ = ["BY_CONSTRUCTION", "CURVE_RULES", "RULES", "RuleRow", "at_point", "needs_of", "objection", "row_of", "rules_of"]
 
@@ -206,10 +207,7 @@ def _shape(law: StatedLaw, evidence: Evidence) -> Facts:
 
 def at_point(law: StatedLaw, point: Mapping[str, str]) -> Facts:
     """g at a point, given by constants; a force that is not named is 0."""
-    domain, place = over(law), {f: parse(point.get(f, "0")) for f in law.forces}
-    if not all(domain.constant(value) and domain.facts(value).defined for value in place.values()):
-        raise NotWritten("the point is none")
-    return domain.facts(law.g.put({Term("name", name=f): value for f, value in place.items()}))
+    return over(law).facts(law.g.put(place_of(point, over(law))))
 
 
 def _at_zero(law: StatedLaw) -> Iterator[Facts]:

@@ -28,7 +28,7 @@ from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.plane_function import power_of
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, negated, times, total, written
 from duhem.proof.kernel.signs import RAY, nonnegative
-from duhem.proof.kernel.stated_law import StatedLaw, as_list, declared
+from duhem.proof.kernel.stated_law import StatedLaw, as_list, declared, formula_over
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
 __all__ = ["StatedCurve"]
@@ -60,12 +60,11 @@ class StatedCurve(NamedTuple):
     def read(cls, given: Mapping[str, Any]) -> StatedCurve:
         """From the ``law`` of a certificate; NotWritten for what is no law or has no parameter values."""
         forces, parameters, constraints, fixed = declared(given, (given["pressure"], given["angle"]), {"angle", "boundary", "flow"})
-        one, two = (parse(text).put(fixed) for text in as_list(given["boundary"]))
-        flow = None if given["flow"] is None else tuple(parse(text).put(fixed) for text in as_list(given["flow"]))
+        known = (given["angle"], *parameters, "pi")
+        one, two = (formula_over(known, parse(text), fixed) for text in as_list(given["boundary"]))
+        flow = None if given["flow"] is None else tuple(formula_over(known, parse(text), fixed) for text in as_list(given["flow"]))
         if len(forces) != 2 or (flow is not None and len(flow) != 2):
             raise NotWritten("a boundary curve takes two forces")
-        if any(not x.names() <= {given["angle"], *parameters, "pi"} for x in (one, two, *(flow or ()))):
-            raise NotWritten("a name is not declared")
         return cls(forces, given["pressure"], given["angle"], (one, two), flow, parameters, constraints)
 
     def around_zero(self) -> bool:
@@ -279,17 +278,12 @@ def _parts(terms: tuple[Term, ...], steps: Steps, known: set[str]) -> list[Term]
     return list(map(enter, terms))
 
 
-def _followed(steps: Steps, ends: list[Term], box: dict[str, Enclosure]) -> list[Sign]:
-    """The signs of the ends over a box, which the parts join."""
-    for name, formula in steps:
-        box[name] = enclosed(formula, box)
-    return [enclosed(end, box).sign for end in ends]
-
-
 def _half_plane(steps: Steps, ends: list[Term], box: dict[str, Enclosure]) -> int | None:
     """0 to 3 where, the first of three being > 0, of the others x > 0, y > 0, x < 0, y < 0 over a box; None where nothing is shown."""
     try:
-        positive, x, y = _followed(steps, ends, box)
+        for name, formula in steps:
+            box[name] = enclosed(formula, box)
+        positive, x, y = (enclosed(end, box).sign for end in ends)
     except (ZeroDivisionError, ValueError):
         return None
     signs = ((x, POSITIVE), (y, POSITIVE), (x, NEGATIVE), (y, NEGATIVE)) if positive == POSITIVE else ()

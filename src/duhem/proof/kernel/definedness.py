@@ -34,7 +34,7 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
-from duhem.proof.kernel.forms import by_forces
+from duhem.proof.kernel.forms import by_forces, place_of
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.polynomial import divided, number_in, written
@@ -270,7 +270,7 @@ def divides_by_zero_force(g: Term, domain: StatedDomain) -> bool:
             return True
         return term.op != "where" and any(map(divides, term.args))
 
-    return divides(g.put({Term("name", name=f): number(0) for f in domain.law.forces}))
+    return divides(g.put(place_of({}, domain)))
 
 
 def rarely_zero(tip: Term, domain: StatedDomain) -> bool:

@@ -23,7 +23,7 @@ from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.deviatoric import WALLS, DeviatoricReader, deviatoric_readers, invariants
 from duhem.proof.kernel.domain import NEGATIVE, StatedDomain
-from duhem.proof.kernel.forms import Matrix, at, by_forces, principal_minors, quadratic
+from duhem.proof.kernel.forms import Matrix, at, by_forces, place_of, principal_minors, quadratic
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.plane_function import PlaneFunction, Signs, inner
 from duhem.proof.kernel.plane_gauge import StarGauge, in_the_plane
@@ -32,8 +32,8 @@ from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.semidefinite import catalecticant, homogeneous_parts, in_coordinates
 from duhem.proof.kernel.signs import RAY, Interval, nonnegative
 from duhem.proof.kernel.simpler_laws import in_principal_stresses, without_outer_map
-from duhem.proof.kernel.stated_law import StatedLaw, as_object
-from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.stated_law import StatedLaw
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["FAMILIES", "Dent", "dents", "falls_both_ways", "form_of"]
 
@@ -257,12 +257,9 @@ def multiplied_out(term: Term, domain: StatedDomain) -> Polynomial:
 
 def falls_both_ways(law: StatedLaw, evidence: Mapping[str, Any]) -> bool:
     """Whether g is > 0 at a point of a line, and a polynomial along it whose highest power is even and has a factor < 0."""
-    domain, place = over(law), dict[Term, Term]()
-    for name in law.forces:
-        point, way = (parse(as_object(evidence[key]).get(name, "0")) for key in ("through", "along"))
-        if not all(domain.constant(x) and domain.facts(x).defined for x in (point, way)):
-            raise NotWritten("a line is none")
-        place[Term("name", name=name)] = sum_of(point, product_of(_STEP, way))
+    domain = over(law)
+    through, way = (place_of(evidence[key], domain) for key in ("through", "along"))
+    place = {x: sum_of(through[x], product_of(_STEP, way[x])) for x in through}
     along = StatedLaw((_STEP.name,), law.pressure, law.g.put(place), None, law.parameters, law.constraints, law.ranges)
     line = over(along)
     if not line.facts(along.g).defined:

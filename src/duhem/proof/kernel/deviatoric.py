@@ -24,8 +24,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from functools import cached_property, reduce
-from itertools import islice, permutations, product
-from math import prod
+from itertools import islice, permutations
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.bounds import Facts, of_sum
@@ -42,7 +41,6 @@ __all__ = ["WALLS", "DeviatoricReader", "Invariants", "convex_in_deviator", "dev
 
 _HIGHEST = 12
 _ALIKE = ("+", "abs", "pos", "neg", "norm", "max", "min", "eigmax")  # of one degree where their parts are
-Point = dict[Term, Fraction]
 
 
 class Invariants(NamedTuple):
@@ -58,33 +56,13 @@ class Invariants(NamedTuple):
         if len(degrees) != 1 or not 0 <= (k := degrees.pop()) <= _HIGHEST:
             raise NotWritten("a polynomial of the forces is not homogeneous")
         powers = [j for j in range(k // 3 + 1) if (k - 3 * j) % 2 == 0]
-        found = self._solved(poly, k, powers)
-        terms = [times(found[j], self._power((k - 3 * j) // 2, j)) for j in powers]
-        if total(poly, *map(negated, terms)):
+        terms = {j: reduce(times, (self.second,) * ((k - 3 * j) // 2) + (self.third,) * j, ONE) for j in powers}
+        own = grouped(poly, self.forces.__contains__)
+        moving = dict.fromkeys([*own, *(m for term in terms.values() for m in term)])
+        found = solved(({j: term.get(m, Fraction(0)) for j, term in terms.items()}, own.get(m, {})) for m in moving)
+        if found is None:
             raise NotWritten("a polynomial of the forces has other invariants than J2 and J3")
         return k, found
-
-    def _power(self, i: int, j: int) -> Polynomial:
-        return reduce(times, (self.second,) * i + (self.third,) * j, ONE)
-
-    def _solved(self, poly: Polynomial, k: int, powers: Sequence[int]) -> dict[int, Polynomial]:
-        """The a_j, from the values at as many points."""
-        rows = list[tuple[dict[int, Fraction], Polynomial]]()
-        for values in product(range(4), repeat=len(self.forces)):
-            point = dict(zip(self.forces, map(Fraction, reversed(values)), strict=True))
-            two, three = (_at(form, point).get((), Fraction(0)) for form in (self.second, self.third))
-            rows.append(({j: two ** ((k - 3 * j) // 2) * three**j for j in powers}, _at(poly, point)))
-            if (found := solved(rows)) is None:
-                raise NotWritten("a polynomial of the forces has other invariants than J2 and J3")
-            if len(found) == len(powers):
-                return found
-        raise NotWritten("the invariants of the forces are not independent")
-
-
-def _at(poly: Polynomial, point: Point) -> Polynomial:
-    """The value at a point of the forces, a polynomial in the constants."""
-    values = ({tuple((x, n) for x, n in m if x not in point): c * prod(point[x] ** n for x, n in m if x in point)} for m, c in poly.items())
-    return total(*values)
 
 
 def invariants(forces: Sequence[str]) -> Iterator[Invariants]:

@@ -9,11 +9,12 @@ from itertools import combinations
 from duhem.proof.kernel.bounds import Facts
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, divided, grouped, negated, quotient, times, total, written
-from duhem.proof.kernel.term import NotWritten, Term, factors, number, product_of
+from duhem.proof.kernel.stated_law import as_object
+from duhem.proof.kernel.term import NotWritten, Term, factors, number, parse, product_of
 
 __all__ = [
     "Matrix", "Row", "affine", "apart", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "inverse", "leading_minors",
-    "multiple", "of_load", "principal_minors", "quadratic", "share_and_rest", "sign_within",
+    "multiple", "of_load", "place_of", "principal_minors", "quadratic", "share_and_rest", "sign_within",
 ]  # fmt: skip
 
 Row = Sequence[Term]
@@ -23,6 +24,15 @@ Matrix = Sequence[Row]
 def at(term: Term, names: Sequence[str], values: Sequence[Term]) -> Term:
     """A term with values in the place of names."""
     return term.put({Term("name", name=n): v for n, v in zip(names, values, strict=True)})
+
+
+def place_of(given: object, domain: StatedDomain) -> dict[Term, Term]:
+    """The forces at a place, given by constants; one that is not named is 0.  NotWritten where a constant has no value."""
+    told = as_object(given)
+    place = {Term("name", name=f): parse(told.get(f, "0")) for f in domain.law.forces}
+    if not all(domain.constant(x) and domain.facts(x).defined for x in place.values()):
+        raise NotWritten("a place is none")
+    return place
 
 
 def apart(term: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
@@ -157,10 +167,9 @@ def _of_multiple(term: Term, domain: StatedDomain) -> Sign:
         if (split := share_and_rest(poly, domain.polynomial(side), domain)) is None:
             continue
         way, left = (domain.facts(written(part)).sign for part in split)
-        if not way & NEGATIVE and not left & NEGATIVE:
-            found &= POSITIVE if left == POSITIVE or (strict and way == POSITIVE) else ZERO | POSITIVE
-        if not way & POSITIVE and not left & POSITIVE:
-            found &= NEGATIVE if left == NEGATIVE or (strict and way == NEGATIVE) else ZERO | NEGATIVE
+        for sign, opposite in ((POSITIVE, NEGATIVE), (NEGATIVE, POSITIVE)):
+            if not (way | left) & opposite:
+                found &= sign if left == sign or (strict and way == sign) else ZERO | sign
     return found
 
 

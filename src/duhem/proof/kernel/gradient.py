@@ -71,12 +71,9 @@ def _slope(term: Term, x: str) -> Term:
             return product_of(sum_of(*map(product_of, over, parts)), Term("**", (sum_of(*diagonal), number(-1))))
         case word if word in _OUTER:
             return product_of(_OUTER[word](term, u), du)
-        case "abs":
-            return _either(u, _ZERO, du, minus(du))
-        case "pos":
-            return _either(u, _ZERO, du, _ZERO)
-        case "neg":
-            return _either(u, _ZERO, _ZERO, minus(du))
+        case "abs" | "pos" | "neg":
+            above, below = _ZERO if term.op == "neg" else du, _ZERO if term.op == "pos" else minus(du)
+            return Term("where", (Term(">=", (u, _ZERO)), above, below))
         case "max" | "min" if len(term.args) == 1:
             return du
         case "max" | "min":
@@ -86,8 +83,3 @@ def _slope(term: Term, x: str) -> Term:
         case "where":
             return Term("where", (u, parts[1], parts[2]))
     raise NotWritten(f"{term.op} has no derivative here")
-
-
-def _either(u: Term, v: Term, above: Term, below: Term) -> Term:
-    """``above`` where u >= v, else ``below``."""
-    return Term("where", (Term(">=", (u, v)), above, below))

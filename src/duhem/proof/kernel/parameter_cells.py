@@ -18,6 +18,7 @@ from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import dents, falls_both_ways
 from duhem.proof.kernel.domain import StatedDomain
+from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.normal_form import normal
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw, as_list, as_object, without_more
@@ -140,16 +141,14 @@ def _on_a_line(law: StatedLaw, evidence: Evidence) -> bool:
 
 def _left_by_a_chord(law: StatedLaw, evidence: Evidence) -> bool:
     """K is not convex: two points lie in it and in the ranges, and the midpoint is not in K; at one pressure, where there is one."""
-    ends = [{f: parse(as_object(evidence[key]).get(f, "0")) for f in law.forces} for key in ("p", "q")]
-    middle = {f: product_of(number(Fraction(1, 2)), sum_of(*(end[f] for end in ends))) for f in law.forces}
     domain, held = over(law), dict[Term, Term]()
+    ends = [place_of(evidence[key], domain) for key in ("p", "q")]
+    middle = {x: product_of(number(Fraction(1, 2)), sum_of(*(end[x] for end in ends))) for x in ends[0]}
     if law.pressure is not None:
         held = {Term("name", name=law.pressure): (pressure := parse(evidence["pressure"]))}
         if _sign(pressure, domain) != NEGATIVE:
             return False
-    if not all(_has_value(x, domain) for end in ends for x in end.values()):
-        return False
-    here = [{Term("name", name=f): x.put(held) for f, x in place.items()} | held for place in (*ends, middle)]
+    here = [{x: value.put(held) for x, value in place.items()} | held for place in (*ends, middle)]
     if not all(_lies_in(own, place[Term("name", name=name)], domain) for place in here for name, own in law.ranges):
         return False
     # its names are free in the normal form: an identity holds for all that they may be
@@ -171,8 +170,7 @@ def _consumes(law: StatedLaw, evidence: Evidence) -> bool:
     """
     if law.flow is None or law.energy is not None or law.rates or law.ranges:
         return False
-    place = {Term("name", name=f): parse(text) for f, text in as_object(evidence["point"]).items()}
-    place = {Term("name", name=f): place.get(Term("name", name=f), number(0)) for f in law.forces}
+    place = place_of(evidence["point"], over(law))
     if "scale" in evidence:
         scale = Term("name", name=evidence["scale"])
         others = tuple(c for c in law.constraints if scale.name not in c.names())

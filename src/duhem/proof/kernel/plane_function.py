@@ -297,7 +297,7 @@ def plain(poly: Polynomial, domain: StatedDomain) -> Polynomial:
     """With roots of numbers as roots of primes, and no root to a higher power than 1; negative powers of other roots stay."""
     for _ in range(2):  # into roots of primes; these once each
         for x in roots_in(poly):
-            if (square := _number_under(x, domain)) is not None:
+            if (square := number_in(domain.polynomial(x.args[0]))) is not None:
                 if square <= 0:
                     raise NotWritten("a root of a number that is not > 0")
                 poly = _lowered(poly, x, {(): square}, _root_of_number(square))
@@ -305,10 +305,6 @@ def plain(poly: Polynomial, domain: StatedDomain) -> Polynomial:
         if any(dict(m).get(x, 0) > 1 for m in poly):
             poly = _lowered(poly, x, inner(x, domain))
     return poly
-
-
-def _number_under(root: Term, domain: StatedDomain) -> Fraction | None:
-    return number_in(domain.polynomial(root.args[0]))
 
 
 def _lowered(poly: Polynomial, x: Term, square: Polynomial, root: Polynomial | None = None) -> Polynomial:
@@ -343,7 +339,7 @@ class Signs:
 
     def above(self, poly: Polynomial, strict: bool = False, depth: int = _DEEPEST) -> bool:
         """Whether it is >= 0, or > 0, its roots being >= 0, and those that divide > 0."""
-        poly = self.cleared(poly)
+        poly, _ = self.split(poly)
         roots = roots_in(poly)
         parts = [(tuple((w, 2 * n) for w, n in own), part) for own, part in grouped(poly, lambda x: x in roots).items()]
         if not roots:
@@ -370,7 +366,7 @@ class Signs:
         """A positive multiple of the value where the variable has this; roots that divide are > 0."""
         here: Polynomial = {(): place} if place else {}
         found: Polynomial = {}
-        for m, c in self.cleared(poly).items():
+        for m, c in self.split(poly)[0].items():
             part: Polynomial = {tuple((x, n) for x, n in m if x.op != "**" or RAY.name not in x.names()): c}
             for w in (x for x, _ in m if x.op == "**" and RAY.name in x.names()):
                 part = times(part, self._root(replaced(inner(w, self.domain), RAY, here)))
@@ -385,12 +381,8 @@ class Signs:
                 return times(root_of({(): c}), side)
         return root_of(square)
 
-    def cleared(self, poly: Polynomial) -> Polynomial:
-        """A positive multiple without negative powers of roots."""
-        return self.split(poly)[0]
-
     def split(self, poly: Polynomial) -> tuple[Polynomial, dict[Term, int]]:
-        """The same, and to which power each root is then to be multiplied in."""
+        """A positive multiple without negative powers of roots, and to which power each root is then to be multiplied in."""
         poly, powers = plain(poly, self.domain), dict[Term, int]()
         for w in roots_in(poly):
             least = min((dict(m).get(w, 0) for m in poly), default=0)

@@ -19,12 +19,13 @@ from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.domain import ZERO
+from duhem.proof.kernel.forms import place_of
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.identity import in_order, vanishes
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.regularity import smooth_everywhere
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import Term, minus, product_of, sum_of
 
 __all__ = [
     "convex_in_each_variable", "energy_differentiable", "epigraph", "has_default_energy", "heat_flows_downhill",
@@ -68,7 +69,7 @@ def potential_least_at_zero(law: StatedLaw) -> str:
     """Whether a potential of rates is 0 at 0 and no less elsewhere: it is >= 0, or convex and even, or convex with no slope at 0."""
     if not law.viscous:
         return ""
-    there = over(law).facts(law.g.put(_at_zero(law)))
+    there = over(law).facts(law.g.put(place_of({}, over(law))))
     if not (there.defined and there.sign == ZERO):
         return "the potential is not shown to be 0 at zero force"
     return "" if least_at_zero(law.g, law) else "the potential is not shown to be least at zero force"
@@ -76,23 +77,15 @@ def potential_least_at_zero(law: StatedLaw) -> str:
 
 def least_at_zero(potential: Term, law: StatedLaw) -> bool:
     """Whether a potential is no less than at zero force: by its sign, or as it is convex, and even or without a slope there."""
-    domain, start = over(law), potential.put(_at_zero(law))
-    there = domain.facts(start)
+    domain, zero = over(law), place_of({}, over(law))
+    there = domain.facts(start := potential.put(zero))
     if there.defined and domain.never_negative(potential if there.sign == ZERO else sum_of(potential, minus(start))):
         return True
-    opposite = potential.put({x: minus(x) for x in _at_zero(law)})
+    opposite = potential.put({x: minus(x) for x in zero})
     even = vanishes(in_order(sum_of(potential, minus(opposite)), domain), domain)
-    return domain.facts(potential).convex and (even or _flat(potential, law))
-
-
-def _at_zero(law: StatedLaw) -> dict[Term, Term]:
-    return {Term("name", name=f): number(0) for f in law.forces}
-
-
-def _flat(potential: Term, law: StatedLaw) -> bool:
-    """Whether a potential has no slope at zero force."""
-    slopes = (over(law).facts(slope.put(_at_zero(law))) for slope in gradient(potential, law.forces))
-    return smooth_everywhere(potential, over(law)) and all(slope.defined and slope.sign == ZERO for slope in slopes)
+    slopes = (domain.facts(slope.put(zero)) for slope in gradient(potential, law.forces))
+    flat = smooth_everywhere(potential, domain) and all(slope.defined and slope.sign == ZERO for slope in slopes)
+    return domain.facts(potential).convex and (even or flat)
 
 
 def _unused(law: StatedLaw) -> str:

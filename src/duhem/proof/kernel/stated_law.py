@@ -17,7 +17,7 @@ from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, bounded, definitions, factors, number, parse, product_of, sum_of
 
-__all__ = ["StatedFace", "StatedLaw", "StatedVariable", "as_list", "as_object", "declared", "inhabited", "without_angles", "without_more"]
+__all__ = ["StatedFace", "StatedLaw", "as_list", "as_object", "declared", "formula_over", "inhabited", "without_angles", "without_more"]
 
 _MOST_TURNS = 24  # of an angle
 
@@ -50,15 +50,15 @@ def as_object(given: Any) -> Mapping[str, Any]:
     return given
 
 
-def declared(given: Mapping[str, Any], others: tuple[str, ...], formulas: Collection[str]) -> Declared:
-    """Forces, parameters, constraints and what fixed parameters stand for; ``others`` are further names.  NotWritten where they clash.
+def declared(given: Mapping[str, Any], others: tuple[str | None, ...], formulas: Collection[str]) -> Declared:
+    """Forces, parameters, constraints and what fixed parameters stand for; ``others`` may be further names.  NotWritten where they clash.
 
     ``formulas`` are the words of a law of its kind.
     """
     without_more(given, _LAW | set(formulas))
     forces = tuple(as_list(given["forces"]))
     parameters = {name: Bounds.read(entry) for name, entry in given["parameters"].items()}
-    names = [*forces, *others, *parameters]
+    names = [*forces, *(name for name in others if name is not None), *parameters]
     if not forces or any(not n.isidentifier() or n != normalize("NFKC", n) or n in (*WORDS, "pi") for n in names):
         raise NotWritten("a name is none")
     if len(set(names)) < len(names):
@@ -68,6 +68,14 @@ def declared(given: Mapping[str, Any], others: tuple[str, ...], formulas: Collec
         raise NotWritten("a constraint does not compare parameters")
     fixed = {Term("name", name=n): number(x.low) for n, x in parameters.items() if x.low is not None and x.low == x.high}
     return forces, parameters, tuple(c.put(fixed) for c in constraints), fixed
+
+
+def formula_over(names: Collection[str | None], term: Term, fixed: Mapping[Term, Term], wrong: str = "a name is not declared") -> Term:
+    """The formula with what is ``fixed`` put in; NotWritten, with what is ``wrong``, for a comparison, or where other names are in it."""
+    found = without_angles(term).put(fixed)
+    if found.op in COMPARISONS or not found.names() <= {*names}:
+        raise NotWritten(wrong)
+    return found
 
 
 def without_angles(term: Term) -> Term:
@@ -166,8 +174,7 @@ class StatedLaw(_Stated):
         pressure = given["pressure"]
         bounds = {"surfaces"} if "surfaces" in given else {"g", "flow"}
         own = {"define"} if "define" in given and not {*given} & {"surfaces", *_OF_STATE} else {*_OF_STATE}
-        beside = () if pressure is None else (pressure,)
-        forces, parameters, constraints, fixed = declared(given, beside, {"domain", *bounds, *own})
+        forces, parameters, constraints, fixed = declared(given, (pressure,), {"domain", *bounds, *own})
         if given.get("viscous", True) is not True or ("viscous" in given and ("surfaces" in given or given["flow"] is not None)):
             raise NotWritten("a potential of rates stands beside a flow")
         state = _state(given, forces, parameters, fixed) | {"viscous": "viscous" in given}
@@ -179,11 +186,9 @@ class StatedLaw(_Stated):
             given_flow = entry["flow"]
             by_potential = isinstance(given_flow, Mapping)  # {"potential": "..."}, the flow being its gradient
             texts = [without_more(given_flow, {"potential"})["potential"]] if by_potential else as_list(given_flow or [])
-            read = (parse(entry["g"], defined), *map(parse, texts))
-            g, *flow = (without_angles(term).put(fixed) for term in read)
-            if any(f.op in COMPARISONS or not f.names() <= names for f in (g, *flow)):
-                raise NotWritten("a name is not declared")
-            slips = gradient(flow[0], forces) if by_potential else tuple(flow)
+            g = formula_over(names, parse(entry["g"], defined), fixed)
+            flow = tuple(formula_over(names, parse(text), fixed) for text in texts)
+            slips = gradient(flow[0], forces) if by_potential else flow
             if given_flow is not None and len(slips) != len(forces):
                 raise NotWritten("the flow has another number of components than there are forces")
             if not g.names() & set(forces):
@@ -226,8 +231,7 @@ def _defined(given: Mapping[str, Any], taken: Collection[str | None]) -> dict[st
 def _of_rates(given: Mapping[str, Any]) -> StatedLaw:
     """The law of a certificate that has its forces as functions of the rates; NotWritten where not each of them is one."""
     pressure, functions = given["pressure"], as_object(given["forces_of_rates"])
-    beside = () if pressure is None else (pressure,)
-    forces, parameters, constraints, fixed = declared(given, beside, {"variables", "forces_of_rates"})
+    forces, parameters, constraints, fixed = declared(given, (pressure,), {"variables", "forces_of_rates"})
     variables = _state(given, forces, parameters, fixed)["variables"]
     driven = {own.force: f"{name}_rate" for name, own in variables if own.kind == "internal"}
     rates = tuple(driven[f] for f in forces if f in driven)
@@ -235,9 +239,7 @@ def _of_rates(given: Mapping[str, Any]) -> StatedLaw:
         raise NotWritten("a force is no function of the rate of a variable")
     if {*rates} & {*forces, *parameters, pressure} or len({*rates}) < len(rates):
         raise NotWritten("a name is declared twice")
-    flow = tuple(without_angles(parse(functions[f])).put(fixed) for f in forces)
-    if any(d.op in COMPARISONS or not d.names() <= {*rates, *beside, *parameters, "pi"} for d in flow):
-        raise NotWritten("a name is not declared")
+    flow = tuple(formula_over((*rates, pressure, *parameters, "pi"), parse(functions[f]), fixed) for f in forces)
     power = sum_of(*(product_of(Term("name", name=v), d) for v, d in zip(rates, flow, strict=True)))
     return StatedLaw(rates, pressure, power, flow, parameters, constraints, variables=variables, power=power, of_rates=True)
 
@@ -257,9 +259,9 @@ def _state(given: Mapping[str, Any], forces: Sequence[str], parameters: Mapping[
     known, rates = {*forces, *parameters, "pi", given["pressure"]}, {}
     for key in ("rates", "unforced"):
         for name, text in as_object(given.get(key, {})).items():
-            rates[key, name] = rate = without_angles(parse(text)).put(fixed)
-            if kinds.get(name) != "internal" or rate.op in COMPARISONS or not rate.names() <= known:
-                raise NotWritten("a rate is of no internal variable, or of names that are not declared")
+            rates[key, name] = formula_over(known, parse(text), fixed, "a rate is of names that are not declared")
+            if kinds.get(name) != "internal":
+                raise NotWritten("a rate is of no internal variable")
             if key == "unforced" and dict(variables)[name].force is not None:
                 raise NotWritten("a variable with a force has its rate in the flow")
     state: dict[str, Any] = {"variables": variables, "rates": tuple((name, rate) for (key, name), rate in rates.items() if key == "rates")}
@@ -267,11 +269,9 @@ def _state(given: Mapping[str, Any], forces: Sequence[str], parameters: Mapping[
     if "energy" not in given:
         return state
     ours = {Term("name", name=name) for name, _ in variables}  # a fixed variable stays one: forces are derivatives by it
-    energy = without_angles(parse(given["energy"])).put({x: value for x, value in fixed.items() if x not in ours})
-    without_force = {name for name, own in variables if own.kind == "internal" and own.force is None}
-    if energy.op in COMPARISONS or not energy.names() <= {*parameters, "pi"} - without_force:
-        raise NotWritten("the energy is of other names than parameters and variables with a force")
-    return state | {"energy": energy}
+    names = {*parameters, "pi"} - {name for name, own in variables if own.kind == "internal" and own.force is None}
+    left, wrong = {x: v for x, v in fixed.items() if x not in ours}, "the energy is of names that are no parameters, or of no force"
+    return state | {"energy": formula_over(names, parse(given["energy"]), left, wrong)}
 
 
 def _heat(
@@ -284,10 +284,8 @@ def _heat(
         raise NotWritten("there is heat and no temperature")
     if any(name in kinds or name not in parameters or parameters[name].sign() != POSITIVE for name in bodies):
         raise NotWritten("a body has no temperature > 0")
-    found = tuple((name, without_angles(parse(text)).put(fixed)) for name, text in bodies.items())
-    if any(h.op in COMPARISONS or not h.names() <= {*parameters, given["pressure"], "pi"} for _, h in found):
-        raise NotWritten("a conductance is of names that are not declared")
-    return found
+    known, wrong = (*parameters, given["pressure"], "pi"), "a conductance is of names that are not declared"
+    return tuple((name, formula_over(known, parse(text), fixed, wrong)) for name, text in bodies.items())
 
 
 def _variable(entry: Any) -> StatedVariable:
