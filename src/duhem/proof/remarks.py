@@ -301,7 +301,8 @@ def all_directions_found(subject: FormulaSubject) -> bool:
         for _ in range(_POINTS * len(forces)):
             point = [scale * Fraction(rng.randint(-999, 999), 500) for _ in forces]
             rows.append([_slope(run, [ball(v) for v in point], i, [known[x] for x in names[len(forces) :]]) for i in range(len(forces))])
-    slopes = flint.arb_mat([row for row in rows if all(x.is_finite() for x in row)])
+    known_slopes = [row for row in rows if all(x.is_finite() for x in row)]
+    slopes = flint.arb_mat(known_slopes or [[ball(Fraction(0)) for _ in forces]])  # the determinant of no rows would be 1
     return certain_sign((slopes.transpose() * slopes).det()) == 1
 
 
