@@ -42,8 +42,8 @@ def refuted() -> duhem.ParameterRegion:
 def test_ends_that_move_with_the_parameter_refute_over_whole_cells() -> None:
     done, moving = refuted(), 0
     assert done.exact and done.condition == "false" and duhem.recheck(done.certificate()).ok
-    for one in done.decided:
-        evidence = one.row["evidence"]
+    for one in done.known:
+        evidence = one.leaf["evidence"]
         for c in np.linspace(float(one.cell.low.low), float(one.cell.high.low), 7):
             ends = [np.array([float(eval(evidence[key].get(f, "0"), {"c": c})) for f in ("x", "y")]) for key in ("p", "q")]
             level = [abs(y) - 1 - c * np.exp(x) for x, y in (*ends, (ends[0] + ends[1]) / 2)]
@@ -167,7 +167,7 @@ def asked_near(name: str) -> tuple[Asked, ParameterCell]:
     low, high = sorted(map(Fraction, (turning, far)))
     law = duhem.Criterion("near", g, {parameter: BETWEEN(str(low), str(high))}, ("x", "y"), None, domain=ranges)
     asked, at = Asked(law, "convexity", (parameter,)), RealRoot.of(Fraction(turning))
-    asked._known[ParameterCell(at, at)] = Decided(ParameterCell(at, at), "proved")
+    asked._known[ParameterCell(at, at)] = Decided(ParameterCell(at, at), {"verdict": "proved"})
     return asked, ParameterCell(RealRoot.of(low), RealRoot.of(high), at.low == low, at.low == high)
 
 
@@ -175,8 +175,8 @@ def asked_near(name: str) -> tuple[Asked, ParameterCell]:
 def near(name: str) -> dict[str, Any]:
     asked, cell = asked_near(name)
     found = asked.refuted(cell)
-    assert found is not None and found.row is not None and found.row["rule"] == "chord"
-    return dict(found.row["evidence"])
+    assert found is not None and found.leaf["rule"] == "chord"
+    return dict(found.leaf["evidence"])
 
 
 def exactly(text: str, **names: Any) -> Any:

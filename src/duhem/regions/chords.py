@@ -20,7 +20,7 @@ import numpy as np
 
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.regions.seen import Array, Flags, count, in_ranges, value_of
+from duhem.regions.seen import Array, Flags, count, level
 
 __all__ = ["Family", "Suggestion", "along", "chords"]
 
@@ -133,7 +133,7 @@ def _of_grids(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestio
         grid = [[low + (high - low) * k / _SQUARES for k in range(_SQUARES + 1)] for low, high in box]
         points = np.zeros(((_SQUARES + 1) ** len(pair), size, n))
         points[:, :, pair] = np.array(list(product(*grid)), dtype=float)[:, None]
-        values = _level(law, places, points).reshape(*map(len, grid), size)
+        values = level(law, places, points).reshape(*map(len, grid), size)
         inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
         for middle, step in _midpoints(inside, outside):
             steps = [*zip(pair, grid, middle, step, strict=True)]
@@ -142,10 +142,10 @@ def _of_grids(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestio
 
 
 def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
-    """The range of a force; of one without ends one that ends ``far`` away."""
+    """The range of a force; of one without an end one that is twice as wide as ``far``, about 0 where it has none."""
     low, high = (None, None) if own is None else own[:2]
-    first = low if low is not None else -far if high is None else high - far
-    return first, high if high is not None else far if low is None else low + far
+    first = low if low is not None else -far if high is None else high - 2 * far
+    return first, first + 2 * far if high is None else high
 
 
 def _midpoints(inside: Flags, outside: Flags) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
@@ -164,22 +164,15 @@ def _chord(law: StatedLaw, p: dict[str, str], q: dict[str, str], family: Family 
 
 def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[_Plane]:
     """Of principal values meridian and deviatoric planes, else those along forces."""
-    ends, n = dict(law.ranges), len(law.forces)
-    if n == len(_MERIDIAN) and not ends and np.ptp(_level(law, {name: x[:1] for name, x in places.items()}, _TURNED)) < _ALIKE:
+    ends, n = dict[str, tuple[Any, ...]](law.ranges), len(law.forces)
+    if n == len(_MERIDIAN) and not ends and np.ptp(level(law, {name: x[:1] for name, x in places.items()}, _TURNED)) < _ALIKE:
         yield from (((Fraction(0),) * n, _MERIDIAN, way) for way in _DEVIATORIC)
         yield from (((share,) * n, one, two) for share in _ALONG for one, two in permutations(_DEVIATORIC))
         return
-    middle = tuple(_middle(*ends[f][:2])[0] if f in ends else Fraction(0) for f in law.forces)
-    half = [_middle(*ends[f][:2])[1] if f in ends else Fraction(1) for f in law.forces]
-    units = [tuple(x if i == k else Fraction(0) for i, x in enumerate(half)) for k in range(n)]
+    boxes = [_about_zero(ends.get(f), Fraction(1)) for f in law.forces]
+    middle = tuple((low + high) / 2 for low, high in boxes)
+    units = [tuple((high - low) / 2 if i == k else Fraction(0) for i, (low, high) in enumerate(boxes)) for k in range(n)]
     yield from ((middle, one, two) for one, two in (permutations(units, 2) if n > 1 else [(units[0], units[0])]))
-
-
-def _middle(low: Fraction | None, high: Fraction | None) -> tuple[Fraction, Fraction]:
-    """The middle of a range and half of its width; 1 where it has an end alone."""
-    if low is None or high is None:
-        return (low + 1 if low is not None else high - 1 if high is not None else Fraction(0)), Fraction(1)
-    return (high + low) / 2, (high - low) / 2
 
 
 def _lines(origin: Vector, along: Vector, across: Vector, far: int) -> list[_Line]:
@@ -225,11 +218,7 @@ class _Lines:
                 there = dict.fromkeys(places, np.array([float(family.end)]))
                 begun = [*map(_exact, cls.of(law, there, Family(family.lines)).reach[:, 0].tolist())]
             starts = starts + drifts * _distance(places, family.end)[:, None]
-        reach = np.full((len(starts), count(places)), np.nan)
-        rows = np.flatnonzero([x is not None for x in begun]) if family.end is not None else np.arange(len(starts))
-        if rows.size:
-            reach[rows] = _reach(law, places, starts[rows], ways[rows])
-        return cls(law, places, family, starts, ways, reach, begun)
+        return cls(law, places, family, starts, ways, _reach(law, places, starts, ways), begun)
 
     @property
     def powers(self) -> dict[str, Array]:
@@ -253,16 +242,16 @@ class _Lines:
     def levels(self, fitted: Array, pairs: Array) -> Array:
         """g at midpoints, the least of all places."""
         ends = self.starts + (fitted @ np.array([*self.powers.values()]))[:, :, None] * self.ways
-        level = _level(self.law, self.places, (ends[pairs[0]] + ends[pairs[1]]) / 2).min(axis=1)
-        return np.asarray(np.where(np.isfinite(level), level, -np.inf))
+        depth = level(self.law, self.places, (ends[pairs[0]] + ends[pairs[1]]) / 2).min(axis=1)
+        return np.asarray(np.where(np.isfinite(depth), depth, -np.inf))
 
     def deepest(self) -> Array | None:
         """The two lines of which the midpoint is farthest outside; None where none is."""
         fitted = self.fitted()
         known = np.asarray(np.isfinite(fitted).all(axis=1))
         pairs = _pairs()[:, known[_pairs()].all(axis=0)]
-        level = self.levels(fitted, pairs)
-        return pairs[:, level.argmax()] if level.size and level.max() > _ROUNDING else None
+        depth = self.levels(fitted, pairs)
+        return pairs[:, depth.argmax()] if depth.size and depth.max() > _ROUNDING else None
 
     def told(self) -> Iterator[Suggestion]:
         """The chord of the only two lines with ends in short numbers, which lie as far inside as the midpoint allows."""
@@ -293,7 +282,7 @@ def _reach(law: StatedLaw, places: Mapping[str, Array], starts: Array, ways: Arr
 
     def inside(radii: Array) -> Flags:
         points = starts[:, :, None] + radii[..., None] * ways[:, :, None]
-        held = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2])) <= 0
+        held = level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2])) <= 0
         return held.reshape(len(points), -1, points.shape[1]).transpose(0, 2, 1)
 
     shape = (len(starts), count(places))
@@ -310,10 +299,3 @@ def _distance(places: Mapping[str, Array], end: Fraction) -> Array:
     """How far the one parameter is from an end of its cell."""
     (x,) = places.values()
     return np.abs(x - float(end))
-
-
-def _level(law: StatedLaw, places: Mapping[str, Array], points: Array) -> Array:
-    """g at points of each place, which are rows of places; infinite outside of the ranges."""
-    rows, size, n = points.shape
-    at = {name: np.tile(x, rows) for name, x in places.items()} | dict(zip(law.forces, points.reshape(rows * size, n).T, strict=True))
-    return np.where(in_ranges(law, at), value_of(law.g, at), np.inf).reshape(rows, size)

@@ -23,6 +23,7 @@ from duhem.proof.recheck import document_of
 from duhem.proof.statement import state
 from duhem.regions.asked import MOST_STEPS, constraints_on
 from duhem.regions.paving import Paving, deciding_parameters
+from duhem.regions.places import Place, tree_of
 from duhem.regions.result import FoundRegion, ParameterRegion, PavedRegion
 from duhem.regions.search import Asked, cells_of
 from duhem.show.place import AnyPath
@@ -71,16 +72,15 @@ def _found(
     law: Criterion, names: tuple[str, ...], claim: str, steps: int, resume: AnyPath | Mapping[str, Any] | None = None
 ) -> FoundRegion:
     check_domain(law)
-    found: FoundRegion
-    question: Any
     if len(names) == 1:
-        question = Asked(law, claim, names, steps)
-        cells = tuple(cells_of(question))
-        found = ParameterRegion(law, claim, names, cells, question.whole, steps=question.steps)
+        question: Any = Asked(law, claim, names, steps)
+        cells = cells_of(question)
+        found: FoundRegion = ParameterRegion(law, claim, names, cells, question.whole, tree_of(names[0], cells), steps=question.steps)
     else:
         question = Paving(law, claim, names, steps) if resume is None else Paving.resumed(law, claim, names, steps, document_of(resume)[1])
         question.grow()
-        found = PavedRegion(law, claim, names, question.known["tree"], question.whole, question.stopped, steps=question.steps)
+        whole, tree = Place((), question.whole), question.known["tree"]
+        found = PavedRegion(law, claim, names, question.places(), whole, tree, question.stopped, steps=question.steps)
     _, joined = constraints_on(law, names)
     seen = not joined or all(
         question.admits(question.values, question.over(cell)) for cell, leaf in found.known if leaf["verdict"] == "proved"

@@ -1,4 +1,7 @@
-"""A region as text for people, as a sheet, in LaTeX, and as a picture: the line of the parameter, or the plane of two (extra ``plot``)."""
+"""A region as text for people, as a sheet, in LaTeX, and as a picture: the line of the parameter, or the plane of two (extra ``plot``).
+
+A mended law is a sheet, and a picture of both boundaries.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +15,11 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.parse import parse_relation
+from duhem.expression.text import formula
 from duhem.law.atlas.entry import entry
 from duhem.law.catalogue import load_formula
+from duhem.regions.mending.entry import Mended, Tried
+from duhem.regions.mending.limit_load import around, limit_loads, plain_values
 from duhem.regions.result import FoundRegion, PavedRegion
 from duhem.show import figure
 from duhem.show.page import PAGE, Page
@@ -22,7 +28,7 @@ from duhem.show.printing import Sheet, draw, latex, latex_name, plain, sheet, te
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["as_dict", "as_latex", "as_sheet", "as_text", "plot"]
+__all__ = ["as_dict", "as_latex", "as_sheet", "as_text", "plot", "plot_of_mended", "sheet_of_mended"]
 
 _HEAD = ("where", "verdict", "trust", "by")
 _MOST_ROWS = 40
@@ -54,7 +60,19 @@ def as_sheet(region: FoundRegion) -> Sheet:
 @plain.register(FoundRegion)
 def as_dict(region: FoundRegion) -> dict[str, Any]:
     """The JSON of the interface."""
-    return region.to_dict()
+    return {
+        "criterion": region.criterion.name,
+        "claim": region.claim,
+        "parameters": list(region.parameters),
+        "domain": region.over,
+        "fixed": {name: str(own.value) for name, own in region.criterion.parameters.items() if own.value is not None},
+        "condition": region.condition,
+        "exact": region.exact,
+        "cells": [vars(cell) | {"sample": dict(cell.sample)} for cell in region.cells],
+        "ends": [vars(end) | {"enclosure": list(end.enclosure)} for end in region.ends],
+        "open_share": region.open_share,
+        "joined": list(region.joined),
+    }
 
 
 @latex.register(FoundRegion)
@@ -171,3 +189,56 @@ def _shown_range(region: FoundRegion, name: str) -> tuple[float, float]:
     wide = max(max(marks) - min(marks), 1.0) / (2 * len(region.parameters))
     low, high = whole[:2]
     return min(marks) - wide if low is None else float(low), max(marks) + wide if high is None else float(high)
+
+
+# -- mended laws -------------------------------------------------------------------------------------------------------
+
+_HEAD_OF_WAYS = ("by", "mean change", "largest", "K", "")
+
+
+@sheet.register(Mended)
+def sheet_of_mended(done: Mended) -> Sheet:
+    """What was done, the formula, what is proved of it, and a row for each way that was tried."""
+    title = f"{done.criterion.name}: {f'mended by {done.by}' if done.by else done.told}"
+    return Sheet(title, tuple(_of_mended(done)), _HEAD_OF_WAYS, tuple(map(_way, done.tried)) if len(done.tried) > 1 else ())
+
+
+def _of_mended(done: Mended) -> Iterator[tuple[str, str]]:
+    if done.by:
+        mean, largest = done.distance
+        yield "before", f"convexity {done.before.value}"
+        yield "result", done.told
+        sizes = f"{mean:.3g} in the mean, {largest:.3g} at the largest, of the mean limit load over directions of force"
+        yield "change", sizes if np.isfinite(largest) else "infinite: one K ends in a direction where the other does not"
+    if done.by not in ("", "parameters"):
+        yield "g", formula(done.law.g)
+    yield "proved", ", ".join(f"{r.claim} {r.verdict.value}" for r in done.verification.results)
+    yield "admissible", "yes" if done.admissible else "not proved"
+
+
+def _way(one: Tried) -> tuple[str, ...]:
+    if one.law is None:
+        return one.by, "-", "-", "-", one.told
+    return one.by, f"{one.distance.mean:.4f}", f"{one.distance.largest:.4f}", "convex" if one.convex else "not proved convex", one.told
+
+
+@draw.register(Mended)
+def plot_of_mended(done: Mended, file: Any = None, axes: Any = None) -> tuple[Axes, ...]:
+    """K of both laws in the plane of the first two forces, free parameters at plain values and the pressure at -1."""
+    forces, angles = done.criterion.forces, np.linspace(0.0, 2.0 * np.pi, 1441)
+    if len(forces) < 2:
+        raise InputError(f"{done.criterion.name} has one force", where="--plot", remedy="only laws of more forces are drawn")
+    ways, values = np.zeros((len(angles), len(forces))), plain_values(done.criterion)
+    ways[:, :2] = around(angles)
+
+    def paint(place: Axes) -> None:
+        looks = ((done.law, "-", f"mended by {done.by}"), (done.criterion, (0, (5, 1.5)), done.criterion.name))
+        for i, (law, dashes, label) in enumerate(looks if done.by else looks[1:]):
+            line = ways[:, :2] * limit_loads(law, values, ways)[:, None]
+            place.plot(*line.T, color=figure.palette(i), linestyle=dashes, linewidth=1.8, label=label)
+        place.set_aspect("equal", adjustable="datalim")
+        for axis, force in zip((place.xaxis, place.yaxis), forces, strict=False):
+            figure.measure(axis, f"${latex_name(force)}$", "unit of stress")
+        figure.legend(place)
+
+    return figure.drawn(paint, file, axes, size=(5.6, 5.2), title=f"{done.criterion.name}: {done.told}")

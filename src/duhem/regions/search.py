@@ -17,7 +17,7 @@ from duhem.proof.kernel.parameter_cells import own_domain
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.regions.asked import AsksTheKernel
-from duhem.regions.places import Decided, ParameterCell, between, law_at, middle, order, simplest, square_root_near
+from duhem.regions.places import OPEN, Decided, ParameterCell, between, law_at, middle, order, simplest, square_root_near
 from duhem.regions.seen import changes
 
 __all__ = ["Asked", "cells_of"]
@@ -30,7 +30,6 @@ _MOST_ASKED, _MOST_NEAR = 30, 3  # the most whole verifications; the most cells 
 class Asked(AsksTheKernel):
     """A claim of a law, asked for the values of one of its parameters."""
 
-    name: str = field(init=False)
     by_all: bool = False
     verifications: int = 0
     whole: ParameterCell = field(init=False)
@@ -40,13 +39,12 @@ class Asked(AsksTheKernel):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        (self.name,) = self.names
-        low, high, *left_out = own_domain(self.stated, self.name)
+        low, high, *left_out = own_domain(self.stated, self.names[0])
         self.whole = ParameterCell(*(None if end is None else RealRoot.of(end) for end in (low, high)), *left_out)  # type: ignore[arg-type]
 
     def over(self, cell: ParameterCell) -> StatedLaw:
         """The law over a cell."""
-        return law_at(self.stated, cell.where(self.name, self.whole), self.names)
+        return law_at(self.stated, cell.where(self.names[0], self.whole), self.names)
 
     # -- proved ----------------------------------------------------------------------------------------------------
 
@@ -56,8 +54,8 @@ class Asked(AsksTheKernel):
             row = None if self.spent else self.proof(self.over(cell))
             if row is None and self.by_all and not self.spent and self.verifications < _MOST_ASKED:
                 self.verifications += 1
-                row = self.proof_by_all(self.over(cell), cell.where(self.name, self.whole))
-            self._known[cell] = None if row is None else Decided(cell, "proved", row)
+                row = self.proof_by_all(self.over(cell), cell.where(self.names[0], self.whole))
+            self._known[cell] = None if row is None else Decided(cell, {"verdict": "proved", **row})
         return self._known[cell]
 
     def ask_all(self) -> bool:
@@ -70,21 +68,21 @@ class Asked(AsksTheKernel):
 
     def seen(self) -> list[tuple[float, float, bool]] | None:
         """Stretches of the parameter where the claim seems to hold, and to fail, in floating point; None where that tells nothing."""
-        return None if (holding := self.holding(self.over(self.whole))) is None else changes(holding, self.name, self.whole.bounds)
+        return None if (holding := self.holding(self.over(self.whole))) is None else changes(holding, self.names[0], self.whole.bounds)
 
     # -- refuted ---------------------------------------------------------------------------------------------------
 
     def refuted(self, cell: ParameterCell) -> Decided | None:
         """A family of witnesses over a cell; None where none is confirmed."""
         if cell not in self._refuted:
-            ends = [end for end in (cell.high, cell.low) if end is not None and end.exact]
-            away = [f"({self.name} - ({end.low}))" if end is cell.low else f"({end.low} - {self.name})" for end in ends]
+            (name,), ends = self.names, [end for end in (cell.high, cell.low) if end is not None and end.exact]
+            away = [f"({name} - ({end.low}))" if end is cell.low else f"({end.low} - {name})" for end in ends]
             held = {end for known in self._known.values() if known is not None for end in known.cell[:2]}
             left_out = [end for end, out in zip(cell[:2], cell[2:], strict=True) if out and end in ends and end in held]
             turning = [end.low for end in left_out if end is not None and self.near[end] < _MOST_NEAR]
             self.near.update(end for end in left_out if end is not None)
             row = None if self.spent else self.refutation(self.over(cell), away, ends[::-1], turning)
-            self._refuted[cell] = None if row is None else Decided(cell, "refuted", row)
+            self._refuted[cell] = None if row is None else Decided(cell, {"verdict": "refuted", **row})
         return self._refuted[cell]
 
 
@@ -93,7 +91,7 @@ _ROUNDING, _SHORT, _BESIDE = 3e-8, 1000, (1e-6, 1e-4)
 _MOST_IN_VAIN, _MOST_TRIES, _FARTHEST, _FEW_SEEDS = 12, 60, 2**16, 3  # the first: gaps one after the other that are halved
 
 
-def cells_of(asked: Asked) -> list[Decided]:
+def cells_of(asked: Asked) -> tuple[Decided, ...]:
     """The cells that cover the domain, in order: proved, refuted or open.
 
     The widest gap comes first.  What is decided in one may leave others, and a gap in which nothing is decided is halved.
@@ -108,17 +106,17 @@ def cells_of(asked: Asked) -> list[Decided]:
             gaps += [(rest, fresh and found.verdict == "proved") for rest in _left(gap, [found.cell])]
             in_vain = 0
         elif asked.spent or in_vain == _MOST_IN_VAIN or (_is_narrow(gap) and gap != asked.whole):
-            done.append(Decided(gap, "open"))
+            done.append(Decided(gap, OPEN))
         else:
             at, in_vain = RealRoot.of(middle(gap.bounds)), in_vain + 1
             gaps += [(gap._replace(high=at, open_high=False), False), (gap._replace(low=at, open=True), False)]
     cells = list[Decided]()
     for one in sorted(done, key=lambda one: order(one.cell)):
         if cells and cells[-1].verdict == one.verdict == "open":
-            cells[-1] = Decided(cells[-1].cell._replace(high=one.cell.high, open_high=one.cell.open_high), "open")
+            cells[-1] = cells[-1]._replace(cell=cells[-1].cell._replace(high=one.cell.high, open_high=one.cell.open_high))
         else:
             cells.append(one)
-    return cells
+    return tuple(cells)
 
 
 def _left(whole: ParameterCell, cells: Iterable[ParameterCell]) -> Iterator[ParameterCell]:
@@ -234,14 +232,16 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
         cell = _cell(here, end, False, out) if upward else _cell(end, here, out, False)
         return cell is not None and asked.proved(cell) is not None
 
+    def told(end: RealRoot | None, outs: Iterable[bool] = (False, True)) -> tuple[RealRoot | None, bool] | None:
+        return next(((end, out) for out in outs if reaches(end, out)), None)
+
     if end == here:
         return end, False
     beside = _cell(here, end, True, left_out) if upward else _cell(end, here, left_out, True)
     if beside is not None and asked.refuted(beside) is not None:
         return here, False
-    for out in (False, True):
-        if out >= left_out and (end is not None or not out) and reaches(end, out):
-            return end, out
+    if (found := told(end, (left_out,) if left_out or end is None else (False, True))) is not None:
+        return found
     way, near, beyond = 1 if upward else -1, here.low, None if end is None else end.low
     small = _NARROW * max(Fraction(1), abs(near))
     if not reaches(RealRoot.of(near + way * small)):
@@ -254,21 +254,16 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
         else:
             rim = abs(beyond - near) / 4 * (i % 2)  # every other time well inside, so that few are asked
             x = simplest(min(near, beyond) + rim, max(near, beyond) - rim)
-        if reaches(RealRoot.of(x)):
-            near = x
-            if abs(x) >= _FARTHEST or (beyond is not None and not reaches(RealRoot.of(x + way * small))):
-                return RealRoot.of(x), False
-        elif reaches(RealRoot.of(x - way * small)):
-            if reaches(RealRoot.of(x), True):
-                return RealRoot.of(x), True
-            near, beyond = x - way * small, x
-        else:
+        if not reaches(RealRoot.of(x - way * small)):
             beyond = x
-    if beyond is not None and (root := square_root_near(min(near, beyond), max(near, beyond))) is not None:
-        for out in (False, True):
-            if reaches(root, out):
-                return root, out
-    return RealRoot.of(near), False
+        elif abs(x) < _FARTHEST and reaches(RealRoot.of(x + way * small)):
+            near = x
+        elif (found := told(RealRoot.of(x))) is not None:
+            return found
+        else:
+            near, beyond = x - way * small, x
+    root = None if beyond is None else square_root_near(min(near, beyond), max(near, beyond))
+    return (None if root is None else told(root)) or (RealRoot.of(near), False)
 
 
 def _width(cell: ParameterCell) -> Fraction:

@@ -23,7 +23,7 @@ from duhem.proof.kernel.term import UNREADABLE, Term, number, parse
 from duhem.regions.places import between
 
 __all__ = [
-    "RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "in_ranges", "looked_at", "met", "of_one_sign", "polynomial_at",
+    "RAYS", "Array", "Flags", "Holding", "changes", "count", "level", "looked_at", "met", "of_one_sign", "polynomial_at",
     "value_of",
 ]  # fmt: skip
 
@@ -165,30 +165,27 @@ def polynomial_at(poly: Polynomial, at: Mapping[str, Array], size: bool = False)
 
 def of_one_sign(law: StatedLaw, places: Mapping[str, Array]) -> bool:
     """Whether g is > 0, or never, at forces along axes and diagonals, near zero and far from it, for all of the values; in their ranges."""
-    size, ways = count(places), [way for way in product((0.0, 1.0, -1.0), repeat=len(law.forces)) if any(way)][:_MOST_WAYS]
-    forces = np.repeat(np.outer(_SIZES, ways).reshape(-1, len(law.forces)), size, axis=0).T
-    at = {name: np.tile(x, forces.shape[1] // size) for name, x in places.items()} | dict(zip(law.forces, forces, strict=True))
-    positive = value_of(law.g, at)[in_ranges(law, at)] > 0
+    ways = [way for way in product((0.0, 1.0, -1.0), repeat=len(law.forces)) if any(way)][:_MOST_WAYS]
+    values = level(law, places, np.outer(_SIZES, ways).reshape(-1, 1, len(law.forces)).repeat(count(places), axis=1))
+    positive = values[values != np.inf] > 0
     return bool(positive.all() or not positive.any())
 
 
-def in_ranges(law: StatedLaw, at: Mapping[str, Array]) -> Flags:
-    """Where the forces lie in the ranges that they have."""
-    inside = np.ones(count(at), dtype=bool)
+def level(law: StatedLaw, places: Mapping[str, Array], points: Array) -> Array:
+    """g at points of each place, which are rows of places; infinite outside of the ranges."""
+    rows, size, n = points.shape
+    at = {name: np.tile(x, rows) for name, x in places.items()} | dict(zip(law.forces, points.reshape(rows * size, n).T, strict=True))
+    found = value_of(law.g, at)
     for name, (low, high, *_) in law.ranges:
         if name in law.forces:
-            inside &= (at[name] >= (-np.inf if low is None else float(low))) & (at[name] <= (np.inf if high is None else float(high)))
-    return inside
-
-
-def held(condition: Term, at: Mapping[str, Array]) -> Flags:
-    """Where a comparison holds, or several that ``and`` and ``or`` join; not where a side has no value."""
-    return np.asarray(value_of(condition, at) > 0)
+            inside = (at[name] >= (-np.inf if low is None else float(low))) & (at[name] <= (np.inf if high is None else float(high)))
+            found = np.where(inside, found, np.inf)
+    return found.reshape(rows, size)
 
 
 def met(comparisons: Iterable[str], points: Mapping[str, Array]) -> Flags:
-    """Where many points meet all of some comparisons."""
-    return np.logical_and.reduce([np.ones(count(points), dtype=bool), *(held(parse(text), points) for text in comparisons)])
+    """Where many points meet all of some comparisons; not where a side has no value."""
+    return np.logical_and.reduce([np.ones(count(points), dtype=bool), *(value_of(parse(text), points) > 0 for text in comparisons)])
 
 
 def value_of(term: Term, at: Mapping[str, Array]) -> Array:

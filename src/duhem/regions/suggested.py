@@ -12,7 +12,7 @@ import sympy as sp
 
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.dents import FAMILIES, Dent, dents
-from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, written
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
@@ -43,21 +43,18 @@ def suggestions(
     places = looked_at(law)
     if not count(places):
         return
-    with suppress(*UNREADABLE):
-        yield from along(law, places, turning, first)
+    found: list[Iterator[Suggestion]] = [along(law, places, turning, first)]
     if claim == "dissipation" and law.flow is not None and {*names} <= {*whole.parameters}:
-        with suppress(*UNREADABLE):
-            yield from _of_points(whole, names, away)
+        found.append(_of_points(whole, names, away))
     if claim == "convexity" and not law.ranges:
-        with suppress(*UNREADABLE):
-            yield from islice(_of_lines(law, places), _FEW_LINES)
+        found.append(islice(_of_lines(law, places), _FEW_LINES))
     if claim in ("convexity", "normality"):
-        for family in FAMILIES:
-            with suppress(*UNREADABLE):
-                yield from _of_dents(dents(law, family), places, ends)
+        found += [_of_dents(dents(law, family), places, ends) for family in FAMILIES]
     if claim == "convexity":
+        found.append(chords(law, places, names, turning))
+    for families in found:
         with suppress(*UNREADABLE):
-            yield from chords(law, places, names, turning)
+            yield from families
 
 
 def _of_points(law: StatedLaw, names: Sequence[str], away: Sequence[str]) -> Iterator[Suggestion]:
@@ -150,11 +147,10 @@ def _rays(dent: Dent, places: Mapping[str, Array], ends: Sequence[RealRoot]) -> 
 
 def _double_root(poly: Polynomial, variable: str, at: Fraction, near: float) -> RealRoot | None:
     """Where a dent begins: the multiple root that the polynomial has at the end of a cell, near a place; the pressure is -1 there."""
-    t = sp.Symbol("t")
-    here = {Term("name", name=n): number(at if n == variable else -1) for m in poly for x, _ in m if x != RAY for n in x.names()}
     with suppress(NotWritten):
-        values = {x: t if x == RAY else sp.Rational(str(exact_value(x.put(here)))) for m in poly for x, _ in m}
-        whole = sp.Poly(sp.Add(*(sp.Mul(sp.Rational(str(c)), *(values[x] ** n for x, n in m)) for m, c in poly.items())), t)
+        parts = [written(part) for part in in_powers(poly, RAY)]
+        here = {Term("name", name=n): number(at if n == variable else -1) for part in parts for n in part.names()}
+        whole = sp.Poly([sp.Rational(str(exact_value(part.put(here)))) for part in reversed(parts)], t := sp.Symbol("t"))
         for factor in (factor for factor, _ in sp.factor_list(whole)[1] if factor.degree() >= 2):
             plain = tuple(int(c) for c in reversed(sp.Poly(factor, t).clear_denoms(convert=True)[1].all_coeffs()))
             for root in np.roots(plain[::-1]):

@@ -47,7 +47,7 @@ class Mended(Shown):
     ``verification`` says what is proved of ``law``; ``tried`` are all ways that were asked, with what each gives.
     """
 
-    printed_by: ClassVar[str] = "duhem.regions.mending.printing"
+    printed_by: ClassVar[str] = "duhem.regions.printing"
 
     criterion: Criterion
     before: Verdict
@@ -69,8 +69,6 @@ class Mended(Shown):
 
     def to_toml(self, file: str | PathLike[str]) -> None:
         """Write the law as a criterion file.  InputError if it cannot be written."""
-        from duhem.law.criterion_file import criterion_text
-
         write(file, criterion_text(self.law))
 
     def to_dict(self, file: str | None = None) -> dict[str, Any]:
