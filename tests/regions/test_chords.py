@@ -19,7 +19,7 @@ from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.dents import dents
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.regions import chords
+from duhem.regions import suggested
 from duhem.regions.chords import Suggestion
 from duhem.regions.places import Decided, ParameterCell
 from duhem.regions.search import Asked
@@ -223,11 +223,10 @@ def test_what_refutes_up_to_an_end_refutes_nothing_at_it_or_beyond(name: str) ->
 def test_the_search_begins_with_the_lines_that_refuted_the_cell_before(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = Asked(cap("1/8", 1), "convexity", ("c",))
     quarter, half, one = (RealRoot.of(Fraction(x)) for x in ("1/4", "1/2", "1"))
-    monkeypatch.setattr(chords, "_of_grids", lambda *_: iter(()))
     assert asked.refuted(ParameterCell(half, one)) is not None and asked.chords
 
     def again(*_: Any) -> Iterator[Any]:
-        raise AssertionError("all lines are looked at again")
+        yield pytest.fail("all lines are looked at again")
 
-    monkeypatch.setattr(chords, "_of_lines", again)
+    monkeypatch.setattr(suggested, "chords", again)
     assert asked.refuted(ParameterCell(quarter, half, False, True)) is not None

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from itertools import chain, combinations, islice, permutations, product
+from itertools import chain, combinations, permutations
 from math import cos, pi, sin
 from typing import Any, NamedTuple
 
@@ -30,10 +30,7 @@ _FAR = (1, 64)  # along an axis, in halves of the range of a force that has one
 _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
 _HALVINGS = 42  # of what is between a radius inside and one outside
 _ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
-_FEW_CHORDS, _FEW_PLACES = 4, 3  # of grids, and of lines; at which lines are looked for
-_SQUARES = 32  # of the grid along a range
-_ABOUT = (Fraction(2), Fraction(32), Fraction(512))  # half-widths of the range that a force without ends is given
-_PRICE_OF_A_GRID = 2500
+_FEW_PLACES = 3  # at which lines are looked for
 _SHORT, _SAME = 10_000, 1e-11  # the denominator of a number that is taken to be exact, and how near to it
 _TURNED = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :]  # principal values in every order
 _ALONG = (Fraction(0), Fraction(-1, 2))  # the meridian axis, where deviatoric planes lie
@@ -53,10 +50,9 @@ class _Line(NamedTuple):
 
 
 class Family(NamedTuple):
-    """Lines, and how the ends of chords move along them: not, with the parameters, or with the distance from an end of a cell."""
+    """Lines, and how the ends of chords move along them: with the parameters, or with the distance from an ``end`` of a cell."""
 
     lines: Sequence[_Line]
-    moving: bool = False
     end: Fraction | None = None
 
 
@@ -75,23 +71,16 @@ def along(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction],
             yield from _Lines.of(law, places, family).told()
 
 
-def chords(law: StatedLaw, places: Mapping[str, Array], names: Sequence[str], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
-    """Chords that leave K at all of some values of the parameters; with the same ends for all, if these do.
+def chords(law: StatedLaw, places: Mapping[str, Array], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
+    """Chords that leave K at all of some values of the parameters.
 
-    First come those of grids, then those that move with the distance from an end of a cell of one parameter at which K is ``turning``
-    convex.  A plane of parameters has many cells, and chords between lines would take the steps by which they are divided.
+    First come those that move with the distance from an end of a cell of one parameter at which K is ``turning`` convex.
     """
-    yield from islice(_of_grids(law, places), _FEW_CHORDS)
-    if len(names) == 1:
-        yield from islice(_of_lines(law, places, turning), _FEW_CHORDS)
-
-
-def _of_lines(law: StatedLaw, places: Mapping[str, Array], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
     at = [*dict.fromkeys(np.linspace(0, count(places) - 1, _FEW_PLACES).round().astype(int).tolist())]
     few = {name: x[at] for name, x in places.items()}
-    planes, moves = [*_planes(law, few)], (False, True) if places else (False,)
+    planes = [*_planes(law, few)]
     near = (family for plane in planes for end in turning for family in _near(law, few, plane, end))
-    others = (Family(_lines(*plane, far), moving) for plane in planes for far in _FAR for moving in moves)
+    others = (Family(_lines(*plane, far)) for plane in planes for far in _FAR)
     for family in chain(near, others):
         pay(_PRICE)
         if (best := _Lines.of(law, few, family).deepest()) is not None:
@@ -105,13 +94,13 @@ def _near(law: StatedLaw, places: Mapping[str, Array], plane: _Plane, end: Fract
     """
     (origin, along, across), there = plane, dict.fromkeys(places, np.array([float(end)]))
     for far in _FAR:
-        yield Family(_lines(origin, along, across, far), True, end)
+        yield Family(_lines(origin, along, across, far), end)
     nothing = (Fraction(0),) * len(origin)
     axis = Family([_Line(origin, tuple(way * x for x in along), nothing) for way in (1, -1)])
     for line, reach in zip(axis.lines, _Lines.of(law, there, axis).reach[:, 0].tolist(), strict=True):
         if (share := _exact(reach)) is not None:
             tip = tuple(o + share * w for o, w in zip(origin, line.way, strict=True))
-            yield Family([_Line(tip, own.way, own.start) for own in _lines(nothing, along, across, 1)], True, end)
+            yield Family([_Line(tip, own.way, own.start) for own in _lines(nothing, along, across, 1)], end)
 
 
 def _exact(x: float) -> Fraction | None:
@@ -120,42 +109,11 @@ def _exact(x: float) -> Fraction | None:
     return near if near is not None and abs(float(near) - x) < _SAME else None
 
 
-def _of_grids(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
-    """Chords of grids over the ranges of two forces or of one: their ends lie in K at all of the values, their midpoints at none.
-
-    A force without ends has several ranges about 0; others are 0.
-    """
-    ends, n, size = dict[str, tuple[Any, ...]](law.ranges), len(law.forces), count(places)
-    pairs: list[tuple[int, ...]] = [*combinations(range(n), 2)] or [(0,)]
-    boxes = ((pair, tuple(_about_zero(ends.get(law.forces[k]), far) for k in pair)) for pair in pairs for far in _ABOUT)
-    for pair, box in dict.fromkeys(boxes):
-        pay(_PRICE_OF_A_GRID)
-        grid = [[low + (high - low) * k / _SQUARES for k in range(_SQUARES + 1)] for low, high in box]
-        points = np.zeros(((_SQUARES + 1) ** len(pair), size, n))
-        points[:, :, pair] = np.array(list(product(*grid)), dtype=float)[:, None]
-        values = level(law, places, points).reshape(*map(len, grid), size)
-        inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
-        for middle, step in _midpoints(inside, outside):
-            steps = [*zip(pair, grid, middle, step, strict=True)]
-            p, q = ({law.forces[f]: str(x[m + way * k]) for f, x, m, k in steps} for way in (-1, 1))
-            yield _chord(law, p, q)
-
-
-def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
-    """The range of a force; of one without an end one that is twice as wide as ``far``, about 0 where it has none."""
+def _about_zero(own: Sequence[Any] | None) -> tuple[Fraction, Fraction]:
+    """The range of a force; of one without an end one of length 2, about 0 where it has none."""
     low, high = (None, None) if own is None else own[:2]
-    first = low if low is not None else -far if high is None else high - 2 * far
-    return first, first + 2 * far if high is None else high
-
-
-def _midpoints(inside: Flags, outside: Flags) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
-    """Points of a grid outside, and the steps of the grid that lead from each to points inside both ways, the longest first."""
-    size, half = len(inside), len(inside) // 2
-    for step in sorted(product(range(-half, half + 1), repeat=inside.ndim), key=lambda step: -sum(map(abs, step))):
-        if step > tuple(-k for k in step):
-            one, middle, two = (tuple(slice(abs(k) + way * k, size - abs(k) + way * k) for k in step) for way in (-1, 0, 1))
-            for at in np.argwhere(inside[one] & outside[middle] & inside[two]):
-                yield tuple(int(i) + abs(k) for i, k in zip(at, step, strict=True)), step
+    first = low if low is not None else Fraction(-1) if high is None else high - 2
+    return first, first + 2 if high is None else high
 
 
 def _chord(law: StatedLaw, p: dict[str, str], q: dict[str, str], family: Family | None = None) -> Suggestion:
@@ -169,7 +127,7 @@ def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[_Plane]:
         yield from (((Fraction(0),) * n, _MERIDIAN, way) for way in _DEVIATORIC)
         yield from (((share,) * n, one, two) for share in _ALONG for one, two in permutations(_DEVIATORIC))
         return
-    boxes = [_about_zero(ends.get(f), Fraction(1)) for f in law.forces]
+    boxes = [_about_zero(ends.get(f)) for f in law.forces]
     middle = tuple((low + high) / 2 for low, high in boxes)
     units = [tuple((high - low) / 2 if i == k else Fraction(0) for i, (low, high) in enumerate(boxes)) for k in range(n)]
     yield from ((middle, one, two) for one, two in (permutations(units, 2) if n > 1 else [(units[0], units[0])]))
@@ -225,7 +183,7 @@ class _Lines:
         """What ends are made of, as text: 1, and what they move with."""
         found, end = {"": np.ones(count(self.places))}, self.family.end
         if end is None:
-            return found | ({f"*{name}": x for name, x in self.places.items()} if self.family.moving else {})
+            return found | {f"*{name}": x for name, x in self.places.items()}
         ((name, x),) = self.places.items()
         return found | {f"*({name} - ({end}))" if x[0] > end else f"*({end} - {name})": _distance(self.places, end)}
 

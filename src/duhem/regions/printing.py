@@ -18,6 +18,7 @@ from duhem.expression.parse import parse_relation
 from duhem.expression.text import formula
 from duhem.law.atlas.entry import entry
 from duhem.law.catalogue import load_formula
+from duhem.law.domain import REAL
 from duhem.regions.mending.entry import Mended, Tried
 from duhem.regions.mending.limit_load import around, limit_loads, plain_values
 from duhem.regions.result import FoundRegion, PavedRegion
@@ -99,26 +100,22 @@ def _fields(region: FoundRegion) -> Iterator[tuple[str, str]]:
     yield "over", f"all {', '.join(names)}" if region.over == "true" else region.over
     if others := [own.stated(other) for other, own in law.parameters.items() if other not in names]:
         yield "others", ", ".join(others)
-    if published := _published(region):
+    if published := _published(region)[0]:
         yield "published", published
 
 
-def _published(region: FoundRegion) -> str:
-    """What the literature claims of a law of the atlas; of another law that has its name nothing is known."""
-    with suppress(InputError):
-        own = entry(region.criterion.name)
-        return own.claims.get(region.claim, "") if own.summary == region.criterion.summary else ""
-    return ""
+def _published(region: FoundRegion) -> tuple[str, list[float]]:
+    """What the literature claims of a law of the atlas, and the values that it has for the parameters of a region, if they all have one.
 
-
-def _published_point(region: FoundRegion) -> list[float]:
-    """The values that the law of the atlas has for the parameters of a region, if they all have one."""
+    Of another law that has its name nothing is known.
+    """
+    said, values, law = "", list[float](), region.criterion
     with suppress(InputError):
-        own = load_formula(region.criterion.name)
-        domains = [own.parameters[name] for name in region.parameters if name in own.parameters]
-        values = [float(own.value) for own in domains if own.value is not None]
-        return values if own.summary == region.criterion.summary and len(values) == len(region.parameters) else []
-    return []
+        if (own := load_formula(law.name)).summary == law.summary:
+            domains = [own.parameters.get(name, REAL) for name in region.parameters]
+            values = [float(x.value) for x in domains if x.value is not None]
+            said = entry(law.name).claims.get(region.claim, "")
+    return said, values if len(values) == len(region.parameters) else []
 
 
 def _rows(region: FoundRegion) -> list[tuple[str, ...]]:
@@ -157,7 +154,7 @@ def plot(region: FoundRegion, file: Any = None, axes: Any = None) -> tuple[Axes,
 
 
 def _paint(axes: Axes, region: FoundRegion) -> None:
-    line = len(region.parameters) == 1
+    line, (said, point) = len(region.parameters) == 1, _published(region)
     ranges = [_shown_range(region, name) for name in region.parameters]
     grid = np.meshgrid(*(np.linspace(low, high, _FINE) for low, high in [*ranges, *([(0.0, 1.0)] if line else [])]))
     verdicts = region.at(dict(zip(region.parameters, grid, strict=False)))
@@ -169,14 +166,14 @@ def _paint(axes: Axes, region: FoundRegion) -> None:
     for end in region.ends:
         x = float(sp.Rational(end.enclosure[0]))
         axes.plot([x], [0.5], "o", color="black", markerfacecolor="black" if end.closed else "white", markersize=7, zorder=4)
-        said = f"${latex_name(end.parameter)} = {sp.latex(sp.sympify(end.value, rational=True))}$"
-        axes.annotate(said, (x, 1.05), ha="center", va="bottom")
+        label = f"${latex_name(end.parameter)} = {sp.latex(sp.sympify(end.value, rational=True))}$"
+        axes.annotate(label, (x, 1.05), ha="center", va="bottom")
     if line:
         axes.set_ylim(0.0, 1.6 if region.ends else 1.0)
         axes.set_yticks([])
-    elif (point := _published_point(region)) and all(low <= at <= high for at, (low, high) in zip(point, ranges, strict=True)):
+    elif point and all(low <= at <= high for at, (low, high) in zip(point, ranges, strict=True)):
         axes.plot(*([at] for at in point), "o", color="black", markeredgecolor="white", linestyle="none", label="published")
-    published = f"\npublished: {said}" if line and (said := _published(region)) else ""
+    published = f"\npublished: {said}" if line and said else ""
     for axis, name in zip((axes.xaxis, axes.yaxis), region.parameters, strict=False):
         axis.set_label_text(f"${latex_name(name)}${published}")
     figure.legend(axes)

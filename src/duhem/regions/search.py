@@ -6,7 +6,6 @@ among roots of short polynomials.  Only what the kernel confirms over a whole ce
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -23,7 +22,7 @@ from duhem.regions.seen import changes
 __all__ = ["Asked", "cells_of"]
 
 _IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
-_MOST_ASKED, _MOST_NEAR = 30, 3  # the most whole verifications; the most cells beside an end on which moving chords are looked for
+_MOST_ASKED = 30  # whole verifications
 
 
 @dataclass
@@ -35,7 +34,6 @@ class Asked(AsksTheKernel):
     whole: ParameterCell = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
     _refuted: dict[ParameterCell, Decided | None] = field(default_factory=dict)
-    near: Counter[RealRoot] = field(default_factory=Counter)  # how often chords that move with the distance from an end were looked for
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -75,19 +73,18 @@ class Asked(AsksTheKernel):
     def refuted(self, cell: ParameterCell) -> Decided | None:
         """A family of witnesses over a cell; None where none is confirmed."""
         if cell not in self._refuted:
-            (name,), ends = self.names, [end for end in (cell.high, cell.low) if end is not None and end.exact]
-            away = [f"({name} - ({end.low}))" if end is cell.low else f"({end.low} - {name})" for end in ends]
+            name, both = self.names[0], ((cell.low, cell.open), (cell.high, cell.open_high))
+            ends = [(end, left_out) for end, left_out in both if end is not None and end.exact]
+            away = [f"({end.low} - {name})" if end is cell.high else f"({name} - ({end.low}))" for end, _ in reversed(ends)]
             held = {end for known in self._known.values() if known is not None for end in known.cell[:2]}
-            left_out = [end for end, out in zip(cell[:2], cell[2:], strict=True) if out and end in ends and end in held]
-            turning = [end.low for end in left_out if end is not None and self.near[end] < _MOST_NEAR]
-            self.near.update(end for end in left_out if end is not None)
-            row = None if self.spent else self.refutation(self.over(cell), away, ends[::-1], turning)
+            turning = [end.low for end, left_out in ends if left_out and end in held]
+            row = None if self.spent else self.refutation(self.over(cell), away, [end for end, _ in ends], turning)
             self._refuted[cell] = None if row is None else Decided(cell, {"verdict": "refuted", **row})
         return self._refuted[cell]
 
 
 _NARROW = Fraction(1, 2**30)
-_ROUNDING, _SHORT, _BESIDE = 3e-8, 1000, (1e-6, 1e-4)
+_ROUNDING, _SHORT, _UNDIVIDED = 3e-8, 1000, Fraction(3, 10_000)
 _MOST_IN_VAIN, _MOST_TRIES, _FARTHEST, _FEW_SEEDS = 12, 60, 2**16, 3  # the first: gaps one after the other that are halved
 
 
@@ -96,8 +93,8 @@ def cells_of(asked: Asked) -> tuple[Decided, ...]:
 
     The widest gap comes first.  What is decided in one may leave others, and a gap in which nothing is decided is halved.
     """
-    done, parts = _seen(asked) if (whole := asked.proved(asked.whole)) is None else ([whole], [])
-    gaps = [*((part, False) for part in parts), *((gap, True) for gap in _left(asked.whole, [*(one.cell for one in done), *parts]))]
+    done = [*_seen(asked)] if (whole := asked.proved(asked.whole)) is None else [whole]
+    gaps = [(gap, True) for gap in _left(asked.whole, [one.cell for one in done])]
     in_vain = 0
     while gaps:
         gap, fresh = gaps.pop(max(range(len(gaps)), key=lambda i: _width(gaps[i][0])))
@@ -105,6 +102,8 @@ def cells_of(asked: Asked) -> tuple[Decided, ...]:
             done.append(found)
             gaps += [(rest, fresh and found.verdict == "proved") for rest in _left(gap, [found.cell])]
             in_vain = 0
+        elif gap == asked.whole and asked.ask_all():
+            gaps.append((gap, fresh))
         elif asked.spent or in_vain == _MOST_IN_VAIN or (_is_narrow(gap) and gap != asked.whole):
             done.append(Decided(gap, OPEN))
         else:
@@ -144,48 +143,29 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
         return asked.proved(gap) or asked.proved(ParameterCell(one, one))
     if not fresh:
         return asked.proved(gap)
-    seeds = islice(_seeds(gap.bounds), None if gap == asked.whole else _FEW_SEEDS)  # a gap is halved where nothing grows
-    grown = (_grown(asked, seed, gap) for seed in seeds if not asked.spent)
-    if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
-        grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
-        found = next(filter(None, grown), None)
-    return found
+    few = asked.by_all or gap != asked.whole  # such a gap is halved where nothing grows
+    seeds = islice(_seeds(gap.bounds), _FEW_SEEDS if few else None)
+    return next(filter(None, (_grown(asked, seed, gap) for seed in seeds if not asked.spent)), None)
 
 
 def _is_narrow(gap: ParameterCell) -> bool:
     """Whether a gap is not divided: it is one value, beside an end that is told by no short number, or far away."""
     if gap.low is None or gap.high is None:
         return any(end is not None and abs(end.low) >= _FARTHEST for end in gap[:2])
-    return gap.high.low - gap.low.high <= 3 * Fraction(_BESIDE[1]) * max(Fraction(1), abs(gap.low.low))
+    return gap.high.low - gap.low.high <= _UNDIVIDED * max(Fraction(1), abs(gap.low.low))
 
 
-def _seen(asked: Asked) -> tuple[list[Decided], list[ParameterCell]]:
-    """Cells of the stretches in which the claim seems to hold, by floating point, and a little less than the stretches that are left.
-
-    The ends of cells are short numbers, or those of the domain.
-    """
-    stretches = asked.seen() or []
-    whole, last = asked.whole, len(stretches) - 1
-    found, parts = dict[int, Decided](), list[ParameterCell]()
-    for i, (low, high, _) in ((i, one) for i, one in enumerate(stretches) if one[2]):
-        first, final = whole.low if i == 0 else _number_near(low), whole.high if i == last else _number_near(high)
-        own = i == 0 and whole.open, i == last and whole.open_high
-        cells = (_cell(first, final, *out) for out in dict.fromkeys([own, (True, own[1]), (own[0], True), (True, True)]))
-        if done := next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), None):
-            found[i] = done
+def _seen(asked: Asked) -> Iterator[Decided]:
+    """Cells of the stretches in which the claim seems to hold, by floating point; their ends are short numbers, or those of the domain."""
+    stretches, whole = asked.seen() or [], asked.whole
     for i, (low, high, holds) in enumerate(stretches):
-        if i in found or (not holds and all(k in found for k in (i - 1, i + 1) if 0 <= k <= last)):
-            continue  # the gap that is left between cells is taken as a whole
-        one, two = whole.low if i == 0 else _inside(low, 1), whole.high if i == last else _inside(high, -1)
-        if one is None or two is None or one.below(two):
-            parts.append(ParameterCell(one, two, i == 0 and whole.open, i == last and whole.open_high))
-    return [*found.values()], parts
-
-
-def _inside(x: float, way: int) -> RealRoot:
-    """A short number a little beyond x."""
-    near, far = (Fraction(x) + way * Fraction(max(1.0, abs(x)) * share) for share in _BESIDE)
-    return RealRoot.of(simplest(min(near, far), max(near, far)))
+        first, last = i == 0, i == len(stretches) - 1
+        ends = whole.low if first else _number_near(low), whole.high if last else _number_near(high)
+        out, out_high = first and whole.open, last and whole.open_high
+        each = dict.fromkeys([(out, out_high), (True, out_high), (out, True), (True, True)])
+        cells = (_cell(*ends, *left_out) for left_out in each if holds)
+        if done := next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), None):
+            yield done
 
 
 def _number_near(x: float) -> RealRoot:

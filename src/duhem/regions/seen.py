@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from duhem.expression.elementary import ELEMENTARY, array_function
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.dents import FAMILIES, Dent, dents, form_of
+from duhem.proof.kernel.dents import FAMILIES, Dent, dents
 from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.signs import RAY
@@ -38,10 +38,9 @@ _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
 
 
 class Holding(NamedTuple):
-    """Where the claim of a law seems to hold: by its dents, by the least eigenvalue of a quadratic g, or by g at zero force."""
+    """Where the claim of a law seems to hold: by its dents, or by g at zero force."""
 
     dents: tuple[Dent, ...]
-    forms: tuple[tuple[Term, ...], ...]
     at_zero: Term | None = None
 
     @classmethod
@@ -51,15 +50,11 @@ class Holding(NamedTuple):
             at_zero = law.g.put({Term("name", name=f): number(0) for f in law.forces})
             with suppress(*UNREADABLE):
                 value_of(at_zero, looked_at(law))
-                return cls((), (), at_zero)
-        if claim != "convexity":
-            return None
-        with suppress(*UNREADABLE):
-            return cls((), tuple(map(tuple, form_of(law))))
-        for family in FAMILIES:
+                return cls((), at_zero)
+        for family in FAMILIES if claim == "convexity" else ():
             with suppress(*UNREADABLE):
                 if found := tuple(dents(law, family)):
-                    return cls(found, ())
+                    return cls(found)
         return None
 
     @property
@@ -71,8 +66,7 @@ class Holding(NamedTuple):
         """By how much it seems to hold at some places, as a share of what is added up; < 0 where it seems to fail."""
         if self.at_zero is not None:
             return -value_of(self.at_zero, places)
-        dented = (_least(dent, places) for dent in self.dents)
-        least = _least_eigenvalues(self.forms, places) if self.forms else reduce(np.minimum, dented)
+        least = reduce(np.minimum, (_least(dent, places) for dent in self.dents))
         return np.where(np.abs(least) <= _ZERO, 0.0, least)
 
 
@@ -86,16 +80,6 @@ def _least(dent: Dent, places: Mapping[str, Array]) -> Array:
         at, step = along[np.arange(len(low)), seen.reshape(along.shape).argmin(axis=1)], (high - low) / max(rays - 1, 1)
         low, high = np.maximum(low, at - step), np.minimum(high, at + step)
     return least
-
-
-def _least_eigenvalues(matrix: Sequence[Sequence[Term]], places: Mapping[str, Array]) -> Array:
-    """Of a form in forces that are measured so that no square in it has another factor than 1, 0 or -1."""
-    many = np.moveaxis(np.array([[value_of(a, places) for a in line] for line in matrix]), 2, 0)
-    told = np.isfinite(many).all(axis=(1, 2))  # the law has a value there
-    many[~told] = 0.0
-    sizes = np.sqrt(np.abs(np.diagonal(many, axis1=1, axis2=2)))
-    sizes[sizes == 0] = 1.0
-    return np.where(told, np.linalg.eigvalsh(many / sizes[:, :, None] / sizes[:, None, :])[:, 0], -np.inf)
 
 
 def changes(holding: Holding, name: str, own: Bounds) -> list[tuple[float, float, bool]] | None:
@@ -167,7 +151,7 @@ def of_one_sign(law: StatedLaw, places: Mapping[str, Array]) -> bool:
     """Whether g is > 0, or never, at forces along axes and diagonals, near zero and far from it, for all of the values; in their ranges."""
     ways = [way for way in product((0.0, 1.0, -1.0), repeat=len(law.forces)) if any(way)][:_MOST_WAYS]
     values = level(law, places, np.outer(_SIZES, ways).reshape(-1, 1, len(law.forces)).repeat(count(places), axis=1))
-    positive = values[values != np.inf] > 0
+    positive = (values[values != np.inf] if law.ranges else values) > 0
     return bool(positive.all() or not positive.any())
 
 

@@ -25,7 +25,7 @@ __all__ = ["suggestions"]
 
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
 _PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "2")))  # components of the points that are tried
-_FEW_LINES, _VERY_FAR = 4, 2.0**30
+_FEW, _VERY_FAR = 4, 2.0**30  # lines, or chords
 _STEPS = tuple(tuple(Fraction(k, n) for k in range(-n, n + 1)) for n in (8, 2))  # of components of two and of three forces
 
 
@@ -47,11 +47,11 @@ def suggestions(
     if claim == "dissipation" and law.flow is not None and {*names} <= {*whole.parameters}:
         found.append(_of_points(whole, names, away))
     if claim == "convexity" and not law.ranges:
-        found.append(islice(_of_lines(law, places), _FEW_LINES))
+        found.append(islice(_of_lines(law, places), _FEW))
     if claim in ("convexity", "normality"):
         found += [_of_dents(dents(law, family), places, ends) for family in FAMILIES]
-    if claim == "convexity":
-        found.append(chords(law, places, names, turning))
+    if claim == "convexity" and len(names) == 1:  # a plane of parameters has many cells, and chords would take the steps to divide it
+        found.append(islice(chords(law, places, turning), _FEW))
     for families in found:
         with suppress(*UNREADABLE):
             yield from families
@@ -118,7 +118,7 @@ def _of_dents(found: Iterable[Dent], places: Mapping[str, Array], ends: Sequence
     """The rays where a dent is < 0 at all of the values that are looked at."""
     for dent in found:
         with suppress(*UNREADABLE):
-            for ray in _rays(dent, places, ends):
+            for ray in dict.fromkeys(_rays(dent, places, ends)):
                 at = np.full(count(places), float(ray.low + ray.high) / 2)
                 if np.all(polynomial_at(dent.poly, {RAY.name: at, **places}) < 0):
                     yield Suggestion("dent", {"family": dent.family, "dent": dent.name, "at": ray.written()})
@@ -130,19 +130,13 @@ def _rays(dent: Dent, places: Mapping[str, Array], ends: Sequence[RealRoot]) -> 
     if dent.seam or low == high:
         yield RealRoot.of(low)
         return
-    rays = np.linspace(float(low), float(high), RAYS)
-    seen, size = set[RealRoot](), count(places)
+    rays, size = np.linspace(float(low), float(high), RAYS), count(places)
     for i in dict.fromkeys((0, size - 1, size // 2)):
         depth = polynomial_at(dent.poly, {RAY.name: rays, **{n: np.full_like(rays, x[i]) for n, x in places.items()}})
         deepest = float(rays[int(np.nanargmin(depth))])
-        for x in closest_fractions(deepest):
-            if abs(float(x) - deepest) < 0.02 and low <= x <= high and (ray := RealRoot.of(x)) not in seen:
-                seen.add(ray)
-                yield ray
-        for end in ends if len(places) == 1 else ():
-            if (root := _double_root(dent.poly, next(iter(places)), end.low, deepest)) is not None and root not in seen:
-                seen.add(root)
-                yield root
+        yield from (RealRoot.of(x) for x in closest_fractions(deepest) if abs(float(x) - deepest) < 0.02 and low <= x <= high)
+        variable, *others = places
+        yield from filter(None, (_double_root(dent.poly, variable, end.low, deepest) for end in ends if not others))
 
 
 def _double_root(poly: Polynomial, variable: str, at: Fraction, near: float) -> RealRoot | None:

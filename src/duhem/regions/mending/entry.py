@@ -113,15 +113,12 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
         return Mended(given, before, given, "", "K is convex, there is nothing to mend", NO_DISTANCE, known)
     scaled = scale_of(given)
     tried = tuple(_tried(way, scaled, base, harmonics) for way in (WAYS if by == "auto" else (by,)))
-    nearest: Mended | None = None
-    for one in sorted(tried, key=_rank):
-        if one.law is not None and (nearest is None or not nearest.admissible):
-            done = Mended(given, before, one.law, one.by, one.told, one.distance, verify(one.law), tried)
-            nearest = done if nearest is None or done.admissible else nearest
-    if nearest is None:
+    best = ((one, one.law) for one in sorted(tried, key=_rank) if one.law is not None)
+    mended = (Mended(given, before, own, one.by, one.told, one.distance, verify(own), tried) for one, own in best)
+    if (nearest := next(mended, None)) is None:
         why = "; ".join(f"{one.by}: {one.told}" for one in tried)
         raise InputError(f"no such law was found ({why})", where=given.name, remedy="mend it in another way, or ask duhem region")
-    return nearest
+    return nearest if nearest.admissible else next((done for done in mended if done.admissible), nearest)
 
 
 def _rank(one: Tried) -> tuple[bool, bool, float]:
