@@ -13,7 +13,6 @@ from typing import Any, cast
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.parse import parse_relation
 from duhem.law.formula_law import Criterion
 from duhem.proof import verification
 from duhem.proof.certificate import law_as_text
@@ -146,9 +145,8 @@ class AsksTheKernel:
         ones = {name: own.low for name, own in stated.parameters.items() if name in self.names and own.single}
         texts = [text for text in where if not parse(text).names() <= {*ones}]
         try:
-            law, symbols = self.law.fix(ones), self.law.symbols()
-            relations = (*law.constraints, *(parse_relation(text, symbols) for text in texts))
-            law = replace(law, constraints=relations, written_constraints=(*law.written_constraints, *texts))
+            law = self.law.fix(ones)
+            law = replace(law, constraints=(*law.constraints, *texts))  # a text is read on construction
             found = verification.verify(law, claims=[self.claim], effort="quick")
         except InputError:
             return None

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
 from itertools import chain, combinations, permutations
 from math import cos, pi, sin
 from typing import Any, NamedTuple
@@ -116,10 +115,6 @@ def _about_zero(own: Sequence[Any] | None) -> tuple[Fraction, Fraction]:
     return first, first + 2 if high is None else high
 
 
-def _chord(law: StatedLaw, p: dict[str, str], q: dict[str, str], family: Family | None = None) -> Suggestion:
-    return Suggestion("chord", {"p": p, "q": q, **({} if law.pressure is None else {"pressure": "-1"})}, family)
-
-
 def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[_Plane]:
     """Of principal values meridian and deviatoric planes, else those along forces."""
     ends, n = dict[str, tuple[Any, ...]](law.ranges), len(law.forces)
@@ -142,13 +137,11 @@ def _lines(origin: Vector, along: Vector, across: Vector, far: int) -> list[_Lin
     return [*(_Line(start, tuple(way * x for x in across), nothing) for start in starts for way in (1, -1)), *around]
 
 
-@cache
-def _pairs() -> Array:
-    """Lines of which the ends are joined: those that start near each other on one side, those along the axis with all, and some of all."""
-    near = [(2 * k + side, 2 * (k + step) + side) for step in _STEPS for k in range(_STARTS - step) for side in (0, 1)]
-    some = [2 * k + side for k in range(0, _STARTS, _FEW) for side in (0, 1)]
-    axis = [(2 * _STARTS + turn, k) for turn in (0, _TURNS // 2) for k in range(2 * _STARTS)]
-    return np.array([*near, *axis, *combinations([*some, *range(2 * _STARTS, 2 * _STARTS + _TURNS)], 2)]).T
+# Lines of which the ends are joined: those that start near each other on one side, those along the axis with all, and some of all.
+_SIDE_BY_SIDE = [(2 * k + side, 2 * (k + step) + side) for step in _STEPS for k in range(_STARTS - step) for side in (0, 1)]
+_WITH_THE_AXIS = [(2 * _STARTS + turn, k) for turn in (0, _TURNS // 2) for k in range(2 * _STARTS)]
+_SOME = [*(2 * k + side for k in range(0, _STARTS, _FEW) for side in (0, 1)), *range(2 * _STARTS, 2 * _STARTS + _TURNS)]
+_PAIRS = np.array([*_SIDE_BY_SIDE, *_WITH_THE_AXIS, *combinations(_SOME, 2)]).T
 
 
 @dataclass(frozen=True)
@@ -207,7 +200,7 @@ class _Lines:
         """The two lines of which the midpoint is farthest outside; None where none is."""
         fitted = self.fitted()
         known = np.asarray(np.isfinite(fitted).all(axis=1))
-        pairs = _pairs()[:, known[_pairs()].all(axis=0)]
+        pairs = _PAIRS[:, known[_PAIRS].all(axis=0)]
         depth = self.levels(fitted, pairs)
         return pairs[:, depth.argmax()] if depth.size and depth.max() > _ROUNDING else None
 
@@ -222,7 +215,7 @@ class _Lines:
                 if begins:
                     exact = [[first or Fraction(0), *rest] for first, (_, *rest) in zip(self.begun, exact, strict=True)]
                 p, q = (self._written(line, parts) for line, parts in zip(self.family.lines, exact, strict=True))
-                yield _chord(self.law, p, q, self.family)
+                yield Suggestion("chord", {"p": p, "q": q, **({} if self.law.pressure is None else {"pressure": "-1"})}, self.family)
                 return
 
     def _written(self, line: _Line, parts: list[Fraction]) -> dict[str, str]:

@@ -146,15 +146,13 @@ def _over(law: Criterion, ranges: Mapping[str, Range]) -> Criterion:
         if domain.value is not None:
             raise InputError("a range has two different ends", where=where, remedy="fix a parameter with --set")
         law = law.within({name: domain})
-        for end, sharp in ((domain.low, sp.StrictGreaterThan), (domain.high, sp.StrictLessThan)):
+        for end, op in ((domain.low, ">"), (domain.high, "<")):
             if end is None or (end == 0 and domain.positive) or _has_values(law, name, end):
                 continue
             if end == 0 and end == domain.low:
                 law = law.within({name: Domain(high=domain.high, positive=True)})
             else:
-                beyond = sharp(law.symbols()[name], end)
-                texts = (*law.written_constraints, f"{name} {beyond.rel_op} {end}")
-                law = replace(law, constraints=(*law.constraints, beyond), written_constraints=texts)
+                law = replace(law, constraints=(*law.constraints, f"{name} {op} {end}"))  # a text is read on construction
     return law
 
 
@@ -189,9 +187,7 @@ def told(law: Law, claim: str, asked: str) -> str:
     try:
         if not isinstance(law, Criterion) or claim not in _ASKED or len(names := shape_parameters(law, claim)) > _MOST_UNNAMED:
             return ""
-        if len(names) > 2 and (claim != "convexity" or names != _of_minors(law)):
-            return ""
-        if {*names} <= {*_absorbed(law)}:
+        if {*names} <= {*_absorbed(law)} or (len(names) > 2 and (claim != "convexity" or names != _of_minors(law))):
             return ""
         steps = _STEPS_OF_A_SENTENCE // min(len(names), 2) ** 2
         found = region(law, None, claim, steps=steps)

@@ -207,7 +207,8 @@ class Paving(AsksTheKernel):
         """A leaf, or a comparison that divides it with what is known of the two parts; None where the budget ends before that is known."""
         law = self.over(place)
         known = self.seen or self.holding(law)
-        places = looked_at(law, self.names, *(() if known is None or known.along_rays else (_MANY,)))
+        rays = known is None or any(dent.between[0] < dent.between[1] for dent in known.dents)
+        places = looked_at(law, self.names, *(() if rays else (_MANY,)))
         holds = None if known is None else known.margins(places) >= 0
         mixed, unseen = holds is not None and holds.any() and not holds.all(), not count(places)
         seems = None if holds is None or unseen else bool(holds.all())
@@ -233,11 +234,10 @@ class Paving(AsksTheKernel):
 
     def _halved(self, place: Place) -> Node:
         """A leaf divided where a parameter changes its sign, on which much depends, else in the middle of its longest edge."""
-        for name, own in place.box.items():
-            if own.sign() == ANY:
-                return {"split": f"{name} <= 0", "holds": OPEN, "fails": OPEN}
         longest = max(self.names, key=lambda name: length(place.box[name], self.whole[name]))
-        return {"split": f"{longest} <= {between(place.box[longest], self.whole[longest])}", "holds": OPEN, "fails": OPEN}
+        middle = f"{longest} <= {between(place.box[longest], self.whole[longest])}"
+        split = next((f"{name} <= 0" for name, own in place.box.items() if own.sign() == ANY), middle)
+        return {"split": split, "holds": OPEN, "fails": OPEN}
 
     def _divided_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Flags | None, clearly: bool) -> Node | None:
         """A leaf divided by a polynomial, if the kernel confirms a verdict of both sides, or of one on which all is seen to be alike.
@@ -277,7 +277,7 @@ class Paving(AsksTheKernel):
         """
         if law.constraints and (self.stated.constraints or unseen) and self.confirmed(partial(not_outside, law)):
             return {"verdict": "outside"}
-        if holds is not False and (row := self.proof(law) or self._proof_by_all(law, place)) is not None:
+        if holds is not False and (row := self.proof(law)) is not None:
             return {"verdict": "proved", **row}
         away = [f"({difference(text)})" for text in place.polynomials] + self.away
         if holds is not True and (row := self.refutation(law, away)) is not None:
@@ -285,9 +285,3 @@ class Paving(AsksTheKernel):
         if holds is False and self.claim in UNBOUNDED and (row := self.proof(law)) is not None:
             return {"verdict": "proved", **row}  # K may be everything or empty there, which no dent tells
         return None
-
-    def _proof_by_all(self, law: StatedLaw, place: Place) -> dict[str, Any] | None:
-        """The proof with evidence that everything finds which makes proofs; asked on large leaves alone, where no rule was found before."""
-        if self.claim in self.usual or share_of(place.box, self.whole) < _LARGE:
-            return None
-        return self.proof_by_all(law, place.where)

@@ -23,7 +23,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import NotWritten, number, parse
 
 __all__ = [
-    "OPEN", "Decided", "Node", "ParameterCell", "Place", "against", "between", "closest_fractions", "compared", "difference", "is_end",
+    "OPEN", "Decided", "Node", "ParameterCell", "Place", "against", "between", "compared", "difference", "is_end",
     "law_at", "leaves", "length", "middle", "narrowed", "order", "share_of", "simplest", "square_root_near", "tree_of", "written_root",
 ]  # fmt: skip
 
@@ -42,11 +42,6 @@ def simplest(low: Fraction, high: Fraction) -> Fraction:
     if low == whole:
         return whole + Fraction(1, 1 / (high - whole) // 1 + 1)
     return whole + 1 / simplest(1 / (high - whole), 1 / (low - whole))
-
-
-def closest_fractions(x: float) -> list[Fraction]:
-    """Fractions close to x, the simplest first."""
-    return [*dict.fromkeys(Fraction(x).limit_denominator(n) for n in (1, 2, 3, 4, 8, 16, 64))]
 
 
 def square_root_near(low: Fraction, high: Fraction) -> RealRoot | None:
@@ -135,9 +130,8 @@ class Place(NamedTuple):
         if len(apart) != 1 or rest:
             return None
         one, two = sorted((self.box[apart[0]], other.box[apart[0]]), key=lambda own: (own.low is not None, own.low))
-        if one.high is None or one.high != two.low or one.open_high == two.open:
-            return None
-        return Place(self.polynomials, {**self.box, apart[0]: Bounds(one.low, two.high, one.open, two.open_high)})
+        meets = one.high is not None and one.high == two.low and one.open_high != two.open
+        return Place(self.polynomials, {**self.box, apart[0]: Bounds(one.low, two.high, one.open, two.open_high)}) if meets else None
 
 
 def difference(comparison: str) -> str:

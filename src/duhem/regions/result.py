@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from itertools import islice, product
+from itertools import combinations, islice, product
 from typing import Any, ClassVar
 
 import numpy as np
@@ -150,15 +150,13 @@ class FoundRegion(Shown):
     @cached_property
     def places(self) -> tuple[tuple[Any, str], ...]:
         """Each cell with one verdict on all of it, with the verdict: those joined that together are one."""
-        found = [(one.cell, one.verdict) for one in self.known]
-        i = 0
-        while i < len(found) and len(found) <= _MOST_JOINED:
-            (one, verdict), joined = found[i], None
-            for k in range(i + 1, len(found)):
-                if found[k][1] == verdict and (joined := one.joined(found[k][0])) is not None:
-                    found[i : i + 1], found[k : k + 1], i = [(joined, verdict)], [], -1
-                    break
-            i += 1
+        found, joined = [(one.cell, one.verdict) for one in self.known], True
+        while joined and len(found) <= _MOST_JOINED:
+            alike = [(i, k) for i, k in combinations(range(len(found)), 2) if found[i][1] == found[k][1]]
+            pairs = ((i, k, found[i][0].joined(found[k][0])) for i, k in alike)
+            i, k, one = next((pair for pair in pairs if pair[2] is not None), (0, 0, None))
+            if joined := one is not None:
+                found[i], found[k:] = (one, found[i][1]), found[k + 1 :]
         return tuple(found)
 
     def stretches(self, verdict: str) -> list[Any]:

@@ -21,15 +21,14 @@ from duhem.regions.seen import changes
 
 __all__ = ["Asked", "cells_of"]
 
-_IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
-_MOST_ASKED = 30  # whole verifications
+_IN_DEPTH, _MOST_ASKED = 10_000_000, 30  # from so many steps on whole verifications are asked for; the most of these
 
 
 @dataclass
 class Asked(AsksTheKernel):
     """A claim of a law, asked for the values of one of its parameters."""
 
-    by_all: bool = False
+    by_all: bool = False  # whether everything that makes proofs is asked too
     verifications: int = 0
     whole: ParameterCell = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
@@ -55,18 +54,6 @@ class Asked(AsksTheKernel):
                 row = self.proof_by_all(self.over(cell), cell.where(self.names[0], self.whole))
             self._known[cell] = None if row is None else Decided(cell, {"verdict": "proved", **row})
         return self._known[cell]
-
-    def ask_all(self) -> bool:
-        """From now on everything that makes proofs is asked too; False where it is already, or the steps are too few."""
-        if self.by_all or self.spent or self.most < _IN_DEPTH:
-            return False
-        self.by_all = True
-        self._known.clear()
-        return True
-
-    def seen(self) -> list[tuple[float, float, bool]] | None:
-        """Stretches of the parameter where the claim seems to hold, and to fail, in floating point; None where that tells nothing."""
-        return None if (holding := self.holding(self.over(self.whole))) is None else changes(holding, self.names[0], self.whole.bounds)
 
     # -- refuted ---------------------------------------------------------------------------------------------------
 
@@ -102,7 +89,8 @@ def cells_of(asked: Asked) -> tuple[Decided, ...]:
             done.append(found)
             gaps += [(rest, fresh and found.verdict == "proved") for rest in _left(gap, [found.cell])]
             in_vain = 0
-        elif gap == asked.whole and asked.ask_all():
+        elif gap == asked.whole and asked.most >= _IN_DEPTH and not (asked.by_all or asked.spent):
+            asked.by_all, asked._known = True, {}
             gaps.append((gap, fresh))
         elif asked.spent or in_vain == _MOST_IN_VAIN or (_is_narrow(gap) and gap != asked.whole):
             done.append(Decided(gap, OPEN))
@@ -157,7 +145,8 @@ def _is_narrow(gap: ParameterCell) -> bool:
 
 def _seen(asked: Asked) -> Iterator[Decided]:
     """Cells of the stretches in which the claim seems to hold, by floating point; their ends are short numbers, or those of the domain."""
-    stretches, whole = asked.seen() or [], asked.whole
+    whole, holding = asked.whole, asked.holding(asked.over(asked.whole))
+    stretches = [] if holding is None else changes(holding, asked.names[0], whole.bounds)
     for i, (low, high, holds) in enumerate(stretches):
         first, last = i == 0, i == len(stretches) - 1
         ends = whole.low if first else _number_near(low), whole.high if last else _number_near(high)

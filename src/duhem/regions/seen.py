@@ -57,11 +57,6 @@ class Holding(NamedTuple):
                     return cls(found)
         return None
 
-    @property
-    def along_rays(self) -> bool:
-        """Whether it is looked for along rays, at each place."""
-        return any(dent.between[0] < dent.between[1] for dent in self.dents)
-
     def margins(self, places: Mapping[str, Array]) -> Array:
         """By how much it seems to hold at some places, as a share of what is added up; < 0 where it seems to fail."""
         if self.at_zero is not None:
@@ -82,13 +77,13 @@ def _least(dent: Dent, places: Mapping[str, Array]) -> Array:
     return least
 
 
-def changes(holding: Holding, name: str, own: Bounds) -> list[tuple[float, float, bool]] | None:
-    """Stretches of the one parameter in a range, and whether the claim is seen to hold there; None where that cannot be told."""
+def changes(holding: Holding, name: str, own: Bounds) -> list[tuple[float, float, bool]]:
+    """Stretches of the one parameter in a range, and whether the claim is seen to hold there; none where that cannot be told."""
 
     def holds(*x: float) -> list[bool]:
         return [bool(margin >= 0) for margin in holding.margins({name: np.array(x)})]
 
-    try:
+    with suppress(*UNREADABLE):
         places = _in(own, np.linspace(0, 1, _SAMPLES + 2)[1:-1].tolist())
         flags = holds(*places)
         stretches, start = list[tuple[float, float, bool]](), places[0]
@@ -100,8 +95,7 @@ def changes(holding: Holding, name: str, own: Bounds) -> list[tuple[float, float
                 stretches.append((start, low, one))
                 start = high
         return [*stretches, (start, places[-1], flags[-1])]
-    except UNREADABLE:
-        return None
+    return []
 
 
 def looked_at(law: StatedLaw, names: Collection[str] | None = None, most: int = _MOST_PLACES) -> dict[str, Array]:

@@ -18,7 +18,7 @@ from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, factors, number, parse
 from duhem.regions.chords import Family, Suggestion, along, chords
-from duhem.regions.places import closest_fractions, narrowed
+from duhem.regions.places import narrowed
 from duhem.regions.seen import RAYS, Array, count, looked_at, polynomial_at, value_of
 
 __all__ = ["suggestions"]
@@ -134,7 +134,8 @@ def _rays(dent: Dent, places: Mapping[str, Array], ends: Sequence[RealRoot]) -> 
     for i in dict.fromkeys((0, size - 1, size // 2)):
         depth = polynomial_at(dent.poly, {RAY.name: rays, **{n: np.full_like(rays, x[i]) for n, x in places.items()}})
         deepest = float(rays[int(np.nanargmin(depth))])
-        yield from (RealRoot.of(x) for x in closest_fractions(deepest) if abs(float(x) - deepest) < 0.02 and low <= x <= high)
+        close = (Fraction(deepest).limit_denominator(n) for n in (1, 2, 3, 4, 8, 16, 64))
+        yield from (RealRoot.of(x) for x in close if abs(float(x) - deepest) < 0.02 and low <= x <= high)
         variable, *others = places
         yield from filter(None, (_double_root(dent.poly, variable, end.low, deepest) for end in ends if not others))
 

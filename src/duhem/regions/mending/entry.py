@@ -21,7 +21,7 @@ from duhem.regions.mending.by_least_squares import by_coefficients, by_harmonics
 from duhem.regions.mending.by_parameters import by_parameters
 from duhem.regions.mending.limit_load import NO_DISTANCE, Distance, ScaledLaw, distance, scale_of
 from duhem.show.place import write
-from duhem.show.printing import Shown, draw
+from duhem.show.printing import Shown, draw, finite
 
 __all__ = ["WAYS", "Mended", "Tried", "mend"]
 
@@ -74,8 +74,8 @@ class Mended(Shown):
     def to_dict(self, file: str | None = None) -> dict[str, Any]:
         """The JSON of the interface; ``file`` is where the law was written."""
         values = {name: str(own.value) for name, own in self.law.parameters.items() if own.value is not None}
-        tried = [{"by": x.by, "told": x.told, "convex": x.convex, **(x.distance.plain() if x.law else {})} for x in self.tried]
-        mean, largest = self.distance.plain().values()
+        tried = [{"by": x.by, "told": x.told, "convex": x.convex, **(finite(x.distance._asdict()) if x.law else {})} for x in self.tried]
+        mean, largest = finite(self.distance)
         return {
             "criterion": self.criterion.name, "before": self.before.value, "by": self.by or None,
             "parameters": values if self.by == "parameters" else None, "file": file, "mean_distance": mean, "largest_distance": largest,

@@ -36,10 +36,6 @@ class Distance(NamedTuple):
     mean: float = 0.0
     largest: float = 0.0
 
-    def plain(self) -> dict[str, float | None]:
-        """As JSON has it, None for what is infinite."""
-        return {name: x if np.isfinite(x) else None for name, x in self._asdict().items()}
-
 
 NO_DISTANCE = Distance()
 
