@@ -1,6 +1,6 @@
 """Chords that leave K, found in floating point: their ends are affine in the parameters.  Nothing here is trusted.
 
-They join two points of a grid; or, in a plane of forces, two where lines from points of an axis leave K, or the ranges of the forces.
+They join two points in a plane of forces where lines from points of an axis leave K, or the ranges of the forces.
 Where K turns convex at an end of a cell of one parameter, chords are the shorter, or leave K by the less, the nearer the parameter is to
 that end.  So there an end of a chord begins where a line leaves K at that very value, or at a tip of K on the axis, and moves with the
 distance from it.
