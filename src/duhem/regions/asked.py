@@ -178,8 +178,7 @@ class AsksTheKernel:
         """
         with self.paid():
             whole, here = settled(law, self.names), at_values(law, self.values, self.names)
-            known = self.chords if len(self.names) == 1 else ()
-            found = suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends, turning, known)
+            found = suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends, turning, self.chords)
             for one in islice(found, _FEW_TRIED):
                 free = {name: text for name, text in self.values.items() if name != one.evidence.get("scale")}
                 if self.refutes(law, told := one._replace(evidence={**one.evidence, "values": free})):

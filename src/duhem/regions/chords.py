@@ -168,7 +168,7 @@ class _Lines:
             if not drifts.any():
                 there = dict.fromkeys(places, np.array([float(family.end)]))
                 begun = [*map(_exact, cls.of(law, there, Family(family.lines)).reach[:, 0].tolist())]
-            starts = starts + drifts * _distance(places, family.end)[:, None]
+            starts = starts + drifts * np.abs(next(iter(places.values())) - float(family.end))[:, None]
         return cls(law, places, family, starts, ways, _reach(law, places, starts, ways), begun)
 
     @property
@@ -178,7 +178,7 @@ class _Lines:
         if end is None:
             return found | {f"*{name}": x for name, x in self.places.items()}
         ((name, x),) = self.places.items()
-        return found | {f"*({name} - ({end}))" if x[0] > end else f"*({end} - {name})": _distance(self.places, end)}
+        return found | {f"*({name} - ({end}))" if x[0] > end else f"*({end} - {name})": np.abs(x - float(end))}
 
     def fitted(self) -> Array:
         """How far along each line an end lies, by powers of the parameters: less far than it leaves K at any place."""
@@ -244,9 +244,3 @@ def _reach(law: StatedLaw, places: Mapping[str, Array], starts: Array, ways: Arr
         held = inside(middle[:, :, None])[:, :, 0]
         low, high = np.where(held, middle, low), np.where(held, high, middle)
     return np.where(first == 0, np.nan, low)  # it does not start in K
-
-
-def _distance(places: Mapping[str, Array], end: Fraction) -> Array:
-    """How far the one parameter is from an end of its cell."""
-    (x,) = places.values()
-    return np.abs(x - float(end))

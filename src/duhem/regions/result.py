@@ -226,8 +226,10 @@ class FoundRegion(Shown):
 
     @property
     def ends(self) -> tuple[RegionEnd, ...]:
-        """Where what is proved ends inside of the domain of one parameter."""
-        return ()
+        """Where what is proved ends inside of the domain of one parameter; none of several."""
+        cells = self.stretches("proved") if len(self.parameters) == 1 else []
+        sides = ((cell[i], cell[i + 2]) for cell in cells for i in (0, 1) if cell[i] not in (None, self.everything[i]))
+        return tuple(dict.fromkeys(_end(self.parameters[0], end, not left_out) for end, left_out in sides))
 
     @property
     def proved(self) -> str:
@@ -307,12 +309,6 @@ class ParameterRegion(FoundRegion):
         """A short fraction in a cell; none where the cell is one number that is none."""
         exact = cell.low is None or not cell.single or cell.low.exact
         return {self.parameters[0]: middle(cell.bounds)} if exact else {}
-
-    @property
-    def ends(self) -> tuple[RegionEnd, ...]:
-        """Where what is proved ends inside of the domain."""
-        sides = ((cell[i], cell[i + 2]) for cell in self.stretches("proved") for i in (0, 1) if cell[i] not in (None, self.everything[i]))
-        return tuple(dict.fromkeys(_end(self.parameters[0], end, not left_out) for end, left_out in sides))
 
 
 def _as_plain(x: Any) -> Any:

@@ -78,11 +78,8 @@ def _of_points(law: StatedLaw, names: Sequence[str], away: Sequence[str]) -> Ite
             there[scale] = level = value_of(law.g, there)
             power = sum((forces[f] * value_of(d, there) for f, d in zip(law.forces, law.flow, strict=True)), np.zeros(size))
             if np.all(level > 0) and np.all(power < 0):
-                parts = {
-                    f: [*([a] if a != "0" else []), *([f"{b}*{words}"] if b != "0" else [])]
-                    for f, a, b in zip(law.forces, u, v, strict=True)
-                }
-                yield Suggestion("point", {"point": {f: " + ".join(said) for f, said in parts.items() if said}, "scale": scale})
+                told = ((f, [part for part in (a, f"{b}*{words}") if part[0] != "0"]) for f, a, b in zip(law.forces, u, v, strict=True))
+                yield Suggestion("point", {"point": {f: " + ".join(parts) for f, parts in told if parts}, "scale": scale})
                 return
 
 

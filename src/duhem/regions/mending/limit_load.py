@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.rays import exits
+from duhem.law.domain import REAL
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import admitted_values
 
@@ -116,10 +117,9 @@ def distance(scaled: ScaledLaw, other: Criterion) -> Distance:
 def _in_ranges(law: Criterion, ways: Array) -> Array:
     """How far the forces stay in their ranges (m,), which contain 0; infinitely far where there are none."""
     found = np.full(len(ways), np.inf)
-    for way, own in ((way, law.domain[name]) for name, way in zip(law.forces, ways.T, strict=True) if name in law.domain):
-        for end, along in ((own.low, -way), (own.high, way)):
-            if end is not None:
-                found = np.minimum(found, np.divide(abs(float(end)), along, out=np.full(len(ways), np.inf), where=along > 0.0))
+    for name, way in zip(law.forces, ways.T, strict=True):
+        low, high = law.domain.get(name, REAL).ends
+        found = np.minimum(found, np.divide(np.where(way > 0.0, high, low), way, out=found.copy(), where=way != 0.0))
     return found
 
 
