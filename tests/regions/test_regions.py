@@ -151,7 +151,7 @@ def test_two_harmonics(seed: int) -> None:
         e, c = float(x), float(a)
         r, one = 1 + c * np.cos(n * theta) + e * np.cos(m * theta), -c * n * np.sin(n * theta) - e * m * np.sin(m * theta)
         least = float(np.min(r**2 + 2 * one**2 + r * (c * n**2 * np.cos(n * theta) + e * m**2 * np.cos(m * theta))))
-        verdict = next(cell.verdict for cell in done.known if cell.cell.bounds.holds(x))
+        verdict = next(cell.leaf["verdict"] for cell in done.known if cell.cell.bounds.holds(x))
         assert not (verdict == "proved" and least < -1e-6) and not (verdict == "refuted" and least > 1e-6), (x, verdict, least)
 
 
@@ -165,14 +165,14 @@ def test_chords_refute_parts_and_what_is_between_stays_open() -> None:
     done = duhem.region(law, steps=12_000_000)
     assert isinstance(done, duhem.ParameterRegion)
     assert done.short == "c <= 0" and 0 < done.open_share < 0.5 and duhem.recheck(done.certificate()).ok
-    chords = [(one.cell, one.leaf["evidence"]) for one in done.known if one.verdict == "refuted"]
+    chords = [(one.cell, one.leaf["evidence"]) for one in done.known if one.leaf["verdict"] == "refuted"]
     assert chords
     for cell, chord in chords:
         for c in (float(cell.low.low), float(cell.high.low)):
             p, q = (np.array([float(eval(chord[end].get(force, "0"), {"c": c})) for force in ("x", "y")]) for end in ("p", "q"))
             level = [float(np.sqrt(x * x + y * y + 1) - 2 - c * x * x) for x, y in (p, q, (p + q) / 2)]
             assert level[0] <= 0 and level[1] <= 0 < level[2]
-    opens = [one.verdict == "open" for one in done.known]
+    opens = [one.leaf["verdict"] == "open" for one in done.known]
     assert not any(one and two for one, two in pairwise(opens))  # what stays open is one cell
 
 

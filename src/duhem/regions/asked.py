@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from itertools import islice
-from typing import Any, cast
+from typing import Any
 
 import sympy as sp
 
@@ -17,15 +17,15 @@ from duhem.law.formula_law import Criterion
 from duhem.proof import verification
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import admitted_values
-from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection, row_of, rules_of
+from duhem.proof.kernel.dents import Dent
 from duhem.proof.kernel.parameter_cells import at_values, family_fails, proof_fails, settled
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse
 from duhem.regions.chords import Family, Suggestion
-from duhem.regions.seen import Holding, looked_at, of_one_sign
+from duhem.regions.seen import looked_at, of_one_sign, telling
 from duhem.regions.suggested import suggestions
 
 __all__ = ["MOST_STEPS", "UNBOUNDED", "AsksTheKernel", "constraints_on"]
@@ -68,7 +68,7 @@ class AsksTheKernel:
 
     def __post_init__(self) -> None:
         try:
-            self.stated = cast("StatedLaw", stated(law_as_text(self.law)))  # a curve has no formula, and is not loaded as one
+            self.stated = StatedLaw.read(law_as_text(self.law))
         except NotWritten as fault:
             raise InputError(f"regions are not known of such a law: {fault}", where=self.law.name, remedy="use duhem verify") from None
         ones = dict.fromkeys((n for n, own in self.stated.parameters.items() if n not in self.names and not own.single), "1")
@@ -158,11 +158,11 @@ class AsksTheKernel:
         proof = _row(steps)
         return proof if self.confirmed(partial(proof_fails, self.claim, settled(stated, self.names), proof)) else None
 
-    def holding(self, law: StatedLaw) -> Holding | None:
+    def told(self, law: StatedLaw) -> tuple[Dent, ...]:
         """Where the claim seems to hold of a law over some values; None where that is not told in so many steps."""
         with self.paid():
-            return Holding.of(at_values(law, self.values, self.names), self.claim)
-        return None
+            return telling(at_values(law, self.values, self.names), self.claim)
+        return ()
 
     def is_usual(self, law: StatedLaw) -> bool:
         """Whether what proves a claim of one such law is asked alone of all: a single value may have a proof of its own."""

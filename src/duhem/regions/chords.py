@@ -9,7 +9,6 @@ distance from it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, combinations, permutations
 from math import cos, pi, sin
@@ -144,8 +143,7 @@ _SOME = [*(2 * k + side for k in range(0, _STARTS, _FEW) for side in (0, 1)), *r
 _PAIRS = np.array([*_SIDE_BY_SIDE, *_WITH_THE_AXIS, *combinations(_SOME, 2)]).T
 
 
-@dataclass(frozen=True)
-class _Lines:
+class _Lines(NamedTuple):
     """Lines, and how far along each leaves K, at each of the ``places``; not a number where it does not start in K.
 
     ``begun`` is the same distance where the parameter is at the end of its cell; it is empty if no chord moves from there.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import sympy as sp
 
@@ -16,7 +16,6 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain, simple_points
 from duhem.proof.certificate import law_as_text
-from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.recheck import document_of
@@ -121,7 +120,7 @@ def shape_parameters(law: Criterion, claim: str = "convexity") -> tuple[str, ...
 def _of_minors(law: Criterion) -> tuple[str, ...]:
     """The parameters on which it depends whether the quadratic form in g is >= 0; none where they are many."""
     with suppress(*UNREADABLE):
-        names = deciding_parameters(cast("StatedLaw", stated(law_as_text(law))))
+        names = deciding_parameters(StatedLaw.read(law_as_text(law)))
         return names if len(names) <= _MOST_UNNAMED else ()
     return ()
 

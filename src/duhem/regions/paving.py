@@ -11,7 +11,7 @@ where the dent touches zero; and of two parameters the sum and the difference.  
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -40,7 +40,7 @@ from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, parse
 from duhem.regions.asked import UNBOUNDED, AsksTheKernel, constraints_on
 from duhem.regions.places import OPEN, Decided, Node, Place, against, between, compared, difference, law_at, leaves, length, share_of
-from duhem.regions.seen import Array, Flags, Holding, count, looked_at, value_of
+from duhem.regions.seen import Array, Flags, count, looked_at, margins, value_of
 
 __all__ = ["Paving", "deciding_parameters"]
 
@@ -111,7 +111,7 @@ class Paving(AsksTheKernel):
     known: Node = field(default_factory=lambda: {"tree": OPEN})  # by its key "tree"
     stopped: bool = False
     whole: dict[str, Bounds] = field(init=False)
-    seen: Holding | None = field(init=False)
+    seen: tuple[Dent, ...] = field(init=False)
     boundaries: list[str] = field(init=False, default_factory=list)
     away: list[str] = field(init=False, default_factory=list)  # what the constraints on the parameters hold >= 0
 
@@ -121,13 +121,13 @@ class Paving(AsksTheKernel):
         for text in constraints_on(self.law, self.names)[0]:
             with suppress(*UNREADABLE):
                 self.away.append(f"({difference(text)})")
-        known, self.seen = self.steps, self.holding(self.stated)
-        self.boundaries = [] if self.seen is None else self._boundaries(self.stated, self.seen)
+        known, self.seen = self.steps, self.told(self.stated)
+        self.boundaries = self._boundaries(self.stated, self.seen) if self.seen else []
         self.steps = known
 
-    def _boundaries(self, law: StatedLaw, seen: Holding | None) -> list[str]:
+    def _boundaries(self, law: StatedLaw, dents: Iterable[Dent]) -> list[str]:
         """Polynomials that may tell apart where the claim holds of a law over a leaf and where it fails, as text, the shorter first."""
-        found, dents = dict[str, int](), () if seen is None else seen.dents
+        found = dict[str, int]()
         with suppress(NotWritten):
             here = at_values(law, self.values, self.names)
             for poly in (*_minors(here), *(part for dent in dents for part in _of_dent(dent)), *_sums(self.names)):
@@ -149,8 +149,8 @@ class Paving(AsksTheKernel):
             raise InputError("the certificate is about something else", where="resume", remedy=remedy)
         if failed:
             raise InputError(f"the certificate is not confirmed where {failed[0]}", where="resume", remedy="start without it")
-        steps = document["steps"]
-        return cls(law, claim, names, most, steps if isinstance(steps, int) else 0, known={"tree": document["tree"]})
+        spent = document["steps"] if isinstance(document["steps"], int) else 0
+        return cls(law, claim, names, most, spent, known={"tree": document["tree"]})
 
     def grow(self) -> None:
         """Decide or divide the largest open leaf until none is left, the budget is used up, or it is interrupted."""
@@ -177,7 +177,7 @@ class Paving(AsksTheKernel):
     def places(self) -> tuple[Decided, ...]:
         """The place of each leaf with what is known of it, in order; those outside of the domain are none."""
         found = (Decided(Place.of(where, self.whole), holder[key]) for _, where, holder, key in leaves(self.known))
-        return tuple(one for one in found if one.verdict != "outside")
+        return tuple(one for one in found if one.leaf["verdict"] != "outside")
 
     def _left(self, *at: Any) -> Iterator[tuple[Any, ...]]:
         """The open leaves below a node, the largest first in a heap."""
@@ -191,7 +191,7 @@ class Paving(AsksTheKernel):
         places = looked_at(self.stated, self.names)
         points = np.array(list(places.values())).T
         widths = np.maximum(np.ptp(points, axis=0), 1e-300)
-        good = self.seen.margins(places) if self.seen is not None else -np.sum(((points - np.median(points, axis=0)) / widths) ** 2, axis=1)
+        good = margins(self.seen, places) if self.seen else -np.sum(((points - np.median(points, axis=0)) / widths) ** 2, axis=1)
         for point in points[np.argsort(-good, kind="stable")[:_SEEDS]].tolist():
             law = self.stated
             for name, x in zip(places, point, strict=True):
@@ -206,10 +206,10 @@ class Paving(AsksTheKernel):
     def decided(self, place: Place) -> Node | None:
         """A leaf, or a comparison that divides it with what is known of the two parts; None where the budget ends before that is known."""
         law = self.over(place)
-        known = self.seen or self.holding(law)
-        rays = known is None or any(dent.between[0] < dent.between[1] for dent in known.dents)
+        known = self.seen or self.told(law)
+        rays = not known or any(dent.between[0] < dent.between[1] for dent in known)
         places = looked_at(law, self.names, *(() if rays else (_MANY,)))
-        holds = None if known is None else known.margins(places) >= 0
+        holds = margins(known, places) >= 0 if known else None
         mixed, unseen = holds is not None and holds.any() and not holds.all(), not count(places)
         seems = None if holds is None or unseen else bool(holds.all())
         if not mixed and (found := self._confirmed(law, place, seems, unseen)) is not None:

@@ -216,11 +216,6 @@ class Decided(NamedTuple):
     cell: Any
     leaf: Node
 
-    @property
-    def verdict(self) -> str:
-        """What the kernel confirmed of it: ``proved`` or ``refuted``; ``open`` where that is nothing."""
-        return str(self.leaf["verdict"])
-
 
 def order(cell: ParameterCell) -> tuple[bool, Fraction, bool]:
     """By which cells that do not overlap are in order."""

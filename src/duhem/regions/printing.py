@@ -18,7 +18,6 @@ from duhem.expression.parse import parse_relation
 from duhem.expression.text import formula
 from duhem.law.atlas.entry import entry
 from duhem.law.catalogue import load_formula
-from duhem.law.domain import REAL
 from duhem.regions.mending.entry import Mended, Tried
 from duhem.regions.mending.limit_load import around, limit_loads, plain_values
 from duhem.regions.result import FoundRegion, PavedRegion
@@ -54,8 +53,8 @@ def as_text(region: FoundRegion, page: Page = PAGE) -> str:
 @sheet.register(FoundRegion)
 def as_sheet(region: FoundRegion) -> Sheet:
     """The same as a sheet."""
-    title = f"{region.criterion.name}: {region.sentence}"
-    return Sheet(title, tuple(_fields(region)), _HEAD, tuple(_rows(region)), (("Ends", tuple(_ends(region))),))
+    notes = (("Ends", tuple(_ends(region))),)
+    return Sheet(f"{region.criterion.name}: {region.sentence}", tuple(_fields(region)), _HEAD, tuple(_rows(region)), notes)
 
 
 @plain.register(FoundRegion)
@@ -69,8 +68,8 @@ def as_dict(region: FoundRegion) -> dict[str, Any]:
         "fixed": {name: str(own.value) for name, own in region.criterion.parameters.items() if own.value is not None},
         "condition": region.condition,
         "exact": region.exact,
-        "cells": [vars(cell) | {"sample": dict(cell.sample)} for cell in region.cells],
-        "ends": [vars(end) | {"enclosure": list(end.enclosure)} for end in region.ends],
+        "cells": [cell._asdict() | {"sample": dict(cell.sample)} for cell in region.cells],
+        "ends": [end._asdict() | {"enclosure": list(end.enclosure)} for end in region.ends],
         "open_share": region.open_share,
         "joined": list(region.joined),
     }
@@ -112,8 +111,7 @@ def _published(region: FoundRegion) -> tuple[str, list[float]]:
     said, values, law = "", list[float](), region.criterion
     with suppress(InputError):
         if (own := load_formula(law.name)).summary == law.summary:
-            domains = [own.parameters.get(name, REAL) for name in region.parameters]
-            values = [float(x.value) for x in domains if x.value is not None]
+            values = [float(x.value) for x in map(own.parameters.get, region.parameters) if x is not None and x.value is not None]
             said = entry(law.name).claims.get(region.claim, "")
     return said, values if len(values) == len(region.parameters) else []
 
@@ -121,9 +119,8 @@ def _published(region: FoundRegion) -> tuple[str, list[float]]:
 def _rows(region: FoundRegion) -> list[tuple[str, ...]]:
     if isinstance(region, PavedRegion) and len(region.known) > _MOST_ROWS:
         return list(_counted(region))
-    rules = (str(leaf.get("rule", "")) for _, leaf in region.known)
     whole = f"all {', '.join(region.parameters)}"
-    shown = zip(region.cells, rules, strict=True)
+    shown = zip(region.cells, (str(leaf.get("rule", "")) for _, leaf in region.known), strict=True)
     return [(whole if c.condition == "true" else c.condition.replace("==", "="), c.verdict, c.trust or "-", rule) for c, rule in shown]
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations, islice, product
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -40,8 +40,7 @@ _MOST_POINTS = 10_000
 _MOST_PARTS = 6  # of a condition for people
 
 
-@dataclass(frozen=True)
-class RegionCell:
+class RegionCell(NamedTuple):
     """Where the verdict is one: ``proved``, ``refuted``, or ``open`` where nothing was confirmed.
 
     ``sample`` is a value in it, exactly; ``witness`` says which family of witnesses refutes the claim for each value in it.
@@ -54,8 +53,7 @@ class RegionCell:
     witness: Mapping[str, Any] | None
 
 
-@dataclass(frozen=True)
-class RegionEnd:
+class RegionEnd(NamedTuple):
     """Where the claim begins or ceases to hold: the root of ``polynomial`` in ``enclosure``.
 
     ``closed`` where the claim holds at the end itself.
@@ -150,7 +148,7 @@ class FoundRegion(Shown):
     @cached_property
     def places(self) -> tuple[tuple[Any, str], ...]:
         """Each cell with one verdict on all of it, with the verdict: those joined that together are one."""
-        found, joined = [(one.cell, one.verdict) for one in self.known], True
+        found, joined = [(one.cell, one.leaf["verdict"]) for one in self.known], True
         while joined and len(found) <= _MOST_JOINED:
             alike = [(i, k) for i, k in combinations(range(len(found)), 2) if found[i][1] == found[k][1]]
             pairs = ((i, k, found[i][0].joined(found[k][0])) for i, k in alike)
@@ -166,7 +164,7 @@ class FoundRegion(Shown):
     @property
     def exact(self) -> bool:
         """Whether every cell is decided."""
-        return all(one.verdict != "open" for one in self.known)
+        return all(one.leaf["verdict"] != "open" for one in self.known)
 
     def size(self, cell: Any) -> Fraction:
         """How much of the whole a cell is: of one that more bounds than its box, by the share of many points."""
@@ -183,7 +181,7 @@ class FoundRegion(Shown):
     def _sizes(self) -> dict[str, Fraction]:
         sizes = dict.fromkeys(("proved", "refuted", "open"), Fraction(0))
         for one in self.known:
-            sizes[one.verdict] += self.size(one.cell)
+            sizes[one.leaf["verdict"]] += self.size(one.cell)
         return sizes
 
     def share(self, verdict: str) -> float:
@@ -240,7 +238,7 @@ class FoundRegion(Shown):
 
     def _told(self, *, with_domain: bool) -> str:
         parts = [" and ".join(self.relations(cell, with_domain)) for cell in self.stretches("proved")]
-        if not parts or "" in parts or all(one.verdict == "proved" for one in self.known):
+        if not parts or "" in parts or all(one.leaf["verdict"] == "proved" for one in self.known):
             return "true" if parts else "false"
         return " or ".join(f"({part})" if len(parts) > 1 and " and " in part else part for part in parts)
 

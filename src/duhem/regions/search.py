@@ -87,7 +87,7 @@ def cells_of(asked: Asked) -> tuple[Decided, ...]:
         gap, fresh = gaps.pop(max(range(len(gaps)), key=lambda i: _width(gaps[i][0])))
         if (found := None if asked.spent else _decided(asked, gap, fresh)) is not None:
             done.append(found)
-            gaps += [(rest, fresh and found.verdict == "proved") for rest in _left(gap, [found.cell])]
+            gaps += [(rest, fresh and found.leaf["verdict"] == "proved") for rest in _left(gap, [found.cell])]
             in_vain = 0
         elif gap == asked.whole and asked.most >= _IN_DEPTH and not (asked.by_all or asked.spent):
             asked.by_all, asked._known = True, {}
@@ -99,7 +99,7 @@ def cells_of(asked: Asked) -> tuple[Decided, ...]:
             gaps += [(gap._replace(high=at, open_high=False), False), (gap._replace(low=at, open=True), False)]
     cells = list[Decided]()
     for one in sorted(done, key=lambda one: order(one.cell)):
-        if cells and cells[-1].verdict == one.verdict == "open":
+        if cells and cells[-1].leaf["verdict"] == one.leaf["verdict"] == "open":
             cells[-1] = cells[-1]._replace(cell=cells[-1].cell._replace(high=one.cell.high, open_high=one.cell.open_high))
         else:
             cells.append(one)
@@ -145,8 +145,8 @@ def _is_narrow(gap: ParameterCell) -> bool:
 
 def _seen(asked: Asked) -> Iterator[Decided]:
     """Cells of the stretches in which the claim seems to hold, by floating point; their ends are short numbers, or those of the domain."""
-    whole, holding = asked.whole, asked.holding(asked.over(asked.whole))
-    stretches = [] if holding is None else changes(holding, asked.names[0], whole.bounds)
+    whole, told = asked.whole, asked.told(asked.over(asked.whole))
+    stretches = changes(told, asked.names[0], whole.bounds) if told else []
     for i, (low, high, holds) in enumerate(stretches):
         first, last = i == 0, i == len(stretches) - 1
         ends = whole.low if first else _number_near(low), whole.high if last else _number_near(high)
@@ -162,8 +162,7 @@ def _number_near(x: float) -> RealRoot:
     wide = Fraction(max(1.0, abs(x)) * _ROUNDING)
     low, high = Fraction(x) - wide, Fraction(x) + wide
     plain = simplest(low, high)
-    root = None if plain.denominator < _SHORT else square_root_near(low, high)
-    return root or RealRoot.of(plain)
+    return (None if plain.denominator < _SHORT else square_root_near(low, high)) or RealRoot.of(plain)
 
 
 def _cell(low: RealRoot | None, high: RealRoot | None, left_out: bool, left_out_high: bool) -> ParameterCell | None:
@@ -187,10 +186,8 @@ def _grown(asked: Asked, seed: Fraction, gap: ParameterCell) -> Decided | None:
         return None
     high, high_open = _farthest(asked, here, gap, upward=True)
     low, low_open = _farthest(asked, here, gap, upward=False)
-    for cell in (_cell(low, high, low_open, high_open), _cell(low, here, low_open, False), _cell(here, high, False, high_open)):
-        if cell is not None and (done := asked.proved(cell)) is not None:
-            return done
-    return found
+    cells = _cell(low, high, low_open, high_open), _cell(low, here, low_open, False), _cell(here, high, False, high_open)
+    return next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), found)
 
 
 def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool) -> tuple[RealRoot | None, bool]:

@@ -7,13 +7,15 @@ from contextlib import suppress
 from fractions import Fraction
 from functools import reduce
 from itertools import pairwise, product
-from typing import Any, NamedTuple
+from math import prod
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.elementary import ELEMENTARY, array_function
 from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.dents import FAMILIES, Dent, dents
 from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.polynomial import Polynomial
@@ -23,7 +25,7 @@ from duhem.proof.kernel.term import UNREADABLE, Term, number, parse
 from duhem.regions.places import between
 
 __all__ = [
-    "RAYS", "Array", "Flags", "Holding", "changes", "count", "level", "looked_at", "met", "of_one_sign", "polynomial_at",
+    "RAYS", "Array", "Flags", "changes", "count", "level", "looked_at", "margins", "met", "of_one_sign", "polynomial_at", "telling",
     "value_of",
 ]  # fmt: skip
 
@@ -37,32 +39,24 @@ _SIZES, _MOST_WAYS = (1e-3, 0.1, 1.0, 10.0, 1e3), 80  # of forces
 _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
 
 
-class Holding(NamedTuple):
-    """Where the claim of a law seems to hold: by its dents, or by g at zero force."""
+def telling(law: StatedLaw, claim: str) -> tuple[Dent, ...]:
+    """What is >= 0 where the claim of a law seems to hold: its dents, or -g at zero force; nothing where none of these tells it."""
+    if claim == "origin":
+        at_zero = law.g.put({Term("name", name=f): number(0) for f in law.forces})
+        with suppress(*UNREADABLE):
+            value_of(at_zero, looked_at(law))
+            return (Dent("origin", "at zero force", {((at_zero, 1),): Fraction(-1)}, (Fraction(0), Fraction(0)), over(law)),)
+    for family in FAMILIES if claim == "convexity" else ():
+        with suppress(*UNREADABLE):
+            if found := tuple(dents(law, family)):
+                return found
+    return ()
 
-    dents: tuple[Dent, ...]
-    at_zero: Term | None = None
 
-    @classmethod
-    def of(cls, law: StatedLaw, claim: str) -> Holding | None:
-        """None where that tells nothing."""
-        if claim == "origin":
-            at_zero = law.g.put({Term("name", name=f): number(0) for f in law.forces})
-            with suppress(*UNREADABLE):
-                value_of(at_zero, looked_at(law))
-                return cls((), at_zero)
-        for family in FAMILIES if claim == "convexity" else ():
-            with suppress(*UNREADABLE):
-                if found := tuple(dents(law, family)):
-                    return cls(found)
-        return None
-
-    def margins(self, places: Mapping[str, Array]) -> Array:
-        """By how much it seems to hold at some places, as a share of what is added up; < 0 where it seems to fail."""
-        if self.at_zero is not None:
-            return -value_of(self.at_zero, places)
-        least = reduce(np.minimum, (_least(dent, places) for dent in self.dents))
-        return np.where(np.abs(least) <= _ZERO, 0.0, least)
+def margins(told: Sequence[Dent], places: Mapping[str, Array]) -> Array:
+    """By how much a claim seems to hold at some places, as a share of what is added up; < 0 where it seems to fail."""
+    least = reduce(np.minimum, (_least(dent, places) for dent in told))
+    return np.where(np.abs(least) <= _ZERO, 0.0, least)
 
 
 def _least(dent: Dent, places: Mapping[str, Array]) -> Array:
@@ -77,11 +71,11 @@ def _least(dent: Dent, places: Mapping[str, Array]) -> Array:
     return least
 
 
-def changes(holding: Holding, name: str, own: Bounds) -> list[tuple[float, float, bool]]:
+def changes(told: Sequence[Dent], name: str, own: Bounds) -> list[tuple[float, float, bool]]:
     """Stretches of the one parameter in a range, and whether the claim is seen to hold there; none where that cannot be told."""
 
     def holds(*x: float) -> list[bool]:
-        return [bool(margin >= 0) for margin in holding.margins({name: np.array(x)})]
+        return [bool(margin >= 0) for margin in margins(told, {name: np.array(x)})]
 
     with suppress(*UNREADABLE):
         places = _in(own, np.linspace(0, 1, _SAMPLES + 2)[1:-1].tolist())
@@ -188,14 +182,10 @@ def value_of(term: Term, at: Mapping[str, Array]) -> Array:
         return of(term)
 
 
-def _folded(word: np.ufunc) -> Callable[..., Array]:
-    return lambda *args: reduce(word, args)
-
-
 _WORDS: Mapping[str, Callable[..., Any]] = {
     **{name: array_function(word.numpy) for name, word in ELEMENTARY.items()},
-    **dict.fromkeys(("max", "or"), _folded(np.maximum)), **dict.fromkeys(("min", "and"), _folded(np.minimum)),
-    "+": _folded(np.add), "*": _folded(np.multiply), "**": np.power, "abs": np.abs, "norm": lambda *args: np.sqrt(sum(x * x for x in args)),
+    **dict.fromkeys(("max", "or"), lambda *x: np.maximum.reduce(x)), **dict.fromkeys(("min", "and"), lambda *x: np.minimum.reduce(x)),
+    "+": lambda *x: sum(x), "*": lambda *x: prod(x), "**": np.power, "abs": np.abs, "norm": lambda *x: np.sqrt(sum(y * y for y in x)),
     "pos": lambda x: np.maximum(x, 0.0), "neg": lambda x: np.maximum(-x, 0.0), "atan2": np.arctan2,
     "<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "where": lambda holds, *sides: np.where(holds > 0, *sides),
 }  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -19,21 +19,20 @@ from duhem.proof.verification import Verification, verdict_within, verify
 from duhem.regions.mending.by_hull import by_hull, by_sections
 from duhem.regions.mending.by_least_squares import by_coefficients, by_harmonics
 from duhem.regions.mending.by_parameters import by_parameters
-from duhem.regions.mending.limit_load import NO_DISTANCE, Distance, ScaledLaw, distance, scale_of
+from duhem.regions.mending.limit_load import Distance, ScaledLaw, distance, scale_of
 from duhem.show.place import write
 from duhem.show.printing import Shown, draw, finite
 
 __all__ = ["WAYS", "Mended", "Tried", "mend"]
 
 
-@dataclass(frozen=True)
-class Tried:
+class Tried(NamedTuple):
     """One way to mend a law: ``law`` is what it gives, None where it gives nothing; ``told`` says what it is, or why there is nothing."""
 
     by: str
     told: str
     law: Criterion | None = None
-    distance: Distance = NO_DISTANCE
+    distance: Distance = Distance()
     convex: bool = False
 
 
@@ -110,7 +109,7 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
         raise InputError("a law with a state, rates or a flow of its own is not mended", where=given.name, remedy="mend its g alone")
     known = verify(given)
     if (before := known["convexity"].verdict) is Verdict.PROVED:
-        return Mended(given, before, given, "", "K is convex, there is nothing to mend", NO_DISTANCE, known)
+        return Mended(given, before, given, "", "K is convex, there is nothing to mend", Distance(), known)
     scaled = scale_of(given)
     tried = tuple(_tried(way, scaled, base, harmonics) for way in (WAYS if by == "auto" else (by,)))
     best = ((one, one.law) for one in sorted(tried, key=_rank) if one.law is not None)

@@ -22,7 +22,7 @@ from duhem.law.domain import REAL
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import admitted_values
 
-__all__ = ["NO_DISTANCE", "Distance", "ScaledLaw", "around", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
+__all__ = ["Distance", "ScaledLaw", "around", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
 
 Array = NDArray[np.float64]
 Numbers = Mapping[str, sp.Rational]
@@ -36,9 +36,6 @@ class Distance(NamedTuple):
 
     mean: float = 0.0
     largest: float = 0.0
-
-
-NO_DISTANCE = Distance()
 
 
 @dataclass(frozen=True, eq=False)
