@@ -19,8 +19,8 @@ from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.dents import dents
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.regions import chords
-from duhem.regions.chords import Suggestion
+from duhem.regions import suggested
+from duhem.regions.chords import Suggestion, _reach
 from duhem.regions.places import Decided, ParameterCell
 from duhem.regions.search import Asked
 from tests.regions.test_planes import tampered
@@ -42,8 +42,8 @@ def refuted() -> duhem.ParameterRegion:
 def test_ends_that_move_with_the_parameter_refute_over_whole_cells() -> None:
     done, moving = refuted(), 0
     assert done.exact and done.condition == "false" and duhem.recheck(done.certificate()).ok
-    for one in done.decided:
-        evidence = one.row["evidence"]
+    for one in done.known:
+        evidence = one.leaf["evidence"]
         for c in np.linspace(float(one.cell.low.low), float(one.cell.high.low), 7):
             ends = [np.array([float(eval(evidence[key].get(f, "0"), {"c": c})) for f in ("x", "y")]) for key in ("p", "q")]
             level = [abs(y) - 1 - c * np.exp(x) for x, y in (*ends, (ends[0] + ends[1]) / 2)]
@@ -167,7 +167,7 @@ def asked_near(name: str) -> tuple[Asked, ParameterCell]:
     low, high = sorted(map(Fraction, (turning, far)))
     law = duhem.Criterion("near", g, {parameter: BETWEEN(str(low), str(high))}, ("x", "y"), None, domain=ranges)
     asked, at = Asked(law, "convexity", (parameter,)), RealRoot.of(Fraction(turning))
-    asked._known[ParameterCell(at, at)] = Decided(ParameterCell(at, at), "proved")
+    asked._known[ParameterCell(at, at)] = Decided(ParameterCell(at, at), {"verdict": "proved"})
     return asked, ParameterCell(RealRoot.of(low), RealRoot.of(high), at.low == low, at.low == high)
 
 
@@ -175,8 +175,8 @@ def asked_near(name: str) -> tuple[Asked, ParameterCell]:
 def near(name: str) -> dict[str, Any]:
     asked, cell = asked_near(name)
     found = asked.refuted(cell)
-    assert found is not None and found.row is not None and found.row["rule"] == "chord"
-    return dict(found.row["evidence"])
+    assert found is not None and found.leaf["rule"] == "chord"
+    return dict(found.leaf["evidence"])
 
 
 def exactly(text: str, **names: Any) -> Any:
@@ -223,13 +223,12 @@ def test_what_refutes_up_to_an_end_refutes_nothing_at_it_or_beyond(name: str) ->
 def test_the_search_begins_with_the_lines_that_refuted_the_cell_before(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = Asked(cap("1/8", 1), "convexity", ("c",))
     quarter, half, one = (RealRoot.of(Fraction(x)) for x in ("1/4", "1/2", "1"))
-    monkeypatch.setattr(chords, "_of_grids", lambda *_: iter(()))
     assert asked.refuted(ParameterCell(half, one)) is not None and asked.chords
 
     def again(*_: Any) -> Iterator[Any]:
-        raise AssertionError("all lines are looked at again")
+        yield pytest.fail("all lines are looked at again")
 
-    monkeypatch.setattr(chords, "_of_lines", again)
+    monkeypatch.setattr(suggested, "chords", again)
     assert asked.refuted(ParameterCell(quarter, half, False, True)) is not None
 
 
@@ -250,7 +249,7 @@ def test_rays_start_where_an_angle_has_no_value(g: str) -> None:
     values, turns = np.array([0.25, 0.5, 0.75]), np.linspace(0.1, 6.2, 40)
     ways = np.array([np.cos(turns), np.sin(turns)]).T[:, None]
     expected = [[RADIAL[g](a, *way[0]) for a in values] for way in ways]
-    assert np.allclose(chords._reach(law, {"a": values}, np.zeros_like(ways), ways), expected, rtol=1e-9, equal_nan=True)
+    assert np.allclose(_reach(law, {"a": values}, np.zeros_like(ways), ways), expected, rtol=1e-9, equal_nan=True)
 
 
 GAMMA, SHARES = mpmath.mpf(9) / 10, (0, 1e-9, *np.linspace(0.02, 0.98, 25).tolist(), 1)
@@ -276,8 +275,8 @@ def test_chords_between_rays_refute_where_the_lode_angle_enters(near: tuple[str,
     """The ends of the chords lie in K at many values of the cell, and the midpoint does not: in thirty digits."""
     low, high = (RealRoot.of(Fraction(x)) for x in near)
     found = of_beta().refuted(ParameterCell(low, high))
-    assert found is not None and found.row is not None and found.row["rule"] == "chord"
-    evidence = found.row["evidence"]
+    assert found is not None and found.leaf["rule"] == "chord"
+    evidence = found.leaf["evidence"]
     with mpmath.workdps(30):
         for share in SHARES:
             beta = exactly(near[0]) * (1 - share) + exactly(near[1]) * share
@@ -290,7 +289,7 @@ def test_beside_a_convex_end_no_chord_is_looked_for_that_would_leave_k_there_too
     """K is still convex a little below beta = 0 (the curvature of 1/r shows it), so nothing refutes up to there; it is cheap to see."""
     least = 6 / mpmath.pi * (mpmath.acos(GAMMA) / 3 - mpmath.atan(mpmath.sqrt(1 - GAMMA**2) / (3 * GAMMA)))
     zero, asked = RealRoot.of(Fraction(0)), of_beta()
-    asked._known[ParameterCell(zero, zero)] = Decided(ParameterCell(zero, zero), "proved")
+    asked._known[ParameterCell(zero, zero)] = Decided(ParameterCell(zero, zero), {"verdict": "proved"})
     for n in (5, 26, 47):
         assert -mpmath.mpf(1) / n < least < -mpmath.mpf(1) / 54
         before = asked.steps

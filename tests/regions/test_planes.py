@@ -119,9 +119,9 @@ def paved(steps: int = 300_000) -> PavedRegion:
 
 def points(region: PavedRegion, count: int, seed: int = 5) -> list[dict[str, Fraction]]:
     draw = random.Random(seed)
-    ends = {name: (float(own.low or 0), float(own.high or 9)) for name, own in region.whole.items()}
+    ends = {name: (float(own.low or 0), float(own.high or 9)) for name, own in region.everything.box.items()}
     drawn = [{name: Fraction(draw.uniform(*own)).limit_denominator(10**4) for name, own in ends.items()} for _ in range(count)]
-    return [point for point in drawn if all(region.whole[name].holds(x) for name, x in point.items())]
+    return [point for point in drawn if all(region.everything.box[name].holds(x) for name, x in point.items())]
 
 
 def compiled(region: PavedRegion) -> list[tuple[Any, str]]:

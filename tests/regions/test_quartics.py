@@ -86,7 +86,7 @@ def test_verdicts_of_quartic_forms_are_those_of_their_hessians(name: str, count:
     done = found(name)
     cells = compiled(done)
     edges = [{"a": x, "b": b} for b in map(Fraction, (0, 6)) for x in map(Fraction, (-4, 0, 3))]
-    edges = [at for at in edges if {*at} == {*done.whole} and all(done.whole[n].holds(x) for n, x in at.items())]
+    edges = [at for at in edges if {*at} == {*done.everything.box} and all(done.everything.box[n].holds(x) for n, x in at.items())]
     for at in (*points(done, count), *edges):
         assert verdict_of(cells, at) == ("proved" if holds(name, at) else "refuted"), at
 

@@ -25,7 +25,7 @@ from duhem.proof.kernel.certificate import digest
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.recheck import RecheckedRegion
 from duhem.regions import entry
-from duhem.regions.places import Decided, ParameterCell, square_root_near
+from duhem.regions.places import OPEN, Decided, ParameterCell, square_root_near
 from duhem.show.printing import text
 from tests.long import mostly_long
 from tests.regions.test_planes import tampered
@@ -151,7 +151,7 @@ def test_two_harmonics(seed: int) -> None:
         e, c = float(x), float(a)
         r, one = 1 + c * np.cos(n * theta) + e * np.cos(m * theta), -c * n * np.sin(n * theta) - e * m * np.sin(m * theta)
         least = float(np.min(r**2 + 2 * one**2 + r * (c * n**2 * np.cos(n * theta) + e * m**2 * np.cos(m * theta))))
-        verdict = next(cell.verdict for cell in done.decided if cell.cell.bounds.holds(x))
+        verdict = next(cell.leaf["verdict"] for cell in done.known if cell.cell.bounds.holds(x))
         assert not (verdict == "proved" and least < -1e-6) and not (verdict == "refuted" and least > 1e-6), (x, verdict, least)
 
 
@@ -165,14 +165,14 @@ def test_chords_refute_parts_and_what_is_between_stays_open() -> None:
     done = duhem.region(law, steps=12_000_000)
     assert isinstance(done, duhem.ParameterRegion)
     assert done.short == "c <= 0" and 0 < done.open_share < 0.5 and duhem.recheck(done.certificate()).ok
-    chords = [(one.cell, one.row["evidence"]) for one in done.decided if one.verdict == "refuted"]
+    chords = [(one.cell, one.leaf["evidence"]) for one in done.known if one.leaf["verdict"] == "refuted"]
     assert chords
     for cell, chord in chords:
         for c in (float(cell.low.low), float(cell.high.low)):
             p, q = (np.array([float(eval(chord[end].get(force, "0"), {"c": c})) for force in ("x", "y")]) for end in ("p", "q"))
             level = [float(np.sqrt(x * x + y * y + 1) - 2 - c * x * x) for x, y in (p, q, (p + q) / 2)]
             assert level[0] <= 0 and level[1] <= 0 < level[2]
-    opens = [one.verdict == "open" for one in done.decided]
+    opens = [one.leaf["verdict"] == "open" for one in done.known]
     assert not any(one and two for one, two in pairwise(opens))  # what stays open is one cell
 
 
@@ -189,8 +189,8 @@ def test_what_is_not_shown_is_open() -> None:
 def test_an_open_share_is_one_of_lengths(end: str | None, share: float) -> None:
     """Of a domain without an end after x/(1 + |x|)."""
     zero, three, last = (None if x is None else RealRoot.of(Fraction(x)) for x in ("0", "3", end))
-    cells = Decided(ParameterCell(zero, three), "proved", {}), Decided(ParameterCell(three, last, True), "open")
-    assert replace(found("limacon"), decided=cells, domain=ParameterCell(zero, last)).open_share == share
+    cells = Decided(ParameterCell(zero, three), {"verdict": "proved"}), Decided(ParameterCell(three, last, True), OPEN)
+    assert replace(found("limacon"), known=cells, everything=ParameterCell(zero, last)).open_share == share
 
 
 def test_a_single_value_and_no_value_are_told_shortly() -> None:

@@ -8,26 +8,24 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from itertools import islice
-from typing import Any, cast
+from typing import Any
 
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.parse import parse_relation
 from duhem.law.formula_law import Criterion
 from duhem.proof import verification
 from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import admitted_values
-from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection, row_of, rules_of
+from duhem.proof.kernel.dents import Dent
 from duhem.proof.kernel.parameter_cells import at_values, family_fails, proof_fails, settled
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse
-from duhem.proof.verdict import Trust
 from duhem.regions.chords import Family, Suggestion
-from duhem.regions.seen import Holding, looked_at, of_one_sign
+from duhem.regions.seen import looked_at, of_one_sign, telling
 from duhem.regions.suggested import suggestions
 
 __all__ = ["MOST_STEPS", "UNBOUNDED", "AsksTheKernel", "constraints_on"]
@@ -63,24 +61,19 @@ class AsksTheKernel:
     most: int = MOST_STEPS
     steps: int = 0
     stated: StatedLaw = field(init=False)
-    values: dict[str, str] = field(init=False)
+    values: dict[str, str] = field(init=False)  # of the other parameters that are not fixed: 1, or else what the law admits
     usual: dict[str, tuple[str, bool]] = field(default_factory=dict)  # the rule that first proved a claim on a cell, asked alone then
     learning: bool = True
     chords: tuple[Family, ...] = ()  # the family that refuted the claim on the cell before, of one parameter
 
     def __post_init__(self) -> None:
         try:
-            self.stated = cast("StatedLaw", stated(law_as_text(self.law)))  # a curve has no formula, and is not loaded as one
+            self.stated = StatedLaw.read(law_as_text(self.law))
         except NotWritten as fault:
             raise InputError(f"regions are not known of such a law: {fault}", where=self.law.name, remedy="use duhem verify") from None
-        self.values = self._plain_values()
-
-    def _plain_values(self) -> dict[str, str]:
-        """One for each other parameter that is not fixed: 1, if all are admitted there, else what the law admits."""
-        free = [n for n, own in self.stated.parameters.items() if n not in self.names and not own.single]
-        ones = dict.fromkeys(free, "1")
-        known = ones if not free or self.admits(ones, self.stated) else dict(admitted_values(self.law) or ones)
-        return {name: known[name] for name in free}
+        ones = dict.fromkeys((n for n, own in self.stated.parameters.items() if n not in self.names and not own.single), "1")
+        known = ones if not ones or self.admits(ones, self.stated) else admitted_values(self.law) or ones
+        self.values = {name: known[name] for name in ones}
 
     def admits(self, values: Mapping[str, str], law: StatedLaw) -> bool:
         """Whether a law over some values is seen to admit these of the other parameters at all of them."""
@@ -109,16 +102,17 @@ class AsksTheKernel:
 
     def proof(self, law: StatedLaw) -> dict[str, Any] | None:
         """The rule that proves the claim of a law over some values, with those for the claims that it rests on; None where none does."""
-        steps = self._steps_of(self.claim, settled(law, self.names), frozenset(), {})
+        steps = self._steps_of(self.claim, settled(law, self.names), {})
         return None if steps is None else _row(steps)
 
-    def _steps_of(
-        self, claim: str, law: StatedLaw, asked: frozenset[str], known: dict[str, list[dict[str, Any]] | None]
-    ) -> list[dict[str, Any]] | None:
-        """The claims that a proof of this one rests on, each with its rule, and it as the last; None where no rule confirms it."""
-        if claim in known or claim in asked:
-            return known.get(claim)
-        found: list[dict[str, Any]] | None = None
+    def _steps_of(self, claim: str, law: StatedLaw, known: dict[str, list[dict[str, Any]] | None]) -> list[dict[str, Any]] | None:
+        """The claims that a proof of this one rests on, each with its rule, and it as the last; None where no rule confirms it.
+
+        A claim that is asked for already is ``known`` as one without a proof: no proof goes round.
+        """
+        if claim in known:
+            return known[claim]
+        known[claim] = None
         usual = self.usual.get(claim)
         readings = (True, False) if usual is None else (usual[1],)
         every = [(rule, as_written) for as_written in readings for rule in rules_of(claim, law)]
@@ -127,19 +121,17 @@ class AsksTheKernel:
         for rule, as_written in (*trivial, *told):
             row, before = row_of(claim, rule, law), list[dict[str, Any]]()
             for need in sorted(row.needed if row is not None else ()):
-                more = self._steps_of(need, law, asked | {claim}, known)
-                if more is None:
+                if (more := self._steps_of(need, law, known)) is None:
                     break
                 before += [step for step in more if step not in before]
             else:
                 settled = frozenset(step["claim"] for step in before)
                 if self.confirmed(partial(objection, claim, rule, settled, law, {}, as_written)):
-                    found = [*before, {"claim": claim, "rule": rule, "evidence": {}}]
+                    known[claim] = [*before, {"claim": claim, "rule": rule, "evidence": {}}]
                     if self.learning and self.is_usual(law) and (rule, as_written) not in trivial:
                         self.usual[claim] = rule, as_written
                     break
-        known[claim] = found
-        return found
+        return known[claim]
 
     def _seems_trivial(self, law: StatedLaw) -> bool:
         """Whether g is seen to have one sign at all forces but zero, so that K has no boundary."""
@@ -153,25 +145,24 @@ class AsksTheKernel:
         ones = {name: own.low for name, own in stated.parameters.items() if name in self.names and own.single}
         texts = [text for text in where if not parse(text).names() <= {*ones}]
         try:
-            law, symbols = self.law.fix(ones), self.law.symbols()
-            relations = (*law.constraints, *(parse_relation(text, symbols) for text in texts))
-            law = replace(law, constraints=relations, written_constraints=(*law.written_constraints, *texts))
+            law = self.law.fix(ones)
+            law = replace(law, constraints=(*law.constraints, *texts))  # a text is read on construction
             found = verification.verify(law, claims=[self.claim], effort="quick")
         except InputError:
             return None
         self.steps += sum(r.steps for r in (*found.results, *found.rests_on))
-        rows = {r.claim: r for r in (*found.rests_on, *found.results) if r.proof is not None or r.claim == self.claim}
-        if rows[self.claim].trust is not Trust.CHECKED or rows[self.claim].proof is None:
+        rows = {r.claim: r.proof for r in (*found.rests_on, *found.results) if r.proof is not None}
+        steps = [{"claim": claim, "rule": proof.rule, "evidence": dict(proof.evidence)} for claim, proof in rows.items()]
+        if self.claim not in rows or any("over" in step["evidence"] for step in steps):
             return None
-        steps = [{"claim": r.claim, "rule": r.proof.rule, "evidence": dict(r.proof.evidence)} for r in rows.values() if r.proof is not None]
-        proof, whole = _row(steps), not any("over" in step["evidence"] for step in steps)
-        return proof if whole and self.confirmed(partial(proof_fails, self.claim, settled(stated, self.names), proof)) else None
+        proof = _row(steps)
+        return proof if self.confirmed(partial(proof_fails, self.claim, settled(stated, self.names), proof)) else None
 
-    def holding(self, law: StatedLaw) -> Holding | None:
+    def told(self, law: StatedLaw) -> tuple[Dent, ...]:
         """Where the claim seems to hold of a law over some values; None where that is not told in so many steps."""
         with self.paid():
-            return Holding.of(at_values(law, self.values, self.names), self.claim)
-        return None
+            return telling(at_values(law, self.values, self.names), self.claim)
+        return ()
 
     def is_usual(self, law: StatedLaw) -> bool:
         """Whether what proves a claim of one such law is asked alone of all: a single value may have a proof of its own."""
@@ -187,8 +178,7 @@ class AsksTheKernel:
         """
         with self.paid():
             whole, here = settled(law, self.names), at_values(law, self.values, self.names)
-            known = self.chords if len(self.names) == 1 else ()
-            found = suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends, turning, known)
+            found = suggestions(here, whole, self.claim, self.names, [*away, *self.names], ends, turning, self.chords)
             for one in islice(found, _FEW_TRIED):
                 free = {name: text for name, text in self.values.items() if name != one.evidence.get("scale")}
                 if self.refutes(law, told := one._replace(evidence={**one.evidence, "values": free})):

@@ -1,6 +1,6 @@
 """Chords that leave K, found in floating point: their ends are affine in the parameters.  Nothing here is trusted.
 
-They join two points of a grid; or, in a plane of forces, two where lines from points of an axis leave K, or the ranges of the forces.
+They join two points in a plane of forces where lines from points of an axis leave K, or the ranges of the forces.
 Where K turns convex at an end of a cell of one parameter, chords are the shorter, or leave K by the less, the nearer the parameter is to
 that end.  So there an end of a chord begins where a line leaves K at that very value, or at a tip of K on the axis, and moves with the
 distance from it.  A chord of another kind would leave a convex K at that value too, or touch its boundary there.
@@ -9,10 +9,8 @@ distance from it.  A chord of another kind would leave a convex K at that value 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
-from itertools import combinations, islice, permutations, product
+from itertools import combinations, permutations
 from math import cos, pi, sin
 from typing import Any, NamedTuple
 
@@ -20,7 +18,7 @@ import numpy as np
 
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.steps import pay
-from duhem.regions.seen import Array, Flags, count, in_ranges, value_of
+from duhem.regions.seen import Array, count, level
 
 __all__ = ["Family", "Suggestion", "along", "chords"]
 
@@ -30,10 +28,7 @@ _FAR = (1, 64)  # along an axis, in halves of the range of a force that has one
 _RADII = np.array([0.0, *2.0 ** np.arange(-20, 10, 0.5)])
 _HALVINGS = 42  # of what is between a radius inside and one outside
 _ROUNDING, _ALIKE, _PRICE = 1e-13, 1e-6, 20_000
-_FEW_CHORDS, _FEW_PLACES = 4, 3  # of grids, and of lines; at which lines are looked for
-_SQUARES = 32  # of the grid along a range
-_ABOUT = (Fraction(2), Fraction(32), Fraction(512))  # half-widths of the range that a force without ends is given
-_PRICE_OF_A_GRID = 2500
+_FEW_PLACES = 3  # at which lines are looked for
 _SHORT, _SAME = 10_000, 1e-11  # the denominator of a number that is taken to be exact, and how near to it
 _TURNED = np.array([*permutations((0.1, -0.2, 0.4))])[:, None, :]  # principal values in every order
 _ALONG = (Fraction(0), Fraction(-1, 2))  # the meridian axis, where deviatoric planes lie
@@ -53,10 +48,9 @@ class _Line(NamedTuple):
 
 
 class Family(NamedTuple):
-    """Lines, and how the ends of chords move along them: not, with the parameters, or with the distance from an end of a cell."""
+    """Lines, and how the ends of chords move along them: with the parameters, or with the distance from an ``end`` of a cell."""
 
     lines: Sequence[_Line]
-    moving: bool = False
     end: Fraction | None = None
 
 
@@ -75,28 +69,19 @@ def along(law: StatedLaw, places: Mapping[str, Array], ends: Sequence[Fraction],
             yield from _Lines.of(law, places, family).told()
 
 
-def chords(law: StatedLaw, places: Mapping[str, Array], names: Sequence[str], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
-    """Chords that leave K at all of some values of the parameters; with the same ends for all, if these do.
+def chords(law: StatedLaw, places: Mapping[str, Array], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
+    """Chords that leave K at all of some values of the parameters.
 
-    First come those of grids.  Of one parameter there are more, between lines; beside an end of a cell at which K is ``turning`` convex
-    these are those that move with the distance from it.  A plane of parameters has many cells, and chords between lines would take the
-    steps by which they are divided.
+    Beside an end of a cell of one parameter at which K is ``turning`` convex these are those that move with the distance from it.
     """
-    yield from islice(_of_grids(law, places), _FEW_CHORDS)
-    if len(names) == 1:
-        yield from islice(_of_lines(law, places, turning), _FEW_CHORDS)
-
-
-def _of_lines(law: StatedLaw, places: Mapping[str, Array], turning: Sequence[Fraction]) -> Iterator[Suggestion]:
     at = [*dict.fromkeys(np.linspace(0, count(places) - 1, _FEW_PLACES).round().astype(int).tolist())]
     few = {name: x[at] for name, x in places.items()}
-    planes, moves = [*_planes(law, few)], (False, True) if places else (False,)
-    near = (family for plane in planes for end in turning for family in _near(law, few, plane, end))
-    others = (Family(_lines(*plane, far), moving) for plane in planes for far in _FAR for moving in moves)
-    for family in near if turning else others:
-        pay(_PRICE)
-        if (best := _Lines.of(law, few, family).deepest()) is not None:
-            yield from _Lines.of(law, places, family._replace(lines=[family.lines[k] for k in best])).told()
+    for plane in _planes(law, few):
+        near = (family for end in turning for family in _near(law, few, plane, end))
+        for family in near if turning else (Family(_lines(*plane, far)) for far in _FAR):
+            pay(_PRICE)
+            if (best := _Lines.of(law, few, family).deepest()) is not None:
+                yield from _Lines.of(law, places, family._replace(lines=[family.lines[k] for k in best])).told()
 
 
 def _near(law: StatedLaw, places: Mapping[str, Array], plane: _Plane, end: Fraction) -> Iterator[Family]:
@@ -106,13 +91,13 @@ def _near(law: StatedLaw, places: Mapping[str, Array], plane: _Plane, end: Fract
     """
     (origin, along, across), there = plane, dict.fromkeys(places, np.array([float(end)]))
     for far in _FAR:
-        yield Family(_lines(origin, along, across, far), True, end)
+        yield Family(_lines(origin, along, across, far), end)
     nothing = (Fraction(0),) * len(origin)
     axis = Family([_Line(origin, tuple(way * x for x in along), nothing) for way in (1, -1)])
     for line, reach in zip(axis.lines, _Lines.of(law, there, axis).reach[:, 0].tolist(), strict=True):
         if (share := _exact(reach)) is not None:
             tip = tuple(o + share * w for o, w in zip(origin, line.way, strict=True))
-            yield Family([_Line(tip, own.way, own.start) for own in _lines(nothing, along, across, 1)], True, end)
+            yield Family([_Line(tip, own.way, own.start) for own in _lines(nothing, along, across, 1)], end)
 
 
 def _exact(x: float) -> Fraction | None:
@@ -121,66 +106,24 @@ def _exact(x: float) -> Fraction | None:
     return near if near is not None and abs(float(near) - x) < _SAME else None
 
 
-def _of_grids(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[Suggestion]:
-    """Chords of grids over the ranges of two forces or of one: their ends lie in K at all of the values, their midpoints at none.
-
-    A force without ends has several ranges about 0; others are 0.
-    """
-    ends, n, size = dict[str, tuple[Any, ...]](law.ranges), len(law.forces), count(places)
-    pairs: list[tuple[int, ...]] = [*combinations(range(n), 2)] or [(0,)]
-    boxes = ((pair, tuple(_about_zero(ends.get(law.forces[k]), far) for k in pair)) for pair in pairs for far in _ABOUT)
-    for pair, box in dict.fromkeys(boxes):
-        pay(_PRICE_OF_A_GRID)
-        grid = [[low + (high - low) * k / _SQUARES for k in range(_SQUARES + 1)] for low, high in box]
-        points = np.zeros(((_SQUARES + 1) ** len(pair), size, n))
-        points[:, :, pair] = np.array(list(product(*grid)), dtype=float)[:, None]
-        values = _level(law, places, points).reshape(*map(len, grid), size)
-        inside, outside = (np.asarray(each.all(axis=-1)) for each in (values <= 0, values > _ROUNDING * np.abs(values).max()))
-        for middle, step in _midpoints(inside, outside):
-            steps = [*zip(pair, grid, middle, step, strict=True)]
-            p, q = ({law.forces[f]: str(x[m + way * k]) for f, x, m, k in steps} for way in (-1, 1))
-            yield _chord(law, p, q)
-
-
-def _about_zero(own: Sequence[Any] | None, far: Fraction) -> tuple[Fraction, Fraction]:
-    """The range of a force; of one without ends one that ends ``far`` away."""
+def _about_zero(own: Sequence[Any] | None) -> tuple[Fraction, Fraction]:
+    """The range of a force; of one without an end one of length 2, about 0 where it has none."""
     low, high = (None, None) if own is None else own[:2]
-    first = low if low is not None else -far if high is None else high - far
-    return first, high if high is not None else far if low is None else low + far
-
-
-def _midpoints(inside: Flags, outside: Flags) -> Iterator[tuple[tuple[int, ...], tuple[int, ...]]]:
-    """Points of a grid outside, and the steps of the grid that lead from each to points inside both ways, the longest first."""
-    size, half = len(inside), len(inside) // 2
-    for step in sorted(product(range(-half, half + 1), repeat=inside.ndim), key=lambda step: -sum(map(abs, step))):
-        if step > tuple(-k for k in step):
-            one, middle, two = (tuple(slice(abs(k) + way * k, size - abs(k) + way * k) for k in step) for way in (-1, 0, 1))
-            for at in np.argwhere(inside[one] & outside[middle] & inside[two]):
-                yield tuple(int(i) + abs(k) for i, k in zip(at, step, strict=True)), step
-
-
-def _chord(law: StatedLaw, p: dict[str, str], q: dict[str, str], family: Family | None = None) -> Suggestion:
-    return Suggestion("chord", {"p": p, "q": q, **({} if law.pressure is None else {"pressure": "-1"})}, family)
+    first = low if low is not None else Fraction(-1) if high is None else high - 2
+    return first, first + 2 if high is None else high
 
 
 def _planes(law: StatedLaw, places: Mapping[str, Array]) -> Iterator[_Plane]:
     """Of principal values meridian and deviatoric planes, else those along forces."""
-    ends, n = dict(law.ranges), len(law.forces)
-    if n == len(_MERIDIAN) and not ends and np.ptp(_level(law, {name: x[:1] for name, x in places.items()}, _TURNED)) < _ALIKE:
+    ends, n = dict[str, tuple[Any, ...]](law.ranges), len(law.forces)
+    if n == len(_MERIDIAN) and not ends and np.ptp(level(law, {name: x[:1] for name, x in places.items()}, _TURNED)) < _ALIKE:
         yield from (((Fraction(0),) * n, _MERIDIAN, way) for way in _DEVIATORIC)
         yield from (((share,) * n, one, two) for share in _ALONG for one, two in permutations(_DEVIATORIC))
         return
-    middle = tuple(_middle(*ends[f][:2])[0] if f in ends else Fraction(0) for f in law.forces)
-    half = [_middle(*ends[f][:2])[1] if f in ends else Fraction(1) for f in law.forces]
-    units = [tuple(x if i == k else Fraction(0) for i, x in enumerate(half)) for k in range(n)]
+    boxes = [_about_zero(ends.get(f)) for f in law.forces]
+    middle = tuple((low + high) / 2 for low, high in boxes)
+    units = [tuple((high - low) / 2 if i == k else Fraction(0) for i, (low, high) in enumerate(boxes)) for k in range(n)]
     yield from ((middle, one, two) for one, two in (permutations(units, 2) if n > 1 else [(units[0], units[0])]))
-
-
-def _middle(low: Fraction | None, high: Fraction | None) -> tuple[Fraction, Fraction]:
-    """The middle of a range and half of its width; 1 where it has an end alone."""
-    if low is None or high is None:
-        return (low + 1 if low is not None else high - 1 if high is not None else Fraction(0)), Fraction(1)
-    return (high + low) / 2, (high - low) / 2
 
 
 def _lines(origin: Vector, along: Vector, across: Vector, far: int) -> list[_Line]:
@@ -192,17 +135,14 @@ def _lines(origin: Vector, along: Vector, across: Vector, far: int) -> list[_Lin
     return [*(_Line(start, tuple(way * x for x in across), nothing) for start in starts for way in (1, -1)), *around]
 
 
-@cache
-def _pairs() -> Array:
-    """Lines of which the ends are joined: those that start near each other on one side, those along the axis with all, and some of all."""
-    near = [(2 * k + side, 2 * (k + step) + side) for step in _STEPS for k in range(_STARTS - step) for side in (0, 1)]
-    some = [2 * k + side for k in range(0, _STARTS, _FEW) for side in (0, 1)]
-    axis = [(2 * _STARTS + turn, k) for turn in (0, _TURNS // 2) for k in range(2 * _STARTS)]
-    return np.array([*near, *axis, *combinations([*some, *range(2 * _STARTS, 2 * _STARTS + _TURNS)], 2)]).T
+# Lines of which the ends are joined: those that start near each other on one side, those along the axis with all, and some of all.
+_SIDE_BY_SIDE = [(2 * k + side, 2 * (k + step) + side) for step in _STEPS for k in range(_STARTS - step) for side in (0, 1)]
+_WITH_THE_AXIS = [(2 * _STARTS + turn, k) for turn in (0, _TURNS // 2) for k in range(2 * _STARTS)]
+_SOME = [*(2 * k + side for k in range(0, _STARTS, _FEW) for side in (0, 1)), *range(2 * _STARTS, 2 * _STARTS + _TURNS)]
+_PAIRS = np.array([*_SIDE_BY_SIDE, *_WITH_THE_AXIS, *combinations(_SOME, 2)]).T
 
 
-@dataclass(frozen=True)
-class _Lines:
+class _Lines(NamedTuple):
     """Lines, and how far along each leaves K, at each of the ``places``; not a number where it does not start in K.
 
     ``begun`` is the same distance where the parameter is at the end of its cell; it is empty if no chord moves from there.
@@ -225,21 +165,17 @@ class _Lines:
             if not drifts.any():
                 there = dict.fromkeys(places, np.array([float(family.end)]))
                 begun = [*map(_exact, cls.of(law, there, Family(family.lines)).reach[:, 0].tolist())]
-            starts = starts + drifts * _distance(places, family.end)[:, None]
-        reach = np.full((len(starts), count(places)), np.nan)
-        rows = np.flatnonzero([x is not None for x in begun]) if family.end is not None else np.arange(len(starts))
-        if rows.size:
-            reach[rows] = _reach(law, places, starts[rows], ways[rows])
-        return cls(law, places, family, starts, ways, reach, begun)
+            starts = starts + drifts * np.abs(next(iter(places.values())) - float(family.end))[:, None]
+        return cls(law, places, family, starts, ways, _reach(law, places, starts, ways), begun)
 
     @property
     def powers(self) -> dict[str, Array]:
         """What ends are made of, as text: 1, and what they move with."""
         found, end = {"": np.ones(count(self.places))}, self.family.end
         if end is None:
-            return found | ({f"*{name}": x for name, x in self.places.items()} if self.family.moving else {})
+            return found | {f"*{name}": x for name, x in self.places.items()}
         ((name, x),) = self.places.items()
-        return found | {f"*({name} - ({end}))" if x[0] > end else f"*({end} - {name})": _distance(self.places, end)}
+        return found | {f"*({name} - ({end}))" if x[0] > end else f"*({end} - {name})": np.abs(x - float(end))}
 
     def fitted(self) -> Array:
         """How far along each line an end lies, by powers of the parameters: less far than it leaves K at any place."""
@@ -254,16 +190,16 @@ class _Lines:
     def levels(self, fitted: Array, pairs: Array) -> Array:
         """g at midpoints, the least of all places."""
         ends = self.starts + (fitted @ np.array([*self.powers.values()]))[:, :, None] * self.ways
-        level = _level(self.law, self.places, (ends[pairs[0]] + ends[pairs[1]]) / 2).min(axis=1)
-        return np.asarray(np.where(np.isfinite(level), level, -np.inf))
+        depth = level(self.law, self.places, (ends[pairs[0]] + ends[pairs[1]]) / 2).min(axis=1)
+        return np.asarray(np.where(np.isfinite(depth), depth, -np.inf))
 
     def deepest(self) -> Array | None:
         """The two lines of which the midpoint is farthest outside; None where none is."""
         fitted = self.fitted()
         known = np.asarray(np.isfinite(fitted).all(axis=1))
-        pairs = _pairs()[:, known[_pairs()].all(axis=0)]
-        level = self.levels(fitted, pairs)
-        return pairs[:, level.argmax()] if level.size and level.max() > _ROUNDING else None
+        pairs = _PAIRS[:, known[_PAIRS].all(axis=0)]
+        depth = self.levels(fitted, pairs)
+        return pairs[:, depth.argmax()] if depth.size and depth.max() > _ROUNDING else None
 
     def told(self) -> Iterator[Suggestion]:
         """The chord of the only two lines with ends in short numbers, which lie as far inside as the midpoint allows."""
@@ -276,7 +212,7 @@ class _Lines:
                 if begins:
                     exact = [[first or Fraction(0), *rest] for first, (_, *rest) in zip(self.begun, exact, strict=True)]
                 p, q = (self._written(line, parts) for line, parts in zip(self.family.lines, exact, strict=True))
-                yield _chord(self.law, p, q, self.family)
+                yield Suggestion("chord", {"p": p, "q": q, **({} if self.law.pressure is None else {"pressure": "-1"})}, self.family)
                 return
 
     def _written(self, line: _Line, parts: list[Fraction]) -> dict[str, str]:
@@ -292,32 +228,19 @@ class _Lines:
 def _reach(law: StatedLaw, places: Mapping[str, Array], starts: Array, ways: Array) -> Array:
     """How far along lines each leaves K first, at each of the places."""
 
-    def level(radii: Array) -> Array:
+    def along_lines(radii: Array) -> Array:
         points = starts[:, :, None] + radii[..., None] * ways[:, :, None]
-        found = _level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2]))
+        found = level(law, places, points.transpose(0, 2, 1, 3).reshape(-1, *points.shape[1::2]))
         return found.reshape(len(points), -1, points.shape[1]).transpose(0, 2, 1)
 
     shape = (len(starts), count(places))
-    found = level(np.broadcast_to(_RADII, (*shape, len(_RADII))))
+    found = along_lines(np.broadcast_to(_RADII, (*shape, len(_RADII))))
     held = found <= 0
     held[..., 0] |= np.isnan(found[..., 0]) & held[..., 1]  # an angle has no value on the axis from which a line starts
     first = np.logical_and.accumulate(held, axis=2).sum(axis=2)  # outside
     low, high = _RADII[np.maximum(first - 1, 0)], _RADII[np.minimum(first, len(_RADII) - 1)]
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        inside = level(middle[:, :, None])[:, :, 0] <= 0
+        inside = along_lines(middle[:, :, None])[:, :, 0] <= 0
         low, high = np.where(inside, middle, low), np.where(inside, high, middle)
     return np.where(first == 0, np.nan, low)  # it does not start in K
-
-
-def _distance(places: Mapping[str, Array], end: Fraction) -> Array:
-    """How far the one parameter is from an end of its cell."""
-    (x,) = places.values()
-    return np.abs(x - float(end))
-
-
-def _level(law: StatedLaw, places: Mapping[str, Array], points: Array) -> Array:
-    """g at points of each place, which are rows of places; infinite outside of the ranges."""
-    rows, size, n = points.shape
-    at = {name: np.tile(x, rows) for name, x in places.items()} | dict(zip(law.forces, points.reshape(rows * size, n).T, strict=True))
-    return np.where(in_ranges(law, at), value_of(law.g, at), np.inf).reshape(rows, size)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import sympy as sp
 
@@ -16,13 +16,13 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain, simple_points
 from duhem.proof.certificate import law_as_text
-from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE
 from duhem.proof.recheck import document_of
 from duhem.proof.statement import state
 from duhem.regions.asked import MOST_STEPS, constraints_on
 from duhem.regions.paving import Paving, deciding_parameters
+from duhem.regions.places import Place, tree_of
 from duhem.regions.result import FoundRegion, ParameterRegion, PavedRegion
 from duhem.regions.search import Asked, cells_of
 from duhem.show.place import AnyPath
@@ -71,16 +71,15 @@ def _found(
     law: Criterion, names: tuple[str, ...], claim: str, steps: int, resume: AnyPath | Mapping[str, Any] | None = None
 ) -> FoundRegion:
     check_domain(law)
-    found: FoundRegion
-    question: Any
     if len(names) == 1:
-        question = Asked(law, claim, names, steps)
-        cells = tuple(cells_of(question))
-        found = ParameterRegion(law, claim, names, cells, question.whole, steps=question.steps)
+        question: Any = Asked(law, claim, names, steps)
+        cells = cells_of(question)
+        found: FoundRegion = ParameterRegion(law, claim, names, cells, question.whole, tree_of(names[0], cells), steps=question.steps)
     else:
         question = Paving(law, claim, names, steps) if resume is None else Paving.resumed(law, claim, names, steps, document_of(resume)[1])
         question.grow()
-        found = PavedRegion(law, claim, names, question.known["tree"], question.whole, question.stopped, steps=question.steps)
+        whole, tree = Place((), question.whole), question.known["tree"]
+        found = PavedRegion(law, claim, names, question.places(), whole, tree, question.stopped, steps=question.steps)
     _, joined = constraints_on(law, names)
     seen = not joined or all(
         question.admits(question.values, question.over(cell)) for cell, leaf in found.known if leaf["verdict"] == "proved"
@@ -121,7 +120,7 @@ def shape_parameters(law: Criterion, claim: str = "convexity") -> tuple[str, ...
 def _of_minors(law: Criterion) -> tuple[str, ...]:
     """The parameters on which it depends whether the quadratic form in g is >= 0; none where they are many."""
     with suppress(*UNREADABLE):
-        names = deciding_parameters(cast("StatedLaw", stated(law_as_text(law))))
+        names = deciding_parameters(StatedLaw.read(law_as_text(law)))
         return names if len(names) <= _MOST_UNNAMED else ()
     return ()
 
@@ -146,15 +145,13 @@ def _over(law: Criterion, ranges: Mapping[str, Range]) -> Criterion:
         if domain.value is not None:
             raise InputError("a range has two different ends", where=where, remedy="fix a parameter with --set")
         law = law.within({name: domain})
-        for end, sharp in ((domain.low, sp.StrictGreaterThan), (domain.high, sp.StrictLessThan)):
+        for end, op in ((domain.low, ">"), (domain.high, "<")):
             if end is None or (end == 0 and domain.positive) or _has_values(law, name, end):
                 continue
             if end == 0 and end == domain.low:
                 law = law.within({name: Domain(high=domain.high, positive=True)})
             else:
-                beyond = sharp(law.symbols()[name], end)
-                texts = (*law.written_constraints, f"{name} {beyond.rel_op} {end}")
-                law = replace(law, constraints=(*law.constraints, beyond), written_constraints=texts)
+                law = replace(law, constraints=(*law.constraints, f"{name} {op} {end}"))  # a text is read on construction
     return law
 
 
@@ -189,9 +186,7 @@ def told(law: Law, claim: str, asked: str) -> str:
     try:
         if not isinstance(law, Criterion) or claim not in _ASKED or len(names := shape_parameters(law, claim)) > _MOST_UNNAMED:
             return ""
-        if len(names) > 2 and (claim != "convexity" or names != _of_minors(law)):
-            return ""
-        if {*names} <= {*_absorbed(law)}:
+        if {*names} <= {*_absorbed(law)} or (len(names) > 2 and (claim != "convexity" or names != _of_minors(law))):
             return ""
         steps = _STEPS_OF_A_SENTENCE // min(len(names), 2) ** 2
         found = region(law, None, claim, steps=steps)

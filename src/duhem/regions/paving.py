@@ -22,7 +22,6 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
@@ -31,31 +30,21 @@ from duhem.proof.kernel.bounds import ANY, Bounds
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.definedness import AGAINST
 from duhem.proof.kernel.dents import Dent, form_of
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE
 from duhem.proof.kernel.forms import principal_minors
 from duhem.proof.kernel.parameter_cells import at_values, own_domain
 from duhem.proof.kernel.parameter_tree import law_where, not_outside, recheck_tree
-from duhem.proof.kernel.polynomial import Polynomial, in_powers, replaced
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, replaced, written
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import UNREADABLE, NotWritten, parse
+from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, parse
 from duhem.regions.asked import UNBOUNDED, AsksTheKernel, constraints_on
-from duhem.regions.places import Node, Place, against, between, compared, difference, law_at, leaves, length, share_of
-from duhem.regions.seen import Array, Holding, count, looked_at, value_of
+from duhem.regions.places import OPEN, Decided, Node, Place, against, between, compared, difference, law_at, leaves, length, share_of
+from duhem.regions.seen import Array, Flags, count, looked_at, margins, value_of
 
 __all__ = ["Paving", "deciding_parameters"]
 
 _MOST_MINORS, _MOST_DEGREE, _MOST_TERMS, _MOST_FOUND = 4, 6, 40, 24
-
-
-def boundaries(law: StatedLaw, names: Sequence[str], dents: Iterable[Dent]) -> list[str]:
-    """Polynomials in ``names``, as text, the shorter first; ``law`` is at plain values of its other parameters."""
-    found = dict[str, int]()
-    for poly in (*_minors(law), *(part for dent in dents for part in _of_dent(dent)), *_sums(names)):
-        for factor, _ in sp.factor_list(poly)[1] if not poly.is_number else ():
-            if {x.name for x in factor.free_symbols} <= {*names} and len(sp.Add.make_args(factor)) <= _MOST_TERMS:
-                found.setdefault(str(factor), len(sp.Add.make_args(sp.expand(factor))))
-    return sorted(found, key=lambda text: (found[text], len(text)))[:_MOST_FOUND]
 
 
 def deciding_parameters(law: StatedLaw) -> tuple[str, ...]:
@@ -79,50 +68,50 @@ def _minors(law: StatedLaw) -> Iterator[sp.Expr]:
         domain = over(law)
         for _, minor in principal_minors(form_of(law), domain, _MOST_MINORS):
             with suppress(NotWritten):
-                yield sp.fraction(sp.together(_expression(minor, domain)))[0]
+                yield _numerator(minor)
 
 
 def _of_dent(dent: Dent) -> Iterator[sp.Expr]:
     with suppress(*UNREADABLE):
         for end in dent.between:
-            yield sp.fraction(sp.together(_expression(replaced(dent.poly, RAY, {(): end} if end else {}), dent.domain)))[0]
+            yield _numerator(replaced(dent.poly, RAY, {(): end} if end else {}))
         if len(in_powers(dent.poly, RAY)) <= _MOST_DEGREE + 1:
-            ray = sp.Symbol(_RAY)
-            yield sp.discriminant(sp.fraction(sp.together(_expression(dent.poly, dent.domain)))[0], ray)
+            yield sp.discriminant(_numerator(dent.poly), sp.Symbol(RAY.name))
 
 
-_RAY = "ray of the dent"
+def _numerator(poly: Polynomial) -> sp.Expr:
+    """What a polynomial of the kernel has above its divisors, as SymPy's; NotWritten unless that has whole powers of names alone."""
+    found = sp.fraction(sp.together(_expression(written(poly))))[0]
+    if not found.is_polynomial(*found.free_symbols):
+        raise NotWritten("it is no polynomial of names")
+    return found
 
 
-def _expression(poly: Polynomial, domain: StatedDomain) -> sp.Expr:
-    """Return the polynomial as SymPy's; raise NotWritten unless it has whole powers of names, and even ones of roots."""
-    parts = list[sp.Expr]()
-    for m, c in poly.items():
-        powers = [sp.Symbol(_RAY if x == RAY else x.name) ** n for x, n in m if x.op == "name"]
-        for x, n in ((x, n) for x, n in m if x.op != "name"):
-            if x.op != "**" or x.args[1].op != "number" or (k := x.args[1].value * n).denominator != 1:
-                raise NotWritten("it is no polynomial of names")
-            powers.append(_expression(domain.polynomial(x.args[0]), domain) ** int(k))
-        parts.append(sp.Rational(c.numerator, c.denominator) * sp.Mul(*powers))
-    return sp.Add(*parts)
+def _expression(term: Term) -> sp.Expr:
+    if not term.args:
+        return sp.Symbol(term.name) if term.op == "name" else sp.Rational(term.value.numerator, term.value.denominator)
+    if term.op not in _SYMPY:
+        raise NotWritten("it is no polynomial of names")
+    return _SYMPY[term.op](*map(_expression, term.args))
+
+
+_SYMPY = {"+": sp.Add, "*": sp.Mul, "**": sp.Pow}
 
 
 _BESIDE = Fraction(1, 64)  # of each range, the box in which the rule that proves the claim is looked for
 _SEEDS = 4  # of these boxes
 _MANY = 1000  # places of a leaf at which it is looked, where that takes no rays
 _LARGE = Fraction(1, 4)  # of the whole, a leaf of which whole verifications are asked
-_OPEN: Node = {"verdict": "open"}
-Held = NDArray[np.bool_] | None
 
 
 @dataclass
 class Paving(AsksTheKernel):
     """The question over all values of several parameters, and the tree of what is known."""
 
-    known: Node = field(default_factory=lambda: {"tree": _OPEN})  # by its key "tree"
+    known: Node = field(default_factory=lambda: {"tree": OPEN})  # by its key "tree"
     stopped: bool = False
     whole: dict[str, Bounds] = field(init=False)
-    seen: Holding | None = field(init=False)
+    seen: tuple[Dent, ...] = field(init=False)
     boundaries: list[str] = field(init=False, default_factory=list)
     away: list[str] = field(init=False, default_factory=list)  # what the constraints on the parameters hold >= 0
 
@@ -132,15 +121,20 @@ class Paving(AsksTheKernel):
         for text in constraints_on(self.law, self.names)[0]:
             with suppress(*UNREADABLE):
                 self.away.append(f"({difference(text)})")
-        known, self.seen = self.steps, self.holding(self.stated)
-        self.boundaries = [] if self.seen is None else self._boundaries(self.stated, self.seen)
+        known, self.seen = self.steps, self.told(self.stated)
+        self.boundaries = self._boundaries(self.stated, self.seen) if self.seen else []
         self.steps = known
 
-    def _boundaries(self, law: StatedLaw, seen: Holding | None) -> list[str]:
-        """What may tell apart where the claim holds of a law over a leaf and where it fails."""
+    def _boundaries(self, law: StatedLaw, dents: Iterable[Dent]) -> list[str]:
+        """Polynomials that may tell apart where the claim holds of a law over a leaf and where it fails, as text, the shorter first."""
+        found = dict[str, int]()
         with suppress(NotWritten):
-            return boundaries(at_values(law, self.values, self.names), self.names, () if seen is None else seen.dents)
-        return []
+            here = at_values(law, self.values, self.names)
+            for poly in (*_minors(here), *(part for dent in dents for part in _of_dent(dent)), *_sums(self.names)):
+                for factor, _ in sp.factor_list(poly)[1] if not poly.is_number else ():
+                    if {x.name for x in factor.free_symbols} <= {*self.names} and len(sp.Add.make_args(factor)) <= _MOST_TERMS:
+                        found.setdefault(str(factor), len(sp.Add.make_args(sp.expand(factor))))
+        return sorted(found, key=lambda text: (found[text], len(text)))[:_MOST_FOUND]
 
     @classmethod
     def resumed(cls, law: Criterion, claim: str, names: tuple[str, ...], most: int, document: Mapping[str, Any]) -> Paving:
@@ -155,8 +149,8 @@ class Paving(AsksTheKernel):
             raise InputError("the certificate is about something else", where="resume", remedy=remedy)
         if failed:
             raise InputError(f"the certificate is not confirmed where {failed[0]}", where="resume", remedy="start without it")
-        steps = document["steps"]
-        return cls(law, claim, names, most, steps if isinstance(steps, int) else 0, known={"tree": document["tree"]})
+        spent = document["steps"] if isinstance(document["steps"], int) else 0
+        return cls(law, claim, names, most, spent, known={"tree": document["tree"]})
 
     def grow(self) -> None:
         """Decide or divide the largest open leaf until none is left, the budget is used up, or it is interrupted."""
@@ -180,6 +174,11 @@ class Paving(AsksTheKernel):
         """The law over a place."""
         return law_at(self.stated, cell.where, self.names)
 
+    def places(self) -> tuple[Decided, ...]:
+        """The place of each leaf with what is known of it, in order; those outside of the domain are none."""
+        found = (Decided(Place.of(where, self.whole), holder[key]) for _, where, holder, key in leaves(self.known))
+        return tuple(one for one in found if one.leaf["verdict"] != "outside")
+
     def _left(self, *at: Any) -> Iterator[tuple[Any, ...]]:
         """The open leaves below a node, the largest first in a heap."""
         for way, where, holder, key in leaves(*at):
@@ -192,7 +191,7 @@ class Paving(AsksTheKernel):
         places = looked_at(self.stated, self.names)
         points = np.array(list(places.values())).T
         widths = np.maximum(np.ptp(points, axis=0), 1e-300)
-        good = self.seen.margins(places) if self.seen is not None else -np.sum(((points - np.median(points, axis=0)) / widths) ** 2, axis=1)
+        good = margins(self.seen, places) if self.seen else -np.sum(((points - np.median(points, axis=0)) / widths) ** 2, axis=1)
         for point in points[np.argsort(-good, kind="stable")[:_SEEDS]].tolist():
             law = self.stated
             for name, x in zip(places, point, strict=True):
@@ -207,9 +206,10 @@ class Paving(AsksTheKernel):
     def decided(self, place: Place) -> Node | None:
         """A leaf, or a comparison that divides it with what is known of the two parts; None where the budget ends before that is known."""
         law = self.over(place)
-        known = self.seen or self.holding(law)
-        places = looked_at(law, self.names, *(() if known is None or known.along_rays else (_MANY,)))
-        holds = None if known is None else known.margins(places) >= 0
+        known = self.seen or self.told(law)
+        rays = not known or any(dent.between[0] < dent.between[1] for dent in known)
+        places = looked_at(law, self.names, *(() if rays else (_MANY,)))
+        holds = margins(known, places) >= 0 if known else None
         mixed, unseen = holds is not None and holds.any() and not holds.all(), not count(places)
         seems = None if holds is None or unseen else bool(holds.all())
         if not mixed and (found := self._confirmed(law, place, seems, unseen)) is not None:
@@ -234,13 +234,12 @@ class Paving(AsksTheKernel):
 
     def _halved(self, place: Place) -> Node:
         """A leaf divided where a parameter changes its sign, on which much depends, else in the middle of its longest edge."""
-        for name, own in place.box.items():
-            if own.sign() == ANY:
-                return {"split": f"{name} <= 0", "holds": _OPEN, "fails": _OPEN}
         longest = max(self.names, key=lambda name: length(place.box[name], self.whole[name]))
-        return {"split": f"{longest} <= {between(place.box[longest], self.whole[longest])}", "holds": _OPEN, "fails": _OPEN}
+        middle = f"{longest} <= {between(place.box[longest], self.whole[longest])}"
+        split = next((f"{name} <= 0" for name, own in place.box.items() if own.sign() == ANY), middle)
+        return {"split": split, "holds": OPEN, "fails": OPEN}
 
-    def _divided_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Held, clearly: bool) -> Node | None:
+    def _divided_by(self, text: str, law: StatedLaw, place: Place, sides: Array, holds: Flags | None, clearly: bool) -> Node | None:
         """A leaf divided by a polynomial, if the kernel confirms a verdict of both sides, or of one on which all is seen to be alike.
 
         ``clearly`` where the two are seen to be told apart by it: then of both.
@@ -266,8 +265,8 @@ class Paving(AsksTheKernel):
         for text, holds in ((comparison, True), (against(comparison), False)):
             here = law_where(law, compared(text, self.names))
             there = Place.of((*place.where, text), self.whole)
-            found.append(self._confirmed(here, there, holds) or _OPEN)
-            if found.count(_OPEN) > 2 - least:
+            found.append(self._confirmed(here, there, holds) or OPEN)
+            if found.count(OPEN) > 2 - least:
                 return None
         return {"split": comparison, "holds": found[0], "fails": found[1]}
 
@@ -278,7 +277,7 @@ class Paving(AsksTheKernel):
         """
         if law.constraints and (self.stated.constraints or unseen) and self.confirmed(partial(not_outside, law)):
             return {"verdict": "outside"}
-        if holds is not False and (row := self.proof(law) or self._proof_by_all(law, place)) is not None:
+        if holds is not False and (row := self.proof(law)) is not None:
             return {"verdict": "proved", **row}
         away = [f"({difference(text)})" for text in place.polynomials] + self.away
         if holds is not True and (row := self.refutation(law, away)) is not None:
@@ -286,9 +285,3 @@ class Paving(AsksTheKernel):
         if holds is False and self.claim in UNBOUNDED and (row := self.proof(law)) is not None:
             return {"verdict": "proved", **row}  # K may be everything or empty there, which no dent tells
         return None
-
-    def _proof_by_all(self, law: StatedLaw, place: Place) -> dict[str, Any] | None:
-        """The proof with evidence that everything finds which makes proofs; asked on large leaves alone, where no rule was found before."""
-        if self.claim in self.usual or share_of(place.box, self.whole) < _LARGE:
-            return None
-        return self.proof_by_all(law, place.where)

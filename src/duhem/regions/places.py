@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache, reduce
 from math import isqrt, prod
@@ -21,11 +20,11 @@ from duhem.proof.kernel.parameter_tree import law_where, opposite, read_comparis
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import sign_at
 from duhem.proof.kernel.stated_law import StatedLaw
-from duhem.proof.kernel.term import NotWritten, Term, number, parse
+from duhem.proof.kernel.term import NotWritten, number, parse
 
 __all__ = [
-    "Decided", "Node", "ParameterCell", "Place", "against", "between", "closest_fractions", "compared", "difference", "is_end", "law_at",
-    "leaves", "length", "middle", "narrowed", "order", "share_of", "simplest", "square_root_near", "tree_of", "written_root",
+    "OPEN", "Decided", "Node", "ParameterCell", "Place", "against", "between", "compared", "difference", "is_end",
+    "law_at", "leaves", "length", "middle", "narrowed", "order", "share_of", "simplest", "square_root_near", "tree_of", "written_root",
 ]  # fmt: skip
 
 _MOST_COEFFICIENT, _ALIKE = 300, 1e-6
@@ -43,11 +42,6 @@ def simplest(low: Fraction, high: Fraction) -> Fraction:
     if low == whole:
         return whole + Fraction(1, 1 / (high - whole) // 1 + 1)
     return whole + 1 / simplest(1 / (high - whole), 1 / (low - whole))
-
-
-def closest_fractions(x: float) -> list[Fraction]:
-    """Fractions close to x, the simplest first."""
-    return [*dict.fromkeys(Fraction(x).limit_denominator(n) for n in (1, 2, 3, 4, 8, 16, 64))]
 
 
 def square_root_near(low: Fraction, high: Fraction) -> RealRoot | None:
@@ -83,18 +77,10 @@ def written_root(root: RealRoot) -> str:
 
 
 Node = dict[str, Any]  # of a tree, as a certificate has it
+OPEN: Node = {"verdict": "open"}
 
 
-@lru_cache(maxsize=4096)
-def compared(text: str, names: tuple[str, ...]) -> Term:
-    """A comparison as the kernel reads it, which many leaves share."""
-    return read_comparison(text, names)
-
-
-@lru_cache(maxsize=4096)
-def against(text: str) -> str:
-    """What holds where a comparison does not, found once too."""
-    return opposite(text)
+compared, against = lru_cache(maxsize=4096)(read_comparison), lru_cache(maxsize=4096)(opposite)  # many leaves share comparisons
 
 
 def law_at(law: StatedLaw, where: Iterable[str], names: tuple[str, ...]) -> StatedLaw:
@@ -144,9 +130,8 @@ class Place(NamedTuple):
         if len(apart) != 1 or rest:
             return None
         one, two = sorted((self.box[apart[0]], other.box[apart[0]]), key=lambda own: (own.low is not None, own.low))
-        if one.high is None or one.high != two.low or one.open_high == two.open:
-            return None
-        return Place(self.polynomials, {**self.box, apart[0]: Bounds(one.low, two.high, one.open, two.open_high)})
+        meets = one.high is not None and one.high == two.low and one.open_high != two.open
+        return Place(self.polynomials, {**self.box, apart[0]: Bounds(one.low, two.high, one.open, two.open_high)}) if meets else None
 
 
 def difference(comparison: str) -> str:
@@ -199,13 +184,10 @@ class ParameterCell(NamedTuple):
         """Whether it is one value."""
         return self.low is not None and self.low == self.high
 
-    def meets(self, after: ParameterCell) -> bool:
-        """Whether another cell begins where this one ends, nothing between them left out; the end is told in the same way."""
-        return self.high is not None and self.high == after.low and not (self.open_high and after.open)
-
     def joined(self, other: ParameterCell) -> ParameterCell | None:
-        """The cell that is this one and another; None where this does not end where the other begins."""
-        return self._replace(high=other.high, open_high=other.open_high) if self.meets(other) else None
+        """The cell that is this one and another; None where this does not end where the other begins, or that end is left out of both."""
+        meets = self.high is not None and self.high == other.low and not (self.open_high and other.open)
+        return self._replace(high=other.high, open_high=other.open_high) if meets else None
 
     @property
     def bounds(self) -> Bounds:
@@ -228,18 +210,11 @@ def _below(name: str, end: RealRoot, left_out: bool) -> str:
     return f"{name} {'<' if left_out else '<='} {written_root(end)}"
 
 
-@dataclass(frozen=True)
-class Decided:
-    """A cell with what the kernel confirmed of it; ``row`` is how a certificate says so, None where it is open."""
+class Decided(NamedTuple):
+    """A cell, of one parameter or a place, with what a certificate says of it."""
 
-    cell: ParameterCell
-    verdict: str
-    row: Mapping[str, Any] | None = None
-
-    @property
-    def leaf(self) -> Node:
-        """As a certificate has it."""
-        return {"verdict": self.verdict, **(self.row or {})}
+    cell: Any
+    leaf: Node
 
 
 def order(cell: ParameterCell) -> tuple[bool, Fraction, bool]:

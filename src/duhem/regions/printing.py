@@ -1,4 +1,7 @@
-"""A region as text for people, as a sheet, in LaTeX, and as a picture: the line of the parameter, or the plane of two (extra ``plot``)."""
+"""A region as text for people, as a sheet, in LaTeX, and as a picture: the line of the parameter, or the plane of two (extra ``plot``).
+
+A mended law is a sheet, and a picture of both boundaries.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +15,11 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.parse import parse_relation
+from duhem.expression.text import formula
 from duhem.law.atlas.entry import entry
 from duhem.law.catalogue import load_formula
+from duhem.regions.mending.entry import Mended, Tried
+from duhem.regions.mending.limit_load import around, limit_loads, plain_values
 from duhem.regions.result import FoundRegion, PavedRegion
 from duhem.show import figure
 from duhem.show.page import PAGE, Page
@@ -22,7 +28,7 @@ from duhem.show.printing import Sheet, draw, latex, latex_name, plain, sheet, te
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["as_dict", "as_latex", "as_sheet", "as_text", "plot"]
+__all__ = ["as_dict", "as_latex", "as_sheet", "as_text", "plot", "plot_of_mended", "sheet_of_mended"]
 
 _HEAD = ("where", "verdict", "trust", "by")
 _MOST_ROWS = 40
@@ -47,14 +53,26 @@ def as_text(region: FoundRegion, page: Page = PAGE) -> str:
 @sheet.register(FoundRegion)
 def as_sheet(region: FoundRegion) -> Sheet:
     """The same as a sheet."""
-    title = f"{region.criterion.name}: {region.sentence}"
-    return Sheet(title, tuple(_fields(region)), _HEAD, tuple(_rows(region)), (("Ends", tuple(_ends(region))),))
+    notes = (("Ends", tuple(_ends(region))),)
+    return Sheet(f"{region.criterion.name}: {region.sentence}", tuple(_fields(region)), _HEAD, tuple(_rows(region)), notes)
 
 
 @plain.register(FoundRegion)
 def as_dict(region: FoundRegion) -> dict[str, Any]:
     """The JSON of the interface."""
-    return region.to_dict()
+    return {
+        "criterion": region.criterion.name,
+        "claim": region.claim,
+        "parameters": list(region.parameters),
+        "domain": region.over,
+        "fixed": {name: str(own.value) for name, own in region.criterion.parameters.items() if own.value is not None},
+        "condition": region.condition,
+        "exact": region.exact,
+        "cells": [cell._asdict() | {"sample": dict(cell.sample)} for cell in region.cells],
+        "ends": [end._asdict() | {"enclosure": list(end.enclosure)} for end in region.ends],
+        "open_share": region.open_share,
+        "joined": list(region.joined),
+    }
 
 
 @latex.register(FoundRegion)
@@ -81,34 +99,28 @@ def _fields(region: FoundRegion) -> Iterator[tuple[str, str]]:
     yield "over", f"all {', '.join(names)}" if region.over == "true" else region.over
     if others := [own.stated(other) for other, own in law.parameters.items() if other not in names]:
         yield "others", ", ".join(others)
-    if published := _published(region):
+    if published := _published(region)[0]:
         yield "published", published
 
 
-def _published(region: FoundRegion) -> str:
-    """What the literature claims of a law of the atlas; of another law that has its name nothing is known."""
-    with suppress(InputError):
-        own = entry(region.criterion.name)
-        return own.claims.get(region.claim, "") if own.summary == region.criterion.summary else ""
-    return ""
+def _published(region: FoundRegion) -> tuple[str, list[float]]:
+    """What the literature claims of a law of the atlas, and the values that it has for the parameters of a region, if they all have one.
 
-
-def _published_point(region: FoundRegion) -> list[float]:
-    """The values that the law of the atlas has for the parameters of a region, if they all have one."""
+    Of another law that has its name nothing is known.
+    """
+    said, values, law = "", list[float](), region.criterion
     with suppress(InputError):
-        own = load_formula(region.criterion.name)
-        domains = [own.parameters[name] for name in region.parameters if name in own.parameters]
-        values = [float(own.value) for own in domains if own.value is not None]
-        return values if own.summary == region.criterion.summary and len(values) == len(region.parameters) else []
-    return []
+        if (own := load_formula(law.name)).summary == law.summary:
+            values = [float(x.value) for x in map(own.parameters.get, region.parameters) if x is not None and x.value is not None]
+            said = entry(law.name).claims.get(region.claim, "")
+    return said, values if len(values) == len(region.parameters) else []
 
 
 def _rows(region: FoundRegion) -> list[tuple[str, ...]]:
     if isinstance(region, PavedRegion) and len(region.known) > _MOST_ROWS:
         return list(_counted(region))
-    rules = (str(leaf.get("rule", "")) for _, leaf in region.known)
     whole = f"all {', '.join(region.parameters)}"
-    shown = zip(region.cells, rules, strict=True)
+    shown = zip(region.cells, (str(leaf.get("rule", "")) for _, leaf in region.known), strict=True)
     return [(whole if c.condition == "true" else c.condition.replace("==", "="), c.verdict, c.trust or "-", rule) for c, rule in shown]
 
 
@@ -139,7 +151,7 @@ def plot(region: FoundRegion, file: Any = None, axes: Any = None) -> tuple[Axes,
 
 
 def _paint(axes: Axes, region: FoundRegion) -> None:
-    line = len(region.parameters) == 1
+    line, (said, point) = len(region.parameters) == 1, _published(region)
     ranges = [_shown_range(region, name) for name in region.parameters]
     grid = np.meshgrid(*(np.linspace(low, high, _FINE) for low, high in [*ranges, *([(0.0, 1.0)] if line else [])]))
     verdicts = region.at(dict(zip(region.parameters, grid, strict=False)))
@@ -151,14 +163,14 @@ def _paint(axes: Axes, region: FoundRegion) -> None:
     for end in region.ends:
         x = float(sp.Rational(end.enclosure[0]))
         axes.plot([x], [0.5], "o", color="black", markerfacecolor="black" if end.closed else "white", markersize=7, zorder=4)
-        said = f"${latex_name(end.parameter)} = {sp.latex(sp.sympify(end.value, rational=True))}$"
-        axes.annotate(said, (x, 1.05), ha="center", va="bottom")
+        label = f"${latex_name(end.parameter)} = {sp.latex(sp.sympify(end.value, rational=True))}$"
+        axes.annotate(label, (x, 1.05), ha="center", va="bottom")
     if line:
         axes.set_ylim(0.0, 1.6 if region.ends else 1.0)
         axes.set_yticks([])
-    elif (point := _published_point(region)) and all(low <= at <= high for at, (low, high) in zip(point, ranges, strict=True)):
+    elif point and all(low <= at <= high for at, (low, high) in zip(point, ranges, strict=True)):
         axes.plot(*([at] for at in point), "o", color="black", markeredgecolor="white", linestyle="none", label="published")
-    published = f"\npublished: {said}" if line and (said := _published(region)) else ""
+    published = f"\npublished: {said}" if line and said else ""
     for axis, name in zip((axes.xaxis, axes.yaxis), region.parameters, strict=False):
         axis.set_label_text(f"${latex_name(name)}${published}")
     figure.legend(axes)
@@ -171,3 +183,56 @@ def _shown_range(region: FoundRegion, name: str) -> tuple[float, float]:
     wide = max(max(marks) - min(marks), 1.0) / (2 * len(region.parameters))
     low, high = whole[:2]
     return min(marks) - wide if low is None else float(low), max(marks) + wide if high is None else float(high)
+
+
+# -- mended laws -------------------------------------------------------------------------------------------------------
+
+_HEAD_OF_WAYS = ("by", "mean change", "largest", "K", "")
+
+
+@sheet.register(Mended)
+def sheet_of_mended(done: Mended) -> Sheet:
+    """What was done, the formula, what is proved of it, and a row for each way that was tried."""
+    title = f"{done.criterion.name}: {f'mended by {done.by}' if done.by else done.told}"
+    return Sheet(title, tuple(_of_mended(done)), _HEAD_OF_WAYS, tuple(map(_way, done.tried)) if len(done.tried) > 1 else ())
+
+
+def _of_mended(done: Mended) -> Iterator[tuple[str, str]]:
+    if done.by:
+        mean, largest = done.distance
+        yield "before", f"convexity {done.before.value}"
+        yield "result", done.told
+        sizes = f"{mean:.3g} in the mean, {largest:.3g} at the largest, of the mean limit load over directions of force"
+        yield "change", sizes if np.isfinite(largest) else "infinite: one K ends in a direction where the other does not"
+    if done.by not in ("", "parameters"):
+        yield "g", formula(done.law.g)
+    yield "proved", ", ".join(f"{r.claim} {r.verdict.value}" for r in done.verification.results)
+    yield "admissible", "yes" if done.admissible else "not proved"
+
+
+def _way(one: Tried) -> tuple[str, ...]:
+    if one.law is None:
+        return one.by, "-", "-", "-", one.told
+    return one.by, f"{one.distance.mean:.4f}", f"{one.distance.largest:.4f}", "convex" if one.convex else "not proved convex", one.told
+
+
+@draw.register(Mended)
+def plot_of_mended(done: Mended, file: Any = None, axes: Any = None) -> tuple[Axes, ...]:
+    """K of both laws in the plane of the first two forces, free parameters at plain values and the pressure at -1."""
+    forces, angles = done.criterion.forces, np.linspace(0.0, 2.0 * np.pi, 1441)
+    if len(forces) < 2:
+        raise InputError(f"{done.criterion.name} has one force", where="--plot", remedy="only laws of more forces are drawn")
+    ways, values = np.zeros((len(angles), len(forces))), plain_values(done.criterion)
+    ways[:, :2] = around(angles)
+
+    def paint(place: Axes) -> None:
+        looks = ((done.law, "-", f"mended by {done.by}"), (done.criterion, (0, (5, 1.5)), done.criterion.name))
+        for i, (law, dashes, label) in enumerate(looks if done.by else looks[1:]):
+            line = ways[:, :2] * limit_loads(law, values, ways)[:, None]
+            place.plot(*line.T, color=figure.palette(i), linestyle=dashes, linewidth=1.8, label=label)
+        place.set_aspect("equal", adjustable="datalim")
+        for axis, force in zip((place.xaxis, place.yaxis), forces, strict=False):
+            figure.measure(axis, f"${latex_name(force)}$", "unit of stress")
+        figure.legend(place)
+
+    return figure.drawn(paint, file, axes, size=(5.6, 5.2), title=f"{done.criterion.name}: {done.told}")

@@ -16,21 +16,19 @@ from duhem.proof.kernel.parameter_cells import own_domain
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.regions.asked import AsksTheKernel
-from duhem.regions.places import Decided, ParameterCell, between, law_at, middle, order, simplest, square_root_near
+from duhem.regions.places import OPEN, Decided, ParameterCell, between, law_at, middle, order, simplest, square_root_near
 from duhem.regions.seen import changes
 
 __all__ = ["Asked", "cells_of"]
 
-_IN_DEPTH = 10_000_000  # from so many steps on whole verifications are asked for
-_MOST_ASKED = 30  # the most whole verifications
+_IN_DEPTH, _MOST_ASKED = 10_000_000, 30  # from so many steps on whole verifications are asked for; the most of these
 
 
 @dataclass
 class Asked(AsksTheKernel):
     """A claim of a law, asked for the values of one of its parameters."""
 
-    name: str = field(init=False)
-    by_all: bool = False
+    by_all: bool = False  # whether everything that makes proofs is asked too
     verifications: int = 0
     whole: ParameterCell = field(init=False)
     _known: dict[ParameterCell, Decided | None] = field(default_factory=dict)
@@ -38,13 +36,12 @@ class Asked(AsksTheKernel):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        (self.name,) = self.names
-        low, high, *left_out = own_domain(self.stated, self.name)
+        low, high, *left_out = own_domain(self.stated, self.names[0])
         self.whole = ParameterCell(*(None if end is None else RealRoot.of(end) for end in (low, high)), *left_out)  # type: ignore[arg-type]
 
     def over(self, cell: ParameterCell) -> StatedLaw:
         """The law over a cell."""
-        return law_at(self.stated, cell.where(self.name, self.whole), self.names)
+        return law_at(self.stated, cell.where(self.names[0], self.whole), self.names)
 
     # -- proved ----------------------------------------------------------------------------------------------------
 
@@ -54,68 +51,59 @@ class Asked(AsksTheKernel):
             row = None if self.spent else self.proof(self.over(cell))
             if row is None and self.by_all and not self.spent and self.verifications < _MOST_ASKED:
                 self.verifications += 1
-                row = self.proof_by_all(self.over(cell), cell.where(self.name, self.whole))
-            self._known[cell] = None if row is None else Decided(cell, "proved", row)
+                row = self.proof_by_all(self.over(cell), cell.where(self.names[0], self.whole))
+            self._known[cell] = None if row is None else Decided(cell, {"verdict": "proved", **row})
         return self._known[cell]
-
-    def ask_all(self) -> bool:
-        """From now on everything that makes proofs is asked too; False where it is already, or the steps are too few."""
-        if self.by_all or self.spent or self.most < _IN_DEPTH:
-            return False
-        self.by_all = True
-        self._known.clear()
-        return True
-
-    def seen(self) -> list[tuple[float, float, bool]] | None:
-        """Stretches of the parameter where the claim seems to hold, and to fail, in floating point; None where that tells nothing."""
-        return None if (holding := self.holding(self.over(self.whole))) is None else changes(holding, self.name, self.whole.bounds)
 
     # -- refuted ---------------------------------------------------------------------------------------------------
 
     def refuted(self, cell: ParameterCell) -> Decided | None:
         """A family of witnesses over a cell; None where none is confirmed."""
         if cell not in self._refuted:
-            ends = [end for end in (cell.high, cell.low) if end is not None and end.exact]
-            away = [f"({self.name} - ({end.low}))" if end is cell.low else f"({end.low} - {self.name})" for end in ends]
+            name, both = self.names[0], ((cell.low, cell.open), (cell.high, cell.open_high))
+            ends = [(end, left_out) for end, left_out in both if end is not None and end.exact]
+            away = [f"({end.low} - {name})" if end is cell.high else f"({name} - ({end.low}))" for end, _ in reversed(ends)]
             held = {end for known in self._known.values() if known is not None for end in known.cell[:2]}
-            left_out = (end for end, out in zip(cell[:2], cell[2:], strict=True) if out and end in ends and end in held)
-            turning = [end.low for end in left_out if end is not None]
-            row = None if self.spent else self.refutation(self.over(cell), away, ends[::-1], turning)
-            self._refuted[cell] = None if row is None else Decided(cell, "refuted", row)
+            turning = [end.low for end, left_out in ends if left_out and end in held]
+            row = None if self.spent else self.refutation(self.over(cell), away, [end for end, _ in ends], turning)
+            self._refuted[cell] = None if row is None else Decided(cell, {"verdict": "refuted", **row})
         return self._refuted[cell]
 
 
 _NARROW = Fraction(1, 2**30)
-_ROUNDING, _SHORT, _BESIDE = 3e-8, 1000, (1e-6, 1e-4)
+_ROUNDING, _SHORT, _UNDIVIDED = 3e-8, 1000, Fraction(3, 10_000)
 _MOST_IN_VAIN, _MOST_TRIES, _FARTHEST, _FEW_SEEDS = 12, 60, 2**16, 3  # the first: gaps one after the other that are halved
 
 
-def cells_of(asked: Asked) -> list[Decided]:
+def cells_of(asked: Asked) -> tuple[Decided, ...]:
     """The cells that cover the domain, in order: proved, refuted or open.
 
     The widest gap comes first.  What is decided in one may leave others, and a gap in which nothing is decided is halved.
     """
-    done, parts = _seen(asked) if (whole := asked.proved(asked.whole)) is None else ([whole], [])
-    gaps = [*((part, False) for part in parts), *((gap, True) for gap in _left(asked.whole, [*(one.cell for one in done), *parts]))]
+    done = [*_seen(asked)] if (whole := asked.proved(asked.whole)) is None else [whole]
+    gaps = [(gap, True) for gap in _left(asked.whole, [one.cell for one in done])]
     in_vain = 0
     while gaps:
         gap, fresh = gaps.pop(max(range(len(gaps)), key=lambda i: _width(gaps[i][0])))
         if (found := None if asked.spent else _decided(asked, gap, fresh)) is not None:
             done.append(found)
-            gaps += [(rest, fresh and found.verdict == "proved") for rest in _left(gap, [found.cell])]
+            gaps += [(rest, fresh and found.leaf["verdict"] == "proved") for rest in _left(gap, [found.cell])]
             in_vain = 0
+        elif gap == asked.whole and asked.most >= _IN_DEPTH and not (asked.by_all or asked.spent):
+            asked.by_all, asked._known = True, {}
+            gaps.append((gap, fresh))
         elif asked.spent or in_vain == _MOST_IN_VAIN or (_is_narrow(gap) and gap != asked.whole):
-            done.append(Decided(gap, "open"))
+            done.append(Decided(gap, OPEN))
         else:
             at, in_vain = RealRoot.of(middle(gap.bounds)), in_vain + 1
             gaps += [(gap._replace(high=at, open_high=False), False), (gap._replace(low=at, open=True), False)]
     cells = list[Decided]()
     for one in sorted(done, key=lambda one: order(one.cell)):
-        if cells and cells[-1].verdict == one.verdict == "open":
-            cells[-1] = Decided(cells[-1].cell._replace(high=one.cell.high, open_high=one.cell.open_high), "open")
+        if cells and cells[-1].leaf["verdict"] == one.leaf["verdict"] == "open":
+            cells[-1] = cells[-1]._replace(cell=cells[-1].cell._replace(high=one.cell.high, open_high=one.cell.open_high))
         else:
             cells.append(one)
-    return cells
+    return tuple(cells)
 
 
 def _left(whole: ParameterCell, cells: Iterable[ParameterCell]) -> Iterator[ParameterCell]:
@@ -143,48 +131,30 @@ def _decided(asked: Asked, gap: ParameterCell, fresh: bool) -> Decided | None:
         return asked.proved(gap) or asked.proved(ParameterCell(one, one))
     if not fresh:
         return asked.proved(gap)
-    seeds = islice(_seeds(gap.bounds), None if gap == asked.whole else _FEW_SEEDS)  # a gap is halved where nothing grows
-    grown = (_grown(asked, seed, gap) for seed in seeds if not asked.spent)
-    if (found := next(filter(None, grown), None)) is None and gap == asked.whole and asked.ask_all():
-        grown = (_grown(asked, seed, gap) for seed in islice(_seeds(gap.bounds), _FEW_SEEDS))
-        found = next(filter(None, grown), None)
-    return found
+    few = asked.by_all or gap != asked.whole  # such a gap is halved where nothing grows
+    seeds = islice(_seeds(gap.bounds), _FEW_SEEDS if few else None)
+    return next(filter(None, (_grown(asked, seed, gap) for seed in seeds if not asked.spent)), None)
 
 
 def _is_narrow(gap: ParameterCell) -> bool:
     """Whether a gap is not divided: it is one value, beside an end that is told by no short number, or far away."""
     if gap.low is None or gap.high is None:
         return any(end is not None and abs(end.low) >= _FARTHEST for end in gap[:2])
-    return gap.high.low - gap.low.high <= 3 * Fraction(_BESIDE[1]) * max(Fraction(1), abs(gap.low.low))
+    return gap.high.low - gap.low.high <= _UNDIVIDED * max(Fraction(1), abs(gap.low.low))
 
 
-def _seen(asked: Asked) -> tuple[list[Decided], list[ParameterCell]]:
-    """Cells of the stretches in which the claim seems to hold, by floating point, and a little less than the stretches that are left.
-
-    The ends of cells are short numbers, or those of the domain.
-    """
-    stretches = asked.seen() or []
-    whole, last = asked.whole, len(stretches) - 1
-    found, parts = dict[int, Decided](), list[ParameterCell]()
-    for i, (low, high, _) in ((i, one) for i, one in enumerate(stretches) if one[2]):
-        first, final = whole.low if i == 0 else _number_near(low), whole.high if i == last else _number_near(high)
-        own = i == 0 and whole.open, i == last and whole.open_high
-        cells = (_cell(first, final, *out) for out in dict.fromkeys([own, (True, own[1]), (own[0], True), (True, True)]))
-        if done := next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), None):
-            found[i] = done
+def _seen(asked: Asked) -> Iterator[Decided]:
+    """Cells of the stretches in which the claim seems to hold, by floating point; their ends are short numbers, or those of the domain."""
+    whole, told = asked.whole, asked.told(asked.over(asked.whole))
+    stretches = changes(told, asked.names[0], whole.bounds) if told else []
     for i, (low, high, holds) in enumerate(stretches):
-        if i in found or (not holds and all(k in found for k in (i - 1, i + 1) if 0 <= k <= last)):
-            continue  # the gap that is left between cells is taken as a whole
-        one, two = whole.low if i == 0 else _inside(low, 1), whole.high if i == last else _inside(high, -1)
-        if one is None or two is None or one.below(two):
-            parts.append(ParameterCell(one, two, i == 0 and whole.open, i == last and whole.open_high))
-    return [*found.values()], parts
-
-
-def _inside(x: float, way: int) -> RealRoot:
-    """A short number a little beyond x."""
-    near, far = (Fraction(x) + way * Fraction(max(1.0, abs(x)) * share) for share in _BESIDE)
-    return RealRoot.of(simplest(min(near, far), max(near, far)))
+        first, last = i == 0, i == len(stretches) - 1
+        ends = whole.low if first else _number_near(low), whole.high if last else _number_near(high)
+        out, out_high = first and whole.open, last and whole.open_high
+        each = dict.fromkeys([(out, out_high), (True, out_high), (out, True), (True, True)])
+        cells = (_cell(*ends, *left_out) for left_out in each if holds)
+        if done := next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), None):
+            yield done
 
 
 def _number_near(x: float) -> RealRoot:
@@ -192,8 +162,7 @@ def _number_near(x: float) -> RealRoot:
     wide = Fraction(max(1.0, abs(x)) * _ROUNDING)
     low, high = Fraction(x) - wide, Fraction(x) + wide
     plain = simplest(low, high)
-    root = None if plain.denominator < _SHORT else square_root_near(low, high)
-    return root or RealRoot.of(plain)
+    return (None if plain.denominator < _SHORT else square_root_near(low, high)) or RealRoot.of(plain)
 
 
 def _cell(low: RealRoot | None, high: RealRoot | None, left_out: bool, left_out_high: bool) -> ParameterCell | None:
@@ -217,10 +186,8 @@ def _grown(asked: Asked, seed: Fraction, gap: ParameterCell) -> Decided | None:
         return None
     high, high_open = _farthest(asked, here, gap, upward=True)
     low, low_open = _farthest(asked, here, gap, upward=False)
-    for cell in (_cell(low, high, low_open, high_open), _cell(low, here, low_open, False), _cell(here, high, False, high_open)):
-        if cell is not None and (done := asked.proved(cell)) is not None:
-            return done
-    return found
+    cells = _cell(low, high, low_open, high_open), _cell(low, here, low_open, False), _cell(here, high, False, high_open)
+    return next(filter(None, (asked.proved(cell) for cell in cells if cell is not None)), found)
 
 
 def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool) -> tuple[RealRoot | None, bool]:
@@ -231,14 +198,16 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
         cell = _cell(here, end, False, out) if upward else _cell(end, here, out, False)
         return cell is not None and asked.proved(cell) is not None
 
+    def told(end: RealRoot | None, outs: Iterable[bool] = (False, True)) -> tuple[RealRoot | None, bool] | None:
+        return next(((end, out) for out in outs if reaches(end, out)), None)
+
     if end == here:
         return end, False
     beside = _cell(here, end, True, left_out) if upward else _cell(end, here, left_out, True)
     if beside is not None and asked.refuted(beside) is not None:
         return here, False
-    for out in (False, True):
-        if out >= left_out and (end is not None or not out) and reaches(end, out):
-            return end, out
+    if (found := told(end, (left_out,) if left_out or end is None else (False, True))) is not None:
+        return found
     way, near, beyond = 1 if upward else -1, here.low, None if end is None else end.low
     small = _NARROW * max(Fraction(1), abs(near))
     if not reaches(RealRoot.of(near + way * small)):
@@ -251,21 +220,16 @@ def _farthest(asked: Asked, here: RealRoot, gap: ParameterCell, *, upward: bool)
         else:
             rim = abs(beyond - near) / 4 * (i % 2)  # every other time well inside, so that few are asked
             x = simplest(min(near, beyond) + rim, max(near, beyond) - rim)
-        if reaches(RealRoot.of(x)):
-            near = x
-            if abs(x) >= _FARTHEST or (beyond is not None and not reaches(RealRoot.of(x + way * small))):
-                return RealRoot.of(x), False
-        elif reaches(RealRoot.of(x - way * small)):
-            if reaches(RealRoot.of(x), True):
-                return RealRoot.of(x), True
-            near, beyond = x - way * small, x
-        else:
+        if not reaches(RealRoot.of(x - way * small)):
             beyond = x
-    if beyond is not None and (root := square_root_near(min(near, beyond), max(near, beyond))) is not None:
-        for out in (False, True):
-            if reaches(root, out):
-                return root, out
-    return RealRoot.of(near), False
+        elif abs(x) < _FARTHEST and reaches(RealRoot.of(x + way * small)):
+            near = x
+        elif (found := told(RealRoot.of(x))) is not None:
+            return found
+        else:
+            near, beyond = x - way * small, x
+    root = None if beyond is None else square_root_near(min(near, beyond), max(near, beyond))
+    return (None if root is None else told(root)) or (RealRoot.of(near), False)
 
 
 def _width(cell: ParameterCell) -> Fraction:

@@ -7,14 +7,16 @@ from contextlib import suppress
 from fractions import Fraction
 from functools import reduce
 from itertools import pairwise, product
-from typing import Any, NamedTuple
+from math import prod
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.elementary import ELEMENTARY, array_function
 from duhem.proof.kernel.bounds import Bounds
-from duhem.proof.kernel.dents import FAMILIES, Dent, dents, form_of
+from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.dents import FAMILIES, Dent, dents
 from duhem.proof.kernel.domain import gap
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.signs import RAY
@@ -23,7 +25,7 @@ from duhem.proof.kernel.term import UNREADABLE, Term, number, parse
 from duhem.regions.places import between
 
 __all__ = [
-    "RAYS", "Array", "Flags", "Holding", "changes", "count", "held", "in_ranges", "looked_at", "met", "of_one_sign", "polynomial_at",
+    "RAYS", "Array", "Flags", "changes", "count", "level", "looked_at", "margins", "met", "of_one_sign", "polynomial_at", "telling",
     "value_of",
 ]  # fmt: skip
 
@@ -37,43 +39,24 @@ _SIZES, _MOST_WAYS = (1e-3, 0.1, 1.0, 10.0, 1e3), 80  # of forces
 _AT_END = 2.0**-20  # how near to an end of a cell it is looked, as a share
 
 
-class Holding(NamedTuple):
-    """Where the claim of a law seems to hold: by its dents, by the least eigenvalue of a quadratic g, or by g at zero force."""
-
-    dents: tuple[Dent, ...]
-    forms: tuple[tuple[Term, ...], ...]
-    at_zero: Term | None = None
-
-    @classmethod
-    def of(cls, law: StatedLaw, claim: str) -> Holding | None:
-        """None where that tells nothing."""
-        if claim == "origin":
-            at_zero = law.g.put({Term("name", name=f): number(0) for f in law.forces})
-            with suppress(*UNREADABLE):
-                value_of(at_zero, looked_at(law))
-                return cls((), (), at_zero)
-        if claim != "convexity":
-            return None
+def telling(law: StatedLaw, claim: str) -> tuple[Dent, ...]:
+    """What is >= 0 where the claim of a law seems to hold: its dents, or -g at zero force; nothing where none of these tells it."""
+    if claim == "origin":
+        at_zero = law.g.put({Term("name", name=f): number(0) for f in law.forces})
         with suppress(*UNREADABLE):
-            return cls((), tuple(map(tuple, form_of(law))))
-        for family in FAMILIES:
-            with suppress(*UNREADABLE):
-                if found := tuple(dents(law, family)):
-                    return cls(found, ())
-        return None
+            value_of(at_zero, looked_at(law))
+            return (Dent("origin", "at zero force", {((at_zero, 1),): Fraction(-1)}, (Fraction(0), Fraction(0)), over(law)),)
+    for family in FAMILIES if claim == "convexity" else ():
+        with suppress(*UNREADABLE):
+            if found := tuple(dents(law, family)):
+                return found
+    return ()
 
-    @property
-    def along_rays(self) -> bool:
-        """Whether it is looked for along rays, at each place."""
-        return any(dent.between[0] < dent.between[1] for dent in self.dents)
 
-    def margins(self, places: Mapping[str, Array]) -> Array:
-        """By how much it seems to hold at some places, as a share of what is added up; < 0 where it seems to fail."""
-        if self.at_zero is not None:
-            return -value_of(self.at_zero, places)
-        dented = (_least(dent, places) for dent in self.dents)
-        least = _least_eigenvalues(self.forms, places) if self.forms else reduce(np.minimum, dented)
-        return np.where(np.abs(least) <= _ZERO, 0.0, least)
+def margins(told: Sequence[Dent], places: Mapping[str, Array]) -> Array:
+    """By how much a claim seems to hold at some places, as a share of what is added up; < 0 where it seems to fail."""
+    least = reduce(np.minimum, (_least(dent, places) for dent in told))
+    return np.where(np.abs(least) <= _ZERO, 0.0, least)
 
 
 def _least(dent: Dent, places: Mapping[str, Array]) -> Array:
@@ -88,23 +71,13 @@ def _least(dent: Dent, places: Mapping[str, Array]) -> Array:
     return least
 
 
-def _least_eigenvalues(matrix: Sequence[Sequence[Term]], places: Mapping[str, Array]) -> Array:
-    """Of a form in forces that are measured so that no square in it has another factor than 1, 0 or -1."""
-    many = np.moveaxis(np.array([[value_of(a, places) for a in line] for line in matrix]), 2, 0)
-    told = np.isfinite(many).all(axis=(1, 2))  # the law has a value there
-    many[~told] = 0.0
-    sizes = np.sqrt(np.abs(np.diagonal(many, axis1=1, axis2=2)))
-    sizes[sizes == 0] = 1.0
-    return np.where(told, np.linalg.eigvalsh(many / sizes[:, :, None] / sizes[:, None, :])[:, 0], -np.inf)
-
-
-def changes(holding: Holding, name: str, own: Bounds) -> list[tuple[float, float, bool]] | None:
-    """Stretches of the one parameter in a range, and whether the claim is seen to hold there; None where that cannot be told."""
+def changes(told: Sequence[Dent], name: str, own: Bounds) -> list[tuple[float, float, bool]]:
+    """Stretches of the one parameter in a range, and whether the claim is seen to hold there; none where that cannot be told."""
 
     def holds(*x: float) -> list[bool]:
-        return [bool(margin >= 0) for margin in holding.margins({name: np.array(x)})]
+        return [bool(margin >= 0) for margin in margins(told, {name: np.array(x)})]
 
-    try:
+    with suppress(*UNREADABLE):
         places = _in(own, np.linspace(0, 1, _SAMPLES + 2)[1:-1].tolist())
         flags = holds(*places)
         stretches, start = list[tuple[float, float, bool]](), places[0]
@@ -116,8 +89,7 @@ def changes(holding: Holding, name: str, own: Bounds) -> list[tuple[float, float
                 stretches.append((start, low, one))
                 start = high
         return [*stretches, (start, places[-1], flags[-1])]
-    except UNREADABLE:
-        return None
+    return []
 
 
 def looked_at(law: StatedLaw, names: Collection[str] | None = None, most: int = _MOST_PLACES) -> dict[str, Array]:
@@ -165,30 +137,27 @@ def polynomial_at(poly: Polynomial, at: Mapping[str, Array], size: bool = False)
 
 def of_one_sign(law: StatedLaw, places: Mapping[str, Array]) -> bool:
     """Whether g is > 0, or never, at forces along axes and diagonals, near zero and far from it, for all of the values; in their ranges."""
-    size, ways = count(places), [way for way in product((0.0, 1.0, -1.0), repeat=len(law.forces)) if any(way)][:_MOST_WAYS]
-    forces = np.repeat(np.outer(_SIZES, ways).reshape(-1, len(law.forces)), size, axis=0).T
-    at = {name: np.tile(x, forces.shape[1] // size) for name, x in places.items()} | dict(zip(law.forces, forces, strict=True))
-    positive = value_of(law.g, at)[in_ranges(law, at)] > 0
+    ways = [way for way in product((0.0, 1.0, -1.0), repeat=len(law.forces)) if any(way)][:_MOST_WAYS]
+    values = level(law, places, np.outer(_SIZES, ways).reshape(-1, 1, len(law.forces)).repeat(count(places), axis=1))
+    positive = (values[values != np.inf] if law.ranges else values) > 0
     return bool(positive.all() or not positive.any())
 
 
-def in_ranges(law: StatedLaw, at: Mapping[str, Array]) -> Flags:
-    """Where the forces lie in the ranges that they have."""
-    inside = np.ones(count(at), dtype=bool)
+def level(law: StatedLaw, places: Mapping[str, Array], points: Array) -> Array:
+    """g at points of each place, which are rows of places; infinite outside of the ranges."""
+    rows, size, n = points.shape
+    at = {name: np.tile(x, rows) for name, x in places.items()} | dict(zip(law.forces, points.reshape(rows * size, n).T, strict=True))
+    found = value_of(law.g, at)
     for name, (low, high, *_) in law.ranges:
         if name in law.forces:
-            inside &= (at[name] >= (-np.inf if low is None else float(low))) & (at[name] <= (np.inf if high is None else float(high)))
-    return inside
-
-
-def held(condition: Term, at: Mapping[str, Array]) -> Flags:
-    """Where a comparison holds, or several that ``and`` and ``or`` join; not where a side has no value."""
-    return np.asarray(value_of(condition, at) > 0)
+            inside = (at[name] >= (-np.inf if low is None else float(low))) & (at[name] <= (np.inf if high is None else float(high)))
+            found = np.where(inside, found, np.inf)
+    return found.reshape(rows, size)
 
 
 def met(comparisons: Iterable[str], points: Mapping[str, Array]) -> Flags:
-    """Where many points meet all of some comparisons."""
-    return np.logical_and.reduce([np.ones(count(points), dtype=bool), *(held(parse(text), points) for text in comparisons)])
+    """Where many points meet all of some comparisons; not where a side has no value."""
+    return np.logical_and.reduce([np.ones(count(points), dtype=bool), *(value_of(parse(text), points) > 0 for text in comparisons)])
 
 
 def value_of(term: Term, at: Mapping[str, Array]) -> Array:
@@ -213,14 +182,10 @@ def value_of(term: Term, at: Mapping[str, Array]) -> Array:
         return of(term)
 
 
-def _folded(word: np.ufunc) -> Callable[..., Array]:
-    return lambda *args: reduce(word, args)
-
-
 _WORDS: Mapping[str, Callable[..., Any]] = {
     **{name: array_function(word.numpy) for name, word in ELEMENTARY.items()},
-    **dict.fromkeys(("max", "or"), _folded(np.maximum)), **dict.fromkeys(("min", "and"), _folded(np.minimum)),
-    "+": _folded(np.add), "*": _folded(np.multiply), "**": np.power, "abs": np.abs, "norm": lambda *args: np.sqrt(sum(x * x for x in args)),
+    **dict.fromkeys(("max", "or"), lambda *x: np.maximum.reduce(x)), **dict.fromkeys(("min", "and"), lambda *x: np.minimum.reduce(x)),
+    "+": lambda *x: sum(x), "*": lambda *x: prod(x), "**": np.power, "abs": np.abs, "norm": lambda *x: np.sqrt(sum(y * y for y in x)),
     "pos": lambda x: np.maximum(x, 0.0), "neg": lambda x: np.maximum(-x, 0.0), "atan2": np.arctan2,
     "<": np.less, "<=": np.less_equal, ">": np.greater, ">=": np.greater_equal, "where": lambda holds, *sides: np.where(holds > 0, *sides),
 }  # fmt: skip

@@ -12,20 +12,20 @@ import sympy as sp
 
 from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.dents import FAMILIES, Dent, dents
-from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, written
 from duhem.proof.kernel.real_root import RealRoot
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.stated_law import StatedLaw
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, factors, number, parse
 from duhem.regions.chords import Family, Suggestion, along, chords
-from duhem.regions.places import closest_fractions, narrowed
+from duhem.regions.places import narrowed
 from duhem.regions.seen import RAYS, Array, count, looked_at, polynomial_at, value_of
 
 __all__ = ["suggestions"]
 
 _FINE = 160  # binary digits of a place: a polynomial is reduced by that of its place, and its coefficients are long
 _PLAIN = tuple(map(Fraction, ("0", "1", "-1", "1/2", "2")))  # components of the points that are tried
-_FEW_LINES, _VERY_FAR = 4, 2.0**30
+_FEW, _VERY_FAR = 4, 2.0**30  # lines, or chords
 _STEPS = tuple(tuple(Fraction(k, n) for k in range(-n, n + 1)) for n in (8, 2))  # of components of two and of three forces
 
 
@@ -43,21 +43,18 @@ def suggestions(
     places = looked_at(law)
     if not count(places):
         return
-    with suppress(*UNREADABLE):
-        yield from along(law, places, turning, first)
+    found: list[Iterator[Suggestion]] = [along(law, places, turning, first)]
     if claim == "dissipation" and law.flow is not None and {*names} <= {*whole.parameters}:
-        with suppress(*UNREADABLE):
-            yield from _of_points(whole, names, away)
+        found.append(_of_points(whole, names, away))
     if claim == "convexity" and not law.ranges:
-        with suppress(*UNREADABLE):
-            yield from islice(_of_lines(law, places), _FEW_LINES)
+        found.append(islice(_of_lines(law, places), _FEW))
     if claim in ("convexity", "normality"):
-        for family in FAMILIES:
-            with suppress(*UNREADABLE):
-                yield from _of_dents(dents(law, family), places, ends)
-    if claim == "convexity":
+        found += [_of_dents(dents(law, family), places, ends) for family in FAMILIES]
+    if claim == "convexity" and len(names) == 1:  # a plane of parameters has many cells, and chords would take the steps to divide it
+        found.append(islice(chords(law, places, turning), _FEW))
+    for families in found:
         with suppress(*UNREADABLE):
-            yield from chords(law, places, names, turning)
+            yield from families
 
 
 def _of_points(law: StatedLaw, names: Sequence[str], away: Sequence[str]) -> Iterator[Suggestion]:
@@ -81,11 +78,8 @@ def _of_points(law: StatedLaw, names: Sequence[str], away: Sequence[str]) -> Ite
             there[scale] = level = value_of(law.g, there)
             power = sum((forces[f] * value_of(d, there) for f, d in zip(law.forces, law.flow, strict=True)), np.zeros(size))
             if np.all(level > 0) and np.all(power < 0):
-                parts = {
-                    f: [*([a] if a != "0" else []), *([f"{b}*{words}"] if b != "0" else [])]
-                    for f, a, b in zip(law.forces, u, v, strict=True)
-                }
-                yield Suggestion("point", {"point": {f: " + ".join(said) for f, said in parts.items() if said}, "scale": scale})
+                told = ((f, [part for part in (a, f"{b}*{words}") if part[0] != "0"]) for f, a, b in zip(law.forces, u, v, strict=True))
+                yield Suggestion("point", {"point": {f: " + ".join(parts) for f, parts in told if parts}, "scale": scale})
                 return
 
 
@@ -121,7 +115,7 @@ def _of_dents(found: Iterable[Dent], places: Mapping[str, Array], ends: Sequence
     """The rays where a dent is < 0 at all of the values that are looked at."""
     for dent in found:
         with suppress(*UNREADABLE):
-            for ray in _rays(dent, places, ends):
+            for ray in dict.fromkeys(_rays(dent, places, ends)):
                 at = np.full(count(places), float(ray.low + ray.high) / 2)
                 if np.all(polynomial_at(dent.poly, {RAY.name: at, **places}) < 0):
                     yield Suggestion("dent", {"family": dent.family, "dent": dent.name, "at": ray.written()})
@@ -133,28 +127,22 @@ def _rays(dent: Dent, places: Mapping[str, Array], ends: Sequence[RealRoot]) -> 
     if dent.seam or low == high:
         yield RealRoot.of(low)
         return
-    rays = np.linspace(float(low), float(high), RAYS)
-    seen, size = set[RealRoot](), count(places)
+    rays, size = np.linspace(float(low), float(high), RAYS), count(places)
     for i in dict.fromkeys((0, size - 1, size // 2)):
         depth = polynomial_at(dent.poly, {RAY.name: rays, **{n: np.full_like(rays, x[i]) for n, x in places.items()}})
         deepest = float(rays[int(np.nanargmin(depth))])
-        for x in closest_fractions(deepest):
-            if abs(float(x) - deepest) < 0.02 and low <= x <= high and (ray := RealRoot.of(x)) not in seen:
-                seen.add(ray)
-                yield ray
-        for end in ends if len(places) == 1 else ():
-            if (root := _double_root(dent.poly, next(iter(places)), end.low, deepest)) is not None and root not in seen:
-                seen.add(root)
-                yield root
+        close = (Fraction(deepest).limit_denominator(n) for n in (1, 2, 3, 4, 8, 16, 64))
+        yield from (RealRoot.of(x) for x in close if abs(float(x) - deepest) < 0.02 and low <= x <= high)
+        variable, *others = places
+        yield from filter(None, (_double_root(dent.poly, variable, end.low, deepest) for end in ends if not others))
 
 
 def _double_root(poly: Polynomial, variable: str, at: Fraction, near: float) -> RealRoot | None:
     """Where a dent begins: the multiple root that the polynomial has at the end of a cell, near a place; the pressure is -1 there."""
-    t = sp.Symbol("t")
-    here = {Term("name", name=n): number(at if n == variable else -1) for m in poly for x, _ in m if x != RAY for n in x.names()}
     with suppress(NotWritten):
-        values = {x: t if x == RAY else sp.Rational(str(exact_value(x.put(here)))) for m in poly for x, _ in m}
-        whole = sp.Poly(sp.Add(*(sp.Mul(sp.Rational(str(c)), *(values[x] ** n for x, n in m)) for m, c in poly.items())), t)
+        parts = [written(part) for part in in_powers(poly, RAY)]
+        here = {Term("name", name=n): number(at if n == variable else -1) for part in parts for n in part.names()}
+        whole = sp.Poly([sp.Rational(str(exact_value(part.put(here)))) for part in reversed(parts)], t := sp.Symbol("t"))
         for factor in (factor for factor, _ in sp.factor_list(whole)[1] if factor.degree() >= 2):
             plain = tuple(int(c) for c in reversed(sp.Poly(factor, t).clear_denoms(convert=True)[1].all_coeffs()))
             for root in np.roots(plain[::-1]):

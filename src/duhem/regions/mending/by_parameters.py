@@ -41,8 +41,7 @@ def by_parameters(scaled: ScaledLaw, base: Criterion) -> Iterator[tuple[Criterio
         value = Fraction(fixed[name].p, fixed[name].q)
         with suppress(InputError):
             found = region(plain.within({name: ranges[name]}), name, steps=_STEPS // len(names))
-            near = [x for cell in found.stretches("proved") for x in _decimals(cell, value)]
-            if near:
+            if near := [x for cell in found.stretches("proved") for x in _decimals(cell, value)]:
                 x = min(near, key=lambda x: abs(x - value))
                 moved = law.within({name: Domain.fixed(sp.Rational(x.numerator, x.denominator))})
                 yield moved, f"{name} from {value} to {x}; {found.sentence}"

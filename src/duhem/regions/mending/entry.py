@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -19,21 +19,20 @@ from duhem.proof.verification import Verification, verdict_within, verify
 from duhem.regions.mending.by_hull import by_hull, by_sections
 from duhem.regions.mending.by_least_squares import by_coefficients, by_harmonics
 from duhem.regions.mending.by_parameters import by_parameters
-from duhem.regions.mending.limit_load import NO_DISTANCE, Distance, ScaledLaw, distance, scale_of
+from duhem.regions.mending.limit_load import Distance, ScaledLaw, distance, scale_of
 from duhem.show.place import write
-from duhem.show.printing import Shown, draw
+from duhem.show.printing import Shown, draw, finite
 
 __all__ = ["WAYS", "Mended", "Tried", "mend"]
 
 
-@dataclass(frozen=True)
-class Tried:
+class Tried(NamedTuple):
     """One way to mend a law: ``law`` is what it gives, None where it gives nothing; ``told`` says what it is, or why there is nothing."""
 
     by: str
     told: str
     law: Criterion | None = None
-    distance: Distance = NO_DISTANCE
+    distance: Distance = Distance()
     convex: bool = False
 
 
@@ -47,7 +46,7 @@ class Mended(Shown):
     ``verification`` says what is proved of ``law``; ``tried`` are all ways that were asked, with what each gives.
     """
 
-    printed_by: ClassVar[str] = "duhem.regions.mending.printing"
+    printed_by: ClassVar[str] = "duhem.regions.printing"
 
     criterion: Criterion
     before: Verdict
@@ -69,15 +68,13 @@ class Mended(Shown):
 
     def to_toml(self, file: str | PathLike[str]) -> None:
         """Write the law as a criterion file.  InputError if it cannot be written."""
-        from duhem.law.criterion_file import criterion_text
-
         write(file, criterion_text(self.law))
 
     def to_dict(self, file: str | None = None) -> dict[str, Any]:
         """The JSON of the interface; ``file`` is where the law was written."""
         values = {name: str(own.value) for name, own in self.law.parameters.items() if own.value is not None}
-        tried = [{"by": x.by, "told": x.told, "convex": x.convex, **(x.distance.plain() if x.law else {})} for x in self.tried]
-        mean, largest = self.distance.plain().values()
+        tried = [{"by": x.by, "told": x.told, "convex": x.convex, **(finite(x.distance._asdict()) if x.law else {})} for x in self.tried]
+        mean, largest = finite(self.distance)
         return {
             "criterion": self.criterion.name, "before": self.before.value, "by": self.by or None,
             "parameters": values if self.by == "parameters" else None, "file": file, "mean_distance": mean, "largest_distance": largest,
@@ -112,18 +109,15 @@ def mend(law: str | Law, by: str = "auto", parameters: Mapping[str, Any] | None 
         raise InputError("a law with a state, rates or a flow of its own is not mended", where=given.name, remedy="mend its g alone")
     known = verify(given)
     if (before := known["convexity"].verdict) is Verdict.PROVED:
-        return Mended(given, before, given, "", "K is convex, there is nothing to mend", NO_DISTANCE, known)
+        return Mended(given, before, given, "", "K is convex, there is nothing to mend", Distance(), known)
     scaled = scale_of(given)
     tried = tuple(_tried(way, scaled, base, harmonics) for way in (WAYS if by == "auto" else (by,)))
-    nearest: Mended | None = None
-    for one in sorted(tried, key=_rank):
-        if one.law is not None and (nearest is None or not nearest.admissible):
-            done = Mended(given, before, one.law, one.by, one.told, one.distance, verify(one.law), tried)
-            nearest = done if nearest is None or done.admissible else nearest
-    if nearest is None:
+    best = ((one, one.law) for one in sorted(tried, key=_rank) if one.law is not None)
+    mended = (Mended(given, before, own, one.by, one.told, one.distance, verify(own), tried) for one, own in best)
+    if (nearest := next(mended, None)) is None:
         why = "; ".join(f"{one.by}: {one.told}" for one in tried)
         raise InputError(f"no such law was found ({why})", where=given.name, remedy="mend it in another way, or ask duhem region")
-    return nearest
+    return nearest if nearest.admissible else next((done for done in mended if done.admissible), nearest)
 
 
 def _rank(one: Tried) -> tuple[bool, bool, float]:

@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.rays import exits
+from duhem.law.domain import REAL
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import admitted_values
 
-__all__ = ["NO_DISTANCE", "Distance", "ScaledLaw", "around", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
+__all__ = ["Distance", "ScaledLaw", "around", "distance", "limit_loads", "plain_values", "scale_of", "ways_of"]
 
 Array = NDArray[np.float64]
 Numbers = Mapping[str, sp.Rational]
@@ -35,13 +36,6 @@ class Distance(NamedTuple):
 
     mean: float = 0.0
     largest: float = 0.0
-
-    def plain(self) -> dict[str, float | None]:
-        """As JSON has it, None for what is infinite."""
-        return {name: x if np.isfinite(x) else None for name, x in self._asdict().items()}
-
-
-NO_DISTANCE = Distance()
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,10 +114,9 @@ def distance(scaled: ScaledLaw, other: Criterion) -> Distance:
 def _in_ranges(law: Criterion, ways: Array) -> Array:
     """How far the forces stay in their ranges (m,), which contain 0; infinitely far where there are none."""
     found = np.full(len(ways), np.inf)
-    for way, own in ((way, law.domain[name]) for name, way in zip(law.forces, ways.T, strict=True) if name in law.domain):
-        for end, along in ((own.low, -way), (own.high, way)):
-            if end is not None:
-                found = np.minimum(found, np.divide(abs(float(end)), along, out=np.full(len(ways), np.inf), where=along > 0.0))
+    for name, way in zip(law.forces, ways.T, strict=True):
+        low, high = law.domain.get(name, REAL).ends
+        found = np.minimum(found, np.divide(np.where(way > 0.0, high, low), way, out=found.copy(), where=way != 0.0))
     return found
 
 
