@@ -21,7 +21,7 @@ from duhem.proof.search.boundary_points import BoundaryScout, scouts
 __all__ = ["WALK", "Margin", "highest_at_zero", "least_margin"]
 
 WALK = 12  # moves
-_CHOICES, _STEP = 6, 1e-3
+_CHOICES, _STARTS, _STEP = 6, 3, 1e-3
 _WIDTHS, _RAYS, _MOVE, _CLEAR = 4, 48, 5_000, 0.01
 _MEASURES: Mapping[str, tuple[str, Callable[[BoundaryScout], Any]]]
 
@@ -44,8 +44,8 @@ def least_margin(claim: str, subject: FormulaSubject, moves: int = 0) -> Margin 
         return None
     measure, of = _MEASURES[claim]
     best, rng = None, np.random.default_rng(9)
-    for here in scouts(subject, _CHOICES):
-        value, k = _least(of, here)
+    seen = sorted(((*_least(of, here), here) for here in scouts(subject, _CHOICES)), key=lambda each: each[0])
+    for value, k, here in seen[: _STARTS if moves else 1]:
         for move in range(moves if np.isfinite(value) else 0):
             width = 0.5 ** (move % _WIDTHS)
             there = subject.moved(here.parameters, width, rng) if move % 3 else here.parameters
